@@ -1,0 +1,84 @@
+// Errors as values. Every call that can fail for a reason outside the program returns Result<T>: a value or an Error
+// with one sentence that names the thing, the value and what to do. Exceptions of a library are caught in the one
+// file that wraps it. Reentrant.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "hal/core/check.h"
+
+namespace hdrcam {
+
+enum class ErrorCode {
+  Invalid,       // an argument, option or setting that cannot be
+  NotFound,      // the named thing does not exist
+  NotRecording,  // the file exists but is not one of our recordings
+  Truncated,     // a recording that ends in the middle; what precedes the cut is valid
+  Corrupt,       // a checksum or structure that does not hold
+  BadExposure,   // an exposure that is missing, zero, negative or not finite
+  SizeChanged,   // frames of different size within one clip
+  TooShort,      // fewer frames than the method needs
+  Permission,    // exists, but may not be read or written
+  NoSpace,       // the disk or quota is full
+  Io,            // any other failure of the operating system
+  Busy,          // held by somebody else
+  Unplugged,     // the device went away
+  Timeout,       // nothing came within the promised time
+  Unsupported,   // valid, but not offered by this build or device
+  Interrupted,   // the user asked to stop
+};
+
+struct Error {
+  ErrorCode code = ErrorCode::Io;
+  std::string message;  // one sentence without a full stop
+  int sys_errno = 0;    // 0 where the operating system was not involved
+};
+
+template <class T>
+class [[nodiscard]] Result {
+ public:
+  Result(T value) : content_(std::move(value)) {}      // NOLINT: a value is a result
+  Result(Error error) : content_(std::move(error)) {}  // NOLINT: so is an error
+
+  bool ok() const { return std::holds_alternative<T>(content_); }
+  explicit operator bool() const { return ok(); }
+
+  T& value() & { return CHECK_OK(*this), std::get<T>(content_); }
+  const T& value() const& { return CHECK_OK(*this), std::get<T>(content_); }
+  T&& value() && { return CHECK_OK(*this), std::get<T>(std::move(content_)); }
+  T* operator->() { return &value(); }
+  T& operator*() & { return value(); }
+
+  const Error& error() const { return std::get<Error>(content_); }
+
+ private:
+  std::variant<T, Error> content_;
+};
+
+template <>
+class [[nodiscard]] Result<void> {
+ public:
+  Result() = default;
+  Result(Error error) : error_(std::move(error)), ok_(false) {}  // NOLINT: an error is a result
+
+  bool ok() const { return ok_; }
+  explicit operator bool() const { return ok_; }
+  void value() const { CHECK_OK(*this); }
+  const Error& error() const { return error_; }
+
+ private:
+  Error error_;
+  bool ok_ = true;
+};
+
+}  // namespace hdrcam
+
+// TRY(expression): the value of a Result, or leave the function with its Error.
+#define TRY(expression)                                       \
+  ({                                                          \
+    auto try_result_ = (expression);                          \
+    if (!try_result_.ok()) return ::hdrcam::Error(try_result_.error()); \
+    std::move(try_result_).value();                           \
+  })

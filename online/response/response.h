@@ -1,0 +1,47 @@
+// The camera response: code <-> relative sensor exposure, one curve per channel, monotone, x(255) = 1.
+// Held as the inverse x(z) on the 256 codes (what the state needs, exact in the dark) with a forward table g(x) on
+// sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the step at 1 and the
+// flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a / sqrt(x) for x > 1, a = 0.01.
+// Value type, reentrant.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace hdrcam {
+
+class Response {
+ public:
+  static constexpr int kCodes = 256;
+  static constexpr float kLeak = 0.01f;
+  using Curve = std::array<float, kCodes>;
+
+  // inverse: [rgb][code] relative exposure. Made monotone, scaled to x(255) = 1; code 0 means "below x(1)", never 0.
+  explicit Response(const std::array<Curve, 3>& inverse);
+  static Response linear();
+  static Response gamma(float exponent);  // x = (z / 255) ^ exponent
+
+  // code 0..255 (fractions allowed) -> relative exposure 0..1
+  float exposure_of(int channel, float code) const;
+  // dx/dz at a code: how much exposure one code step is
+  float slope(int channel, float code) const;
+  // relative exposure -> code 0..255, clipped
+  float code_of(int channel, float x) const;
+  // relative exposure -> value 0..1 with the leak; derivative d value / d x, never zero
+  float leaky_value(int channel, float x, float* derivative) const;
+
+  const Curve& inverse(int channel) const { return inverse_[static_cast<std::size_t>(channel)]; }
+
+ private:
+  static constexpr int kForward = 2048;  // segments of the forward table, uniform in sqrt(x)
+  void build_forward();
+
+  std::array<Curve, 3> inverse_{};
+  std::array<Curve, 3> slope_{};
+  std::array<std::vector<float>, 3> forward_;
+};
+
+// rms difference of log2 x over codes 12..245 after removing one gain per channel, stops
+double response_error(const Response& a, const Response& b);
+
+}  // namespace hdrcam

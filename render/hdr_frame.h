@@ -1,0 +1,32 @@
+// What leaves the pipeline: one HDR frame with its facts, its uncertainty and where each pixel came from.
+// Radiance is scene-linear and relative: 1 saturates the clip's reference exposure E_ref. Move-only value.
+#pragma once
+
+#include <cstdint>
+
+#include "hal/core/image.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+enum class Provenance : std::uint8_t {
+  Own = 0,        // mostly this frame's own sample
+  Carried = 1,    // mostly earlier frames, carried along the motion
+  LookAhead = 2,  // mostly a later frame
+  Field = 3,      // nobody saw it well: the field's answer
+  Bound = 4,      // clipped everywhere: at least this bright
+};
+
+struct HdrFrame {
+  FrameFacts facts;
+  float exposure = 1;             // E / E_ref of the frame it belongs to
+  double reference_exposure = 1;  // E_ref, seconds x gains
+  float white = 1;                // radiance that saturates the shortest exposure of the cycle
+  Image<float> radiance;          // [rgb, rows, cols], finite, >= 0
+  Image<float> sigma;             // [1, rows, cols] standard deviation of ln radiance
+  Image<std::uint8_t> provenance; // [1, rows, cols] Provenance
+  Image<float> depth;             // [1, rows, cols] in units of the field's near plane; empty without the field
+  Image<float> flow;              // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
+};
+
+}  // namespace hdrcam
