@@ -1,0 +1,31 @@
+// One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user names it,
+// `chosen` becomes what to run. main.cpp parses, runs and turns the Error into one sentence and an exit code.
+#pragma once
+
+#include <atomic>
+#include <functional>
+
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hdrcam {
+
+// What a verb gets from the program around it.
+struct Surroundings {
+  Storage& storage;
+  const std::atomic<bool>& stop;  // set by the first ^C: finish the frame, close the files, return Interrupted
+};
+
+using Verb = std::function<Result<void>(Surroundings&)>;
+
+void add_import(CLI::App& app, Verb& chosen);
+void add_export(CLI::App& app, Verb& chosen);
+void add_info(CLI::App& app, Verb& chosen);
+void add_replay(CLI::App& app, Verb& chosen);
+void add_compare(CLI::App& app, Verb& chosen);
+
+}  // namespace hdrcam
