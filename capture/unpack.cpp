@@ -1,0 +1,42 @@
+#include "capture/unpack.h"
+
+#include <cmath>
+
+namespace hdrcam {
+
+Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings) {
+  const double exposure = raw.facts.exposure();
+  if (!(exposure > 0) || !std::isfinite(exposure))
+    return Error{ErrorCode::BadExposure,
+                 fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite", raw.facts.sequence,
+                             raw.facts.exposure_s, raw.facts.analogue_gain * raw.facts.digital_gain)};
+  ExposedFrame frame;
+  frame.facts = raw.facts;
+  frame.index = index;
+  frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
+  if (interval_s > 0) frame.blur_fraction = static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s));
+
+  const int channels = raw.codes.channels();
+  frame.codes.reshape(3, raw.codes.rows(), raw.codes.cols());
+  const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
+  for (int c = 0; c < 3; ++c) {
+    const std::uint16_t* in = raw.codes.plane(channels == 3 ? c : 0);
+    float* out = frame.codes.plane(c);
+    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i)
+      out[i] = std::min(kMaxCode, static_cast<float>(in[i]) * scale);
+  }
+  remove_black_level(frame, settings.black_level);
+  return frame;
+}
+
+void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level) {
+  for (int c = 0; c < 3; ++c) {
+    const float black = black_level[static_cast<std::size_t>(c)];
+    if (black <= 0) continue;
+    const float scale = kMaxCode / (kMaxCode - black);
+    float* codes = frame.codes.plane(c);
+    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i) codes[i] = std::max(0.f, (codes[i] - black) * scale);
+  }
+}
+
+}  // namespace hdrcam

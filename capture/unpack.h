@@ -1,0 +1,28 @@
+// Raw frame -> exposed frame: codes scaled to 0..255 whatever the bit depth, black level removed, exposure relative to
+// the clip's reference. Reentrant.
+#pragma once
+
+#include <array>
+
+#include "capture/exposed_frame.h"
+
+namespace hdrcam {
+
+// Black level per channel, in codes of 255.
+using BlackLevel = std::array<float, 3>;
+
+// What is common to all frames of a clip.
+struct UnpackSettings {
+  int bits = 8;                   // significant bits of a raw code
+  BlackLevel black_level{};
+  double reference_exposure = 1;  // E_ref, seconds x gains
+};
+
+// Rgb frames only; mono is repeated on the three channels. `interval_s` is the time since the previous frame.
+// Errors: BadExposure naming the frame and the value.
+Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings);
+
+// Changes the black level of a frame unpacked with none.
+void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level);
+
+}  // namespace hdrcam

@@ -1,0 +1,171 @@
+#include "online/motion/state_motion.h"
+
+#include <cmath>
+
+#include "online/state/local_statistics.h"
+#include "online/state/warp.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr float kRed = 0.299f, kGreen = 0.587f, kBlue = 0.114f;
+
+float smooth_step(float begin, float end, float x) {
+  const float t = std::clamp((x - begin) / (end - begin), 0.f, 1.f);
+  return t * t * (3 - 2 * t);
+}
+
+std::uint8_t to_gray(float r, float g, float b) {
+  return static_cast<std::uint8_t>(std::clamp(kRed * r + kGreen * g + kBlue * b + 0.5f, 0.f, 255.f));
+}
+
+void gray_of_frame(const ExposedFrame& frame, Image<std::uint8_t>& gray, WorkerPool& pool) {
+  const auto& codes = frame.codes;
+  gray.reshape(1, codes.rows(), codes.cols());
+  pool.for_rows(codes.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < codes.cols(); ++x)
+        gray.at(0, y, x) = to_gray(codes.at(0, y, x), codes.at(1, y, x), codes.at(2, y, x));
+  });
+}
+
+// the state as the camera would have recorded it at this exposure
+void gray_of_state(const Image<float>& radiance, const ExposureTables& tables, Image<std::uint8_t>& gray,
+                   WorkerPool& pool) {
+  gray.reshape(1, radiance.rows(), radiance.cols());
+  pool.for_rows(radiance.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < radiance.cols(); ++x)
+        gray.at(0, y, x) = to_gray(tables.code(0, radiance.at(0, y, x)), tables.code(1, radiance.at(1, y, x)),
+                                   tables.code(2, radiance.at(2, y, x)));
+  });
+}
+
+struct CodeRange {
+  float least, most;  // over the channels
+};
+CodeRange range_of(const Image<float>& codes, int y, int x) {
+  const float r = codes.at(0, y, x), g = codes.at(1, y, x), b = codes.at(2, y, x);
+  return {std::min({r, g, b}), std::max({r, g, b})};
+}
+
+// Forward-backward agreement: exp(-|there and back|^2 / 2); 0 where the flow leaves the picture.
+void rate_flow(FlowField& flow, const FlowField& back, Image<float>& warped, WorkerPool& pool) {
+  const int rows = flow.vectors.rows(), cols = flow.vectors.cols();
+  warp_linear(back.vectors, flow.vectors, warped, pool);
+  flow.confidence.reshape(1, rows, cols);
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x);
+        const float ex = dx + warped.at(0, y, x), ey = dy + warped.at(1, y, x);
+        flow.confidence.at(0, y, x) = std::exp(-(ex * ex + ey * ey) / 2);
+      }
+  });
+}
+
+void forget_outside(FlowField& flow, WorkerPool& pool) {
+  const int rows = flow.vectors.rows(), cols = flow.vectors.cols();
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float px = static_cast<float>(x) + flow.vectors.at(0, y, x);
+        const float py = static_cast<float>(y) + flow.vectors.at(1, y, x);
+        const bool inside = px >= -0.5f && py >= -0.5f && px <= static_cast<float>(cols) - 0.5f &&
+                            py <= static_cast<float>(rows) - 0.5f;
+        if (!inside) flow.confidence.at(0, y, x) = 0;
+      }
+  });
+}
+
+}  // namespace
+
+MotionEstimator::MotionEstimator(FlowQuality quality, int rows, int cols, WorkerPool& pool)
+    : rows_(rows), cols_(cols), pool_(pool), flow_(quality, pool) {}
+
+void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
+                            StateMotion& motion) {
+  gray_of_frame(frame, frame_gray_, pool_);
+  gray_of_state(state.radiance, tables, state_gray_, pool_);
+  flow_.compute({{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
+                 {&state_gray_, &frame_gray_, &motion.from_previous.vectors}});
+  rate(nullptr, motion);
+}
+
+void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame, const StateMotion* before,
+                               float before_ratio, const ExposedFrame* after, const ExposureTables* after_tables,
+                               float after_ratio, StateMotion& motion) {
+  Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
+  clipped_share(frame, clipped_);
+  if (before != nullptr && !before->to_previous.empty()) {
+    warp_linear(before->to_previous.vectors, to, warped_, pool_);
+    pool_.for_rows(rows_, [&](int y0, int y1) {
+      for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < cols_; ++x) {
+          const float a = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
+          for (int d = 0; d < 2; ++d)
+            to.at(d, y, x) += a * (before_ratio * warped_.at(d, y, x) - to.at(d, y, x));
+        }
+    });
+  }
+  if (after != nullptr) {
+    clipped_share(*after, clipped_after_);
+    double useful = 0;
+    for (std::size_t i = 0; i < clipped_.size(); ++i)
+      useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
+    constexpr double kWorthwhile = 0.005;  // share of the picture
+    if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
+      gray_of_frame(*after, frame_gray_, pool_);
+      gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
+      flow_.compute({{&frame_gray_, &state_gray_, &after_to_state_}, {&state_gray_, &frame_gray_, &state_to_after_}});
+      pool_.for_rows(rows_, [&](int y0, int y1) {
+        for (int y = y0; y < y1; ++y)
+          for (int x = 0; x < cols_; ++x) {
+            const float a = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) *
+                            (1 - smooth_step(0.1f, 0.6f, clipped_after_.at(0, y, x)));
+            if (a <= 0) continue;
+            for (int d = 0; d < 2; ++d) {
+              const float v = 0.5f * after_ratio * (after_to_state_.at(d, y, x) - state_to_after_.at(d, y, x));
+              to.at(d, y, x) += a * (v - to.at(d, y, x));
+              from.at(d, y, x) += a * (-v - from.at(d, y, x));
+            }
+          }
+      });
+    }
+  }
+  rate(&frame, motion);
+}
+
+// Share of the 5x5 pixels around each that are clipped, bright or dark, in all channels.
+void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
+  constexpr float kBright = 246, kDark = 4;  // codes
+  mask_.reshape(1, rows_, cols_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const CodeRange range = range_of(frame.codes, y, x);
+        mask_.at(0, y, x) = range.least >= kBright || range.most <= kDark ? 1 : 0;
+      }
+  });
+  box_mean(mask_, 2, share, pool_);
+}
+
+void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
+  constexpr float kBright = 248, kDark = 3;      // codes
+  constexpr float kClippedConfidence = 0.5f;     // where agreement cannot be seen, half of it is assumed
+  rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
+  rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
+  if (frame != nullptr)
+    pool_.for_rows(rows_, [&](int y0, int y1) {
+      for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < cols_; ++x) {
+          const CodeRange range = range_of(frame->codes, y, x);
+          float& confidence = motion.to_previous.confidence.at(0, y, x);
+          if (range.least >= kBright || range.most <= kDark) confidence = std::max(kClippedConfidence, confidence);
+        }
+    });
+  forget_outside(motion.to_previous, pool_);
+  forget_outside(motion.from_previous, pool_);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,109 @@
+#include "online/response/response.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/core/check.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr float kMinStep = 2e-6f;  // of x from one code to the next: strictly monotone
+
+}  // namespace
+
+Response::Response(const std::array<Curve, 3>& inverse) : inverse_(inverse) {
+  for (auto& x : inverse_) {
+    x[0] = std::max(x[0], 0.4f * x[1]);
+    for (std::size_t z = 1; z < kCodes; ++z) x[z] = std::max(x[z], x[z - 1] + kMinStep);
+    const float scale = 1 / x[kCodes - 1];
+    for (float& value : x) value *= scale;
+  }
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& x = inverse_[c];
+    for (int z = 0; z < kCodes; ++z) {
+      const int lo = std::max(0, z - 1), hi = std::min(kCodes - 1, z + 1);
+      slope_[c][static_cast<std::size_t>(z)] =
+          (x[static_cast<std::size_t>(hi)] - x[static_cast<std::size_t>(lo)]) / static_cast<float>(hi - lo);
+    }
+  }
+  build_forward();
+}
+
+void Response::build_forward() {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& x = inverse_[c];
+    auto& table = forward_[c];
+    table.resize(kForward + 2);
+    std::size_t z = 0;
+    for (int i = 0; i <= kForward; ++i) {
+      const float root = static_cast<float>(i) / kForward;
+      const float value = root * root;
+      while (z < kCodes - 2 && x[z + 1] <= value) ++z;
+      const float code = static_cast<float>(z) + (value - x[z]) / (x[z + 1] - x[z]);
+      table[static_cast<std::size_t>(i)] = std::clamp(code, 0.f, 255.f);
+    }
+    table[kForward + 1] = table[kForward];
+  }
+}
+
+Response Response::linear() { return gamma(1); }
+
+Response Response::gamma(float exponent) {
+  std::array<Curve, 3> inverse;
+  for (auto& curve : inverse)
+    for (std::size_t z = 0; z < kCodes; ++z)
+      curve[z] = std::max(1e-5f, std::pow(static_cast<float>(z) / 255, exponent));
+  return Response(inverse);
+}
+
+float Response::exposure_of(int channel, float code) const {
+  const auto& x = inverse(channel);
+  code = std::clamp(code, 0.f, 255.f);
+  const auto z = static_cast<std::size_t>(std::min(254, static_cast<int>(code)));
+  return x[z] + (x[z + 1] - x[z]) * (code - static_cast<float>(z));
+}
+
+float Response::slope(int channel, float code) const {
+  const int z = static_cast<int>(std::clamp(code + 0.5f, 0.f, 255.f));
+  return slope_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(z)];
+}
+
+float Response::code_of(int channel, float x) const {
+  const float position = std::sqrt(std::clamp(x, 0.f, 1.f)) * kForward;
+  const auto i = static_cast<std::size_t>(position);
+  const auto& table = forward_[static_cast<std::size_t>(channel)];
+  return table[i] + (table[i + 1] - table[i]) * (position - static_cast<float>(i));
+}
+
+float Response::leaky_value(int channel, float x, float* derivative) const {
+  if (x < 0) {
+    *derivative = kLeak;
+    return kLeak * x;
+  }
+  if (x > 1) {
+    const float root = 1 / std::sqrt(x);
+    *derivative = 0.5f * kLeak * root / x;
+    return 1 + kLeak - kLeak * root;
+  }
+  const float code = code_of(channel, x);
+  *derivative = std::max(kLeak, 1 / (255 * slope(channel, code)));
+  return code / 255;
+}
+
+double response_error(const Response& a, const Response& b) {
+  constexpr std::size_t kFirst = 12, kLast = 245;
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    double mean = 0, square = 0;
+    for (std::size_t z = kFirst; z <= kLast; ++z) {
+      const double d = std::log2(a.inverse(c)[z]) - std::log2(b.inverse(c)[z]);
+      mean += d, square += d * d;
+    }
+    constexpr double n = kLast - kFirst + 1;
+    sum += square / n - (mean / n) * (mean / n);
+  }
+  return std::sqrt(std::max(0.0, sum / 3));
+}
+
+}  // namespace hdrcam

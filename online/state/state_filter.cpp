@@ -1,0 +1,57 @@
+#include "online/state/state_filter.h"
+
+#include "online/state/local_statistics.h"
+#include "online/state/warp.h"
+
+namespace hdrcam {
+
+StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool)
+    : options_(options), pool_(pool), fusion_(options.fusion, rows, cols, pool), zero_flow_(2, rows, cols) {
+  for (auto* state : {&state_, &predicted_}) {
+    state->radiance = Image<float>(3, rows, cols);
+    state->variance = Image<float>(3, rows, cols);
+    state->own_share = Image<float>(1, rows, cols);
+  }
+}
+
+void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
+  fusion_.sample(frame.codes, frame.codes, tables, samples_);
+  state_.radiance.copy_from(samples_.radiance);
+  state_.variance.fill(unknown_variance(fusion_.white()));
+  fusion_.update(state_, samples_, tables, zero_flow_, 0, nullptr, nullptr, state_.own_share);
+}
+
+void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous) {
+  fusion_.sample(frame.codes, frame.codes, tables, samples_);
+  predict(to_previous, samples_, tables);
+  std::swap(state_, predicted_);
+  fusion_.update(state_, samples_, tables, to_previous.vectors, frame.blur_fraction, nullptr, nullptr,
+                 state_.own_share);
+}
+
+void StateFilter::predict(const FlowField& to_previous, const Samples& samples, const ExposureTables& tables) {
+  const Image<float>& flow = to_previous.vectors;
+  warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
+  warp_linear(state_.variance, flow, predicted_.variance, pool_);
+  fusion_.gate(predicted_, samples, tables, to_previous.confidence, gate_);
+  local_contrast(predicted_.radiance, mean_, contrast_, pool_);
+  fusion_.warp_variance(contrast_, flow, added_);
+
+  const float unknown = unknown_variance(fusion_.white());
+  const float growth = 1 + options_.variance_growth, relative2 = options_.relative_growth * options_.relative_growth;
+  const int cols = flow.cols();
+  pool_.for_rows(flow.rows(), [&](int y0, int y1) {
+    for (int c = 0; c < 3; ++c)
+      for (int y = y0; y < y1; ++y) {
+        const float *s = predicted_.radiance.row(c, y), *added = added_.row(c, y), *gate = gate_.row(0, y);
+        float* v = predicted_.variance.row(c, y);
+        for (int x = 0; x < cols; ++x) {
+          const float carried = (v[x] * growth + relative2 * s[x] * s[x] + added[x]) / std::max(1e-4f, gate[x]);
+          const bool lost = gate[x] < options_.fusion.gate_floor || !(carried < unknown);
+          v[x] = lost ? unknown : carried;
+        }
+      }
+  });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,43 @@
+// The state: a picture of radiance with its variance that is carried along the motion and updated by each frame with
+// the right noise model, a robust Kalman filter per pixel in radiance (docs/architecture.md, "two layers"). Causal:
+// it holds frames up to the newest one only. Thread-bound.
+#pragma once
+
+#include "capture/exposed_frame.h"
+#include "online/state/fusion.h"
+
+namespace hdrcam {
+
+struct StateOptions {
+  FusionOptions fusion;
+  float variance_growth = 0.05f;  // per frame: how fast the past is forgotten
+  float relative_growth = 0.01f;  // of radiance per frame: light that changes
+  float ringing_limit = 0.3f;     // of the bilinear value: how far cubic interpolation may overshoot
+};
+
+class StateFilter {
+ public:
+  StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool);
+
+  // The first frame of a clip, or of a new scene: everything known is forgotten.
+  void restart(const ExposedFrame& frame, const ExposureTables& tables);
+
+  // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous one) and
+  // updates it with this frame's samples.
+  void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);
+
+  const RadianceState& state() const { return state_; }
+  Fusion& fusion() { return fusion_; }
+
+ private:
+  void predict(const FlowField& to_previous, const Samples& samples, const ExposureTables& tables);
+
+  StateOptions options_;
+  WorkerPool& pool_;
+  Fusion fusion_;
+  RadianceState state_, predicted_;
+  Samples samples_;
+  Image<float> gate_, mean_, contrast_, added_, zero_flow_;
+};
+
+}  // namespace hdrcam
