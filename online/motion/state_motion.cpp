@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "hal/core/interpolate.h"
 #include "online/state/local_statistics.h"
 #include "online/state/warp.h"
 
@@ -9,11 +10,6 @@ namespace hdrcam {
 namespace {
 
 constexpr float kRed = 0.299f, kGreen = 0.587f, kBlue = 0.114f;
-
-float smooth_step(float begin, float end, float x) {
-  const float t = std::clamp((x - begin) / (end - begin), 0.f, 1.f);
-  return t * t * (3 - 2 * t);
-}
 
 std::uint8_t to_gray(float r, float g, float b) {
   return static_cast<std::uint8_t>(std::clamp(kRed * r + kGreen * g + kBlue * b + 0.5f, 0.f, 255.f));

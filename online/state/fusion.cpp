@@ -2,17 +2,13 @@
 
 #include <cmath>
 
+#include "hal/core/interpolate.h"
 #include "online/state/local_statistics.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr float kTiny = 1e-20f;
-
-float smooth_step(float begin, float end, float x) {
-  const float t = std::clamp((x - begin) / (end - begin), 0.f, 1.f);
-  return t * t * (3 - 2 * t);
-}
 
 }  // namespace
 

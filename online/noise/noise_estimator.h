@@ -1,0 +1,46 @@
+// The sensor's noise, measured while the stream runs: pairs of neighbouring frames, matched by the flow, compared in
+// smooth places. In each bin of brightness the median of the squared difference gives a variance; shot and read noise
+// are the non-negative line through the bins (relative least squares), with a code-domain term for what a codec did
+// tried beside them. Thread-bound.
+#pragma once
+
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "capture/exposed_frame.h"
+#include "capture/noise_model.h"
+#include "hal/core/worker_pool.h"
+#include "online/motion/flow_field.h"
+#include "online/response/response.h"
+
+namespace hdrcam {
+
+class NoiseEstimator {
+ public:
+  explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {}
+
+  // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the larger, and
+  // interpolating b halves only the smaller.
+  void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b, const Response& response);
+
+  // The model that fits what was seen; `otherwise` where too little was. code_noise and code_step are taken from
+  // `otherwise`: what a codec does sits at edges, where this estimator does not look.
+  NoiseModel solve(const NoiseModel& otherwise) const;
+
+ private:
+  // One bin of brightness at one exposure ratio; the newest kCapacity differences are kept.
+  struct Bin {
+    static constexpr std::size_t kCapacity = 4096;
+    std::vector<float> squares;
+    std::size_t next = 0;
+    double count = 0, exposure_sum = 0, slope2_sum = 0, ratio = 1;
+    void add(float square, float x, float slope2);
+  };
+
+  WorkerPool& pool_;
+  std::map<std::pair<int, int>, Bin> bins_;  // half stops of brightness, quarter stops of exposure ratio
+  Image<float> warped_, warped_mean_, mean_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,211 @@
+#include "online/online_stage.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "capture/black_level.h"
+
+namespace hdrcam {
+namespace {
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+// Geometric mean of the exposures of one cycle: the frames before the first exposure comes again.
+double cycle_mean(const std::deque<RawFrame>& frames) {
+  constexpr double kSame = 0.2;  // in ln: schedules jitter by less
+  double sum = 0;
+  int count = 0;
+  for (const RawFrame& frame : frames) {
+    const double log_exposure = std::log(frame.facts.exposure());
+    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSame) break;
+    sum += log_exposure;
+    ++count;
+  }
+  return std::exp(sum / count);
+}
+
+}  // namespace
+
+struct OnlineStage::Step {
+  ExposedFrame frame;
+  StateMotion motion;   // between the state at the frame before and this one
+  RadianceState state;  // after this frame; only kept where the look-ahead is longer than one frame
+  bool advanced = false, emitted = false;
+};
+
+OnlineStage::OnlineStage(OnlineOptions options, int rows, int cols, int bits, const Response* response,
+                         WorkerPool& pool)
+    : options_(options),
+      pool_(pool),
+      response_known_(response != nullptr),
+      response_(response != nullptr ? *response : prior_mean_response()),
+      noise_estimator_(pool),
+      motion_(options.flow, rows, cols, pool),
+      filter_(options.state, rows, cols, pool) {
+  settings_.bits = bits;
+  noise_.code_noise = options.code_noise;
+  noise_.code_step = kMaxCode / static_cast<float>((1 << bits) - 1);
+}
+
+OnlineStage::~OnlineStage() = default;
+
+Result<void> OnlineStage::ingest(const RawFrame& raw, const Emit& emit) {
+  if (!started_) {
+    // unpack once for its checks, so that a bad exposure is reported when it arrives
+    TRY(unpack(raw, 0, 0, settings_));
+    waiting_.push_back({raw.facts, raw.codes.clone()});
+    if (static_cast<int>(waiting_.size()) < options_.bootstrap_frames) return {};
+    return bootstrap(emit);
+  }
+  const double interval_s = to_seconds(raw.facts.timestamp - last_time_);
+  last_time_ = raw.facts.timestamp;
+  return take(TRY(unpack(raw, arrived_++, interval_s, settings_)), emit);
+}
+
+Result<void> OnlineStage::bootstrap(const Emit& emit) {
+  started_ = true;
+  settings_.reference_exposure = cycle_mean(waiting_);
+  std::vector<ExposedFrame> frames;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    // the first frame has none before it: its interval is taken to be the second's
+    const auto& before = waiting_[i > 0 ? i - 1 : 0].facts;
+    const auto& after = waiting_[i > 0 || waiting_.size() < 2 ? i : 1].facts;
+    frames.push_back(
+        TRY(unpack(waiting_[i], arrived_++, to_seconds(after.timestamp - before.timestamp), settings_)));
+  }
+  last_time_ = waiting_.back().facts.timestamp;
+  waiting_.clear();
+
+  if (!response_known_) {
+    settings_.black_level = estimate_black_level(frames);
+    for (auto& frame : frames) remove_black_level(frame, settings_.black_level);
+    ResponseEstimator estimator;
+    for (std::size_t i = 1; i < frames.size(); ++i) estimator.add_pair(frames[i - 1], frames[i]);
+    response_ = estimator.solve(noise_, nullptr);
+  }
+  for (auto& frame : frames) TRY(take(std::move(frame), emit));
+  return {};
+}
+
+Result<void> OnlineStage::take(ExposedFrame frame, const Emit& emit) {
+  constexpr std::size_t kMaxTables = 32;
+  if (tables_.size() > kMaxTables) tables_.clear();
+  filter_.fusion().set_white(std::max(filter_.fusion().white(), 1 / frame.exposure));
+
+  if (spare_.empty()) spare_.push_back(std::make_unique<Step>());
+  steps_.push_back(std::move(spare_.back()));
+  spare_.pop_back();
+  Step& step = *steps_.back();
+  step.frame = std::move(frame);
+  step.advanced = step.emitted = false;
+  const ExposureTables& tables = tables_for(step.frame.exposure);
+
+  if (steps_.size() == 1) {
+    filter_.restart(step.frame, tables);
+    step.motion.to_previous.vectors.reshape(0, 0, 0);
+    step.advanced = true;
+  } else {
+    Step& previous = *steps_[steps_.size() - 2];
+    if (!previous.advanced) advance(previous, &step);
+    const auto start = std::chrono::steady_clock::now();
+    motion_.match(filter_.state(), step.frame, tables, step.motion);
+    if (timing_) timing_("motion", milliseconds_since(start));
+    learn_noise(previous, step);
+    if (options_.look_ahead == 0) advance(step, nullptr);
+  }
+  return emit_ready(false, emit);
+}
+
+void OnlineStage::advance(Step& step, const Step* after) {
+  auto start = std::chrono::steady_clock::now();
+  std::size_t at = 0;
+  while (steps_[at].get() != &step) ++at;
+  const Step& before = *steps_[at - 1];
+  const double interval = to_seconds(step.frame.facts.timestamp - before.frame.facts.timestamp);
+  const auto ratio = [&](double other) {
+    return other > 0 && interval > 0 ? static_cast<float>(std::clamp(interval / other, 0.1, 10.0)) : 1.f;
+  };
+  float before_ratio = 1, after_ratio = 0.5f;
+  if (at >= 2)
+    before_ratio =
+        ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
+  if (after != nullptr)
+    after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
+  motion_.complete(filter_.state(), step.frame, at >= 2 ? &before.motion : nullptr, before_ratio,
+                   after != nullptr ? &after->frame : nullptr,
+                   after != nullptr ? &tables_for(after->frame.exposure) : nullptr, after_ratio, step.motion);
+  if (timing_) timing_("motion", milliseconds_since(start));
+
+  start = std::chrono::steady_clock::now();
+  filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
+  step.advanced = true;
+  if (options_.look_ahead > 1) {
+    step.state.radiance.copy_from(filter_.state().radiance);
+    step.state.variance.copy_from(filter_.state().variance);
+    step.state.own_share.copy_from(filter_.state().own_share);
+  }
+  if (timing_) timing_("state", milliseconds_since(start));
+}
+
+Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    Step& step = *steps_[i];
+    const std::size_t ahead = std::min(static_cast<std::size_t>(options_.look_ahead), steps_.size() - 1 - i);
+    if (step.emitted) continue;
+    if (!step.advanced || (!all && static_cast<int>(ahead) < options_.look_ahead)) break;
+    Moment moment;
+    moment.frame = &step.frame;
+    moment.state = options_.look_ahead > 1 && !step.state.radiance.empty() ? &step.state : &filter_.state();
+    moment.to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous;
+    for (std::size_t k = 1; k <= ahead; ++k) {
+      const Step& later = *steps_[i + k];
+      moment.ahead.push_back({&later.frame, &later.motion.from_previous, &tables_for(later.frame.exposure)});
+    }
+    moment.fusion = &filter_.fusion();
+    moment.white = filter_.fusion().white();
+    moment.reference_exposure = settings_.reference_exposure;
+    step.emitted = true;
+    TRY(emit(moment));
+  }
+  // the motion before the oldest frame not yet emitted is still needed to extrapolate
+  while (steps_.size() > 3 && steps_[0]->emitted && steps_[1]->emitted && steps_[2]->emitted) {
+    spare_.push_back(std::move(steps_.front()));
+    steps_.pop_front();
+  }
+  return {};
+}
+
+Result<void> OnlineStage::finish(const Emit& emit) {
+  if (!started_) {
+    if (waiting_.size() < 2)
+      return Error{ErrorCode::TooShort,
+                   fmt::format("the clip has {} frame(s); at least two of different exposure are needed", waiting_.size())};
+    TRY(bootstrap(emit));
+  }
+  if (!steps_.empty() && !steps_.back()->advanced) advance(*steps_.back(), nullptr);
+  return emit_ready(true, emit);
+}
+
+const ExposureTables& OnlineStage::tables_for(float exposure) {
+  const auto found = tables_.find(exposure);
+  if (found != tables_.end()) return found->second;
+  return tables_.emplace(exposure, ExposureTables(response_, noise_, exposure)).first->second;
+}
+
+void OnlineStage::learn_noise(const Step& previous, const Step& step) {
+  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at every eighth
+  const auto start = std::chrono::steady_clock::now();
+  if (step.frame.exposure <= previous.frame.exposure)
+    noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_);
+  else
+    noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
+  if (step.frame.index < kEager || step.frame.index % kEager == 0) {
+    noise_ = noise_estimator_.solve(noise_);
+    for (auto& [exposure, tables] : tables_) tables = ExposureTables(response_, noise_, exposure);
+  }
+  if (timing_) timing_("noise", milliseconds_since(start));
+}
+
+}  // namespace hdrcam
