@@ -3,7 +3,6 @@
 #include <chrono>
 #include <cmath>
 
-#include "capture/black_level.h"
 
 namespace hdrcam {
 namespace {
@@ -79,11 +78,12 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   waiting_.clear();
 
   if (!response_known_) {
-    settings_.black_level = estimate_black_level(frames);
-    for (auto& frame : frames) remove_black_level(frame, settings_.black_level);
     ResponseEstimator estimator;
     for (std::size_t i = 1; i < frames.size(); ++i) estimator.add_pair(frames[i - 1], frames[i]);
-    response_ = estimator.solve(noise_, nullptr);
+    const ResponseEstimate estimate = estimator.estimate(noise_);
+    response_ = estimate.response;
+    settings_.black_level = estimate.black_level;
+    for (auto& frame : frames) remove_black_level(frame, settings_.black_level);
   }
   for (auto& frame : frames) TRY(take(std::move(frame), emit));
   return {};

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace hdrcam {
@@ -115,85 +116,172 @@ double rank_correlation(const std::vector<float>& a, const std::vector<float>& b
   return 1 - 6 * square / (n * (n * n - 1));
 }
 
+// A sorted channel, asked for the place of its codes in the histogram.
+class Ranking {
+ public:
+  Ranking(const ExposedFrame& frame, int channel) : codes_(frame.codes.plane_size()) {
+    std::copy_n(frame.codes.plane(channel), codes_.size(), codes_.begin());
+    std::sort(codes_.begin(), codes_.end());
+  }
+
+  struct Boundary {
+    double code;   // midway between two neighbouring codes
+    double share;  // of the pixels that are darker
+  };
+  // The boundary between codes that is nearest to this share of the pixels.
+  Boundary boundary_near(double share) const {
+    const Plateau p = plateau(share);
+    const double below = static_cast<double>(p.begin) / size(), above = static_cast<double>(p.end) / size();
+    return share - below < above - share ? Boundary{p.lower, below} : Boundary{p.upper, above};
+  }
+  // The code below which this share of the pixels lies, linear within one code.
+  double code_at(double share) const {
+    const Plateau p = plateau(share);
+    const double within = (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
+    return p.lower + (p.upper - p.lower) * std::clamp(within, 0.0, 1.0);
+  }
+  float quantile(double share) const { return codes_[index(share)]; }
+
+ private:
+  struct Plateau {
+    std::size_t begin, end;  // the pixels of one code
+    double lower, upper;     // its boundaries
+  };
+  Plateau plateau(double share) const {
+    const float code = codes_[index(share)];
+    const auto [first, last] = std::equal_range(codes_.begin(), codes_.end(), code);
+    const auto z = static_cast<double>(code);
+    const double lower = first == codes_.begin() ? z - 0.5 : (z + static_cast<double>(*std::prev(first))) / 2;
+    const double upper = last == codes_.end() ? z + 0.5 : (z + static_cast<double>(*last)) / 2;
+    return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()), lower,
+            upper};
+  }
+  std::size_t index(double share) const {
+    return std::min(codes_.size() - 1, static_cast<std::size_t>(share * size()));
+  }
+  double size() const { return static_cast<double>(codes_.size()); }
+
+  std::vector<float> codes_;
+};
+
 }  // namespace
+
+struct ResponseEstimator::Curve {
+  Vector g;
+  double misfit = 0;
+};
 
 bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
   constexpr double kMinRatio = 1.15;       // of exposures: below it a pair says nothing about the curve
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
+  constexpr double kDarkShare = 0.0005;    // of the pixels
   const ExposedFrame& shorter = a.exposure <= b.exposure ? a : b;
   const ExposedFrame& longer = &shorter == &a ? b : a;
   if (longer.exposure < static_cast<float>(kMinRatio) * shorter.exposure) return false;
   if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
   if (rank_correlation(thumbnail(a), thumbnail(b)) < kSameSceneRank) return false;
 
+  const bool shortest = pairs_ == 0 || shorter.exposure < 0.9f * shortest_;
+  if (shortest) shortest_ = shorter.exposure;
   const auto steps = [](float exposure) { return static_cast<int>(std::lround(std::log2(exposure) * 64)); };
   const std::pair key{steps(shorter.exposure), steps(longer.exposure)};
-  const std::size_t n = a.codes.plane_size();
-  std::vector<float> sorted_a(n), sorted_b(n);
-  for (int c = 0; c < 3; ++c) {
-    std::copy_n(shorter.codes.plane(c), n, sorted_a.begin());
-    std::copy_n(longer.codes.plane(c), n, sorted_b.begin());
-    std::sort(sorted_a.begin(), sorted_a.end());
-    std::sort(sorted_b.begin(), sorted_b.end());
-    auto& matches = matches_[static_cast<std::size_t>(c)][key];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Ranking dark(shorter, static_cast<int>(c)), light(longer, static_cast<int>(c));
+    if (shorter.exposure < 1.1f * shortest_) {
+      const float darkest = dark.quantile(kDarkShare);
+      darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
+    }
+    Matches& matches = matches_[c][key];
     matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
-    for (std::size_t q = 1; q < kQuantiles; ++q) {
-      const std::size_t p = n * q / kQuantiles;
-      const float z1 = sorted_a[p], z2 = sorted_b[p];
-      if (z1 >= 1 && z1 < 253 && z2 >= z1 && z2 < 253) matches.codes.push_back({z1, z2});
+    for (int q = 1; q < kQuantiles; ++q) {
+      const auto [code, share] = dark.boundary_near(static_cast<double>(q) / kQuantiles);
+      if (share <= kDarkShare || share >= 1 - kDarkShare) continue;
+      const double other = light.code_at(share);
+      if (other >= code) matches.codes.push_back({static_cast<float>(code), static_cast<float>(other)});
     }
   }
   ++pairs_;
   return true;
 }
 
-Response ResponseEstimator::solve(const NoiseModel& noise, const Response* start) const {
+ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
+  // one share of the darkest codes for all channels: a pedestal is the sensor's, not a channel's
+  std::array<Vector, 3> best;
+  BlackLevel best_black{};
+  double least = std::numeric_limits<double>::max();
+  const float bound = *std::max_element(darkest_.begin(), darkest_.end());
+  for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
+    if (share > 0 && (bound < 1 || share * bound > kMaxBlackLevel)) continue;
+    std::array<Vector, 3> curves;
+    BlackLevel black{};
+    double misfit = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      black[c] = share * darkest_[c];
+      const Curve curve = solve(c, black[c], noise);
+      curves[c] = curve.g;
+      misfit += curve.misfit;
+    }
+    if (misfit < least) least = misfit, best = curves, best_black = black;
+  }
+  return {Response(curves_of(best)), best_black, least};
+}
+
+ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
+                                                  const NoiseModel& noise) const {
   constexpr int kIterations = 4;
   constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // quantiles are not independent
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most so many
+  constexpr float kFirst = 0.99f, kLast = 252.7f;  // codes that are neither black nor saturated
   const Prior& p = prior();
+  const float stretch = kMaxCode / (kMaxCode - black_level);
 
-  std::array<Vector, 3> curves;
-  for (std::size_t c = 0; c < 3; ++c) {
-    Vector g = p.mean;
-    if (start != nullptr)
-      for (int z = 0; z < kKnots; ++z)
-        g[z] = std::log(std::max(1e-6, static_cast<double>(start->inverse(static_cast<int>(c))[static_cast<std::size_t>(z) + 1])));
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-      Matrix A = p.precision;
-      Vector b = p.precision * p.mean;
-      A(kGaugeKnot, kGaugeKnot) += 1e4;
-      const double top = g[250];
-      const auto variance = [&](const Knots& k) {
-        const double slope = k.slope(g), x = std::exp(k.of(g) - top);
-        return slope * slope / 12 + 0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
-      };
-      for (const auto& [key, matches] : matches_[c]) {
-        if (matches.codes.empty()) continue;
-        const double scale =
-            kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
-        for (const Match& match : matches.codes) {
-          const Knots k1(match.z1), k2(match.z2);
-          const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
-          const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
-          const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
-          // r is linear in four knots: (1-f1, f1) at z1, -(1-f2, f2) at z2
-          const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
-          const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
-          for (std::size_t i = 0; i < 4; ++i) {
-            b[at[i]] += w * matches.log_ratio * by[i];
-            for (std::size_t j = 0; j < 4; ++j) A(at[i], at[j]) += w * by[i] * by[j];
-          }
+  Curve curve{p.mean};
+  Vector& g = curve.g;
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+    Matrix A = p.precision;
+    Vector b = p.precision * p.mean;
+    A(kGaugeKnot, kGaugeKnot) += 1e4;
+    const double top = g[250];
+    const auto variance = [&](const Knots& k) {
+      const double slope = k.slope(g), x = std::exp(k.of(g) - top);
+      return slope * slope / 12 + 0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
+    };
+    double misfit = 0;
+    for (const auto& [key, matches] : matches_[channel]) {
+      if (matches.codes.empty()) continue;
+      const double scale =
+          kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
+      double sum = 0, used = 0, usable = 0;
+      for (const Match& match : matches.codes) {
+        const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
+        usable += match.z1 >= kFirst && match.z2 <= kLast ? 1 : 0;
+        if (z1 < kFirst || z2 > kLast) continue;
+        const Knots k1(z1), k2(z2);
+        const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
+        const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
+        const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
+        sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
+        used += 1;
+        // r is linear in four knots: (1-f1, f1) at z1, -(1-f2, f2) at z2
+        const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
+        const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
+        for (std::size_t i = 0; i < 4; ++i) {
+          b[at[i]] += w * matches.log_ratio * by[i];
+          for (std::size_t j = 0; j < 4; ++j) A(at[i], at[j]) += w * by[i] * by[j];
         }
       }
-      g = A.llt().solve(b);
-      for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+      // matches that a higher black level drops count like the mean of the others: dropping must not pay
+      if (used > 0) misfit += sum * std::max(used, usable) / used;
     }
-    curves[c] = g;
+    const Vector d = g - p.mean;
+    curve.misfit = misfit + d.dot(p.precision * d);
+    if (iteration == kIterations) break;
+    g = A.llt().solve(b);
+    for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
   }
-  return Response(curves_of(curves));
+  return curve;
 }
 
 Response prior_mean_response() {

@@ -1,8 +1,10 @@
-// Response from the first cycles of an alternating-exposure stream, nothing else known. Neighbouring frames see about
-// the same scene, so their histograms match: the q-th quantile of one, at exposure E1, is the q-th of the other at E2.
-// Each pair of codes (z1, z2) says g(z1) - g(z2) = ln E1/E2 with g = ln x. A robust MAP fit of g over 255 codes per
-// channel, under a prior from real cameras (dorf_prior.inc), answers within two or three frames; no alignment, no flow
-// (flow-matched samples made it worse: docs/decisions.md). Thread-bound.
+// Response and black level from the first cycles of an alternating-exposure stream, nothing else known. Neighbouring
+// frames see about the same scene, so their histograms match: the share q of the pixels that is darker than code z1 in
+// one, at exposure E1, is darker than z2 in the other, at E2; that says g(z1) - g(z2) = ln E1/E2 with g = ln x. Matched
+// are the boundaries between codes, whose place in a histogram is exact, not codes, which are half a step wide at
+// worst. A robust MAP fit of g over 255 codes per channel, under a prior from real cameras (dorf_prior.inc), answers
+// within two or three frames; no alignment, no flow (flow-matched samples made it worse: docs/decisions.md). The black
+// level is the one under which the matches agree best with each other and with real cameras. Thread-bound.
 #pragma once
 
 #include <array>
@@ -10,36 +12,49 @@
 #include <utility>
 #include <vector>
 
-#include "capture/exposed_frame.h"
 #include "capture/noise_model.h"
+#include "capture/unpack.h"
 #include "online/response/response.h"
 
 namespace hdrcam {
 
+struct ResponseEstimate {
+  Response response;
+  BlackLevel black_level{};
+  double misfit = 0;  // of matches and prior, -2 ln of the unnormalised posterior
+};
+
 class ResponseEstimator {
  public:
-  static constexpr int kQuantiles = 400;  // per pair and channel
+  static constexpr int kQuantiles = 400;     // matches per pair and channel
+  static constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
 
-  // Adds what two frames of different exposure say about the response. Frames of (nearly) the same exposure, of
-  // unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out; returns whether it counted.
+  // Adds what two frames of different exposure say, unpacked without a black level. Frames of (nearly) the same
+  // exposure, of unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out; returns
+  // whether the pair counted.
   bool add_pair(const ExposedFrame& a, const ExposedFrame& b);
 
-  // Pairs that counted so far. Zero: solve() answers the mean of real cameras.
+  // Pairs that counted so far. Zero: estimate() answers the mean of real cameras and no black level.
   int pairs() const { return pairs_; }
 
-  // MAP estimate, about 10 ms. `noise` says how far codes may be off; `start` (may be null) saves iterations.
-  Response solve(const NoiseModel& noise, const Response* start) const;
+  // About 40 ms. `noise` says how far codes may be off.
+  ResponseEstimate estimate(const NoiseModel& noise) const;
 
  private:
   struct Match {
-    float z1, z2;  // codes of the shorter and of the longer exposure, 1..255
+    float z1, z2;  // codes of the shorter and of the longer exposure
   };
   struct Matches {
     double log_ratio = 0;  // ln E1/E2 < 0
     std::vector<Match> codes;
   };
+  struct Curve;  // of one channel
+
+  Curve solve(std::size_t channel, float black_level, const NoiseModel& noise) const;
 
   int pairs_ = 0;
+  float shortest_ = 0;    // exposure
+  BlackLevel darkest_{};  // codes of the shortest exposure: an upper bound of the black level
   std::array<std::map<std::pair<int, int>, Matches>, 3> matches_;  // by exposures in 1/64 stop
 };
 
