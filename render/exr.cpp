@@ -1,0 +1,277 @@
+#include "render/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfFramesPerSecond.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfRational.h>
+#include <ImfStandardAttributes.h>
+#include <ImfTimeCode.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <stdexcept>
+
+namespace hdrcam {
+namespace {
+
+constexpr float kLargestHalf = 65504;
+constexpr std::size_t kMaxSamples = std::size_t{1} << 28;  // 1 GiB of floats: more is damage, not a picture
+constexpr int kMaxSide = 1 << 16;
+
+class BytesOut : public Imf::OStream {
+ public:
+  BytesOut() : OStream("memory") {}
+
+  void write(const char c[], int n) override {
+    const std::size_t end = position_ + static_cast<std::size_t>(n);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, c, static_cast<std::size_t>(n));
+    position_ = end;
+  }
+  std::uint64_t tellp() override { return position_; }
+  void seekp(std::uint64_t position) override { position_ = position; }
+
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  std::vector<std::byte> bytes_;
+  std::size_t position_ = 0;
+};
+
+class BytesIn : public Imf::IStream {
+ public:
+  BytesIn(std::span<const std::byte> bytes, const std::string& name) : IStream(name.c_str()), bytes_(bytes) {}
+
+  bool read(char c[], int n) override {
+    const auto wanted = static_cast<std::size_t>(n);
+    if (position_ > bytes_.size() || wanted > bytes_.size() - position_) {
+      ended_early_ = true;
+      throw std::runtime_error("unexpected end of the file");
+    }
+    std::memcpy(c, bytes_.data() + position_, wanted);
+    position_ += wanted;
+    return position_ < bytes_.size();
+  }
+  std::uint64_t tellg() override { return position_; }
+  void seekg(std::uint64_t position) override { position_ = position; }
+
+  bool ended_early() const { return ended_early_; }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::size_t position_ = 0;
+  bool ended_early_ = false;
+};
+
+Imf::Compression library_name(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::None: return Imf::NO_COMPRESSION;
+    case ExrCompression::Zip: return Imf::ZIP_COMPRESSION;
+    case ExrCompression::Piz: return Imf::PIZ_COMPRESSION;
+  }
+  return Imf::ZIP_COMPRESSION;
+}
+
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * M, so M is the transpose of T_camera_world; the
+// inverse of a rigid [R t] is [R' -R't].
+Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
+  const auto& T = T_world_camera;
+  Imath::M44f M;
+  for (int row = 0; row < 3; ++row) {
+    double t_camera_world = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double R = T[static_cast<std::size_t>(4 * k + row)];  // R'(row, k)
+      M[k][row] = static_cast<float>(R);
+      t_camera_world -= R * T[static_cast<std::size_t>(4 * k + 3)];
+    }
+    M[3][row] = static_cast<float>(t_camera_world);
+  }
+  return M;
+}
+
+PoseMatrix world_from_camera(const Imath::M44f& M) {
+  PoseMatrix T{};
+  for (int row = 0; row < 3; ++row) {
+    const auto first = static_cast<std::size_t>(4 * row);
+    for (int k = 0; k < 3; ++k) {
+      T[first + static_cast<std::size_t>(k)] = static_cast<double>(M[row][k]);
+      T[first + 3] -= static_cast<double>(M[row][k]) * static_cast<double>(M[3][k]);
+    }
+  }
+  return T;
+}
+
+Imath::V2f library_point(const std::array<float, 2>& xy) { return {xy[0], xy[1]}; }
+std::array<float, 2> point(const Imath::V2f& xy) { return {xy.x, xy.y}; }
+
+void add_attributes(Imf::Header& header, const ExrAttributes& a) {
+  if (a.exposure_s) Imf::addExpTime(header, static_cast<float>(*a.exposure_s));
+  if (a.iso_speed) Imf::addIsoSpeed(header, static_cast<float>(*a.iso_speed));
+  if (a.framerate_hz) Imf::addFramesPerSecond(header, Imf::guessExactFps(*a.framerate_hz));
+  if (a.white_cd_m2) Imf::addWhiteLuminance(header, static_cast<float>(*a.white_cd_m2));
+  if (a.chromaticities) {
+    const Chromaticities& c = *a.chromaticities;
+    Imf::addChromaticities(header, {library_point(c.red), library_point(c.green), library_point(c.blue),
+                                    library_point(c.white)});
+  }
+  if (a.time_code) {
+    const TimeCode& t = *a.time_code;
+    Imf::addTimeCode(header, Imf::TimeCode(t.hours, t.minutes, t.seconds, t.frame));
+  }
+  if (a.T_world_camera) Imf::addWorldToCamera(header, world_to_camera(*a.T_world_camera));
+  if (!a.owner.empty()) Imf::addOwner(header, a.owner);
+  if (!a.comments.empty()) Imf::addComments(header, a.comments);
+}
+
+ExrAttributes attributes_of(const Imf::Header& header) {
+  ExrAttributes a;
+  if (Imf::hasExpTime(header)) a.exposure_s = Imf::expTime(header);
+  if (Imf::hasIsoSpeed(header)) a.iso_speed = Imf::isoSpeed(header);
+  if (Imf::hasFramesPerSecond(header)) a.framerate_hz = static_cast<double>(Imf::framesPerSecond(header));
+  if (Imf::hasWhiteLuminance(header)) a.white_cd_m2 = Imf::whiteLuminance(header);
+  if (Imf::hasChromaticities(header)) {
+    const Imf::Chromaticities& c = Imf::chromaticities(header);
+    a.chromaticities = Chromaticities{point(c.red), point(c.green), point(c.blue), point(c.white)};
+  }
+  if (Imf::hasTimeCode(header)) {
+    const Imf::TimeCode& t = Imf::timeCode(header);
+    a.time_code = TimeCode{t.hours(), t.minutes(), t.seconds(), t.frame()};
+  }
+  if (Imf::hasWorldToCamera(header)) a.T_world_camera = world_from_camera(Imf::worldToCamera(header));
+  if (Imf::hasOwner(header)) a.owner = Imf::owner(header);
+  if (Imf::hasComments(header)) a.comments = Imf::comments(header);
+  return a;
+}
+
+bool all_finite(std::span<const float> samples) {
+  bool finite = true;
+  for (const float v : samples) finite &= std::isfinite(v);
+  return finite;
+}
+
+std::vector<Imath::half> to_half(std::span<const float> samples) {
+  std::vector<Imath::half> halves(samples.size());
+  std::transform(samples.begin(), samples.end(), halves.begin(),
+                 [](float v) { return Imath::half(std::clamp(v, -kLargestHalf, kLargestHalf)); });
+  return halves;
+}
+
+// The library wants a writable pointer to what it only reads.
+Imf::Slice slice_of(const void* samples, Imf::PixelType type, std::size_t bytes_per_sample, int cols) {
+  return {type, const_cast<char*>(static_cast<const char*>(samples)), bytes_per_sample,
+          bytes_per_sample * static_cast<std::size_t>(cols)};
+}
+
+std::vector<std::byte> write_file(const ExrPicture& picture) {
+  Imf::Header header(picture.cols, picture.rows);
+  header.compression() = library_name(picture.compression);
+  add_attributes(header, picture.attributes);
+  Imf::FrameBuffer frame;
+  std::vector<std::vector<Imath::half>> halves;
+  halves.reserve(picture.channels.size());
+  for (const ExrChannel& channel : picture.channels) {
+    const bool half = channel.stored == ExrSample::Half;
+    const Imf::PixelType type = half ? Imf::HALF : Imf::FLOAT;
+    header.channels().insert(channel.name, Imf::Channel(type));
+    const void* samples = half ? static_cast<const void*>(halves.emplace_back(to_half(channel.samples)).data())
+                               : channel.samples.data();
+    frame.insert(channel.name, slice_of(samples, type, half ? sizeof(Imath::half) : sizeof(float), picture.cols));
+  }
+  BytesOut out;
+  {
+    Imf::OutputFile file(out, header, 0);
+    file.setFrameBuffer(frame);
+    file.writePixels(picture.rows);
+  }
+  return out.take();
+}
+
+Result<ExrImage> read_file(BytesIn& in, const std::string& name) {
+  Imf::InputFile file(in, 0);
+  const Imf::Header& header = file.header();
+  const Imath::Box2i& window = header.dataWindow();
+  const int cols = window.max.x - window.min.x + 1, rows = window.max.y - window.min.y + 1;
+  ExrImage image;
+  for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
+    if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
+      return Error{ErrorCode::Unsupported,
+                   fmt::format("channel '{}' of '{}' is subsampled; save it at full resolution", it.name(), name)};
+    image.names.emplace_back(it.name());
+  }
+  const std::size_t samples = static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
+  if (samples == 0 || samples > kMaxSamples)
+    return Error{ErrorCode::Unsupported, fmt::format("'{}' says {} channels of {}x{}, which is no picture of ours", name,
+                                                     image.names.size(), cols, rows)};
+  image.attributes = attributes_of(header);
+  image.samples = Image<float>(static_cast<int>(image.names.size()), rows, cols);
+  Imf::FrameBuffer frame;
+  const std::size_t row_bytes = sizeof(float) * static_cast<std::size_t>(cols);
+  for (int c = 0; c < image.samples.channels(); ++c)
+    frame.insert(image.names[static_cast<std::size_t>(c)],
+                 Imf::Slice::Make(Imf::FLOAT, image.samples.plane(c), window, sizeof(float), row_bytes));
+  file.setFrameBuffer(frame);
+  file.readPixels(window.min.y, window.max.y);
+  return image;
+}
+
+}  // namespace
+
+TimeCode time_code(Duration since_start, double framerate_hz) {
+  CHECK(since_start.count() >= 0);
+  CHECK_GT(framerate_hz, 0.0);
+  constexpr int kFrames = 30;  // the largest count; faster cameras count pairs, triples.. of frames (ST 12-1)
+  const double counts_per_s = framerate_hz / std::ceil(framerate_hz / kFrames);
+  const auto second = since_start.count() / 1'000'000'000;
+  const double fraction = static_cast<double>(since_start.count() % 1'000'000'000) * 1e-9;
+  // frame n at n / 30 s, rounded to nanoseconds, is frame n
+  const int frame = std::min(static_cast<int>((fraction + 5e-7) * counts_per_s), kFrames - 1);
+  return {static_cast<int>(second / 3600 % 24), static_cast<int>(second / 60 % 60), static_cast<int>(second % 60),
+          frame};
+}
+
+std::optional<int> ExrImage::find(std::string_view name) const {
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) return std::nullopt;
+  return static_cast<int>(it - names.begin());
+}
+
+Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture) {
+  CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
+  for (const ExrChannel& channel : picture.channels) {
+    CHECK_EQ(channel.samples.size(), static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
+    CHECK(all_finite(channel.samples));
+  }
+  try {
+    return write_file(picture);
+  } catch (const std::exception& e) {
+    return Error{ErrorCode::Io, fmt::format("cannot encode a {}x{} picture as OpenEXR: {}", picture.cols, picture.rows,
+                                            e.what())};
+  }
+}
+
+Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name) {
+  static const bool limited = (Imf::Header::setMaxImageSize(kMaxSide, kMaxSide), true);
+  (void)limited;
+  BytesIn in(bytes, name);
+  try {
+    return read_file(in, name);
+  } catch (const std::exception& e) {
+    if (in.ended_early() && !bytes.empty())
+      return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
+  }
+}
+
+Result<ExrImage> read_exr(Storage& storage, const std::string& path) {
+  const std::string bytes = TRY(read_whole(storage, path));
+  return decode_exr(std::as_bytes(std::span(bytes)), path);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,96 @@
+// Pictures to OpenEXR bytes and back, in memory: the disk is Storage's. One part, scan lines, any set of named channels
+// of one size. Reentrant. Channel names of an HDR frame are fixed below, so that what writes them and what reads them
+// agree. Every sample is finite: a NaN or Inf handed to encode_exr is a bug of the caller, and a value beyond the
+// range of half (65504) is clamped to it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "hal/core/instant.h"
+#include "hal/core/result.h"
+#include "hal/recording/recording.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+namespace exr_channel {
+inline constexpr std::string_view kRadiance[3] = {"R", "G", "B"};                 // L, scene-linear
+inline constexpr std::string_view kDepth = "Z";                                   // camera z
+inline constexpr std::string_view kFlowBackward[2] = {"backward.u", "backward.v"};  // pixels to the previous frame
+inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};     // pixels to the next frame
+inline constexpr std::string_view kSigma = "sigma";                               // of ln radiance
+inline constexpr std::string_view kProvenance = "provenance";                     // enum Provenance, 0..4
+}  // namespace exr_channel
+
+enum class ExrSample { Half, Float };
+enum class ExrCompression { None, Zip, Piz };
+
+// CIE 1931 xy of the primaries and of white; the default is Rec. ITU-R BT.709-6, D65.
+struct Chromaticities {
+  std::array<float, 2> red = {0.64f, 0.33f}, green = {0.30f, 0.60f}, blue = {0.15f, 0.06f}, white = {0.3127f, 0.3290f};
+
+  friend bool operator==(const Chromaticities&, const Chromaticities&) = default;
+};
+
+// SMPTE ST 12-1, non-drop.
+struct TimeCode {
+  int hours = 0, minutes = 0, seconds = 0, frame = 0;
+
+  friend bool operator==(const TimeCode&, const TimeCode&) = default;
+};
+
+// The code of an instant `since_start` (>= 0) after 00:00:00:00; the hours wrap at 24.
+TimeCode time_code(Duration since_start, double framerate_hz);
+
+// The standard attributes of OpenEXR ("Standard Optional Attributes"), each written only where it is known.
+struct ExrAttributes {
+  std::optional<double> exposure_s;              // expTime
+  std::optional<double> iso_speed;               // isoSpeed
+  std::optional<double> framerate_hz;            // framesPerSecond; 29.97 and its like become n/1001
+  std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
+  std::optional<Chromaticities> chromaticities;  // chromaticities
+  std::optional<TimeCode> time_code;             // timeCode
+  std::optional<PoseMatrix> T_world_camera;      // worldToCamera holds its inverse, transposed (row vectors), metres
+  std::string owner, comments;                   // owner, comments; empty: not written
+};
+
+struct ExrChannel {
+  std::string name;
+  std::span<const float> samples;  // [rows, cols], finite
+  ExrSample stored = ExrSample::Half;
+};
+
+// What to write: a view, the samples stay with the caller.
+struct ExrPicture {
+  int rows = 0, cols = 0;
+  std::vector<ExrChannel> channels;  // in any order, names distinct
+  ExrAttributes attributes;
+  ExrCompression compression = ExrCompression::Zip;
+};
+
+// What was read.
+struct ExrImage {
+  std::vector<std::string> names;  // of the channels, as sorted in the file
+  Image<float> samples;            // [channels, rows, cols]
+  ExrAttributes attributes;
+
+  // Index into samples, or nullopt where the file has no such channel.
+  std::optional<int> find(std::string_view name) const;
+};
+
+// Errors: Io where the library fails (out of memory).
+Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture);
+
+// Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is what messages call it.
+// Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
+Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name);
+Result<ExrImage> read_exr(Storage& storage, const std::string& path);
+
+}  // namespace hdrcam

@@ -1,0 +1,70 @@
+#include "render/scores/estimates.h"
+
+#include <charconv>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+
+#include "render/exr.h"
+#include "render/scores/linear_pictures.h"
+
+namespace hdrcam {
+namespace {
+
+std::optional<int> frame_number(const std::filesystem::path& file) {
+  if (file.extension() != ".exr") return std::nullopt;
+  const std::string stem = file.stem().string();
+  int number = 0;
+  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
+  if (error != std::errc{} || end != stem.data() + stem.size() || number < 0) return std::nullopt;
+  return number;
+}
+
+// The two planes of a flow [dx dy, rows, cols], empty where the picture has not both.
+Image<float> flow_of(const ExrImage& picture, const std::string_view (&names)[2]) {
+  const auto dx = picture.find(names[0]), dy = picture.find(names[1]);
+  if (!dx || !dy) return {};
+  Image<float> flow(2, picture.samples.rows(), picture.samples.cols());
+  const auto copy = [&](int from, int to) {
+    const float* plane = picture.samples.plane(from);
+    std::transform(plane, plane + flow.plane_size(), flow.plane(to), finite_or_bound);
+  };
+  copy(*dx, 0), copy(*dy, 1);
+  return flow;
+}
+
+}  // namespace
+
+Result<Estimates> Estimates::open(Storage& storage, const std::string& folder) {
+  Estimates estimates(storage);
+  std::error_code error;
+  for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const auto number = frame_number(it->path());
+    if (!number) continue;
+    const auto [known, fresh] = estimates.paths_.emplace(*number, it->path().string());
+    if (!fresh)
+      return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one", known->second,
+                                                   it->path().string(), *number)};
+  }
+  if (error)
+    return Error{ErrorCode::NotFound, fmt::format("cannot list the folder '{}': {}", folder, error.message()),
+                 error.value()};
+  if (estimates.paths_.empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("'{}' holds no HDR frames; they are named by their number, as in 000007.exr", folder)};
+  return estimates;
+}
+
+Result<Estimate> Estimates::read(int frame, int rows, int cols) const {
+  const std::string& path = paths_.at(frame);
+  const ExrImage picture = TRY(read_exr(*storage_, path));
+  Estimate estimate;
+  estimate.radiance = TRY(rgb_of(picture, path));
+  TRY(check_size(estimate.radiance, path, rows, cols));
+  if (const auto depth = picture.find(exr_channel::kDepth)) estimate.depth = plane_of(picture, *depth);
+  estimate.flow_backward = flow_of(picture, exr_channel::kFlowBackward);
+  estimate.flow_forward = flow_of(picture, exr_channel::kFlowForward);
+  return estimate;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,39 @@
+// A folder of HDR frames to be scored: files whose name is the frame's number, in any count of digits, and `.exr`
+// (000007.exr, 0007.exr). Thread-bound; returns fresh images.
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+
+#include "hal/core/image.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// One estimated frame; a kind that the file does not carry is an empty image.
+struct Estimate {
+  Image<float> radiance;       // [rgb, rows, cols] finite
+  Image<float> depth;          // [1, rows, cols] camera z, any unit
+  Image<float> flow_backward;  // [dx dy, rows, cols] pixels to the previous frame
+  Image<float> flow_forward;   // [dx dy, rows, cols] pixels to the next frame
+};
+
+class Estimates {
+ public:
+  // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have one number.
+  static Result<Estimates> open(Storage& storage, const std::string& folder);
+
+  bool contains(int frame) const { return paths_.contains(frame); }
+  // Errors: those of read_exr and rgb_of; SizeChanged.
+  Result<Estimate> read(int frame, int rows, int cols) const;
+
+ private:
+  explicit Estimates(Storage& storage) : storage_(&storage) {}
+
+  Storage* storage_;
+  std::map<int, std::string> paths_;  // by frame
+};
+
+}  // namespace hdrcam

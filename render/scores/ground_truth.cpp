@@ -1,0 +1,129 @@
+#include "render/scores/ground_truth.h"
+
+#include <png.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "render/exr.h"
+#include "render/scores/linear_pictures.h"
+
+namespace hdrcam {
+namespace {
+
+Result<nlohmann::json> read_json(Storage& storage, const std::string& path) {
+  const std::string text = TRY(read_whole(storage, path));
+  auto json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_discarded()) return Error{ErrorCode::Corrupt, fmt::format("'{}' is not JSON; make the clip again", path)};
+  return json;
+}
+
+// Eight-bit grey samples [1, rows, cols] of a PNG.
+Result<Image<std::uint8_t>> read_grey_png(Storage& storage, const std::string& path) {
+  const std::string bytes = TRY(read_whole(storage, path));
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  const auto damaged = [&] {
+    Error error{ErrorCode::Corrupt, fmt::format("'{}' is not a readable PNG picture: {}", path, png.message)};
+    png_image_free(&png);
+    return error;
+  };
+  if (png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) == 0) return damaged();
+  png.format = PNG_FORMAT_GRAY;
+  Image<std::uint8_t> image(1, static_cast<int>(png.height), static_cast<int>(png.width));
+  if (png_image_finish_read(&png, nullptr, image.plane(0), image.cols(), nullptr) == 0) return damaged();
+  return image;
+}
+
+// An optional picture: where there is no file, there is an empty value.
+template <class T>
+Result<T> or_empty(Result<T> read) {
+  if (!read && read.error().code == ErrorCode::NotFound) return T{};
+  return read;
+}
+
+}  // namespace
+
+Result<GroundTruth> GroundTruth::open(Storage& storage, const std::string& clip_folder) {
+  GroundTruth truth(storage, clip_folder);
+  TRY(truth.read_facts());
+  return truth;
+}
+
+Result<void> GroundTruth::read_facts() {
+  const std::string clip_path = folder_ + "/clip.json", truth_path = folder_ + "/gt/gt.json";
+  const auto clip = read_json(*storage_, clip_path);
+  if (!clip) return clip.error();
+  const auto truth = read_json(*storage_, truth_path);
+  if (!truth && truth.error().code == ErrorCode::NotFound)
+    return Error{ErrorCode::NotFound,
+                 fmt::format("'{}' has no ground truth ('{}' does not exist); name a clip with a gt folder", folder_,
+                             truth_path)};
+  if (!truth) return truth.error();
+  try {
+    cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
+    for (const auto& frame : clip.value().at("frames")) exposures_s_.push_back(frame.at("exposure_s").get<double>());
+    shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
+    for (const int id : truth.value().value("moving_ids", std::vector<int>{}))
+      if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;
+  } catch (const nlohmann::json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' does not describe a clip with ground truth: {}", folder_, e.what())};
+  }
+  if (cols_ <= 0 || rows_ <= 0 || !(shortest_saturation_ > 0))
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' says {}x{} pixels that saturate at radiance {}; all must be above 0",
+                                                 folder_, cols_, rows_, shortest_saturation_)};
+  for (std::size_t i = 0; i < exposures_s_.size(); ++i)
+    if (!(exposures_s_[i] > 0) || !std::isfinite(exposures_s_[i]))
+      return Error{ErrorCode::BadExposure,
+                   fmt::format("frame {} of '{}' has an exposure of {} s; it must be above 0", i, clip_path, exposures_s_[i])};
+  return {};
+}
+
+std::string GroundTruth::path(const char* kind, int frame, const char* extension) const {
+  return fmt::format("{}/gt/{}/{:04d}.{}", folder_, kind, frame, extension);
+}
+
+Result<Image<float>> GroundTruth::radiance(int frame) const {
+  return read_linear_rgb(*storage_, path("hdr", frame, "exr"), rows_, cols_);
+}
+
+Result<MotionTruth> GroundTruth::motion(int frame) const {
+  const auto picture = TRY(or_empty(read_linear_rgb(*storage_, path("flow", frame, "exr"), rows_, cols_)));
+  MotionTruth motion;
+  if (picture.empty()) return motion;
+  motion.flow.reshape(2, rows_, cols_);
+  motion.comparable.reshape(1, rows_, cols_);
+  for (int y = 0; y < rows_; ++y) {
+    for (int x = 0; x < cols_; ++x) {
+      const float dx = motion.flow.at(0, y, x) = picture.at(0, y, x);
+      const float dy = motion.flow.at(1, y, x) = picture.at(1, y, x);
+      const float to_x = static_cast<float>(x) + dx, to_y = static_cast<float>(y) + dy;
+      const bool inside = to_x >= 0 && to_y >= 0 && to_x <= static_cast<float>(cols_ - 1) &&
+                          to_y <= static_cast<float>(rows_ - 1);
+      motion.comparable.at(0, y, x) = inside && picture.at(2, y, x) < 0.5f;
+    }
+  }
+  return motion;
+}
+
+Result<Image<float>> GroundTruth::depth(int frame) const {
+  const std::string name = path("depth", frame, "exr");
+  auto read = TRY(or_empty(read_exr(*storage_, name)));
+  if (read.samples.empty()) return Image<float>{};
+  Image<float> depth = plane_of(read, 0);
+  TRY(check_size(depth, name, rows_, cols_));
+  return depth;
+}
+
+Result<Image<std::uint8_t>> GroundTruth::moving_mask(int frame) const {
+  if (!anything_moves_) return Image<std::uint8_t>{};
+  const std::string name = path("id", frame, "png");
+  Image<std::uint8_t> mask = TRY(or_empty(read_grey_png(*storage_, name)));
+  if (mask.empty()) return mask;
+  TRY(check_size(mask, name, rows_, cols_));
+  for (std::uint8_t& id : mask.samples()) id = moving_ids_[id];
+  return mask;
+}
+
+}  // namespace hdrcam

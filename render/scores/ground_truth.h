@@ -1,0 +1,58 @@
+// A clip that knows its own answer: CLIP/clip.json and the pictures under CLIP/gt, one per frame and kind, read when
+// asked for. Only scoring reads gt/; the pipeline never does. Thread-bound; owns nothing but facts, returns fresh images.
+//   gt/gt.json        r_sat_shortest (radiance that saturates the shortest exposure), moving_ids (optional)
+//   gt/hdr/NNNN.exr   R G B radiance                         gt/depth/NNNN.exr  camera z, metres (optional)
+//   gt/flow/NNNN.exr  R=dx G=dy to the next frame, pixels; B=1 where occluded there (optional)
+//   gt/id/NNNN.png    object ids, 8 bit (optional)
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// Where each pixel of a frame is in the next one. Empty images where the clip does not say.
+struct MotionTruth {
+  Image<float> flow;               // [dx dy, rows, cols] pixels
+  Image<std::uint8_t> comparable;  // [1, rows, cols] 1 where the pixel is seen, inside the next frame
+};
+
+class GroundTruth {
+ public:
+  // Errors: NotFound (no clip.json, no gt), Corrupt (their content), BadExposure.
+  static Result<GroundTruth> open(Storage& storage, const std::string& clip_folder);
+
+  int frames() const { return static_cast<int>(exposures_s_.size()); }
+  int rows() const { return rows_; }
+  int cols() const { return cols_; }
+  double exposure_s(int frame) const { return exposures_s_[static_cast<std::size_t>(frame)]; }
+  double shortest_saturation() const { return shortest_saturation_; }
+
+  // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional kinds are
+  // empty images where the clip has none.
+  Result<Image<float>> radiance(int frame) const;           // [rgb, rows, cols] finite
+  Result<MotionTruth> motion(int frame) const;
+  Result<Image<float>> depth(int frame) const;              // [1, rows, cols] metres
+  Result<Image<std::uint8_t>> moving_mask(int frame) const;  // [1, rows, cols] 1 on moving objects
+
+ private:
+  GroundTruth(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
+  std::string path(const char* kind, int frame, const char* extension) const;
+  Result<void> read_facts();
+
+  Storage* storage_;
+  std::string folder_;
+  int rows_ = 0, cols_ = 0;
+  std::vector<double> exposures_s_;
+  double shortest_saturation_ = 0;
+  std::array<bool, 256> moving_ids_{};
+  bool anything_moves_ = false;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,38 @@
+// OpenEXR pictures as scores take them: planes by name, of the clip's size, with NaN and -Inf read as 0 and +Inf as
+// 60000 (a broken estimate is scored, not refused). Reentrant.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "hal/core/image.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+#include "render/exr.h"
+
+namespace hdrcam {
+
+inline float finite_or_bound(float v) {
+  constexpr float kInfinity = 6e4f;
+  if (std::isfinite(v)) return v;
+  return v > 0 ? kInfinity : 0;
+}
+
+// One channel, finite: [1, rows, cols].
+Image<float> plane_of(const ExrImage& picture, int channel);
+
+// The channels R, G, B, finite: [rgb, rows, cols]. Errors: Unsupported where one of them is missing.
+Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name);
+
+// Errors: SizeChanged, naming both sizes.
+template <class T>
+Result<void> check_size(const Image<T>& picture, const std::string& name, int rows, int cols) {
+  if (picture.rows() == rows && picture.cols() == cols) return {};
+  return Error{ErrorCode::SizeChanged, fmt::format("'{}' is {}x{}, but the clip is {}x{}; compare pictures of one size",
+                                                   name, picture.cols(), picture.rows(), cols, rows)};
+}
+
+// read_exr, rgb_of and check_size in one.
+Result<Image<float>> read_linear_rgb(Storage& storage, const std::string& path, int rows, int cols);
+
+}  // namespace hdrcam

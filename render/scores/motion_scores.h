@@ -1,0 +1,52 @@
+// Scores along ground-truth motion: does the picture change where the scene does not, and are the estimated flow and
+// depth right. Positions between pixels are read bilinearly. Reentrant.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "render/scores/ground_truth.h"
+
+namespace hdrcam {
+
+// A mean in the making.
+struct MeanError {
+  double sum = 0;
+  std::size_t count = 0;
+
+  void add(double error) { sum += error, ++count; }
+  std::optional<double> mean() const {
+    return count == 0 ? std::nullopt : std::optional<double>(sum / static_cast<double>(count));
+  }
+  MeanError& operator+=(const MeanError& other) { return sum += other.sum, count += other.count, *this; }
+};
+
+struct FlickerScores {
+  MeanError all;         // |d log2 estimate - d log2 truth| along the motion, stops per frame
+  MeanError background;  // the same on static objects
+};
+
+// log2 luminance of two neighbouring frames, [1, rows, cols] each, truth and estimate.
+struct LogFrames {
+  const Image<float>& truth;
+  const Image<float>& estimate;
+};
+
+// motion: from `before` to `now`; moving: of `before`, or empty.
+FlickerScores flicker(const LogFrames& before, const LogFrames& now, const MotionTruth& motion,
+                      const Image<std::uint8_t>& moving);
+
+// End-point error, pixels, of an estimated flow [dx dy, rows, cols], where the truth is comparable.
+// Forward: the estimate belongs to the frame where `motion` starts. Backward: to the frame where it ends, and is read
+// there, against the reversed truth.
+MeanError forward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
+MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
+
+// Depth has one unknown scale per clip: the median of truth / estimate over every 11th pixel, collected here.
+void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate, std::vector<float>& ratios);
+// |scale * estimate - truth| / truth where both are above 0.
+MeanError depth_error(const Image<float>& truth, const Image<float>& estimate, double scale);
+
+}  // namespace hdrcam

@@ -1,0 +1,130 @@
+#include "render/scores/picture_scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace hdrcam {
+namespace {
+
+constexpr float kMu = 5000;
+constexpr float kDarkest = 1.0f / 16384;  // 14 stops below white
+constexpr float kLuminance[3] = {0.2126f, 0.7152f, 0.0722f};
+constexpr float kPuWhite = 4000;  // cd/m2
+
+float mu_law(float x) { return std::log1p(kMu * x) / std::log(kMu + 1); }
+
+// PU21, "banding + glare": luminance in cd/m2 to perceptually uniform units.
+float pu21(float luminance) {
+  constexpr float p[7] = {0.353487901f,  0.3734658629f, 8.277049286e-05f, 0.9062562627f,
+                          0.09150303166f, 0.9099517204f, 596.3148142f};
+  const float y = std::pow(std::clamp(luminance, 0.005f, 10000.0f), p[3]);
+  return p[6] * (std::pow((p[0] + p[1] * y) / (1 + p[2] * y), p[4]) - p[5]);
+}
+
+double decibel(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
+
+double square(double v) { return v * v; }
+
+// Structural similarity (Wang et al. 2004) with both constants for a range of 1.
+double structural_similarity(const cv::Mat& a, const cv::Mat& b) {
+  const auto blurred = [](const cv::Mat& m) {
+    cv::Mat out;
+    cv::GaussianBlur(m, out, cv::Size(11, 11), 1.5);
+    return out;
+  };
+  const cv::Mat mean_a = blurred(a), mean_b = blurred(b);
+  const cv::Mat square_a = blurred(a.mul(a)), square_b = blurred(b.mul(b)), product = blurred(a.mul(b));
+  double sum = 0;
+  for (int i = 0; i < static_cast<int>(a.total()); ++i) {
+    const double ma = mean_a.at<double>(i), mb = mean_b.at<double>(i);
+    const double variance_a = square_a.at<double>(i) - ma * ma, variance_b = square_b.at<double>(i) - mb * mb;
+    const double covariance = product.at<double>(i) - ma * mb;
+    sum += (2 * ma * mb + 1e-4) * (2 * covariance + 9e-4) /
+           ((ma * ma + mb * mb + 1e-4) * (variance_a + variance_b + 9e-4));
+  }
+  return sum / static_cast<double>(a.total());
+}
+
+cv::Mat mu_law_of(const Image<float>& luminance) {
+  cv::Mat m(luminance.rows(), luminance.cols(), CV_64F);
+  std::transform(luminance.samples().begin(), luminance.samples().end(), m.begin<double>(),
+                 [](float v) { return static_cast<double>(mu_law(v)); });
+  return m;
+}
+
+Image<float> normalised(const Image<float>& radiance, const std::array<double, 3>& gain, double white) {
+  Image<float> out;
+  out.reshape_like(radiance);
+  const float top = static_cast<float>(white);
+  for (int c = 0; c < 3; ++c) {
+    const float g = static_cast<float>(gain[static_cast<std::size_t>(c)]);
+    std::transform(radiance.plane(c), radiance.plane(c) + radiance.plane_size(), out.plane(c),
+                   [=](float v) { return std::clamp(g * v, 0.0f, top) / top; });
+  }
+  return out;
+}
+
+Image<float> luminance_of(const Image<float>& rgb) {
+  Image<float> out(1, rgb.rows(), rgb.cols());
+  const float *r = rgb.plane(0), *g = rgb.plane(1), *b = rgb.plane(2);
+  float* y = out.plane(0);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    y[i] = kLuminance[0] * r[i] + kLuminance[1] * g[i] + kLuminance[2] * b[i];
+  return out;
+}
+
+Image<float> log2_of(const Image<float>& luminance) {
+  Image<float> out;
+  out.reshape_like(luminance);
+  std::transform(luminance.samples().begin(), luminance.samples().end(), out.samples().begin(),
+                 [](float v) { return std::log2(std::max(v, kDarkest)); });
+  return out;
+}
+
+}  // namespace
+
+ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared) {
+  CHECK(truth.channels() == 3 && truth.same_shape(estimate));
+  ComparablePair pair;
+  pair.truth = normalised(truth, {1, 1, 1}, shared.white);
+  pair.estimate = normalised(estimate, shared.gain, shared.white);
+  pair.truth_luminance = luminance_of(pair.truth), pair.estimate_luminance = luminance_of(pair.estimate);
+  pair.truth_log2 = log2_of(pair.truth_luminance), pair.estimate_log2 = log2_of(pair.estimate_luminance);
+  return pair;
+}
+
+PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t>& moving) {
+  const auto truth = pair.truth.samples(), estimate = pair.estimate.samples();
+  const std::size_t pixels = pair.truth.plane_size();
+  const double samples = static_cast<double>(truth.size());
+  const float pu_white = pu21(kPuWhite);
+  double mu = 0, linear = 0, pu = 0, mu_moving = 0;
+  std::size_t moving_samples = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const float t = truth[i], e = estimate[i];
+    const double mu_error = square(static_cast<double>(mu_law(t) - mu_law(e)));
+    mu += mu_error;
+    linear += square(static_cast<double>(t - e));
+    pu += square(static_cast<double>((pu21(t * kPuWhite) - pu21(e * kPuWhite)) / pu_white));
+    if (!moving.empty() && moving.plane(0)[i % pixels] != 0) mu_moving += mu_error, ++moving_samples;
+  }
+
+  double log_square = 0, log_sum = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double difference = static_cast<double>(pair.estimate_log2.plane(0)[i] - pair.truth_log2.plane(0)[i]);
+    log_square += square(difference), log_sum += difference;
+  }
+
+  PictureScores scores;
+  scores.psnr_mu_db = decibel(mu / samples);
+  scores.psnr_l_db = decibel(linear / samples);
+  scores.psnr_pu_db = decibel(pu / samples);
+  scores.ssim_mu = structural_similarity(mu_law_of(pair.truth_luminance), mu_law_of(pair.estimate_luminance));
+  scores.log_rmse_stops = std::sqrt(log_square / static_cast<double>(pixels));
+  scores.log_bias_stops = log_sum / static_cast<double>(pixels);
+  if (moving_samples > 0) scores.psnr_mu_moving_db = decibel(mu_moving / static_cast<double>(moving_samples));
+  return scores;
+}
+
+}  // namespace hdrcam

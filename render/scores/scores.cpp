@@ -1,0 +1,220 @@
+#include "render/scores/scores.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "render/scores/estimates.h"
+#include "render/scores/ground_truth.h"
+#include "render/scores/motion_scores.h"
+#include "render/scores/order_statistics.h"
+
+namespace hdrcam {
+namespace {
+
+// Well exposed, as a fraction of white: neither noise nor near clipping.
+constexpr float kWellExposedFrom = 0.004f, kWellExposedTo = 0.6f;
+
+class Mean {
+ public:
+  void add(std::optional<double> value) {
+    if (value) error_.add(*value);
+  }
+  std::optional<double> value() const { return error_.mean(); }
+  double operator*() const { return error_.mean().value_or(0); }
+
+ private:
+  MeanError error_;
+};
+
+// What one frame leaves for the next.
+struct PreviousFrame {
+  int frame = -1;
+  ComparablePair pair;
+  Image<std::uint8_t> moving;
+  MotionTruth motion;  // to the next frame
+};
+
+class ClipScoring {
+ public:
+  ClipScoring(const GroundTruth& truth, const Estimates& estimates, const ScoreOptions& options)
+      : truth_(truth), estimates_(estimates), options_(options) {}
+
+  Result<ClipScores> run() {
+    TRY(choose_frames());
+    TRY(find_white());
+    TRY(find_gains());
+    for (const int frame : frames_) TRY(score(frame));
+    summarise();
+    return std::move(scores_);
+  }
+
+ private:
+  Result<void> choose_frames() {
+    for (int i = options_.skip; i < truth_.frames() - options_.skip; ++i)
+      (estimates_.contains(i) ? frames_ : scores_.missing).push_back(i);
+    if (frames_.empty())
+      return Error{ErrorCode::NotFound,
+                   fmt::format("none of the {} frames of the clip can be compared with {} skipped at either end; check "
+                               "that the estimates are numbered from 0",
+                               truth_.frames(), options_.skip)};
+    return {};
+  }
+
+  Result<void> unless_stopped() const {
+    if (options_.stop != nullptr && options_.stop->load()) return Error{ErrorCode::Interrupted, "stopped while scoring"};
+    return {};
+  }
+
+  // White is a percentile of every seventh pixel's brightest channel.
+  Result<void> find_white() {
+    std::vector<float> brightest;
+    for (const int frame : frames_) {
+      TRY(unless_stopped());
+      const Image<float> g = TRY(truth_.radiance(frame));
+      for (std::size_t i = 0; i < g.plane_size(); i += 7)
+        brightest.push_back(std::max({g.plane(0)[i], g.plane(1)[i], g.plane(2)[i]}));
+    }
+    scores_.shared.white = std::min(percentile(brightest, 99.9), truth_.shortest_saturation());
+    if (!(scores_.shared.white > 0))
+      return Error{ErrorCode::Invalid, "the ground truth of the clip is black; there is nothing to compare with"};
+    return {};
+  }
+
+  // A gain is the median log ratio over every eleventh pixel, where it is well exposed. The depth scale likewise.
+  Result<void> find_gains() {
+    const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
+    const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
+    std::array<std::vector<float>, 3> log_ratios;
+    std::vector<float> depth_ratios;
+    for (const int frame : frames_) {
+      TRY(unless_stopped());
+      const Image<float> g = TRY(truth_.radiance(frame));
+      const Estimate e = TRY(estimates_.read(frame, truth_.rows(), truth_.cols()));
+      for (int c = 0; c < 3; ++c)
+        for (std::size_t i = 0; i < g.plane_size(); i += 11)
+          if (const float t = g.plane(c)[i], v = e.radiance.plane(c)[i]; t > from && t < to && v > 0)
+            log_ratios[static_cast<std::size_t>(c)].push_back(std::log(t / v));
+      if (!e.depth.empty()) {
+        const Image<float> depth = TRY(truth_.depth(frame));
+        if (!depth.empty()) collect_depth_ratios(depth, e.depth, depth_ratios);
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (log_ratios[c].empty())
+        return Error{ErrorCode::Invalid, fmt::format("no pixel of channel {} is well exposed in clip and estimates; are "
+                                                     "they of one scene?", "RGB"[c])};
+      scores_.shared.gain[c] = std::exp(median(log_ratios[c]));
+    }
+    if (!depth_ratios.empty()) depth_scale_ = median(depth_ratios);
+    return {};
+  }
+
+  Result<void> score(int frame) {
+    TRY(unless_stopped());
+    const Image<float> g = TRY(truth_.radiance(frame));
+    const Estimate e = TRY(estimates_.read(frame, truth_.rows(), truth_.cols()));
+    PreviousFrame now{frame, comparable_pair(g, e.radiance, scores_.shared), TRY(truth_.moving_mask(frame)),
+                      TRY(truth_.motion(frame))};
+    FrameScores& scored = scores_.frames.emplace_back();
+    scored.frame = frame;
+    scored.picture = score_picture(now.pair, now.moving);
+    // half-stop phases, ties to even
+    phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(scored.picture.log_bias_stops);
+    if (previous_.frame == frame - 1 && !previous_.motion.flow.empty()) {
+      const FlickerScores f =
+          flicker({previous_.pair.truth_log2, previous_.pair.estimate_log2},
+                  {now.pair.truth_log2, now.pair.estimate_log2}, previous_.motion, previous_.moving);
+      scored.flicker_stops = f.all.mean();
+      flicker_.add(f.all.mean()), flicker_background_.add(f.background.mean());
+      if (!e.flow_backward.empty()) flow_backward_ += backward_flow_error(e.flow_backward, previous_.motion);
+    }
+    if (!e.flow_forward.empty() && !now.motion.flow.empty())
+      flow_forward_ += forward_flow_error(e.flow_forward, now.motion);
+    if (!e.depth.empty()) {
+      const Image<float> depth = TRY(truth_.depth(frame));
+      if (!depth.empty()) depth_ += depth_error(depth, e.depth, depth_scale_);
+    }
+    previous_ = std::move(now);
+    return {};
+  }
+
+  void summarise() {
+    Mean mu, linear, pu, ssim, log_rmse, log_bias, moving, phase, phase_square;
+    for (const FrameScores& scored : scores_.frames) {
+      const PictureScores& p = scored.picture;
+      mu.add(p.psnr_mu_db), linear.add(p.psnr_l_db), pu.add(p.psnr_pu_db), ssim.add(p.ssim_mu);
+      log_rmse.add(p.log_rmse_stops), log_bias.add(p.log_bias_stops), moving.add(p.psnr_mu_moving_db);
+    }
+    scores_.mean = {*mu, *linear, *pu, *ssim, *log_rmse, *log_bias, moving.value()};
+    scores_.worst = *std::min_element(scores_.frames.begin(), scores_.frames.end(), [](const auto& a, const auto& b) {
+      return a.picture.psnr_mu_db < b.picture.psnr_mu_db;
+    });
+    for (const auto& [half_stops, bias] : phases_) phase.add(*bias);
+    for (const auto& [half_stops, bias] : phases_) phase_square.add((*bias - *phase) * (*bias - *phase));
+    scores_.phase_stops = std::sqrt(*phase_square);
+    scores_.flicker_stops = flicker_.value(), scores_.flicker_background_stops = flicker_background_.value();
+    scores_.flow_backward_epe_px = flow_backward_.mean(), scores_.flow_forward_epe_px = flow_forward_.mean();
+    scores_.depth_abs_rel = depth_.mean();
+  }
+
+  const GroundTruth& truth_;
+  const Estimates& estimates_;
+  const ScoreOptions& options_;
+  std::vector<int> frames_;  // to be compared
+  double depth_scale_ = 1;
+  PreviousFrame previous_;
+  std::map<int, Mean> phases_;  // mean log2 error by half-stops of exposure
+  Mean flicker_, flicker_background_;
+  MeanError depth_, flow_backward_, flow_forward_;
+  ClipScores scores_;
+};
+
+nlohmann::json or_null(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+}  // namespace
+
+Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder, const std::string& estimates_folder,
+                              const ScoreOptions& options) {
+  if (options.skip < 0)
+    return Error{ErrorCode::Invalid, fmt::format("cannot skip {} frames; give 0 or more", options.skip)};
+  const GroundTruth truth = TRY(GroundTruth::open(storage, clip_folder));
+  const Estimates estimates = TRY(Estimates::open(storage, estimates_folder));
+  return ClipScoring(truth, estimates, options).run();
+}
+
+std::string to_json(const ClipScores& scores, const std::string& clip, const std::string& label) {
+  nlohmann::ordered_json json;
+  json["clip"] = clip;
+  json["label"] = label;
+  json["frames"] = scores.frames.size();
+  json["missing"] = scores.missing;
+  json["N"] = scores.shared.white;
+  json["gain"] = scores.shared.gain;
+  json["psnr_mu"] = scores.mean.psnr_mu_db;
+  json["psnr_mu_mov"] = or_null(scores.mean.psnr_mu_moving_db);
+  json["worst_psnr_mu"] = scores.worst.picture.psnr_mu_db;
+  json["worst_frame"] = scores.worst.frame;
+  json["psnr_l"] = scores.mean.psnr_l_db;
+  json["psnr_pu"] = scores.mean.psnr_pu_db;
+  json["ssim_mu"] = scores.mean.ssim_mu;
+  json["log_rmse"] = scores.mean.log_rmse_stops;
+  json["flicker"] = or_null(scores.flicker_stops);
+  json["flick_bg"] = or_null(scores.flicker_background_stops);
+  json["phase"] = scores.phase_stops;
+  json["depth_abs_rel"] = or_null(scores.depth_abs_rel);
+  json["flow_backward_epe_px"] = or_null(scores.flow_backward_epe_px);
+  json["flow_forward_epe_px"] = or_null(scores.flow_forward_epe_px);
+  for (const FrameScores& scored : scores.frames)
+    json["per_frame"].push_back({{"frame", scored.frame},
+                                 {"psnr_mu", scored.picture.psnr_mu_db},
+                                 {"psnr_mu_mov", or_null(scored.picture.psnr_mu_moving_db)},
+                                 {"flicker", or_null(scored.flicker_stops)},
+                                 {"log_bias", scored.picture.log_bias_stops}});
+  return json.dump(1) + "\n";
+}
+
+}  // namespace hdrcam
