@@ -72,15 +72,18 @@ class BytesIn : public Imf::IStream {
 
 Imf::Compression library_name(ExrCompression compression) {
   switch (compression) {
-    case ExrCompression::None: return Imf::NO_COMPRESSION;
-    case ExrCompression::Zip: return Imf::ZIP_COMPRESSION;
-    case ExrCompression::Piz: return Imf::PIZ_COMPRESSION;
+    case ExrCompression::None:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::Zip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::Piz:
+      return Imf::PIZ_COMPRESSION;
   }
   return Imf::ZIP_COMPRESSION;
 }
 
-// OpenEXR multiplies row vectors from the left, p_camera = p_world * M, so M is the transpose of T_camera_world; the
-// inverse of a rigid [R t] is [R' -R't].
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * M, so M is the transpose of
+// T_camera_world; the inverse of a rigid [R t] is [R' -R't].
 Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
   const auto& T = T_world_camera;
   Imath::M44f M;
@@ -180,9 +183,11 @@ std::vector<std::byte> write_file(const ExrPicture& picture) {
     const bool half = channel.stored == ExrSample::Half;
     const Imf::PixelType type = half ? Imf::HALF : Imf::FLOAT;
     header.channels().insert(channel.name, Imf::Channel(type));
-    const void* samples = half ? static_cast<const void*>(halves.emplace_back(to_half(channel.samples)).data())
-                               : channel.samples.data();
-    frame.insert(channel.name, slice_of(samples, type, half ? sizeof(Imath::half) : sizeof(float), picture.cols));
+    const void* samples = half
+                              ? static_cast<const void*>(halves.emplace_back(to_half(channel.samples)).data())
+                              : channel.samples.data();
+    frame.insert(channel.name,
+                 slice_of(samples, type, half ? sizeof(Imath::half) : sizeof(float), picture.cols));
   }
   BytesOut out;
   {
@@ -201,14 +206,17 @@ Result<ExrImage> read_file(BytesIn& in, const std::string& name) {
   ExrImage image;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
-      return Error{ErrorCode::Unsupported,
-                   fmt::format("channel '{}' of '{}' is subsampled; save it at full resolution", it.name(), name)};
+      return Error{
+          ErrorCode::Unsupported,
+          fmt::format("channel '{}' of '{}' is subsampled; save it at full resolution", it.name(), name)};
     image.names.emplace_back(it.name());
   }
-  const std::size_t samples = static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
+  const std::size_t samples =
+      static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
   if (samples == 0 || samples > kMaxSamples)
-    return Error{ErrorCode::Unsupported, fmt::format("'{}' says {} channels of {}x{}, which is no picture of ours", name,
-                                                     image.names.size(), cols, rows)};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' says {} channels of {}x{}, which is no picture of ours", name,
+                             image.names.size(), cols, rows)};
   image.attributes = attributes_of(header);
   image.samples = Image<float>(static_cast<int>(image.names.size()), rows, cols);
   Imf::FrameBuffer frame;
@@ -232,8 +240,8 @@ TimeCode time_code(Duration since_start, double framerate_hz) {
   const double fraction = static_cast<double>(since_start.count() % 1'000'000'000) * 1e-9;
   // frame n at n / 30 s, rounded to nanoseconds, is frame n
   const int frame = std::min(static_cast<int>((fraction + 5e-7) * counts_per_s), kFrames - 1);
-  return {static_cast<int>(second / 3600 % 24), static_cast<int>(second / 60 % 60), static_cast<int>(second % 60),
-          frame};
+  return {static_cast<int>(second / 3600 % 24), static_cast<int>(second / 60 % 60),
+          static_cast<int>(second % 60), frame};
 }
 
 std::optional<int> ExrImage::find(std::string_view name) const {
@@ -245,14 +253,15 @@ std::optional<int> ExrImage::find(std::string_view name) const {
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture) {
   CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
   for (const ExrChannel& channel : picture.channels) {
-    CHECK_EQ(channel.samples.size(), static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
+    CHECK_EQ(channel.samples.size(),
+             static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
     CHECK(all_finite(channel.samples));
   }
   try {
     return write_file(picture);
   } catch (const std::exception& e) {
-    return Error{ErrorCode::Io, fmt::format("cannot encode a {}x{} picture as OpenEXR: {}", picture.cols, picture.rows,
-                                            e.what())};
+    return Error{ErrorCode::Io, fmt::format("cannot encode a {}x{} picture as OpenEXR: {}", picture.cols,
+                                            picture.rows, e.what())};
   }
 }
 
@@ -265,7 +274,8 @@ Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string&
   } catch (const std::exception& e) {
     if (in.ended_early() && !bytes.empty())
       return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
   }
 }
 

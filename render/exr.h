@@ -1,7 +1,7 @@
-// Pictures to OpenEXR bytes and back, in memory: the disk is Storage's. One part, scan lines, any set of named channels
-// of one size. Reentrant. Channel names of an HDR frame are fixed below, so that what writes them and what reads them
-// agree. Every sample is finite: a NaN or Inf handed to encode_exr is a bug of the caller, and a value beyond the
-// range of half (65504) is clamped to it.
+// Pictures to OpenEXR bytes and back, in memory: the disk is Storage's. One part, scan lines, any set of
+// named channels of one size. Reentrant. Channel names of an HDR frame are fixed below, so that what writes
+// them and what reads them agree. Every sample is finite: a NaN or Inf handed to encode_exr is a bug of the
+// caller, and a value beyond the range of half (65504) is clamped to it.
 #pragma once
 
 #include <array>
@@ -21,12 +21,13 @@
 namespace hdrcam {
 
 namespace exr_channel {
-inline constexpr std::string_view kRadiance[3] = {"R", "G", "B"};                 // L, scene-linear
-inline constexpr std::string_view kDepth = "Z";                                   // camera z
-inline constexpr std::string_view kFlowBackward[2] = {"backward.u", "backward.v"};  // pixels to the previous frame
-inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};     // pixels to the next frame
-inline constexpr std::string_view kSigma = "sigma";                               // of ln radiance
-inline constexpr std::string_view kProvenance = "provenance";                     // enum Provenance, 0..4
+inline constexpr std::string_view kRadiance[3] = {"R", "G", "B"};  // L, scene-linear
+inline constexpr std::string_view kDepth = "Z";                    // camera z
+inline constexpr std::string_view kFlowBackward[2] = {"backward.u",
+                                                      "backward.v"};  // pixels to the previous frame
+inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};  // pixels to the next frame
+inline constexpr std::string_view kSigma = "sigma";                              // of ln radiance
+inline constexpr std::string_view kProvenance = "provenance";                    // enum Provenance, 0..4
 }  // namespace exr_channel
 
 enum class ExrSample { Half, Float };
@@ -34,7 +35,8 @@ enum class ExrCompression { None, Zip, Piz };
 
 // CIE 1931 xy of the primaries and of white; the default is Rec. ITU-R BT.709-6, D65.
 struct Chromaticities {
-  std::array<float, 2> red = {0.64f, 0.33f}, green = {0.30f, 0.60f}, blue = {0.15f, 0.06f}, white = {0.3127f, 0.3290f};
+  std::array<float, 2> red = {0.64f, 0.33f}, green = {0.30f, 0.60f}, blue = {0.15f, 0.06f},
+                       white = {0.3127f, 0.3290f};
 
   friend bool operator==(const Chromaticities&, const Chromaticities&) = default;
 };
@@ -57,8 +59,9 @@ struct ExrAttributes {
   std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
   std::optional<Chromaticities> chromaticities;  // chromaticities
   std::optional<TimeCode> time_code;             // timeCode
-  std::optional<PoseMatrix> T_world_camera;      // worldToCamera holds its inverse, transposed (row vectors), metres
-  std::string owner, comments;                   // owner, comments; empty: not written
+  std::optional<PoseMatrix>
+      T_world_camera;           // worldToCamera holds its inverse, transposed (row vectors), metres
+  std::string owner, comments;  // owner, comments; empty: not written
 };
 
 struct ExrChannel {
@@ -88,8 +91,8 @@ struct ExrImage {
 // Errors: Io where the library fails (out of memory).
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture);
 
-// Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is what messages call it.
-// Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
+// Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is what messages call
+// it. Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
 Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name);
 Result<ExrImage> read_exr(Storage& storage, const std::string& path);
 

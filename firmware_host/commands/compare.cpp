@@ -29,28 +29,35 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
   const std::size_t clip_width = std::max<std::size_t>(clip.size(), 4);
   const std::size_t label_width = std::max<std::size_t>(label.size(), 9);
   const auto line = [&](const auto&... cells) {
-    fmt::print("{:<{}}  {:<{}} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>10} {:>7}\n", cells...);
+    fmt::print("{:<{}}  {:<{}} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>10} {:>7}\n",
+               cells...);
   };
-  line("", clip_width, "", label_width, "", "PSNR-mu", "moving", "worst", "PSNR-L", "PSNR-PU", "SSIM-mu", "log RMSE",
-       "flicker", "background", "phase");
-  line("clip", clip_width, "estimates", label_width, "frames", "dB", "dB", "dB", "dB", "dB", "0..1", "stops", "stops",
-       "stops", "stops");
+  line("", clip_width, "", label_width, "", "PSNR-mu", "moving", "worst", "PSNR-L", "PSNR-PU", "SSIM-mu",
+       "log RMSE", "flicker", "background", "phase");
+  line("clip", clip_width, "estimates", label_width, "frames", "dB", "dB", "dB", "dB", "dB", "0..1", "stops",
+       "stops", "stops", "stops");
   const PictureScores& m = scores.mean;
   line(clip, clip_width, label, label_width, scores.frames.size(), fixed(m.psnr_mu_db, 2),
        fixed(m.psnr_mu_moving_db, 2), fixed(scores.worst.picture.psnr_mu_db, 2), fixed(m.psnr_l_db, 2),
-       fixed(m.psnr_pu_db, 2), fixed(m.ssim_mu, 4), fixed(m.log_rmse_stops, 3), fixed(scores.flicker_stops, 4),
-       fixed(scores.flicker_background_stops, 4), fixed(scores.phase_stops, 4));
-  fmt::print("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white, scores.shared.gain[0],
-             scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
-  if (scores.depth_abs_rel) fmt::print("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
-  if (scores.flow_backward_epe_px) fmt::print("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);
-  if (scores.flow_forward_epe_px) fmt::print("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
+       fixed(m.psnr_pu_db, 2), fixed(m.ssim_mu, 4), fixed(m.log_rmse_stops, 3),
+       fixed(scores.flicker_stops, 4), fixed(scores.flicker_background_stops, 4),
+       fixed(scores.phase_stops, 4));
+  fmt::print("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
+             scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
+  if (scores.depth_abs_rel)
+    fmt::print("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
+  if (scores.flow_backward_epe_px)
+    fmt::print("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);
+  if (scores.flow_forward_epe_px)
+    fmt::print("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
   if (!scores.missing.empty())
-    fmt::print("not scored, no estimate: {} frames ({})\n", scores.missing.size(), fmt::join(scores.missing, ", "));
+    fmt::print("not scored, no estimate: {} frames ({})\n", scores.missing.size(),
+               fmt::join(scores.missing, ", "));
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
-  const ClipScores scores = TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
+  const ClipScores scores =
+      TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);
   const std::string label = flags.label.empty() ? folder_name(flags.estimates) : flags.label;
   print(scores, clip, label);
@@ -65,11 +72,14 @@ void add_compare(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<CompareFlags>();
   CLI::App* verb = app.add_subcommand("compare", "score HDR frames against a clip with ground truth");
   verb->add_option("CLIP", flags->clip, "folder with clip.json and gt/")->required();
-  verb->add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")->required();
+  verb->add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
+      ->required();
   verb->add_option("--json", flags->json, "also write the scores to this file");
   verb->add_option("--skip", flags->skip, "frames left out at either end of the clip")->capture_default_str();
-  verb->add_option("--label", flags->label, "what the table calls the estimates (default: the folder's name)");
-  verb->callback([flags, &chosen] { chosen = [flags](Surroundings& around) { return compare(around, *flags); }; });
+  verb->add_option("--label", flags->label,
+                   "what the table calls the estimates (default: the folder's name)");
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return compare(around, *flags); }; });
 }
 
 }  // namespace hdrcam

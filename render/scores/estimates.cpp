@@ -43,15 +43,16 @@ Result<Estimates> Estimates::open(Storage& storage, const std::string& folder) {
     if (!number) continue;
     const auto [known, fresh] = estimates.paths_.emplace(*number, it->path().string());
     if (!fresh)
-      return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one", known->second,
-                                                   it->path().string(), *number)};
+      return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one",
+                                                   known->second, it->path().string(), *number)};
   }
   if (error)
     return Error{ErrorCode::NotFound, fmt::format("cannot list the folder '{}': {}", folder, error.message()),
                  error.value()};
   if (estimates.paths_.empty())
-    return Error{ErrorCode::NotFound,
-                 fmt::format("'{}' holds no HDR frames; they are named by their number, as in 000007.exr", folder)};
+    return Error{
+        ErrorCode::NotFound,
+        fmt::format("'{}' holds no HDR frames; they are named by their number, as in 000007.exr", folder)};
   return estimates;
 }
 

@@ -1,5 +1,5 @@
-// A folder of HDR frames to be scored: files whose name is the frame's number, in any count of digits, and `.exr`
-// (000007.exr, 0007.exr). Thread-bound; returns fresh images.
+// A folder of HDR frames to be scored: files whose name is the frame's number, in any count of digits, and
+// `.exr` (000007.exr, 0007.exr). Thread-bound; returns fresh images.
 #pragma once
 
 #include <array>
@@ -22,7 +22,8 @@ struct Estimate {
 
 class Estimates {
  public:
-  // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have one number.
+  // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have one
+  // number.
   static Result<Estimates> open(Storage& storage, const std::string& folder);
 
   bool contains(int frame) const { return paths_.contains(frame); }

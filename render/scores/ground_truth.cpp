@@ -15,7 +15,8 @@ namespace {
 Result<nlohmann::json> read_json(Storage& storage, const std::string& path) {
   const std::string text = TRY(read_whole(storage, path));
   auto json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) return Error{ErrorCode::Corrupt, fmt::format("'{}' is not JSON; make the clip again", path)};
+  if (json.is_discarded())
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is not JSON; make the clip again", path)};
   return json;
 }
 
@@ -58,25 +59,29 @@ Result<void> GroundTruth::read_facts() {
   const auto truth = read_json(*storage_, truth_path);
   if (!truth && truth.error().code == ErrorCode::NotFound)
     return Error{ErrorCode::NotFound,
-                 fmt::format("'{}' has no ground truth ('{}' does not exist); name a clip with a gt folder", folder_,
-                             truth_path)};
+                 fmt::format("'{}' has no ground truth ('{}' does not exist); name a clip with a gt folder",
+                             folder_, truth_path)};
   if (!truth) return truth.error();
   try {
     cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
-    for (const auto& frame : clip.value().at("frames")) exposures_s_.push_back(frame.at("exposure_s").get<double>());
+    for (const auto& frame : clip.value().at("frames"))
+      exposures_s_.push_back(frame.at("exposure_s").get<double>());
     shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
     for (const int id : truth.value().value("moving_ids", std::vector<int>{}))
       if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;
   } catch (const nlohmann::json::exception& e) {
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' does not describe a clip with ground truth: {}", folder_, e.what())};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' does not describe a clip with ground truth: {}", folder_, e.what())};
   }
   if (cols_ <= 0 || rows_ <= 0 || !(shortest_saturation_ > 0))
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' says {}x{} pixels that saturate at radiance {}; all must be above 0",
-                                                 folder_, cols_, rows_, shortest_saturation_)};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' says {}x{} pixels that saturate at radiance {}; all must be above 0",
+                             folder_, cols_, rows_, shortest_saturation_)};
   for (std::size_t i = 0; i < exposures_s_.size(); ++i)
     if (!(exposures_s_[i] > 0) || !std::isfinite(exposures_s_[i]))
       return Error{ErrorCode::BadExposure,
-                   fmt::format("frame {} of '{}' has an exposure of {} s; it must be above 0", i, clip_path, exposures_s_[i])};
+                   fmt::format("frame {} of '{}' has an exposure of {} s; it must be above 0", i, clip_path,
+                               exposures_s_[i])};
   return {};
 }
 

@@ -1,5 +1,6 @@
-// A clip that knows its own answer: CLIP/clip.json and the pictures under CLIP/gt, one per frame and kind, read when
-// asked for. Only scoring reads gt/; the pipeline never does. Thread-bound; owns nothing but facts, returns fresh images.
+// A clip that knows its own answer: CLIP/clip.json and the pictures under CLIP/gt, one per frame and kind,
+// read when asked for. Only scoring reads gt/; the pipeline never does. Thread-bound; owns nothing but facts,
+// returns fresh images.
 //   gt/gt.json        r_sat_shortest (radiance that saturates the shortest exposure), moving_ids (optional)
 //   gt/hdr/NNNN.exr   R G B radiance                         gt/depth/NNNN.exr  camera z, metres (optional)
 //   gt/flow/NNNN.exr  R=dx G=dy to the next frame, pixels; B=1 where occluded there (optional)
@@ -34,11 +35,11 @@ class GroundTruth {
   double exposure_s(int frame) const { return exposures_s_[static_cast<std::size_t>(frame)]; }
   double shortest_saturation() const { return shortest_saturation_; }
 
-  // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional kinds are
-  // empty images where the clip has none.
-  Result<Image<float>> radiance(int frame) const;           // [rgb, rows, cols] finite
+  // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional
+  // kinds are empty images where the clip has none.
+  Result<Image<float>> radiance(int frame) const;  // [rgb, rows, cols] finite
   Result<MotionTruth> motion(int frame) const;
-  Result<Image<float>> depth(int frame) const;              // [1, rows, cols] metres
+  Result<Image<float>> depth(int frame) const;               // [1, rows, cols] metres
   Result<Image<std::uint8_t>> moving_mask(int frame) const;  // [1, rows, cols] 1 on moving objects
 
  private:

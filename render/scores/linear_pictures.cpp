@@ -22,8 +22,8 @@ Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name) {
   for (int c = 0; c < 3; ++c) {
     const auto channel = picture.find(exr_channel::kRadiance[c]);
     if (!channel)
-      return Error{ErrorCode::Unsupported,
-                   fmt::format("'{}' has no channel '{}'; radiance is R, G and B", name, exr_channel::kRadiance[c])};
+      return Error{ErrorCode::Unsupported, fmt::format("'{}' has no channel '{}'; radiance is R, G and B",
+                                                       name, exr_channel::kRadiance[c])};
     copy_finite(picture.samples.plane(*channel), rgb.plane_size(), rgb.plane(c));
   }
   return rgb;

@@ -1,5 +1,5 @@
-// OpenEXR pictures as scores take them: planes by name, of the clip's size, with NaN and -Inf read as 0 and +Inf as
-// 60000 (a broken estimate is scored, not refused). Reentrant.
+// OpenEXR pictures as scores take them: planes by name, of the clip's size, with NaN and -Inf read as 0 and
+// +Inf as 60000 (a broken estimate is scored, not refused). Reentrant.
 #pragma once
 
 #include <cmath>
@@ -28,8 +28,9 @@ Result<Image<float>> rgb_of(const ExrImage& picture, const std::string& name);
 template <class T>
 Result<void> check_size(const Image<T>& picture, const std::string& name, int rows, int cols) {
   if (picture.rows() == rows && picture.cols() == cols) return {};
-  return Error{ErrorCode::SizeChanged, fmt::format("'{}' is {}x{}, but the clip is {}x{}; compare pictures of one size",
-                                                   name, picture.cols(), picture.rows(), cols, rows)};
+  return Error{ErrorCode::SizeChanged,
+               fmt::format("'{}' is {}x{}, but the clip is {}x{}; compare pictures of one size", name,
+                           picture.cols(), picture.rows(), cols, rows)};
 }
 
 // read_exr, rgb_of and check_size in one.

@@ -79,10 +79,12 @@ MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& m
   return error;
 }
 
-void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate, std::vector<float>& ratios) {
+void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate,
+                          std::vector<float>& ratios) {
   constexpr std::size_t kStride = 11;
   for (std::size_t i = 0; i < truth.size(); i += kStride)
-    if (truth.plane(0)[i] > 0 && estimate.plane(0)[i] > 0) ratios.push_back(truth.plane(0)[i] / estimate.plane(0)[i]);
+    if (truth.plane(0)[i] > 0 && estimate.plane(0)[i] > 0)
+      ratios.push_back(truth.plane(0)[i] / estimate.plane(0)[i]);
 }
 
 MeanError depth_error(const Image<float>& truth, const Image<float>& estimate, double scale) {

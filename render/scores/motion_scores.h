@@ -1,5 +1,5 @@
-// Scores along ground-truth motion: does the picture change where the scene does not, and are the estimated flow and
-// depth right. Positions between pixels are read bilinearly. Reentrant.
+// Scores along ground-truth motion: does the picture change where the scene does not, and are the estimated
+// flow and depth right. Positions between pixels are read bilinearly. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -39,13 +39,14 @@ FlickerScores flicker(const LogFrames& before, const LogFrames& now, const Motio
                       const Image<std::uint8_t>& moving);
 
 // End-point error, pixels, of an estimated flow [dx dy, rows, cols], where the truth is comparable.
-// Forward: the estimate belongs to the frame where `motion` starts. Backward: to the frame where it ends, and is read
-// there, against the reversed truth.
+// Forward: the estimate belongs to the frame where `motion` starts. Backward: to the frame where it ends, and
+// is read there, against the reversed truth.
 MeanError forward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
 MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
 
 // Depth has one unknown scale per clip: the median of truth / estimate over every 11th pixel, collected here.
-void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate, std::vector<float>& ratios);
+void collect_depth_ratios(const Image<float>& truth, const Image<float>& estimate,
+                          std::vector<float>& ratios);
 // |scale * estimate - truth| / truth where both are above 0.
 MeanError depth_error(const Image<float>& truth, const Image<float>& estimate, double scale);
 

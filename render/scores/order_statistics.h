@@ -5,8 +5,8 @@
 
 namespace hdrcam {
 
-// The value below which `percent` (0..100) of the samples lie, linear between the two nearest. Reorders the samples,
-// of which there is at least one.
+// The value below which `percent` (0..100) of the samples lie, linear between the two nearest. Reorders the
+// samples, of which there is at least one.
 double percentile(std::vector<float>& samples, double percent);
 
 // Of an even number of samples: the mean of the middle two.

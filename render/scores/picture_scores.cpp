@@ -16,7 +16,7 @@ float mu_law(float x) { return std::log1p(kMu * x) / std::log(kMu + 1); }
 
 // PU21, "banding + glare": luminance in cd/m2 to perceptually uniform units.
 float pu21(float luminance) {
-  constexpr float p[7] = {0.353487901f,  0.3734658629f, 8.277049286e-05f, 0.9062562627f,
+  constexpr float p[7] = {0.353487901f,   0.3734658629f, 8.277049286e-05f, 0.9062562627f,
                           0.09150303166f, 0.9099517204f, 596.3148142f};
   const float y = std::pow(std::clamp(luminance, 0.005f, 10000.0f), p[3]);
   return p[6] * (std::pow((p[0] + p[1] * y) / (1 + p[2] * y), p[4]) - p[5]);
@@ -84,7 +84,8 @@ Image<float> log2_of(const Image<float>& luminance) {
 
 }  // namespace
 
-ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared) {
+ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate,
+                               const Normalisation& shared) {
   CHECK(truth.channels() == 3 && truth.same_shape(estimate));
   ComparablePair pair;
   pair.truth = normalised(truth, {1, 1, 1}, shared.white);
@@ -112,7 +113,8 @@ PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t
 
   double log_square = 0, log_sum = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
-    const double difference = static_cast<double>(pair.estimate_log2.plane(0)[i] - pair.truth_log2.plane(0)[i]);
+    const double difference =
+        static_cast<double>(pair.estimate_log2.plane(0)[i] - pair.truth_log2.plane(0)[i]);
     log_square += square(difference), log_sum += difference;
   }
 

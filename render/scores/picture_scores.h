@@ -1,5 +1,6 @@
-// How near one estimated HDR picture is to the truth. Both are first made comparable: one gain per channel on the
-// estimate, then clipped to [0, white] and divided by white, so that 1 is the brightest radiance that counts. Reentrant.
+// How near one estimated HDR picture is to the truth. Both are first made comparable: one gain per channel on
+// the estimate, then clipped to [0, white] and divided by white, so that 1 is the brightest radiance that
+// counts. Reentrant.
 #pragma once
 
 #include <array>
@@ -12,28 +13,30 @@ namespace hdrcam {
 
 // What a whole clip shares.
 struct Normalisation {
-  double white = 1;                         // radiance that becomes 1
-  std::array<double, 3> gain = {1, 1, 1};   // estimate to truth, per channel: the response's unobservable scale
+  double white = 1;  // radiance that becomes 1
+  std::array<double, 3> gain = {1, 1,
+                                1};  // estimate to truth, per channel: the response's unobservable scale
 };
 
 struct ComparablePair {
-  Image<float> truth, estimate;                          // [rgb, rows, cols] 0..1
-  Image<float> truth_luminance, estimate_luminance;      // [1, rows, cols] Rec. 709 luminance
-  Image<float> truth_log2, estimate_log2;                // [1, rows, cols] log2 luminance, stops, -14..0
+  Image<float> truth, estimate;                      // [rgb, rows, cols] 0..1
+  Image<float> truth_luminance, estimate_luminance;  // [1, rows, cols] Rec. 709 luminance
+  Image<float> truth_log2, estimate_log2;            // [1, rows, cols] log2 luminance, stops, -14..0
 };
 
 struct PictureScores {
-  double psnr_mu_db = 0;        // after the mu-law, mu = 5000 (Kalantari and Ramamoorthi 2017)
-  double psnr_l_db = 0;         // of linear values
-  double psnr_pu_db = 0;        // after PU21 (Mantiuk and Azimi 2021), white shown at 4000 cd/m2
-  double ssim_mu = 0;           // structural similarity of mu-law luminance, 11x11 Gaussian of 1.5 px
-  double log_rmse_stops = 0;    // of log2 luminance
-  double log_bias_stops = 0;    // its mean error: above 0 the estimate is too bright
+  double psnr_mu_db = 0;      // after the mu-law, mu = 5000 (Kalantari and Ramamoorthi 2017)
+  double psnr_l_db = 0;       // of linear values
+  double psnr_pu_db = 0;      // after PU21 (Mantiuk and Azimi 2021), white shown at 4000 cd/m2
+  double ssim_mu = 0;         // structural similarity of mu-law luminance, 11x11 Gaussian of 1.5 px
+  double log_rmse_stops = 0;  // of log2 luminance
+  double log_bias_stops = 0;  // its mean error: above 0 the estimate is too bright
   std::optional<double> psnr_mu_moving_db;  // psnr_mu of the masked pixels, where there are any
 };
 
 // truth, estimate: [rgb, rows, cols] of one size, finite.
-ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared);
+ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate,
+                               const Normalisation& shared);
 
 // moving: [1, rows, cols] 1 on moving objects, or empty.
 PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t>& moving);

@@ -55,15 +55,18 @@ class ClipScoring {
     for (int i = options_.skip; i < truth_.frames() - options_.skip; ++i)
       (estimates_.contains(i) ? frames_ : scores_.missing).push_back(i);
     if (frames_.empty())
-      return Error{ErrorCode::NotFound,
-                   fmt::format("none of the {} frames of the clip can be compared with {} skipped at either end; check "
-                               "that the estimates are numbered from 0",
-                               truth_.frames(), options_.skip)};
+      return Error{
+          ErrorCode::NotFound,
+          fmt::format(
+              "none of the {} frames of the clip can be compared with {} skipped at either end; check "
+              "that the estimates are numbered from 0",
+              truth_.frames(), options_.skip)};
     return {};
   }
 
   Result<void> unless_stopped() const {
-    if (options_.stop != nullptr && options_.stop->load()) return Error{ErrorCode::Interrupted, "stopped while scoring"};
+    if (options_.stop != nullptr && options_.stop->load())
+      return Error{ErrorCode::Interrupted, "stopped while scoring"};
     return {};
   }
 
@@ -78,11 +81,13 @@ class ClipScoring {
     }
     scores_.shared.white = std::min(percentile(brightest, 99.9), truth_.shortest_saturation());
     if (!(scores_.shared.white > 0))
-      return Error{ErrorCode::Invalid, "the ground truth of the clip is black; there is nothing to compare with"};
+      return Error{ErrorCode::Invalid,
+                   "the ground truth of the clip is black; there is nothing to compare with"};
     return {};
   }
 
-  // A gain is the median log ratio over every eleventh pixel, where it is well exposed. The depth scale likewise.
+  // A gain is the median log ratio over every eleventh pixel, where it is well exposed. The depth scale
+  // likewise.
   Result<void> find_gains() {
     const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
     const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
@@ -103,8 +108,10 @@ class ClipScoring {
     }
     for (std::size_t c = 0; c < 3; ++c) {
       if (log_ratios[c].empty())
-        return Error{ErrorCode::Invalid, fmt::format("no pixel of channel {} is well exposed in clip and estimates; are "
-                                                     "they of one scene?", "RGB"[c])};
+        return Error{ErrorCode::Invalid,
+                     fmt::format("no pixel of channel {} is well exposed in clip and estimates; are "
+                                 "they of one scene?",
+                                 "RGB"[c])};
       scores_.shared.gain[c] = std::exp(median(log_ratios[c]));
     }
     if (!depth_ratios.empty()) depth_scale_ = median(depth_ratios);
@@ -121,7 +128,8 @@ class ClipScoring {
     scored.frame = frame;
     scored.picture = score_picture(now.pair, now.moving);
     // half-stop phases, ties to even
-    phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(scored.picture.log_bias_stops);
+    phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(
+        scored.picture.log_bias_stops);
     if (previous_.frame == frame - 1 && !previous_.motion.flow.empty()) {
       const FlickerScores f =
           flicker({previous_.pair.truth_log2, previous_.pair.estimate_log2},
@@ -148,9 +156,9 @@ class ClipScoring {
       log_rmse.add(p.log_rmse_stops), log_bias.add(p.log_bias_stops), moving.add(p.psnr_mu_moving_db);
     }
     scores_.mean = {*mu, *linear, *pu, *ssim, *log_rmse, *log_bias, moving.value()};
-    scores_.worst = *std::min_element(scores_.frames.begin(), scores_.frames.end(), [](const auto& a, const auto& b) {
-      return a.picture.psnr_mu_db < b.picture.psnr_mu_db;
-    });
+    scores_.worst = *std::min_element(
+        scores_.frames.begin(), scores_.frames.end(),
+        [](const auto& a, const auto& b) { return a.picture.psnr_mu_db < b.picture.psnr_mu_db; });
     for (const auto& [half_stops, bias] : phases_) phase.add(*bias);
     for (const auto& [half_stops, bias] : phases_) phase_square.add((*bias - *phase) * (*bias - *phase));
     scores_.phase_stops = std::sqrt(*phase_square);
@@ -177,8 +185,8 @@ nlohmann::json or_null(const std::optional<double>& value) {
 
 }  // namespace
 
-Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder, const std::string& estimates_folder,
-                              const ScoreOptions& options) {
+Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
+                              const std::string& estimates_folder, const ScoreOptions& options) {
   if (options.skip < 0)
     return Error{ErrorCode::Invalid, fmt::format("cannot skip {} frames; give 0 or more", options.skip)};
   const GroundTruth truth = TRY(GroundTruth::open(storage, clip_folder));

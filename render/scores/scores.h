@@ -1,10 +1,12 @@
 // The scores of a folder of HDR frames against a clip with ground truth.
-//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels: the response's
+//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels:
+//   the response's
 //             scale cannot be observed; not per frame, so that flicker is not hidden
 //   white     min(99.9th percentile of the clip, radiance that saturates the shortest exposure): what 1 is
 //   flicker   mean |d log2 E - d log2 G| along the true motion where it is seen in both frames
 //   phase     spread of the mean log2 error over the phases of the exposure cycle: 0 is no pumping
-// Three passes over the files; held between frames is one sample in eleven of the clip, and two pictures. Reentrant.
+// Three passes over the files; held between frames is one sample in eleven of the clip, and two pictures.
+// Reentrant.
 #pragma once
 
 #include <array>
@@ -20,8 +22,8 @@
 namespace hdrcam {
 
 struct ScoreOptions {
-  int skip = 1;                              // frames left out at either end of the clip
-  const std::atomic<bool>* stop = nullptr;   // when set, scoring leaves with Interrupted
+  int skip = 1;                             // frames left out at either end of the clip
+  const std::atomic<bool>* stop = nullptr;  // when set, scoring leaves with Interrupted
 };
 
 struct FrameScores {
@@ -32,24 +34,25 @@ struct FrameScores {
 
 struct ClipScores {
   Normalisation shared;
-  PictureScores mean;                         // of the frames; psnr_mu_moving_db over frames where something moves
-  FrameScores worst;                          // the frame of the lowest psnr_mu
-  std::optional<double> flicker_stops;        // per frame, stops
+  PictureScores mean;                   // of the frames; psnr_mu_moving_db over frames where something moves
+  FrameScores worst;                    // the frame of the lowest psnr_mu
+  std::optional<double> flicker_stops;  // per frame, stops
   std::optional<double> flicker_background_stops;  // on static objects only
   double phase_stops = 0;
-  std::optional<double> depth_abs_rel;        // mean |s d - g| / g, where the estimates carry depth
+  std::optional<double> depth_abs_rel;         // mean |s d - g| / g, where the estimates carry depth
   std::optional<double> flow_backward_epe_px;  // where they carry flow to the previous frame
   std::optional<double> flow_forward_epe_px;   // to the next frame
   std::vector<FrameScores> frames;
-  std::vector<int> missing;                   // frames of the clip, skipped ones aside, without an estimate
+  std::vector<int> missing;  // frames of the clip, skipped ones aside, without an estimate
 };
 
-// Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for a
-// negative skip or where no pixel is well exposed in both; Interrupted.
-Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder, const std::string& estimates_folder,
-                              const ScoreOptions& options);
+// Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for
+// a negative skip or where no pixel is well exposed in both; Interrupted.
+Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
+                              const std::string& estimates_folder, const ScoreOptions& options);
 
-// The scores as JSON, indented: psnr_mu, flicker.. in the units above, null where not measured, and one object per frame.
+// The scores as JSON, indented: psnr_mu, flicker.. in the units above, null where not measured, and one
+// object per frame.
 std::string to_json(const ClipScores& scores, const std::string& clip, const std::string& label);
 
 }  // namespace hdrcam

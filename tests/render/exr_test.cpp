@@ -1,0 +1,185 @@
+#include "render/exr.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kRows = 37, kCols = 53;  // no multiple of a block of scan lines
+
+Image<float> ramp(float from, float to) {
+  Image<float> image(1, kRows, kCols);
+  for (std::size_t i = 0; i < image.size(); ++i)
+    image.plane(0)[i] = from + (to - from) * static_cast<float>(i) / static_cast<float>(image.size() - 1);
+  return image;
+}
+
+ExrPicture picture_of(const Image<float>& half, const Image<float>& full) {
+  ExrPicture picture;
+  picture.rows = kRows, picture.cols = kCols;
+  picture.channels = {{"R", half.samples(), ExrSample::Half},
+                      {"backward.u", full.samples(), ExrSample::Float}};
+  return picture;
+}
+
+ExrImage round_trip(const ExrPicture& picture) {
+  const auto bytes = encode_exr(picture);
+  REQUIRE(bytes.ok());
+  auto image = decode_exr(bytes.value(), "memory.exr");
+  REQUIRE(image.ok());
+  return std::move(image).value();
+}
+
+}  // namespace
+
+TEST_CASE("an OpenEXR picture comes back: float exactly, half to its eleven bits") {
+  const Image<float> half = ramp(0.01f, 900), full = ramp(-3e5f, 1e6f);
+  for (const auto compression : {ExrCompression::None, ExrCompression::Zip, ExrCompression::Piz}) {
+    ExrPicture picture = picture_of(half, full);
+    picture.compression = compression;
+    const ExrImage image = round_trip(picture);
+    REQUIRE(image.samples.rows() == kRows);
+    REQUIRE(image.samples.cols() == kCols);
+    REQUIRE(image.names == std::vector<std::string>{"R", "backward.u"});
+    const float* read_half = image.samples.plane(*image.find("R"));
+    const float* read_full = image.samples.plane(*image.find("backward.u"));
+    for (std::size_t i = 0; i < half.size(); ++i) {
+      REQUIRE(std::abs(read_half[i] - half.plane(0)[i]) <= half.plane(0)[i] / 2048);
+      REQUIRE(read_full[i] == full.plane(0)[i]);
+    }
+    REQUIRE_FALSE(image.find("Z").has_value());
+  }
+}
+
+TEST_CASE("a value beyond half is clamped to 65504, and stays what it is as float") {
+  Image<float> bright = ramp(1e5f, 1e9f), dark = ramp(-1e9f, -1e5f);
+  const Image<float> full = bright.clone();
+  ExrPicture picture = picture_of(bright, full);
+  picture.channels.push_back({"B", dark.samples(), ExrSample::Half});
+  const ExrImage image = round_trip(picture);
+  for (std::size_t i = 0; i < bright.size(); ++i) {
+    REQUIRE(image.samples.plane(*image.find("R"))[i] == 65504.0f);
+    REQUIRE(image.samples.plane(*image.find("B"))[i] == -65504.0f);
+    REQUIRE(image.samples.plane(*image.find("backward.u"))[i] == full.plane(0)[i]);
+  }
+}
+
+TEST_CASE("a NaN or Inf handed to the encoder is a bug that ends the program") {
+  for (const float poison :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    Image<float> plane = ramp(0, 1);
+    plane.at(0, 20, 30) = poison;
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(2);
+      std::signal(SIGABRT, SIG_DFL);
+      (void)encode_exr(picture_of(plane, plane));
+      _exit(0);
+    }
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    REQUIRE(WIFSIGNALED(status));
+    REQUIRE(WTERMSIG(status) == SIGABRT);
+  }
+}
+
+TEST_CASE("the facts of a frame are readable back from its OpenEXR picture") {
+  const Image<float> plane = ramp(0, 1);
+  ExrPicture picture = picture_of(plane, plane);
+  const double c = std::cos(std::numbers::pi / 5), s = std::sin(std::numbers::pi / 5);
+  ExrAttributes& a = picture.attributes;
+  a.exposure_s = 1.0 / 250;
+  a.iso_speed = 400;
+  a.framerate_hz = 30000.0 / 1001;
+  a.white_cd_m2 = 203;
+  a.chromaticities = Chromaticities{};
+  a.time_code = TimeCode{1, 2, 3, 29};
+  a.owner = "the owner";
+  a.comments = "E_ref 0.004 s";
+  a.T_world_camera = PoseMatrix{c, 0, s, 1.5, 0, 1, 0, -0.25, -s, 0, c, 4};
+
+  const ExrAttributes b = round_trip(picture).attributes;
+  REQUIRE(*b.exposure_s == Approx(1.0 / 250));
+  REQUIRE(*b.iso_speed == Approx(400));
+  REQUIRE(*b.framerate_hz == 30000.0 / 1001);
+  REQUIRE(*b.white_cd_m2 == Approx(203));
+  REQUIRE(*b.chromaticities == Chromaticities{});
+  REQUIRE(*b.time_code == TimeCode{1, 2, 3, 29});
+  REQUIRE(b.owner == "the owner");
+  REQUIRE(b.comments == "E_ref 0.004 s");
+  for (std::size_t i = 0; i < 12; ++i)
+    REQUIRE((*b.T_world_camera)[i] == Approx((*a.T_world_camera)[i]).margin(1e-6));
+}
+
+TEST_CASE("a picture without facts has none") {
+  const Image<float> plane = ramp(0, 1);
+  const ExrAttributes a = round_trip(picture_of(plane, plane)).attributes;
+  REQUIRE_FALSE((a.exposure_s || a.iso_speed || a.framerate_hz || a.white_cd_m2 || a.chromaticities ||
+                 a.time_code || a.T_world_camera));
+  REQUIRE((a.owner.empty() && a.comments.empty()));
+}
+
+TEST_CASE("a time code counts frames, carries into seconds and wraps at midnight") {
+  const auto at_frame = [](int n, double hz) {
+    return time_code(Instant::from_seconds(n / hz).since_boot, hz);
+  };
+  REQUIRE(at_frame(0, 30) == TimeCode{0, 0, 0, 0});
+  for (int n = 0; n < 30; ++n) REQUIRE(at_frame(n, 30) == TimeCode{0, 0, 0, n});
+  REQUIRE(at_frame(30 * 3671 + 7, 30) == TimeCode{1, 1, 11, 7});
+  REQUIRE(at_frame(25 * 86400 + 3, 25) == TimeCode{0, 0, 0, 3});
+  REQUIRE(at_frame(59, 60) == TimeCode{0, 0, 0, 29});  // pairs of frames above 30 Hz
+}
+
+TEST_CASE("an OpenEXR file cut anywhere is an error, never a crash or a picture") {
+  const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
+  for (const auto compression : {ExrCompression::None, ExrCompression::Zip, ExrCompression::Piz}) {
+    ExrPicture picture = picture_of(half, full);
+    picture.compression = compression;
+    const std::vector<std::byte> bytes = encode_exr(picture).value();
+    for (std::size_t length = 0; length < bytes.size(); length += 13) {
+      const auto image = decode_exr(std::span(bytes).first(length), "cut.exr");
+      REQUIRE_FALSE(image.ok());
+      REQUIRE((image.error().code == ErrorCode::Truncated || image.error().code == ErrorCode::Corrupt));
+      REQUIRE(image.error().message.find("cut.exr") != std::string::npos);
+    }
+    const auto nearly = decode_exr(std::span(bytes).first(bytes.size() - 1), "cut.exr");
+    REQUIRE_FALSE(nearly.ok());
+    REQUIRE(nearly.error().code == ErrorCode::Truncated);
+  }
+}
+
+TEST_CASE("an OpenEXR file with flipped bits is a picture or an error, never a crash") {
+  const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
+  const std::vector<std::byte> whole = encode_exr(picture_of(half, full)).value();
+  std::mt19937 random(5);
+  int errors = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::vector<std::byte> bytes = whole;
+    // half of the flips in the header, where they hurt most
+    const std::size_t reach = i % 2 == 0 ? std::min<std::size_t>(bytes.size(), 400) : bytes.size();
+    bytes[random() % reach] ^= std::byte(1u << (random() % 8));
+    errors += decode_exr(bytes, "flipped.exr").ok() ? 0 : 1;
+  }
+  REQUIRE(errors > 40);
+}
+
+TEST_CASE("bytes that are no OpenEXR file are refused by name") {
+  const std::string text = "P6 2 2 255 nothing of the kind";
+  const auto image = decode_exr(std::as_bytes(std::span(text)), "holiday.ppm");
+  REQUIRE_FALSE(image.ok());
+  REQUIRE(image.error().code == ErrorCode::Corrupt);
+  REQUIRE(image.error().message.find("holiday.ppm") != std::string::npos);
+}
+
+}  // namespace hdrcam

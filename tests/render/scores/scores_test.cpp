@@ -1,0 +1,226 @@
+#include "render/scores/scores.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "render/exr.h"
+#include "tests/render/scores/synthetic_clip.h"
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+using synthetic_clip::Geometry;
+using synthetic_clip::kFrames;
+using synthetic_clip::TemporaryFolder;
+
+void write_clip_and_estimates(const std::string& folder, Geometry geometry,
+                              const char* name_pattern = "{:06d}.exr") {
+  synthetic_clip::write_clip(folder);
+  REQUIRE(posix_storage().make_directories(folder + "/out").ok());
+  for (int i = 0; i < kFrames; ++i)
+    synthetic_clip::write_estimate(folder + "/out/" + fmt::format(fmt::runtime(name_pattern), i), i,
+                                   geometry);
+}
+
+ClipScores scores_of(const TemporaryFolder& clip, const ScoreOptions& options = {}) {
+  auto scores = score_clip(posix_storage(), clip.path(), clip / "out", options);
+  REQUIRE(scores.ok());
+  return std::move(scores).value();
+}
+
+Error error_of(const std::string& clip, const std::string& out, const ScoreOptions& options = {}) {
+  const auto scores = score_clip(posix_storage(), clip, out, options);
+  REQUIRE_FALSE(scores.ok());
+  return scores.error();
+}
+
+bool mentions(const Error& error, const std::string& word) {
+  return error.message.find(word) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("writes the synthetic clip for another program to score", "[.][keep-clip]") {
+  const char* folder = std::getenv("HDRCAM_KEEP_CLIP");
+  REQUIRE(folder != nullptr);
+  write_clip_and_estimates(folder, Geometry::Without, "{:04d}.exr");
+}
+
+// The expected numbers are those of reference_scores.py (numpy 1.24, OpenCV 4.6) on this clip.
+TEST_CASE("the scores of a clip are those of the reference script") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const ClipScores scores = scores_of(clip);
+  REQUIRE(scores.frames.size() == 6);
+  REQUIRE(scores.missing.empty());
+  REQUIRE(scores.mean.psnr_mu_db == Approx(40.8400).margin(0.001));
+  REQUIRE(scores.mean.psnr_l_db == Approx(36.7452).margin(0.001));
+  REQUIRE(scores.mean.psnr_pu_db == Approx(39.6888).margin(0.001));
+  REQUIRE(*scores.mean.psnr_mu_moving_db == Approx(42.4695).margin(0.001));
+  REQUIRE(scores.worst.picture.psnr_mu_db == Approx(40.4837).margin(0.001));
+  REQUIRE(scores.mean.ssim_mu == Approx(0.996204).margin(1e-5));
+  REQUIRE(scores.mean.log_rmse_stops == Approx(0.098362).margin(1e-5));
+  REQUIRE(*scores.flicker_stops == Approx(0.090289).margin(1e-5));
+  REQUIRE(*scores.flicker_background_stops == Approx(0.089938).margin(1e-5));
+  REQUIRE(scores.phase_stops == Approx(0.041127).margin(1e-5));
+  REQUIRE(scores.shared.white == 6.0);
+  REQUIRE(scores.shared.gain[0] == Approx(2.000972).margin(1e-5));
+  REQUIRE(scores.shared.gain[1] == Approx(1.254239).margin(1e-5));
+  REQUIRE(scores.shared.gain[2] == Approx(0.796314).margin(1e-5));
+}
+
+TEST_CASE("white is the 99.9th percentile of a clip whose shortest exposure saturates above it") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  std::ofstream(clip / "gt/gt.json") << R"({"r_sat_shortest": 1000.0, "moving_ids": [1]})";
+  const ClipScores scores = scores_of(clip, {.skip = 2});
+  REQUIRE(scores.frames.size() == 4);
+  REQUIRE(scores.shared.white == Approx(38.91507).margin(1e-4));
+  REQUIRE(scores.mean.psnr_mu_db == Approx(40.9304).margin(0.001));
+  REQUIRE(*scores.flicker_stops == Approx(0.090483).margin(1e-5));
+}
+
+TEST_CASE("the truth itself scores without error, whatever gain each channel has") {
+  TemporaryFolder clip;
+  synthetic_clip::write_clip(clip.path());
+  REQUIRE(posix_storage().make_directories(clip / "out").ok());
+  for (int i = 0; i < kFrames; ++i) {
+    Image<float> rgb = synthetic_clip::radiance(i);
+    for (float& v : std::span(rgb.plane(1), rgb.plane_size())) v *= 16;
+    ExrPicture picture{rgb.rows(), rgb.cols(), {}, {}, ExrCompression::Piz};
+    for (int c = 0; c < 3; ++c)
+      picture.channels.push_back(
+          {std::string(exr_channel::kRadiance[c]), {rgb.plane(c), rgb.plane_size()}, ExrSample::Float});
+    REQUIRE(
+        write_whole(posix_storage(), clip / fmt::format("out/{}.exr", i), encode_exr(picture).value()).ok());
+  }
+  const ClipScores scores = scores_of(clip, {.skip = 0});
+  REQUIRE(scores.frames.size() == kFrames);
+  REQUIRE(scores.mean.psnr_mu_db > 100);
+  REQUIRE(scores.mean.ssim_mu == Approx(1).margin(1e-6));
+  REQUIRE(*scores.flicker_stops < 1e-5);
+  REQUIRE(scores.phase_stops < 1e-5);
+}
+
+TEST_CASE("a frame without an estimate is reported and left out, and flicker never spans the gap") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without, "{:04d}.exr");
+  std::filesystem::remove(clip / "out/0003.exr");
+  std::filesystem::remove(clip / "out/0000.exr");  // skipped anyway
+  const ClipScores scores = scores_of(clip);
+  REQUIRE(scores.missing == std::vector<int>{3});
+  REQUIRE(scores.frames.size() == 5);
+  for (const FrameScores& scored : scores.frames)
+    REQUIRE(scored.flicker_stops.has_value() == (scored.frame != 1 && scored.frame != 4));
+}
+
+TEST_CASE("estimates that carry depth and flow are scored on them") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::With);
+  const ClipScores scores = scores_of(clip);
+  // Depth is right but for its scale, and 3 % off on the square: 120 of 48 x 36 pixels.
+  REQUIRE(*scores.depth_abs_rel == Approx(0.03 * 120 / (48 * 36)).epsilon(1e-3));
+  // Each vector is off by (0.3, -0.4).
+  REQUIRE(*scores.flow_forward_epe_px == Approx(0.5).epsilon(1e-4));
+  // On the square the reversed truth is (1, -2), the estimate (-1.5, -0.5).
+  int seen = 0, square = 0;
+  for (int i = 1; i < kFrames - 2; ++i) {
+    const Image<float> flow = synthetic_clip::flow(i);
+    for (int y = 0; y < flow.rows(); ++y)
+      for (int x = 0; x < flow.cols(); ++x) {
+        const bool on_square = flow.at(0, y, x) < 0;
+        const float to_x = static_cast<float>(x) + flow.at(0, y, x),
+                    to_y = static_cast<float>(y) + flow.at(1, y, x);
+        const bool comparable = flow.at(2, y, x) == 0 && to_x <= 47 && to_y <= 35;
+        seen += comparable, square += comparable && on_square;
+      }
+  }
+  REQUIRE(square == 5 * 120);
+  REQUIRE(*scores.flow_backward_epe_px == Approx(std::hypot(2.5, 1.5) * square / seen).epsilon(1e-4));
+}
+
+TEST_CASE("a broken estimate is scored, not refused: NaN counts as black") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const double sound = scores_of(clip).mean.psnr_mu_db;
+  // An uncompressed float picture ends with its samples: the last of R in the last row becomes a NaN.
+  Image<float> rgb = synthetic_clip::estimate(4);
+  ExrPicture picture{rgb.rows(), rgb.cols(), {}, {}, ExrCompression::None};
+  for (int c = 0; c < 3; ++c)
+    picture.channels.push_back(
+        {std::string(exr_channel::kRadiance[c]), {rgb.plane(c), rgb.plane_size()}, ExrSample::Float});
+  std::vector<std::byte> bytes = encode_exr(picture).value();
+  for (std::size_t i = bytes.size() - 4; i < bytes.size(); ++i) bytes[i] = std::byte{0x7f};
+  bytes[bytes.size() - 2] = std::byte{0xff};
+  const float last = decode_exr(bytes, "nan.exr").value().samples.plane(2)[rgb.plane_size() - 1];
+  REQUIRE(std::isnan(last));
+  REQUIRE(write_whole(posix_storage(), clip / "out/000004.exr", bytes).ok());
+  const ClipScores scores = scores_of(clip);
+  REQUIRE(std::isfinite(scores.mean.psnr_mu_db));
+  REQUIRE(scores.mean.psnr_mu_db < sound);
+}
+
+TEST_CASE("a comparison that cannot be is refused with a sentence that names the thing") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const std::string out = clip / "out";
+
+  REQUIRE(error_of(clip / "nowhere", out).code == ErrorCode::NotFound);
+  REQUIRE(error_of(clip.path(), clip / "nowhere").code == ErrorCode::NotFound);
+  REQUIRE(mentions(error_of(clip.path(), clip / "gt"), "no HDR frames"));
+  REQUIRE(mentions(error_of(clip.path(), out, {.skip = 4}), "4 skipped"));
+  REQUIRE(error_of(clip.path(), out, {.skip = -1}).code == ErrorCode::Invalid);
+
+  const std::atomic<bool> stop{true};
+  REQUIRE(error_of(clip.path(), out, {.skip = 1, .stop = &stop}).code == ErrorCode::Interrupted);
+
+  SECTION("a clip without ground truth") {
+    std::filesystem::remove_all(clip / "gt");
+    REQUIRE(error_of(clip.path(), out).code == ErrorCode::NotFound);
+    REQUIRE(mentions(error_of(clip.path(), out), "no ground truth"));
+  }
+  SECTION("an estimate of another size") {
+    const std::vector<float> grey(20 * 10, 0.5f);
+    ExrPicture picture{10, 20, {{"R", grey}, {"G", grey}, {"B", grey}}, {}, ExrCompression::Zip};
+    REQUIRE(write_whole(posix_storage(), clip / "out/000002.exr", encode_exr(picture).value()).ok());
+    REQUIRE(error_of(clip.path(), out).code == ErrorCode::SizeChanged);
+    REQUIRE(mentions(error_of(clip.path(), out), "20x10"));
+  }
+  SECTION("two estimates of one frame") {
+    synthetic_clip::write_estimate(clip / "out/2.exr", 2, Geometry::Without);
+    REQUIRE(mentions(error_of(clip.path(), out), "frame 2"));
+  }
+  SECTION("a cut estimate") {
+    std::filesystem::resize_file(clip / "out/000005.exr", 3000);
+    REQUIRE(error_of(clip.path(), out).code == ErrorCode::Truncated);
+    REQUIRE(mentions(error_of(clip.path(), out), "000005.exr"));
+  }
+  SECTION("a clip description that is none") {
+    std::ofstream(clip / "clip.json") << R"({"width": 48})";
+    REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
+    std::ofstream(clip / "clip.json") << "frames";
+    REQUIRE(error_of(clip.path(), out).code == ErrorCode::Corrupt);
+  }
+}
+
+TEST_CASE("the scores as JSON hold every figure, null where nothing was measured") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const ClipScores scores = scores_of(clip);
+  const auto json = nlohmann::json::parse(to_json(scores, "a clip", "a \"label\""));
+  REQUIRE(json.at("clip") == "a clip");
+  REQUIRE(json.at("label") == "a \"label\"");
+  REQUIRE(json.at("psnr_mu").get<double>() == scores.mean.psnr_mu_db);
+  REQUIRE(json.at("flicker").get<double>() == *scores.flicker_stops);
+  REQUIRE(json.at("worst_frame").get<int>() == scores.worst.frame);
+  REQUIRE(json.at("depth_abs_rel").is_null());
+  REQUIRE(json.at("per_frame").size() == 6);
+  REQUIRE(json.at("per_frame").at(0).at("flicker").is_null());
+}
+
+}  // namespace hdrcam
