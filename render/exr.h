@@ -75,7 +75,7 @@ struct ExrPicture {
   int rows = 0, cols = 0;
   std::vector<ExrChannel> channels;  // in any order, names distinct
   ExrAttributes attributes;
-  ExrCompression compression = ExrCompression::Zip;
+  ExrCompression compression = ExrCompression::Piz;  // half of the time of Zip, and smaller (README)
 };
 
 // What was read.
