@@ -26,7 +26,7 @@ float moved_towards(float from, float to, float most_stops) {
 
 }  // namespace
 
-ToneAnchors tone_anchors(const Image<float>& radiance) {
+std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance) {
   std::vector<float> luminances;
   double log_sum = 0;
   for (int y = 0; y < radiance.rows(); y += kMeasureStep_px) {
@@ -38,12 +38,13 @@ ToneAnchors tone_anchors(const Image<float>& radiance) {
       log_sum += std::log(luminance);
     }
   }
-  if (luminances.empty()) return {};
+  if (luminances.empty()) return std::nullopt;
   const auto rank = static_cast<std::size_t>(kWhitePercentile * static_cast<double>(luminances.size() - 1));
   const auto nth = luminances.begin() + static_cast<std::ptrdiff_t>(rank);
   std::nth_element(luminances.begin(), nth, luminances.end());
-  const auto mid = static_cast<float>(std::exp(log_sum / static_cast<double>(luminances.size())));
-  return {mid, std::max(*nth * kWhiteHeadroom, kLeastContrast * mid)};
+  const auto mean = static_cast<float>(std::exp(log_sum / static_cast<double>(luminances.size())));
+  const float mid = std::clamp(mean, 0x1p-20f, 0x1p20f);
+  return ToneAnchors{mid, std::clamp(*nth * kWhiteHeadroom, kLeastContrast * mid, 0x1p24f)};
 }
 
 ToneCurve::ToneCurve(ToneAnchors anchors) : anchors_(anchors) {
@@ -83,11 +84,14 @@ Image<std::uint8_t> tone_mapped(const Image<float>& radiance, const ToneCurve& c
 }
 
 const ToneCurve& ToneAdaptation::follow(const Image<float>& radiance) {
-  const ToneAnchors wanted = tone_anchors(radiance);
-  if (!curve_) return curve_.emplace(wanted);
-  const ToneAnchors& held = curve_->anchors();
-  return curve_.emplace(ToneAnchors{moved_towards(held.mid, wanted.mid, kMaxStep),
-                                    moved_towards(held.white, wanted.white, kMaxStep)});
+  const auto wanted = tone_anchors(radiance);
+  if (!wanted) return curve_;
+  const ToneAnchors held = curve_.anchors();
+  curve_ = ToneCurve(measured_ ? ToneAnchors{moved_towards(held.mid, wanted->mid, kMaxStep),
+                                             moved_towards(held.white, wanted->white, kMaxStep)}
+                               : *wanted);
+  measured_ = true;
+  return curve_;
 }
 
 }  // namespace hdrcam

@@ -3,8 +3,8 @@
 //   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),  w = kKey white / mid      [Reinhard et al. 2002, eq. 3 and 4]
 //   code = 255 sRGB(min(y, 1))
 // `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame: ToneAdaptation
-// sets it from the first frame and then lets it follow by at most a hundredth of a stop a frame, so a still scene is shown without flicker
-// whatever the exposure schedule does.
+// sets it from the first frame and then lets it follow by at most a hundredth of a stop a frame, so a still scene is
+// shown without flicker whatever the exposure schedule does.
 #pragma once
 
 #include <array>
@@ -16,13 +16,14 @@
 namespace hdrcam {
 
 struct ToneAnchors {
-  float mid = 0.18f;  // radiance shown as mid grey
-  float white = 1;    // radiance shown as white, at least 4 x mid
+  float mid = 0.18f;  // radiance shown as mid grey, 2^-20 .. 2^20
+  float white = 1;    // radiance shown as white, 4 mid .. 2^24
 };
 
 // The anchors that suit one picture: mid = geometric mean of its luminance, white = its 99.5th percentile with half a
-// stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left out.
-ToneAnchors tone_anchors(const Image<float>& radiance);
+// stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left out, and where no others
+// are left (a black picture) there are no anchors.
+std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance);
 
 // Immutable value, reentrant. Evaluation is a table of 64 segments per octave over 2^-24 .. 2^24.
 class ToneCurve {
@@ -49,11 +50,12 @@ class ToneAdaptation {
  public:
   static constexpr float kMaxStep = 0.01f;  // stops per frame
 
-  // Takes the frame into account and returns the curve to show it with.
+  // Takes the frame into account and returns the curve to show it with, which is valid until the next call.
   const ToneCurve& follow(const Image<float>& radiance);
 
  private:
-  std::optional<ToneCurve> curve_;
+  ToneCurve curve_{ToneAnchors{}};
+  bool measured_ = false;  // false until the first frame that is not black
 };
 
 }  // namespace hdrcam
