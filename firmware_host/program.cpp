@@ -27,7 +27,7 @@ struct ListedVerb {
 };
 constexpr ListedVerb kVerbs[] = {
     {"HDR", "replay", add_replay, "hdrcam replay walk.mkv -o out/%06d.exr --report out/report.html"},
-    {"HDR", "compare", add_compare, "hdrcam compare out/%06d.exr clips/walk"},
+    {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
     {"Recordings", "info", add_info, "hdrcam info walk.mkv"},

@@ -27,11 +27,11 @@ struct ExrLayers {
 Result<ExrLayers> parse_layers(std::string_view text);
 
 struct ExrSequenceOptions {
-  ExrLayers layers;
-  ExrCompression compression = ExrCompression::Zip;  // Piz: about a tenth smaller on noisy frames, slower to read
-  std::optional<double> framerate_hz;                // of the camera: framesPerSecond and timeCode
-  std::optional<double> white_cd_m2;                 // luminance of radiance 1, where the camera has been calibrated
-  std::string owner;                                 // owner
+  ExrLayers layers = {};
+  ExrCompression compression = ExrCompression::Zip;   // Piz: about a tenth smaller on noisy frames, slower to read
+  std::optional<double> framerate_hz = std::nullopt;  // of the camera: framesPerSecond and timeCode
+  std::optional<double> white_cd_m2 = std::nullopt;   // luminance of radiance 1, where the camera has been calibrated
+  std::string owner = {};                             // written where not empty
 };
 
 // pattern: "out/%06d.exr" (frame_pattern.h); its folder is created. The storage outlives the sink.
