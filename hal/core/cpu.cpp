@@ -1,9 +1,14 @@
 #include "hal/core/cpu.h"
 
+#include <sys/utsname.h>
+
+#include <array>
 #include <cstdlib>
+#include <cstring>
 #include <string_view>
 
 #if defined(__x86_64__)
+#include <cpuid.h>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 #endif
@@ -42,6 +47,23 @@ const char* name(InstructionSet isa) {
     case InstructionSet::Baseline: break;
   }
   return "baseline";
+}
+
+std::string cpu_model() {
+#if defined(__x86_64__)
+  constexpr unsigned kFirstLeaf = 0x80000002, kLeaves = 3;  // 16 characters each
+  std::array<unsigned, 4 * kLeaves> brand{};
+  bool told = true;
+  for (unsigned i = 0; i < kLeaves; ++i)
+    told = told && __get_cpuid(kFirstLeaf + i, &brand[4 * i], &brand[4 * i + 1], &brand[4 * i + 2], &brand[4 * i + 3]);
+  std::string text(sizeof brand, '\0');
+  std::memcpy(text.data(), brand.data(), sizeof brand);
+  text.resize(std::strlen(text.c_str()));
+  const std::size_t first = text.find_first_not_of(' ');
+  if (told && first != std::string::npos) return text.substr(first, text.find_last_not_of(' ') - first + 1);
+#endif
+  utsname system{};
+  return uname(&system) == 0 ? system.machine : "unknown processor";
 }
 
 void flush_denormals() {

@@ -2,6 +2,8 @@
 // can be lowered with HDRCAM_ISA=baseline|avx2 to compare or to reproduce another machine's bytes.
 #pragma once
 
+#include <string>
+
 namespace hdrcam {
 
 enum class InstructionSet { Baseline, Avx2, Avx512 };
@@ -9,6 +11,9 @@ enum class InstructionSet { Baseline, Avx2, Avx512 };
 // The best set that both this processor and the environment variable HDRCAM_ISA allow. Thread-safe.
 InstructionSet instruction_set();
 const char* name(InstructionSet isa);
+
+// The maker's name of this processor, or its architecture where it has none to tell.
+std::string cpu_model();
 
 // Denormals are flushed to zero on the calling thread: a field that decays towards zero must not become slow.
 void flush_denormals();

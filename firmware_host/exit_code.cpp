@@ -1,0 +1,40 @@
+#include "firmware_host/exit_code.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hdrcam {
+namespace {
+
+constexpr std::array kExitCodes{
+    ExitCode{kExitOk, std::nullopt, "done"},
+    ExitCode{kExitInternal, std::nullopt, "a bug in hdrcam, or no memory left"},
+    ExitCode{kExitUsage, ErrorCode::Invalid, "a flag, value or setting that cannot be"},
+    ExitCode{3, ErrorCode::NotFound, "the named file, folder or device does not exist"},
+    ExitCode{4, ErrorCode::NotRecording, "the file exists but is not a recording"},
+    ExitCode{5, ErrorCode::Truncated, "the recording ends in the middle; what precedes the cut was used"},
+    ExitCode{6, ErrorCode::Corrupt, "a checksum or structure in the file does not hold"},
+    ExitCode{7, ErrorCode::BadExposure, "an exposure is missing, zero, negative or not finite"},
+    ExitCode{8, ErrorCode::SizeChanged, "frames of different size within one clip"},
+    ExitCode{9, ErrorCode::TooShort, "fewer frames than the method needs"},
+    ExitCode{10, ErrorCode::Permission, "exists, but may not be read or written"},
+    ExitCode{11, ErrorCode::NoSpace, "the disk or quota is full"},
+    ExitCode{12, ErrorCode::Io, "any other failure of the operating system"},
+    ExitCode{13, ErrorCode::Busy, "the device or file is held by somebody else"},
+    ExitCode{14, ErrorCode::Unplugged, "the device went away"},
+    ExitCode{15, ErrorCode::Timeout, "nothing came within the promised time"},
+    ExitCode{16, ErrorCode::Unsupported, "valid, but not offered by this build or device"},
+    ExitCode{kExitInterrupted, ErrorCode::Interrupted, "stopped by ^C; the files written so far are whole"},
+};
+
+}  // namespace
+
+std::span<const ExitCode> exit_codes() { return kExitCodes; }
+
+int exit_code_of(ErrorCode error) {
+  const auto* found = std::find_if(kExitCodes.begin(), kExitCodes.end(),
+                                   [error](const ExitCode& code) { return code.error == error; });
+  return found == kExitCodes.end() ? kExitInternal : found->number;
+}
+
+}  // namespace hdrcam

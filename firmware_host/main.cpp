@@ -1,0 +1,32 @@
+// The process: signals, the real disk, the real standard streams. Everything else is program.cpp.
+#include <csignal>
+
+#include <atomic>
+#include <cstddef>
+#include <iostream>
+#include <span>
+
+#include "firmware_host/program.h"
+#include "hal/storage.h"
+
+namespace {
+
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
+
+// The first ^C (or SIGTERM) asks for a clean end; SA_RESETHAND gives the second one its usual, deadly effect.
+void stop_cleanly_once(int signal) {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  action.sa_flags = SA_RESETHAND;
+  sigaction(signal, &action, nullptr);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  stop_cleanly_once(SIGINT);
+  stop_cleanly_once(SIGTERM);
+  const std::span<const char* const> args(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0));
+  return hdrcam::run_program(args, hdrcam::posix_storage(), stop_requested, std::cout, std::cerr);
+}

@@ -1,0 +1,162 @@
+#include "firmware_host/program.h"
+
+#include <fmt/format.h>
+#include <fmt/ostream.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <exception>
+#include <ostream>
+#include <string_view>
+#include <vector>
+
+#include "firmware_host/exit_code.h"
+#include "firmware_host/suggestion.h"
+#include "firmware_host/version.h"
+
+namespace hdrcam {
+namespace {
+
+// The verbs in the order in which --help lists them. Their one-line descriptions and flags live with them.
+struct ListedVerb {
+  const char* group;
+  const char* name;
+  void (*add)(CLI::App&, Verb&);
+  const char* example;
+};
+constexpr ListedVerb kVerbs[] = {
+    {"HDR", "replay", add_replay, "hdrcam replay walk.mkv -o out/%06d.exr --report out/report.html"},
+    {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
+    {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
+    {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
+    {"Recordings", "info", add_info, "hdrcam info walk.mkv"},
+};
+
+std::string exit_code_text() {
+  std::string text = "Exit codes:\n";
+  for (const ExitCode& code : exit_codes()) text += fmt::format("  {:>3}  {}\n", code.number, code.meaning);
+  return text;
+}
+
+std::string help_text(const CLI::App& app) {
+  std::string text =
+      "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, middle and\n"
+      "long in turn, and every one of them leaves as a scene-linear HDR frame of the same instant.\n\n"
+      "Usage: hdrcam VERB [flags]      hdrcam VERB --help      hdrcam --version\n";
+  std::string_view group;
+  for (const ListedVerb& verb : kVerbs) {
+    if (group != verb.group) text += fmt::format("\n{}:\n", group = verb.group);
+    text += fmt::format("  {:<9}{}\n           $ {}\n", verb.name, app.get_subcommand(verb.name)->get_description(),
+                        verb.example);
+  }
+  text += "\n^C ends a run cleanly after the current frame; a second ^C ends it at once.\n\n";
+  return text + exit_code_text();
+}
+
+std::vector<std::string> verb_names() {
+  std::vector<std::string> names{"help"};
+  for (const ListedVerb& verb : kVerbs) names.emplace_back(verb.name);
+  return names;
+}
+
+Error unknown_verb(std::string_view typed) {
+  return {ErrorCode::Invalid, fmt::format("there is no verb '{}'{}; 'hdrcam --help' lists them", typed,
+                                          did_you_mean(typed, verb_names()))};
+}
+
+// The sentence for a command line that CLI11 refused. An unknown flag comes first, whatever else is wrong: it is the
+// usual cause of the rest (its value was taken for a positional, or the flag it was meant to be is missing).
+Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
+  const auto chosen = app.get_subcommands();
+  const CLI::App& place = chosen.empty() ? app : *chosen.front();
+  const std::string help = chosen.empty() ? "hdrcam --help" : fmt::format("hdrcam {} --help", place.get_name());
+  std::vector<std::string> flags;
+  for (const CLI::Option* option : place.get_options())
+    for (const auto& word : option->get_lnames()) flags.push_back("--" + word);
+
+  const std::vector<std::string> extras = app.remaining(true);
+  const auto extra_flag =
+      std::find_if(extras.begin(), extras.end(), [](const std::string& word) { return word.starts_with('-'); });
+  if (extra_flag != extras.end()) {
+    const std::string flag = extra_flag->substr(0, extra_flag->find('='));
+    return {ErrorCode::Invalid,
+            fmt::format("unknown flag '{}'{}; see '{}'", flag, did_you_mean(flag, flags), help)};
+  }
+  if (!extras.empty())
+    return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see '{}'", extras.front(), help)};
+  std::string sentence = refused.what();
+  if (!sentence.empty()) sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
+  return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence, help)};
+}
+
+// "hdrcam help [TOPIC]" is rewritten to the flag that says the same.
+Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
+  if (topics.empty()) return Request{nullptr, {}, help_text(app)};
+  const std::string_view topic = topics.front();
+  if (topic == "exit-codes") return Request{nullptr, {}, exit_code_text()};
+  for (const ListedVerb& verb : kVerbs)
+    if (topic == verb.name) return Request{nullptr, {}, app.get_subcommand(verb.name)->help("hdrcam")};
+  return unknown_verb(topic);
+}
+
+std::shared_ptr<CLI::App> command_line(Verb& chosen) {
+  auto app = std::make_shared<CLI::App>("", "hdrcam");
+  app->require_subcommand(1);
+  app->set_version_flag("--version", fmt::format("hdrcam {}", kVersion));
+  for (const ListedVerb& verb : kVerbs) {
+    verb.add(*app, chosen);
+    CLI::App* added = app->get_subcommand(verb.name);
+    added->group(verb.group);
+    added->footer(fmt::format("Example:\n  {}", verb.example));
+  }
+  return app;
+}
+
+}  // namespace
+
+Result<Request> parse_command_line(std::span<const char* const> args) {
+  Request request;
+  request.app = command_line(request.verb);
+  CLI::App& app = *request.app;
+  if (args.empty()) return Error{ErrorCode::Invalid, "no verb given; 'hdrcam --help' lists them"};
+  const std::string_view first = args.front();
+  if (first == "help") return help_on(app, args.subspan(1));
+  const auto known = verb_names();
+  if (!first.starts_with('-') && std::find(known.begin(), known.end(), first) == known.end()) return unknown_verb(first);
+  try {
+    app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
+  } catch (const CLI::CallForHelp&) {
+    const auto chosen = app.get_subcommands();
+    return Request{nullptr, {}, chosen.empty() ? help_text(app) : chosen.front()->help("hdrcam")};
+  } catch (const CLI::CallForVersion& version) {
+    return Request{nullptr, {}, std::string(version.what()) + '\n'};
+  } catch (const CLI::ParseError& refused) {
+    return not_understood(app, refused);
+  }
+  return request;
+}
+
+int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop, std::ostream& out,
+                std::ostream& err) {
+  const auto end_with = [&](const Error& error) {
+    fmt::print(err, "hdrcam: {}.\n", error.message);
+    return exit_code_of(error.code);
+  };
+  try {
+    auto request = parse_command_line(args);
+    if (!request) return end_with(request.error());
+    if (!request->verb) {
+      out << request->text << std::flush;
+      return kExitOk;
+    }
+    Surroundings surroundings{storage, stop};
+    const Result<void> done = request->verb(surroundings);
+    return done ? kExitOk : end_with(done.error());
+  } catch (const std::exception& bug) {
+    fmt::print(err, "hdrcam: internal error: {}.\n", bug.what());
+    return kExitInternal;
+  }
+}
+
+}  // namespace hdrcam

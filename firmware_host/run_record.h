@@ -1,0 +1,95 @@
+// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The pipeline's verb
+// fills it; --stats writes it as JSON (to_json) and the report draws it (sinks/report.h). Plain values.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/core/result.h"
+#include "hal/storage.h"
+#include "online/response/response.h"
+#include "render/hdr_frame.h"
+
+namespace hdrcam {
+
+struct NamedValue {
+  std::string name;
+  double value = 0;
+};
+
+inline constexpr std::size_t kProvenances = 5;  // values of enum Provenance
+
+struct FrameRecord {
+  std::uint64_t sequence = 0;
+  double time_s = 0;        // since the first frame
+  double exposure = 1;      // E / E_ref
+  double total_ms = 0;      // from the frame's arrival in the pipeline until its work was done
+  std::vector<NamedValue> stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
+  std::vector<NamedValue> losses;     // weighted terms of the fit's last step; empty without the field
+  int fit_steps = 0;
+  std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
+  std::string note;         // what was out of the ordinary, in words: "step rolled back"; usually empty
+};
+
+// [rgb][code] relative exposure, as Response::inverse
+using ResponseCurves = std::array<Response::Curve, 3>;
+
+struct ScoreRow {
+  std::string name;  // "PSNR-mu"
+  std::string unit;  // "dB"; "" for a pure number
+  double value = 0;
+  bool higher_is_better = true;
+};
+
+struct RunRecord {
+  std::string title;    // usually the clip's name
+  std::string command;  // as typed
+  std::string preset;
+  std::uint64_t seed = 0;
+  int threads = 1;
+  std::string precision;  // of the field's parameters, as far as it is a choice; "" hides it
+
+  std::string camera;
+  int width = 0, height = 0;
+  double framerate_hz = 0;
+  double deadline_ms = 0;  // per frame; 0: none
+
+  int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped, or the report says so in red
+  double wall_s = 0;
+  double peak_memory_mib = 0;
+
+  std::vector<FrameRecord> frames;
+  std::optional<ResponseCurves> response;        // the estimate in use at the end
+  std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
+  std::vector<ScoreRow> scores;                  // empty without ground truth
+  std::vector<std::string> notes;                // clip-level remarks: what was switched off and why
+};
+
+// One stage over all frames in which it ran.
+struct StageSummary {
+  std::string name;
+  int frames = 0;
+  double mean_ms = 0, p95_ms = 0, max_ms = 0;
+};
+
+// In the order in which the stages first occur; the last entry is "total".
+std::vector<StageSummary> stage_summaries(const RunRecord& record);
+
+// Mean of total_ms; 0 without frames.
+double mean_ms_per_frame(const RunRecord& record);
+
+// Share of each provenance over the whole run.
+std::array<double, kProvenances> mean_provenance(const RunRecord& record);
+
+// Peak resident memory of this process so far, MiB.
+double peak_memory_mib();
+
+// The keys are specified in docs/stats.md. Values that are not finite become null.
+std::string to_json(const RunRecord& record);
+Result<void> write_stats(Storage& storage, const std::string& path, const RunRecord& record);
+
+}  // namespace hdrcam

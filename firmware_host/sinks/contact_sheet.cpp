@@ -1,0 +1,178 @@
+#include "firmware_host/sinks/contact_sheet.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "firmware_host/sinks/canvas.h"
+#include "render/png.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kRowsShown = 4;
+constexpr std::size_t kRowsKept = 12;
+constexpr int kCellWidth_px = 320;
+constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
+constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224};
+constexpr float kBrightest = 0.98f;  // the percentile of 1 / depth that is shown brightest
+
+int cell_rows(int rows, int cols) { return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols); }
+int cell_cols(int cols) { return std::min(cols, kCellWidth_px); }
+
+template <class T>
+Image<T> as_cell(const Image<T>& picture) {
+  return resized(picture, cell_rows(picture.rows(), picture.cols()), cell_cols(picture.cols()));
+}
+
+Image<std::uint8_t> as_codes(const Image<float>& codes) {
+  Image<std::uint8_t> result;
+  result.reshape(codes.channels(), codes.rows(), codes.cols());
+  std::transform(codes.samples().begin(), codes.samples().end(), result.samples().begin(),
+                 [](float code) { return static_cast<std::uint8_t>(std::clamp(code, 0.0f, 255.0f) + 0.5f); });
+  return result;
+}
+
+// Labels cannot be averaged: each pixel of the cell takes the one nearest to its centre.
+Image<std::uint8_t> sampled(const Image<std::uint8_t>& labels) {
+  Image<std::uint8_t> result;
+  result.reshape(1, cell_rows(labels.rows(), labels.cols()), cell_cols(labels.cols()));
+  for (int y = 0; y < result.rows(); ++y)
+    for (int x = 0; x < result.cols(); ++x)
+      result.at(0, y, x) = labels.at(0, (2 * y + 1) * labels.rows() / (2 * result.rows()),
+                                     (2 * x + 1) * labels.cols() / (2 * result.cols()));
+  return result;
+}
+
+Image<float> inverted(const Image<float>& depth) {
+  Image<float> nearness;
+  nearness.reshape_like(depth);
+  std::transform(depth.samples().begin(), depth.samples().end(), nearness.samples().begin(),
+                 [](float z) { return z > 0 ? 1 / z : 0.0f; });
+  return nearness;
+}
+
+Image<std::uint8_t> scaled(const Image<float>& nearness, float brightest) {
+  Image<float> codes;
+  codes.reshape_like(nearness);
+  std::transform(nearness.samples().begin(), nearness.samples().end(), codes.samples().begin(),
+                 [brightest](float value) { return brightest > 0 ? 255 * value / brightest : 0.0f; });
+  return as_codes(codes);
+}
+
+Image<std::uint8_t> coloured(const Image<std::uint8_t>& provenance) {
+  Image<std::uint8_t> picture;
+  picture.reshape(3, provenance.rows(), provenance.cols());
+  for (std::size_t i = 0; i < provenance.size(); ++i) {
+    const std::size_t value = std::min<std::size_t>(provenance.samples()[i], kProvenanceLooks.size() - 1);
+    const Rgb colour = kProvenanceLooks[value].colour;
+    picture.plane(0)[i] = colour.r, picture.plane(1)[i] = colour.g, picture.plane(2)[i] = colour.b;
+  }
+  return picture;
+}
+
+float percentile(std::vector<float>& values, float fraction) {
+  if (values.empty()) return 0;
+  const auto rank = static_cast<std::size_t>(fraction * static_cast<float>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
+  return values[rank];
+}
+
+void draw_legend(Canvas& canvas, int baseline) {
+  int left = kGap_px;
+  const auto write = [&](const std::string& words) {
+    canvas.write(baseline, left, words, kText_px, kInk);
+    left += text_width(words, kText_px);
+  };
+  write("provenance:");
+  for (const ProvenanceLook& look : kProvenanceLooks) {
+    left += 2 * kGap_px;
+    canvas.fill(baseline - kText_px, left, kText_px, kText_px, look.colour);
+    left += kText_px + kGap_px / 2;
+    write(look.name);
+  }
+}
+
+}  // namespace
+
+ContactSheet::ContactSheet(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
+
+void ContactSheet::saw_input(const FrameFacts& facts, const Image<float>& codes) {
+  if (inputs_++ % stride_ != 0) return;
+  if (rows_.size() == kRowsKept) {
+    std::vector<Row> every_second;
+    for (std::size_t i = 0; i < rows_.size(); i += 2) every_second.push_back(std::move(rows_[i]));
+    rows_ = std::move(every_second);
+    stride_ *= 2;
+  }
+  Row& row = rows_.emplace_back();
+  row.facts = facts;
+  row.input = as_cell(as_codes(codes));
+}
+
+Result<void> ContactSheet::emit(const HdrFrame& frame) {
+  const ToneCurve& curve = tone_.follow(frame.radiance);
+  const auto row = std::find_if(rows_.begin(), rows_.end(),
+                                [&](const Row& kept) { return kept.facts.sequence == frame.facts.sequence; });
+  if (row == rows_.end()) return {};
+  row->exposure = frame.exposure;
+  row->shown = as_cell(tone_mapped(frame.radiance, curve));
+  row->provenance = sampled(frame.provenance);
+  if (!frame.depth.empty()) row->nearness = as_cell(inverted(frame.depth));
+  return {};
+}
+
+Result<void> ContactSheet::finish() {
+  if (chosen_rows().empty()) return {};
+  png_ = TRY(encode_png(composed(), PngEffort::Small));
+  return path_.empty() ? Result<void>{} : write_whole(storage_, path_, png_);
+}
+
+std::vector<const ContactSheet::Row*> ContactSheet::chosen_rows() const {
+  std::vector<const Row*> complete, chosen;
+  for (const Row& row : rows_)
+    if (row.complete()) complete.push_back(&row);
+  const int n = static_cast<int>(complete.size());
+  const int shown = std::min(n, kRowsShown);
+  for (int i = 0; i < shown; ++i)
+    chosen.push_back(complete[static_cast<std::size_t>(shown == 1 ? 0 : i * (n - 1) / (shown - 1))]);
+  return chosen;
+}
+
+Image<std::uint8_t> ContactSheet::composed() const {
+  const auto rows = chosen_rows();
+  std::vector<float> nearness;
+  for (const Row* row : rows)
+    nearness.insert(nearness.end(), row->nearness.samples().begin(), row->nearness.samples().end());
+  const float brightest = percentile(nearness, kBrightest);
+  std::vector<std::string> titles{"input", "HDR, tone-mapped", "provenance"};
+  if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
+
+  const int cell_height = rows.front()->input.rows(), cell_width = rows.front()->input.cols();
+  const int step_right = cell_width + kGap_px, step_down = cell_height + kCaption_px;
+  const int columns = static_cast<int>(titles.size()), count = static_cast<int>(rows.size());
+  Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, kGap_px + columns * step_right, kPaper);
+  for (int i = 0; i < columns; ++i)
+    canvas.write(kCaption_px - 6, kGap_px + i * step_right, titles[static_cast<std::size_t>(i)], kText_px, kInk);
+
+  int top = kCaption_px;
+  for (const Row* row : rows) {
+    const auto paste = [&](int column, const Image<std::uint8_t>& cell) {
+      canvas.paste(top, kGap_px + column * step_right, cell);
+    };
+    paste(0, row->input);
+    paste(1, row->shown);
+    paste(2, coloured(row->provenance));
+    if (!row->nearness.empty()) paste(3, false_colours(scaled(row->nearness, brightest)));
+    canvas.write(top + step_down - 7, kGap_px,
+                 fmt::format("frame {}    exposure {:+.1f} EV", row->facts.sequence, std::log2(row->exposure)),
+                 kText_px, kInk);
+    top += step_down;
+  }
+  draw_legend(canvas, top + kCaption_px - 7);
+  return canvas.picture().clone();
+}
+
+}  // namespace hdrcam

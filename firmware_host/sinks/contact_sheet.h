@@ -1,0 +1,50 @@
+// One picture that shows a whole run: a few frames, evenly spread over the clip, each as a row of
+//   what came in | the HDR frame, tone-mapped | provenance | inverse depth (where the field ran).
+// The clip's length is not known beforehand: every n-th frame is kept, and n doubles whenever too many are held, so the
+// memory is bounded. Thread-bound.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "firmware_host/sinks/frame_sink.h"
+#include "hal/storage.h"
+#include "render/tone_curve.h"
+
+namespace hdrcam {
+
+class ContactSheet : public FrameSink {
+ public:
+  // path: of the PNG that finish() writes; "" to write none (the report takes png()). The storage outlives the sink.
+  ContactSheet(Storage& storage, std::string path);
+
+  // Every input frame, before its HDR frame is emitted. codes: [rgb, rows, cols] 0..255, as in ExposedFrame.
+  void saw_input(const FrameFacts& facts, const Image<float>& codes);
+  Result<void> emit(const HdrFrame& frame) override;
+  Result<void> finish() override;
+
+  // The sheet as a PNG, after finish(); empty where no frame was emitted.
+  const std::vector<std::byte>& png() const { return png_; }
+
+ private:
+  struct Row {
+    FrameFacts facts;
+    float exposure = 1;                // E / E_ref
+    Image<std::uint8_t> input, shown;  // [rgb, rows, cols]
+    Image<float> nearness;             // [1, rows, cols] 1 / depth; empty without depth
+    Image<std::uint8_t> provenance;    // [1, rows, cols]
+    bool complete() const { return !shown.empty(); }
+  };
+  Image<std::uint8_t> composed() const;
+  std::vector<const Row*> chosen_rows() const;
+
+  Storage& storage_;
+  const std::string path_;
+  ToneAdaptation tone_;
+  std::vector<Row> rows_;
+  int inputs_ = 0, stride_ = 1;
+  std::vector<std::byte> png_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,124 @@
+#include "firmware_host/sinks/exr_sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/suggestion.h"
+#include "firmware_host/version.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kIsoOfUnitGain = 100;
+
+ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& options, Instant start) {
+  const FrameFacts& facts = frame.facts;
+  ExrAttributes attributes;
+  attributes.exposure_s = facts.exposure_s;
+  attributes.iso_speed = kIsoOfUnitGain * facts.analogue_gain * facts.digital_gain;
+  attributes.framerate_hz = options.framerate_hz;
+  attributes.white_cd_m2 = options.white_cd_m2;
+  attributes.chromaticities = Chromaticities{};
+  if (options.framerate_hz) attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
+  attributes.T_world_camera = facts.T_world_camera;
+  attributes.owner = options.owner;
+  attributes.comments =
+      fmt::format("hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is {:.6g} of it",
+                  kVersion, facts.sequence, frame.reference_exposure, frame.exposure);
+  return attributes;
+}
+
+class ExrSequence : public FrameSink {
+ public:
+  ExrSequence(Storage& storage, FramePattern pattern, ExrSequenceOptions options)
+      : storage_(storage), pattern_(std::move(pattern)), options_(std::move(options)) {}
+
+  Result<void> emit(const HdrFrame& frame) override {
+    if (!start_) start_ = frame.facts.timestamp;
+    ExrPicture picture;
+    picture.rows = frame.radiance.rows();
+    picture.cols = frame.radiance.cols();
+    picture.channels = channels_of(frame);
+    picture.attributes = attributes_of(frame, options_, *start_);
+    picture.compression = options_.compression;
+    const std::vector<std::byte> bytes = TRY(encode_exr(picture));
+    return write_whole(storage_, pattern_.path(frame.facts.sequence), bytes);
+  }
+
+  Result<void> finish() override { return {}; }
+
+ private:
+  std::vector<ExrChannel> channels_of(const HdrFrame& frame) {
+    const std::size_t n = frame.radiance.plane_size();
+    std::vector<ExrChannel> channels;
+    const auto add = [&](std::string_view name, const Image<float>& image, int plane, ExrSample stored) {
+      channels.push_back({std::string(name), image.empty() ? zeros(n) : std::span(image.plane(plane), n), stored});
+    };
+    for (int c = 0; c < 3; ++c) add(exr_channel::kRadiance[c], frame.radiance, c, ExrSample::Half);
+    if (options_.layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);
+    if (options_.layers.flow)
+      for (int c = 0; c < 2; ++c) add(exr_channel::kFlowBackward[c], frame.flow, c, ExrSample::Half);
+    if (options_.layers.confidence) {
+      confidence_.resize(n);
+      std::transform(frame.sigma.samples().begin(), frame.sigma.samples().end(), confidence_.begin(),
+                     [](float sigma) { return std::exp(-sigma); });
+      add(exr_channel::kSigma, frame.sigma, 0, ExrSample::Half);
+      channels.push_back({"confidence", confidence_, ExrSample::Half});
+    }
+    if (options_.layers.provenance) {
+      provenance_.assign(frame.provenance.samples().begin(), frame.provenance.samples().end());
+      channels.push_back({std::string(exr_channel::kProvenance), provenance_, ExrSample::Half});
+    }
+    return channels;
+  }
+
+  std::span<const float> zeros(std::size_t n) {
+    zeros_.resize(n);
+    return zeros_;
+  }
+
+  Storage& storage_;
+  const FramePattern pattern_;
+  const ExrSequenceOptions options_;
+  std::optional<Instant> start_;
+  std::vector<float> zeros_, confidence_, provenance_;  // planes of the frame being written
+};
+
+}  // namespace
+
+Result<ExrLayers> parse_layers(std::string_view text) {
+  ExrLayers layers;
+  const std::pair<std::string, bool*> known[] = {{"depth", &layers.depth},
+                                                 {"flow", &layers.flow},
+                                                 {"confidence", &layers.confidence},
+                                                 {"provenance", &layers.provenance}};
+  while (!text.empty()) {
+    const std::string_view word = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(word.size() + 1, text.size()));
+    const auto* layer = std::find_if(std::begin(known), std::end(known),
+                                     [word](const auto& candidate) { return candidate.first == word; });
+    if (layer == std::end(known)) {
+      const std::vector<std::string> names{"depth", "flow", "confidence", "provenance"};
+      return Error{ErrorCode::Invalid, fmt::format("--layers has no '{}'{}; it takes any of {}", word,
+                                                   did_you_mean(word, names), fmt::join(names, ","))};
+    }
+    *layer->second = true;
+  }
+  return layers;
+}
+
+Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,
+                                                       ExrSequenceOptions options) {
+  auto parsed = TRY(FramePattern::parse("--output", pattern, ".exr"));
+  TRY(storage.make_directories(parsed.folder()));
+  return std::unique_ptr<FrameSink>(
+      std::make_unique<ExrSequence>(storage, std::move(parsed), std::move(options)));
+}
+
+}  // namespace hdrcam

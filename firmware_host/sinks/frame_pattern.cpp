@@ -1,0 +1,50 @@
+#include "firmware_host/sinks/frame_pattern.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kMaxDigits = 19;  // of a 64-bit sequence number
+
+Error refused(std::string_view flag, std::string_view text, std::string_view why, std::string_view extension) {
+  return {ErrorCode::Invalid,
+          fmt::format("{} '{}' {}; write it as 'out/%06d{}'", flag, text, why, extension)};
+}
+
+}  // namespace
+
+Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text, std::string_view extension) {
+  const auto percents = std::count(text.begin(), text.end(), '%');
+  if (percents == 0) return refused(flag, text, "would put every frame into one file", extension);
+  if (percents > 1) return refused(flag, text, "has more than one '%'", extension);
+  if (!text.ends_with(extension))
+    return refused(flag, text, fmt::format("does not end in '{}'", extension), extension);
+
+  const std::size_t percent = text.find('%');
+  const std::size_t end = text.find_first_not_of("0123456789", percent + 1);
+  const std::string_view width = text.substr(percent + 1, end - percent - 1);
+  if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 || width[0] != '0')
+    return refused(flag, text, "has a '%' that is not a frame number like '%06d'", extension);
+  int digits = 0;
+  for (const char digit : width) digits = digits * 10 + (digit - '0');
+  if (digits < 1 || digits > kMaxDigits)
+    return refused(flag, text, fmt::format("asks for {} digits, not 1 to {}", digits, kMaxDigits), extension);
+  if (text.find('/', percent) != std::string_view::npos)
+    return refused(flag, text, "has the frame number in a folder's name", extension);
+  return FramePattern(std::string(text.substr(0, percent)), digits, std::string(text.substr(end + 1)));
+}
+
+std::string FramePattern::path(std::uint64_t sequence) const {
+  return fmt::format("{}{:0{}}{}", before_, sequence, digits_, after_);
+}
+
+std::string FramePattern::folder() const {
+  const std::size_t slash = before_.rfind('/');
+  if (slash == std::string::npos) return ".";
+  return slash == 0 ? "/" : before_.substr(0, slash);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,31 @@
+// The name of one file per frame: "out/%06d.exr" -> out/000041.exr. Exactly one %0Nd, which stands for the sensor's
+// sequence number; the pattern is parsed here and never handed to printf. Value type, reentrant.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+class FramePattern {
+ public:
+  // flag: the flag that the message names, e.g. "--output"; extension: with its dot, e.g. ".exr".
+  // Errors: Invalid.
+  static Result<FramePattern> parse(std::string_view flag, std::string_view text, std::string_view extension);
+
+  std::string path(std::uint64_t sequence) const;
+  std::string folder() const;  // of the files; "." where the pattern names none
+
+ private:
+  FramePattern(std::string before, int digits, std::string after)
+      : before_(std::move(before)), digits_(digits), after_(std::move(after)) {}
+
+  std::string before_;
+  int digits_;
+  std::string after_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,33 @@
+// How provenance is shown to people: one name and one colour per value, the same in pictures, charts and legends.
+// The colours stay apart for colour-blind eyes (Okabe and Ito 2008).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "render/hdr_frame.h"
+
+namespace hdrcam {
+
+struct Rgb {
+  std::uint8_t r = 0, g = 0, b = 0;
+
+  friend bool operator==(const Rgb&, const Rgb&) = default;
+};
+
+struct ProvenanceLook {
+  Provenance provenance;
+  const char* key;   // in files
+  const char* name;  // for people
+  Rgb colour;
+};
+
+inline constexpr std::array kProvenanceLooks{
+    ProvenanceLook{Provenance::Own, "own", "own sample", {0, 114, 178}},
+    ProvenanceLook{Provenance::Carried, "carried", "carried", {0, 158, 115}},
+    ProvenanceLook{Provenance::LookAhead, "look_ahead", "look-ahead", {230, 159, 0}},
+    ProvenanceLook{Provenance::Field, "field", "field", {204, 121, 167}},
+    ProvenanceLook{Provenance::Bound, "bound", "clipped bound", {213, 94, 0}},
+};
+
+}  // namespace hdrcam

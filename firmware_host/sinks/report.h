@@ -1,0 +1,25 @@
+// report.html: what a run did, on one page that needs nothing else (styles, charts and pictures are inside; no script,
+// no network), readable on light and dark screens and on paper.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "firmware_host/run_record.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// contact_sheet_png: ContactSheet::png(), or empty for a report without it. Long runs are averaged over consecutive
+// frames for the charts, so the page stays small. Reentrant.
+std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png);
+
+// Errors: those of the disk.
+Result<void> write_report(Storage& storage, const std::string& path, const RunRecord& record,
+                          std::span<const std::byte> contact_sheet_png);
+
+std::string base64(std::span<const std::byte> bytes);  // RFC 4648, with padding
+
+}  // namespace hdrcam

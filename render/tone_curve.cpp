@@ -1,0 +1,97 @@
+#include "render/tone_curve.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kMeasureStep_px = 3;       // a ninth of the pixels is plenty for a mean and a percentile
+constexpr double kWhitePercentile = 0.995;
+constexpr float kWhiteHeadroom = 1.41f;  // half a stop above the percentile, so that highlights keep their shape
+constexpr float kLeastContrast = 4;      // white / mid: a flat picture is not stretched to the full display range
+
+// IEC 61966-2-1, [0,1] -> [0,1]
+float srgb_encoded(float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float moved_towards(float from, float to, float most_stops) {
+  const float stops = std::log2(to / from);
+  return from * std::exp2(std::clamp(stops, -most_stops, most_stops));
+}
+
+}  // namespace
+
+std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance) {
+  std::vector<float> luminances;
+  double log_sum = 0;
+  for (int y = 0; y < radiance.rows(); y += kMeasureStep_px) {
+    const float *r = radiance.row(0, y), *g = radiance.row(1, y), *b = radiance.row(2, y);
+    for (int x = 0; x < radiance.cols(); x += kMeasureStep_px) {
+      const float luminance = 0.2126f * r[x] + 0.7152f * g[x] + 0.0722f * b[x];  // ITU-R BT.709
+      if (!(luminance > 0) || !std::isfinite(luminance)) continue;
+      luminances.push_back(luminance);
+      log_sum += std::log(luminance);
+    }
+  }
+  if (luminances.empty()) return std::nullopt;
+  const auto rank = static_cast<std::size_t>(kWhitePercentile * static_cast<double>(luminances.size() - 1));
+  const auto nth = luminances.begin() + static_cast<std::ptrdiff_t>(rank);
+  std::nth_element(luminances.begin(), nth, luminances.end());
+  const auto mean = static_cast<float>(std::exp(log_sum / static_cast<double>(luminances.size())));
+  const float mid = std::clamp(mean, 0x1p-20f, 0x1p20f);
+  return ToneAnchors{mid, std::clamp(*nth * kWhiteHeadroom, kLeastContrast * mid, 0x1p24f)};
+}
+
+ToneCurve::ToneCurve(ToneAnchors anchors) : anchors_(anchors) {
+  const float scale = kKey / anchors.mid;
+  const float white = scale * anchors.white;
+  for (std::size_t i = 0; i < codes_.size(); ++i) {
+    const auto segment = static_cast<int>(i);
+    const float radiance = std::ldexp(1 + static_cast<float>(segment % kSegments) / kSegments,
+                                      segment / kSegments + kLowestOctave);
+    const float x = scale * radiance;
+    const float y = x * (1 + x / (white * white)) / (1 + x);
+    codes_[i] = 255 * srgb_encoded(std::min(y, 1.0f));
+  }
+}
+
+std::uint8_t ToneCurve::code(float radiance) const {
+  if (!(radiance > 0)) return 0;
+  // The exponent and the upper six bits of the mantissa are the segment, the lower bits the place within it.
+  constexpr int kMantissaBits = std::numeric_limits<float>::digits - 1;
+  constexpr int kPlaceBits = kMantissaBits - std::bit_width(unsigned{kSegments - 1});
+  constexpr int kFirst = (kLowestOctave + std::numeric_limits<float>::max_exponent - 1) * kSegments;
+  const auto bits = std::bit_cast<std::uint32_t>(radiance);
+  const int segment = static_cast<int>(bits >> kPlaceBits) - kFirst;
+  if (segment < 0) return 0;
+  if (segment >= kSegments * kOctaves) return static_cast<std::uint8_t>(codes_.back() + 0.5f);
+  const float place = static_cast<float>(bits & ((1u << kPlaceBits) - 1)) / static_cast<float>(1u << kPlaceBits);
+  const auto i = static_cast<std::size_t>(segment);
+  return static_cast<std::uint8_t>(codes_[i] + place * (codes_[i + 1] - codes_[i]) + 0.5f);
+}
+
+Image<std::uint8_t> tone_mapped(const Image<float>& radiance, const ToneCurve& curve) {
+  Image<std::uint8_t> codes;
+  codes.reshape(radiance.channels(), radiance.rows(), radiance.cols());
+  std::transform(radiance.samples().begin(), radiance.samples().end(), codes.samples().begin(),
+                 [&curve](float value) { return curve.code(value); });
+  return codes;
+}
+
+const ToneCurve& ToneAdaptation::follow(const Image<float>& radiance) {
+  const auto wanted = tone_anchors(radiance);
+  if (!wanted) return curve_;
+  const ToneAnchors held = curve_.anchors();
+  curve_ = ToneCurve(measured_ ? ToneAnchors{moved_towards(held.mid, wanted->mid, kMaxStep),
+                                             moved_towards(held.white, wanted->white, kMaxStep)}
+                               : *wanted);
+  measured_ = true;
+  return curve_;
+}
+
+}  // namespace hdrcam

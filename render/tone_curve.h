@@ -1,0 +1,61 @@
+// From scene-linear radiance to 8-bit display codes: one global curve, the same for each channel, so that bright colours
+// run into white as they do on film.
+//   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),  w = kKey white / mid      [Reinhard et al. 2002, eq. 3 and 4]
+//   code = 255 sRGB(min(y, 1))
+// `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame: ToneAdaptation
+// sets it from the first frame and then lets it follow by at most a hundredth of a stop a frame, so a still scene is
+// shown without flicker whatever the exposure schedule does.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "hal/core/image.h"
+
+namespace hdrcam {
+
+struct ToneAnchors {
+  float mid = 0.18f;  // radiance shown as mid grey, 2^-20 .. 2^20
+  float white = 1;    // radiance shown as white, 4 mid .. 2^24
+};
+
+// The anchors that suit one picture: mid = geometric mean of its luminance, white = its 99.5th percentile with half a
+// stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left out, and where no others
+// are left (a black picture) there are no anchors.
+std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance);
+
+// Immutable value, reentrant. Evaluation is a table of 64 segments per octave over 2^-24 .. 2^24.
+class ToneCurve {
+ public:
+  static constexpr float kKey = 0.36f;
+
+  explicit ToneCurve(ToneAnchors anchors);
+  // radiance -> code, monotone; 0 for what is not a positive number, 255 for +inf
+  std::uint8_t code(float radiance) const;
+  const ToneAnchors& anchors() const { return anchors_; }
+
+ private:
+  static constexpr int kSegments = 64, kLowestOctave = -24, kOctaves = 48;
+
+  ToneAnchors anchors_;
+  std::array<float, kSegments * kOctaves + 1> codes_{};
+};
+
+// [rgb, rows, cols] radiance -> [rgb, rows, cols] sRGB codes
+Image<std::uint8_t> tone_mapped(const Image<float>& radiance, const ToneCurve& curve);
+
+// Thread-bound: one per clip, fed with every frame in order.
+class ToneAdaptation {
+ public:
+  static constexpr float kMaxStep = 0.01f;  // stops per frame
+
+  // Takes the frame into account and returns the curve to show it with, which is valid until the next call.
+  const ToneCurve& follow(const Image<float>& radiance);
+
+ private:
+  ToneCurve curve_{ToneAnchors{}};
+  bool measured_ = false;  // false until the first frame that is not black
+};
+
+}  // namespace hdrcam

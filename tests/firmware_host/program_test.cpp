@@ -1,0 +1,129 @@
+#include "firmware_host/program.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "firmware_host/exit_code.h"
+#include "firmware_host/version.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+using Catch::Matches;
+
+namespace {
+
+struct Run {
+  int exit_code = 0;
+  std::string out, err;
+};
+
+Run run(const std::vector<const char*>& args) {
+  std::ostringstream out, err;
+  const std::atomic<bool> stop{false};
+  const int exit_code = run_program(args, posix_storage(), stop, out, err);
+  return {exit_code, out.str(), err.str()};
+}
+
+// The words of a line as a shell would split them; no quotes.
+std::vector<std::string> words_of(const std::string& line) {
+  std::istringstream stream(line);
+  return {std::istream_iterator<std::string>(stream), {}};
+}
+
+const std::vector<std::string> kVerbs{"replay", "compare", "import", "export", "info"};
+
+}  // namespace
+
+TEST_CASE("--help names every verb with an example, and every exit code") {
+  const Run help = run({"--help"});
+  CHECK(help.exit_code == kExitOk);
+  CHECK(help.err.empty());
+  for (const std::string& verb : kVerbs) CHECK_THAT(help.out, Contains("$ hdrcam " + verb + " "));
+  for (const ExitCode& code : exit_codes()) CHECK_THAT(help.out, Contains(code.meaning));
+  CHECK(run({"help"}).out == help.out);
+}
+
+TEST_CASE("the lines of --help fit on a terminal of 110 columns") {
+  std::istringstream help(run({"--help"}).out);
+  for (std::string line; std::getline(help, line);) {
+    INFO(line);
+    CHECK(line.size() <= 110);
+  }
+}
+
+TEST_CASE("every example of --help is a command line that the program accepts") {
+  std::istringstream help(run({"--help"}).out);
+  int examples = 0;
+  for (std::string line; std::getline(help, line);) {
+    const auto words = words_of(line);
+    if (words.size() < 2 || words[0] != "$") continue;
+    std::vector<const char*> args;
+    for (std::size_t i = 2; i < words.size(); ++i) args.push_back(words[i].c_str());
+    const auto request = parse_command_line(args);
+    INFO(line << (request.ok() ? "" : ": " + request.error().message));
+    CHECK(request.ok());
+    ++examples;
+  }
+  CHECK(examples == static_cast<int>(kVerbs.size()));
+}
+
+TEST_CASE("a verb explains its flags, whichever way it is asked") {
+  for (const std::string& verb : kVerbs) {
+    const Run flag = run({verb.c_str(), "--help"});
+    CHECK(flag.exit_code == kExitOk);
+    CHECK_THAT(flag.out, Contains("Usage: hdrcam " + verb) && Contains("Example:"));
+    CHECK(run({"help", verb.c_str()}).out == flag.out);
+  }
+}
+
+TEST_CASE("--version is one line") {
+  const Run version = run({"--version"});
+  CHECK(version.exit_code == kExitOk);
+  CHECK(version.out == std::string("hdrcam ") + kVersion + "\n");
+}
+
+TEST_CASE("help exit-codes lists them alone") {
+  const Run codes = run({"help", "exit-codes"});
+  CHECK(codes.exit_code == kExitOk);
+  CHECK_THAT(codes.out, Contains(" 11  the disk or quota is full") && !Contains("Usage"));
+}
+
+TEST_CASE("what is not understood is named in one sentence, with the nearest known word") {
+  const auto refused = [](const std::vector<const char*>& args) {
+    const Run result = run(args);
+    CHECK(result.exit_code == kExitUsage);
+    CHECK(result.out.empty());
+    CHECK_THAT(result.err, Matches("hdrcam: [^\n]*\\.\n"));
+    return result.err;
+  };
+  CHECK_THAT(refused({}), Contains("no verb"));
+  CHECK_THAT(refused({"repaly", "walk.mkv"}), Contains("'repaly'") && Contains("did you mean 'replay'?"));
+  CHECK_THAT(refused({"simulate"}), Contains("'simulate'") && !Contains("did you mean"));
+  CHECK_THAT(refused({"help", "exprot"}), Contains("'exprot'") && Contains("did you mean 'export'?"));
+  CHECK_THAT(refused({"replay", "walk.mkv", "--ouptut", "x"}), Contains("'--ouptut'") && Contains("'--output'"));
+  CHECK_THAT(refused({"replay", "--seeed=4"}), Contains("'--seeed'") && Contains("'--seed'"));
+  CHECK_THAT(refused({"--verbos"}), Contains("'--verbos'") && Contains("hdrcam --help"));
+  CHECK_THAT(refused({"replay", "walk.mkv", "--seed", "many"}), Contains("--seed") && Contains("many"));
+  CHECK_THAT(refused({"info"}), Contains("hdrcam info --help"));
+}
+
+TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {
+  const Run missing = run({"info", "/no/such/recording.mkv"});
+  CHECK(missing.exit_code == exit_code_of(ErrorCode::NotFound));
+  CHECK_THAT(missing.err, Matches("hdrcam: [^\n]*/no/such/recording.mkv[^\n]*\\.\n"));
+}
+
+TEST_CASE("the installed program behaves as the one in this process") {
+  const int status = std::system("'" HDRCAM_BINARY "' no-such-verb 2>/dev/null");
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == kExitUsage);
+}

@@ -1,0 +1,54 @@
+// HDR frames for the tests of the sinks: a gradient with a bright spot, every kind of provenance, nothing random.
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "render/hdr_frame.h"
+
+namespace hdrcam::test {
+
+enum class With { RadianceOnly, DepthAndFlow };
+
+inline HdrFrame example_frame(std::uint64_t sequence, With with = With::RadianceOnly, int rows = 24, int cols = 32) {
+  HdrFrame frame;
+  frame.facts.sequence = sequence;
+  frame.facts.timestamp = Instant::from_seconds(5 + static_cast<double>(sequence) / 25);
+  frame.facts.exposure_s = 0.004;
+  frame.facts.analogue_gain = 2;
+  frame.exposure = 0.25f;
+  frame.reference_exposure = 0.032;
+  frame.white = 16;
+  frame.radiance = Image<float>(3, rows, cols);
+  frame.sigma = Image<float>(1, rows, cols);
+  frame.provenance = Image<std::uint8_t>(1, rows, cols);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < cols; ++x) {
+      for (int c = 0; c < 3; ++c)
+        frame.radiance.at(c, y, x) = std::exp2(static_cast<float>(x * 16 / cols - 8)) * (1 + 0.1f * static_cast<float>(c));
+      frame.sigma.at(0, y, x) = 0.01f * static_cast<float>(1 + y);
+      frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(x * 5 / cols);
+    }
+  if (with == With::DepthAndFlow) {
+    frame.depth = Image<float>(1, rows, cols);
+    frame.flow = Image<float>(2, rows, cols);
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x) {
+        frame.depth.at(0, y, x) = 1 + static_cast<float>(y);
+        frame.flow.at(0, y, x) = 0.5f;
+        frame.flow.at(1, y, x) = -1.5f;
+      }
+  }
+  return frame;
+}
+
+// An empty folder under the system's temporary one, made anew.
+inline std::string scratch_folder(const std::string& name) {
+  const auto folder = std::filesystem::temp_directory_path() / ("hdrcam-test-" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder.string();
+}
+
+}  // namespace hdrcam::test

@@ -1,0 +1,122 @@
+#include "firmware_host/sinks/exr_sequence.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "hal/fault/faulty_storage.h"
+#include "tests/firmware_host/sinks/example_frames.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+using test::example_frame;
+using test::scratch_folder;
+using test::With;
+
+namespace {
+
+float sample(const ExrImage& image, std::string_view channel, int y, int x) {
+  const auto index = image.find(channel);
+  REQUIRE(index.has_value());
+  return image.samples.at(*index, y, x);
+}
+
+}  // namespace
+
+TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with radiance in half") {
+  const std::string folder = scratch_folder("exr");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/new/%04d.exr", {.framerate_hz = 25.0});
+  REQUIRE(sink.ok());
+  const HdrFrame frame = example_frame(41);
+  REQUIRE(sink.value()->emit(frame).ok());
+  REQUIRE(sink.value()->emit(example_frame(43)).ok());
+  REQUIRE(sink.value()->finish().ok());
+
+  CHECK(std::filesystem::exists(folder + "/new/0043.exr"));
+  CHECK_FALSE(std::filesystem::exists(folder + "/new/0041.exr.part"));
+  const auto read = read_exr(posix_storage(), folder + "/new/0041.exr");
+  REQUIRE(read.ok());
+  const ExrImage& image = read.value();
+  CHECK(image.names == std::vector<std::string>{"B", "G", "R"});
+  const float half_precision = 0x1p-11f;
+  CHECK(sample(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
+
+  const ExrAttributes& facts = image.attributes;
+  CHECK(*facts.exposure_s == Approx(0.004));
+  CHECK(*facts.iso_speed == Approx(200));
+  CHECK(*facts.framerate_hz == Approx(25));
+  CHECK(*facts.chromaticities == Chromaticities{});
+  CHECK(*facts.time_code == TimeCode{0, 0, 0, 0});
+  CHECK_FALSE(facts.white_cd_m2.has_value());
+  CHECK_THAT(facts.comments, Contains("hdrcam") && Contains("frame 41"));
+  const auto second = read_exr(posix_storage(), folder + "/new/0043.exr");
+  CHECK(*second.value().attributes.time_code == TimeCode{0, 0, 0, 2});
+}
+
+TEST_CASE("the layers that were asked for are in the file, and no others") {
+  const std::string folder = scratch_folder("exr-layers");
+  const auto layers = parse_layers("depth,flow,confidence,provenance");
+  REQUIRE(layers.ok());
+  for (const auto compression : {ExrCompression::Zip, ExrCompression::Piz}) {
+    auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.layers = layers.value(), .compression = compression});
+    REQUIRE(sink.ok());
+    REQUIRE(sink.value()->emit(example_frame(1, With::DepthAndFlow)).ok());
+    const auto read = read_exr(posix_storage(), folder + "/0001.exr");
+    REQUIRE(read.ok());
+    CHECK(read.value().names.size() == 3 + 1 + 2 + 2 + 1);
+    CHECK(sample(read.value(), "Z", 6, 0) == 7);
+    CHECK(sample(read.value(), "backward.u", 2, 2) == 0.5f);
+    CHECK(sample(read.value(), "backward.v", 2, 2) == -1.5f);
+    CHECK(sample(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
+    CHECK(sample(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
+    CHECK(sample(read.value(), "provenance", 0, 31) == 4);
+  }
+}
+
+TEST_CASE("a frame without depth or motion has zeros in those layers, so that the channels never change") {
+  const std::string folder = scratch_folder("exr-zeros");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.layers = {.depth = true, .flow = true}});
+  REQUIRE(sink.value()->emit(example_frame(0)).ok());
+  const auto read = read_exr(posix_storage(), folder + "/0000.exr");
+  REQUIRE(read.ok());
+  CHECK(sample(read.value(), "Z", 5, 5) == 0);
+  CHECK(sample(read.value(), "backward.u", 5, 5) == 0);
+}
+
+TEST_CASE("layers that do not exist are refused with the nearest that does") {
+  CHECK(parse_layers("").ok());
+  const auto wrong = parse_layers("depth,confidense");
+  REQUIRE_FALSE(wrong.ok());
+  CHECK(wrong.error().code == ErrorCode::Invalid);
+  CHECK_THAT(wrong.error().message, Contains("'confidense'") && Contains("did you mean 'confidence'?"));
+  CHECK_FALSE(parse_layers("depth,,flow").ok());
+}
+
+TEST_CASE("a full disk ends the sequence with an error and leaves only whole files") {
+  const std::string folder = scratch_folder("exr-full");
+  FaultyStorage full(posix_storage(), {.space_bytes = 6000});
+  auto sink = create_exr_sequence(full, folder + "/%04d.exr", {});
+  REQUIRE(sink.ok());
+  std::uint64_t written = 0;
+  Result<void> last;
+  for (std::uint64_t sequence = 0; last.ok() && sequence < 100; ++sequence) {
+    last = sink.value()->emit(example_frame(sequence));
+    if (last.ok()) ++written;
+  }
+  REQUIRE_FALSE(last.ok());
+  CHECK(last.error().code == ErrorCode::NoSpace);
+  CHECK(written > 0);
+  std::uint64_t whole = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    CHECK(read_exr(posix_storage(), entry.path().string()).ok());
+    ++whole;
+  }
+  CHECK(whole == written);
+}
+
+TEST_CASE("a folder that cannot be made is an error before the first frame") {
+  const auto sink = create_exr_sequence(posix_storage(), "/proc/no/such/%04d.exr", {});
+  REQUIRE_FALSE(sink.ok());
+  CHECK_THAT(sink.error().message, Contains("/proc/no/such"));
+}

@@ -1,0 +1,37 @@
+#include "firmware_host/sinks/frame_pattern.h"
+
+#include <string>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+TEST_CASE("a pattern names one file per sequence number, in the folder it says") {
+  const auto pattern = FramePattern::parse("--output", "out/walk/%06d.exr", ".exr");
+  REQUIRE(pattern.ok());
+  CHECK(pattern.value().path(0) == "out/walk/000000.exr");
+  CHECK(pattern.value().path(1234567) == "out/walk/1234567.exr");
+  CHECK(pattern.value().folder() == "out/walk");
+  CHECK(FramePattern::parse("--output", "f_%04d_v2.exr", ".exr").value().path(7) == "f_0007_v2.exr");
+  CHECK(FramePattern::parse("--output", "%04d.exr", ".exr").value().folder() == ".");
+  CHECK(FramePattern::parse("--output", "/%04d.exr", ".exr").value().folder() == "/");
+}
+
+TEST_CASE("a number of 64 bits keeps all its digits") {
+  const auto pattern = FramePattern::parse("--output", "%019d.exr", ".exr");
+  CHECK(pattern.value().path(UINT64_MAX) == "18446744073709551615.exr");
+}
+
+TEST_CASE("a pattern that would lose frames or reach printf is refused with the right spelling beside it") {
+  for (const std::string text : {"out/frame.exr", "out/%d.exr", "out/%6d.exr", "out/%06d/%06d.exr", "out/%s.exr",
+                                 "out/%06d.png", "out/%06d", "out/%06x.exr", "out/%%06d.exr", "out/%00d.exr",
+                                 "out/%020d.exr", "out/%0999999999999d.exr", "%06d/frame.exr", "out/%", "%0", "", "%n.exr",
+                                 "out/%-06d.exr", "out/%06ld.exr"}) {
+    INFO(text);
+    const auto pattern = FramePattern::parse("--output", text, ".exr");
+    REQUIRE_FALSE(pattern.ok());
+    CHECK(pattern.error().code == ErrorCode::Invalid);
+    CHECK_THAT(pattern.error().message, Contains("--output '" + text + "'") && Contains("'out/%06d.exr'"));
+  }
+}

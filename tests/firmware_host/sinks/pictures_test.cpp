@@ -1,0 +1,153 @@
+// The sinks that make pictures for people: preview and contact sheet.
+#include <png.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "firmware_host/sinks/canvas.h"
+#include "firmware_host/sinks/contact_sheet.h"
+#include "firmware_host/sinks/null.h"
+#include "firmware_host/sinks/preview.h"
+#include "hal/fault/faulty_storage.h"
+#include "tests/firmware_host/sinks/example_frames.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using test::example_frame;
+using test::scratch_folder;
+using test::With;
+
+namespace {
+
+struct Picture {
+  int rows = 0, cols = 0;
+  std::vector<std::uint8_t> rgb;
+
+  Rgb at(int y, int x) const {
+    const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x));
+    return {rgb[i], rgb[i + 1], rgb[i + 2]};
+  }
+  long count(Rgb colour) const {
+    long n = 0;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x) n += at(y, x) == colour;
+    return n;
+  }
+};
+
+Picture decoded(std::span<const std::byte> png) {
+  png_image header{};
+  header.version = PNG_IMAGE_VERSION;
+  REQUIRE(png_image_begin_read_from_memory(&header, png.data(), png.size()) != 0);
+  header.format = PNG_FORMAT_RGB;
+  Picture picture{static_cast<int>(header.height), static_cast<int>(header.width), {}};
+  picture.rgb.resize(PNG_IMAGE_SIZE(header));
+  REQUIRE(png_image_finish_read(&header, nullptr, picture.rgb.data(), 0, nullptr) != 0);
+  return picture;
+}
+
+Picture read_png(const std::string& path) {
+  const auto bytes = read_whole(posix_storage(), path);
+  REQUIRE(bytes.ok());
+  return decoded(std::as_bytes(std::span(bytes.value())));
+}
+
+FrameFacts facts_of(std::uint64_t sequence) { return example_frame(sequence).facts; }
+
+}  // namespace
+
+TEST_CASE("the preview shows brighter radiance brighter, the same way in every frame") {
+  const std::string folder = scratch_folder("preview");
+  auto sink = create_preview(posix_storage(), folder + "/%03d.png");
+  REQUIRE(sink.ok());
+  REQUIRE(sink.value()->emit(example_frame(0)).ok());
+  REQUIRE(sink.value()->emit(example_frame(1)).ok());
+  REQUIRE(sink.value()->finish().ok());
+  const Picture first = read_png(folder + "/000.png"), second = read_png(folder + "/001.png");
+  CHECK(first.cols == 32);
+  CHECK(first.rows == 24);
+  CHECK(first.rgb == second.rgb);
+  for (int x = 1; x < 32; ++x) CHECK(first.at(5, x).g >= first.at(5, x - 1).g);
+  CHECK(first.at(5, 31).g > 200);
+  CHECK(first.at(5, 0).g < 60);
+}
+
+TEST_CASE("a preview on a full disk is an error") {
+  const std::string folder = scratch_folder("preview-full");
+  FaultyStorage full(posix_storage(), {.space_bytes = 10});
+  auto sink = create_preview(full, folder + "/%03d.png");
+  REQUIRE(sink.ok());
+  CHECK(sink.value()->emit(example_frame(0)).error().code == ErrorCode::NoSpace);
+  CHECK(std::filesystem::is_empty(folder));
+}
+
+TEST_CASE("a contact sheet of a long clip shows four rows from its beginning to its end") {
+  const std::string folder = scratch_folder("sheet");
+  ContactSheet sheet(posix_storage(), folder + "/sheet.png");
+  Image<float> codes(3, 24, 32);
+  for (std::uint64_t sequence = 0; sequence < 500; ++sequence) {
+    // Rows can be told apart by the red of their input: it grows along the clip.
+    std::fill_n(codes.plane(0), codes.plane_size(), static_cast<float>(sequence) / 2);
+    sheet.saw_input(facts_of(sequence), codes);
+    REQUIRE(sheet.emit(example_frame(sequence)).ok());
+  }
+  REQUIRE(sheet.finish().ok());
+  const Picture picture = read_png(folder + "/sheet.png");
+  const Picture same = decoded(sheet.png());
+  CHECK(picture.rgb == same.rgb);
+  std::vector<int> reds;  // of the first column's cells, from top to bottom
+  for (int y = 0; y < picture.rows; ++y) {
+    const Rgb pixel = picture.at(y, 8 + 16);
+    const bool input = pixel.g == 0 && pixel.b == 0;
+    if (input && (reds.empty() || reds.back() != pixel.r)) reds.push_back(pixel.r);
+  }
+  REQUIRE(reds.size() == 4);
+  CHECK(reds.front() == 0);
+  CHECK(reds.back() > 0.75 * 250);
+  CHECK(std::is_sorted(reds.begin(), reds.end()));
+  for (const ProvenanceLook& look : kProvenanceLooks) CHECK(picture.count(look.colour) > 24 * 5 * 4);
+}
+
+TEST_CASE("a contact sheet has a column of depth only where there is depth") {
+  const auto width_with = [](With with) {
+    ContactSheet sheet(posix_storage(), "");
+    const Image<float> codes(3, 24, 32);
+    sheet.saw_input(facts_of(0), codes);
+    REQUIRE(sheet.emit(example_frame(0, with)).ok());
+    REQUIRE(sheet.finish().ok());
+    return decoded(sheet.png()).cols;
+  };
+  CHECK(width_with(With::DepthAndFlow) == width_with(With::RadianceOnly) + 32 + 8);
+}
+
+TEST_CASE("large frames are shrunk to cells, and a run without frames has no sheet") {
+  ContactSheet sheet(posix_storage(), "");
+  REQUIRE(sheet.finish().ok());
+  CHECK(sheet.png().empty());
+  const Image<float> codes(3, 480, 640);
+  sheet.saw_input(facts_of(0), codes);
+  REQUIRE(sheet.emit(example_frame(0, With::DepthAndFlow, 480, 640)).ok());
+  REQUIRE(sheet.finish().ok());
+  CHECK(decoded(sheet.png()).cols == 4 * 320 + 5 * 8);
+}
+
+TEST_CASE("drawing outside a canvas is cut off") {
+  Canvas canvas(10, 10, {1, 2, 3});
+  canvas.paste(8, 8, Image<std::uint8_t>(3, 5, 5));
+  canvas.paste(20, 0, Image<std::uint8_t>(1, 5, 5));
+  canvas.fill(-2, -2, 4, 4, {9, 9, 9});
+  canvas.write(30, 50, "outside", 9, {255, 255, 255});
+  CHECK(canvas.picture().at(0, 9, 9) == 0);
+  CHECK(canvas.picture().at(1, 5, 5) == 2);
+  CHECK(canvas.picture().at(2, 1, 1) == 9);
+}
+
+TEST_CASE("the null sink counts what it drops") {
+  NullSink sink;
+  REQUIRE(sink.emit(example_frame(0)).ok());
+  REQUIRE(sink.emit(example_frame(1)).ok());
+  REQUIRE(sink.finish().ok());
+  CHECK(sink.frames() == 2);
+}

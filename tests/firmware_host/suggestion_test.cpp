@@ -1,0 +1,27 @@
+#include "firmware_host/suggestion.h"
+
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+TEST_CASE("edits count insertions, deletions, substitutions and swaps of neighbours") {
+  CHECK(edit_distance("", "") == 0);
+  CHECK(edit_distance("", "seed") == 4);
+  CHECK(edit_distance("seed", "sed") == 1);
+  CHECK(edit_distance("seed", "feed") == 1);
+  CHECK(edit_distance("seed", "sede") == 1);
+  CHECK(edit_distance("replay", "repaly") == 1);
+  CHECK(edit_distance("kitten", "sitting") == 3);
+}
+
+TEST_CASE("the nearest word is suggested, and none where nothing is near") {
+  const std::vector<std::string> verbs{"replay", "import", "export", "info"};
+  CHECK(nearest_word("repaly", verbs) == "replay");
+  CHECK(nearest_word("inport", verbs) == "import");
+  CHECK(nearest_word("inf", verbs) == "info");
+  CHECK_FALSE(nearest_word("simulate", verbs).has_value());
+  CHECK(did_you_mean("exprot", verbs) == " (did you mean 'export'?)");
+  CHECK(did_you_mean("x", verbs).empty());
+}
