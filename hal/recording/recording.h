@@ -72,9 +72,9 @@ struct RawFrame {
 class RecordingWriter {
  public:
   virtual ~RecordingWriter() = default;
-  // Appends one frame; its size must be that of the camera facts (SizeChanged). Every cluster on disk is whole.
+  // Appends one frame, whole, before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`), NoSpace, Io.
   virtual Result<void> append(const RawFrame& frame) = 0;
-  // Writes the index and closes. Without it the file reads up to its last whole cluster.
+  // Writes the end record and the index. Without it the file reads up to its last whole cluster.
   virtual Result<void> finish() = 0;
 };
 
@@ -86,12 +86,18 @@ class RecordingReader {
   virtual std::optional<int> frame_count() const = 0;
   // The next frame; nullopt at the end. Truncated where the file was cut, after all its whole frames.
   virtual Result<std::optional<RawFrame>> next() = 0;
+  // As next(), but the pixels are only checked, not decoded: for whoever lists a recording.
+  virtual Result<std::optional<FrameFacts>> next_facts();
 };
 
-// Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold.
+constexpr int kMaxSidePx = 16384;  // of a recording
+
+// Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has
+// failed, every later call returns the same error.
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
                                                           const CameraFacts& camera);
-// Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame).
+// Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame), Unsupported (a
+// newer format).
 Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

@@ -1,0 +1,163 @@
+#include "hal/recording/facts_json.h"
+
+#include <zlib.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace hdrcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kFormat = "hdrcam recording";
+constexpr int kVersion = 1;
+constexpr std::string_view kSealKey = R"(,"crc32":")";
+constexpr std::size_t kSealLength = 10 + 8 + 2;  // the key, eight hex digits, `"}`
+
+// The dump of the library gives the shortest text that reads back as the same double, and null for what is not finite.
+double number(const Json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view text) {
+  uLong crc = crc32_z(0, nullptr, 0);
+  crc = crc32_z(crc, payload.data(), payload.size());
+  crc = crc32_z(crc, reinterpret_cast<const Bytef*>(text.data()), text.size());
+  return static_cast<std::uint32_t>(crc);
+}
+
+// Any text is dumped: bytes that are no UTF-8 are replaced.
+std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+CameraFacts camera_of(const Json& json) {
+  CameraFacts camera;
+  camera.name = json.at("name").get<std::string>();
+  camera.width = json.at("width").get<int>();
+  camera.height = json.at("height").get<int>();
+  camera.framerate_hz = number(json.at("framerate_hz"));
+  camera.bits = json.at("bits").get<int>();
+  camera.linear = json.at("linear").get<bool>();
+  if (const auto lens = json.find("intrinsics"); lens != json.end())
+    camera.intrinsics = Intrinsics{number(lens->at("fx_px")), number(lens->at("fy_px")), number(lens->at("cx_px")),
+                                   number(lens->at("cy_px"))};
+  if (const auto response = json.find("response"); response != json.end())
+    for (const Json& row : *response) {
+      auto& values = camera.response.emplace_back();
+      for (const Json& value : row) values.push_back(number(value));
+    }
+  return camera;
+}
+
+FrameFacts facts_of(const Json& json) {
+  FrameFacts facts;
+  facts.sequence = json.at("sequence").get<std::uint64_t>();
+  facts.timestamp.since_boot = Duration(json.at("timestamp_ns").get<Duration::rep>());
+  facts.exposure_s = number(json.at("exposure_s"));
+  facts.analogue_gain = number(json.at("analogue_gain"));
+  facts.digital_gain = number(json.at("digital_gain"));
+  facts.slot = json.at("slot").get<int>();
+  facts.black_level = number(json.at("black_level"));
+  facts.flags = json.at("flags").get<std::uint32_t>();
+  if (const auto pose = json.find("T_world_camera"); pose != json.end()) {
+    auto& T = facts.T_world_camera.emplace();
+    for (std::size_t i = 0; i < T.size(); ++i) T[i] = number(pose->at(i));
+  }
+  return facts;
+}
+
+}  // namespace
+
+std::string to_json(const CameraFacts& camera) {
+  Json json = {{"format", kFormat},
+               {"version", kVersion},
+               {"name", camera.name},
+               {"width", camera.width},
+               {"height", camera.height},
+               {"framerate_hz", camera.framerate_hz},
+               {"bits", camera.bits},
+               {"layout", name(camera.layout)},
+               {"linear", camera.linear}};
+  if (const auto& lens = camera.intrinsics)
+    json["intrinsics"] = {{"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
+  if (!camera.response.empty()) json["response"] = camera.response;
+  return dumped(json);
+}
+
+std::string to_json(std::uint64_t index, const FrameFacts& facts) {
+  Json json = {{"index", index},
+               {"sequence", facts.sequence},
+               {"timestamp_ns", facts.timestamp.since_boot.count()},
+               {"exposure_s", facts.exposure_s},
+               {"analogue_gain", facts.analogue_gain},
+               {"digital_gain", facts.digital_gain},
+               {"slot", facts.slot},
+               {"black_level", facts.black_level},
+               {"exposure_source", name(facts.exposure_source)},
+               {"flags", facts.flags}};
+  if (facts.T_world_camera) json["T_world_camera"] = *facts.T_world_camera;
+  return dumped(json);
+}
+
+std::string end_record_json(std::uint64_t frames) { return dumped({{"end", true}, {"frames", frames}}); }
+
+Result<CameraFacts> camera_from_json(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.at("format") != kFormat) return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
+    if (const int version = json.at("version").get<int>(); version > kVersion)
+      return Error{ErrorCode::Unsupported,
+                   fmt::format("the recording has format version {}, this program reads up to {}; update it", version,
+                               kVersion)};
+    CameraFacts camera = camera_of(json);
+    const auto layout = layout_named(json.at("layout").get<std::string>());
+    if (!layout) return Error{ErrorCode::Corrupt, "the camera facts name an unknown pixel layout"};
+    camera.layout = *layout;
+    return camera;
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", e.what())};
+  }
+}
+
+Result<FactsRecord> record_from_json(std::string_view text) {
+  try {
+    const Json json = Json::parse(text);
+    if (json.contains("end")) return FactsRecord{true, json.at("frames").get<std::uint64_t>(), {}};
+    FactsRecord record{false, json.at("index").get<std::uint64_t>(), facts_of(json)};
+    const auto source = exposure_source_named(json.at("exposure_source").get<std::string>());
+    if (!source) return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown exposure source"};
+    record.facts.exposure_source = *source;
+    return record;
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", e.what())};
+  }
+}
+
+std::optional<PixelLayout> layout_named(std::string_view wanted) {
+  for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb, PixelLayout::BayerGrbg,
+                            PixelLayout::BayerGbrg, PixelLayout::BayerBggr})
+    if (wanted == name(layout)) return layout;
+  return std::nullopt;
+}
+
+std::optional<ExposureSource> exposure_source_named(std::string_view wanted) {
+  for (const auto source : {ExposureSource::Embedded, ExposureSource::Reported, ExposureSource::Declared,
+                            ExposureSource::Predicted, ExposureSource::Photometric, ExposureSource::Unknown})
+    if (wanted == name(source)) return source;
+  return std::nullopt;
+}
+
+std::string seal(const std::string& json_object, std::span<const std::uint8_t> payload) {
+  CHECK(json_object.size() > 2 && json_object.back() == '}');
+  const std::string_view open(json_object.data(), json_object.size() - 1);
+  return fmt::format("{}{}{:08x}\"}}", open, kSealKey, checksum(payload, open));
+}
+
+bool seal_holds(std::string_view sealed, std::span<const std::uint8_t> payload) {
+  if (sealed.size() <= kSealLength) return false;
+  const std::string_view open = sealed.substr(0, sealed.size() - kSealLength);
+  return sealed.substr(open.size()) == fmt::format("{}{:08x}\"}}", kSealKey, checksum(payload, open));
+}
+
+}  // namespace hdrcam

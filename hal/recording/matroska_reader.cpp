@@ -1,0 +1,243 @@
+// The recording on its way back: packets come in pairs, a picture and its facts, and leave only when the checksum over
+// both holds. Holds one frame at a time.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "hal/recording/facts_json.h"
+#include "hal/recording/ffv1.h"
+#include "hal/recording/matroska.h"
+#include "hal/recording/recording.h"
+#include "hal/recording/storage_stream.h"
+
+namespace hdrcam {
+namespace {
+
+struct CloseDemuxer {
+  void operator()(AVFormatContext* demuxer) const { avformat_close_input(&demuxer); }
+};
+
+// The container: packets in the order of the file.
+struct Container {
+  std::unique_ptr<StorageStream> stream;  // outlives the demuxer
+  std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
+
+  std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
+};
+
+constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf}, std::byte{0xa3}};
+
+Result<Container> open_container(Storage& storage, const std::string& path) {
+  libav::be_quiet();
+  Container container;
+  container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
+  std::array<std::byte, 4> head{};
+  const std::size_t known = TRY(container.stream->file().read_at(0, head));
+  if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known), kEbmlMagic.begin()))
+    return Error{ErrorCode::NotRecording, fmt::format("'{}' is not a recording: it is no Matroska file", path)};
+
+  AVFormatContext* demuxer = avformat_alloc_context();
+  CHECK(demuxer != nullptr);
+  demuxer->pb = container.stream->context();
+  demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
+  const int code = avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);  // frees on failure
+  if (container.stream->failure()) return *container.stream->failure();
+  if (code == AVERROR_EOF || (code < 0 && avio_feof(container.stream->context()) != 0))
+    return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
+  if (code < 0) return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: its header cannot be read", path)};
+  container.demuxer.reset(demuxer);
+  return container;
+}
+
+Result<CameraFacts> camera_of(const Container& container, const std::string& path) {
+  const AVDictionaryEntry* tag = av_dict_get(container.demuxer->metadata, matroska::kCameraTag, nullptr, 0);
+  if (tag == nullptr)
+    return Error{ErrorCode::NotRecording, fmt::format("'{}' is a Matroska file, but not a recording of hdrcam", path)};
+  if (!seal_holds(tag->value, {}))
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: the checksum of its camera facts does not hold", path)};
+  auto camera = camera_from_json(tag->value);
+  if (camera) {
+    if (auto recordable = check_recordable(*camera); !recordable) camera = recordable.error();
+  }
+  if (!camera) return Error{camera.error().code, fmt::format("'{}': {}", path, camera.error().message)};
+  const auto tracks = container.tracks();
+  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_id != AV_CODEC_ID_FFV1 ||
+      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
+  return camera;
+}
+
+// Whether finish() reached the end of its work: the Segment, the second element of a Matroska file, then has a size, and
+// the file is that long. Element: identifier, size (first byte: its length in leading zeros), content.
+Result<bool> is_whole(StorageFile& file) {
+  const std::uint64_t file_size = TRY(file.size());
+  std::array<std::byte, 64> head{};
+  const std::size_t known = TRY(file.read_at(0, head));
+  std::uint64_t at = 0;
+  for (const bool segment : {false, true}) {
+    at += 4;  // the identifiers of both elements have four bytes
+    if (at >= known) return false;
+    const int length = std::countl_zero(std::to_integer<std::uint8_t>(head[at])) + 1;
+    if (length > 8 || at + static_cast<std::uint64_t>(length) > known) return false;
+    std::uint64_t size = std::to_integer<std::uint64_t>(head[at]) & (0xffu >> length);
+    for (int i = 1; i < length; ++i) size = size << 8 | std::to_integer<std::uint64_t>(head[at + static_cast<std::uint64_t>(i)]);
+    at += static_cast<std::uint64_t>(length);
+    const bool unknown = size == (std::uint64_t{1} << (7 * length)) - 1;
+    if (unknown || size > file_size || at + size > file_size) return false;
+    if (!segment) at += size;
+  }
+  return true;
+}
+
+std::string_view text_of(const AVPacket& packet) {
+  return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
+}
+
+// The number of frames, from the end record, which the index leads to. A container of its own, since it seeks.
+std::optional<int> count_frames(Storage& storage, const std::string& path) {
+  auto container = open_container(storage, path);
+  if (!container) return std::nullopt;
+  AVFormatContext* demuxer = container->demuxer.get();
+  if (av_seek_frame(demuxer, matroska::kFactsTrack, INT64_MAX, AVSEEK_FLAG_BACKWARD) < 0) return std::nullopt;
+  const libav::Packet packet(av_packet_alloc());
+  for (; av_read_frame(demuxer, packet.get()) >= 0; av_packet_unref(packet.get())) {
+    if (packet->stream_index != matroska::kFactsTrack || !seal_holds(text_of(*packet), {})) continue;
+    const auto record = record_from_json(text_of(*packet));
+    if (record && record.value().is_end) return static_cast<int>(record.value().index);
+  }
+  return std::nullopt;
+}
+
+class MatroskaReader : public RecordingReader {
+ public:
+  static Result<std::unique_ptr<RecordingReader>> open(Storage& storage, const std::string& path);
+  const CameraFacts& camera() const override { return camera_; }
+  std::optional<int> frame_count() const override { return count_; }
+  Result<std::optional<RawFrame>> next() override;
+  Result<std::optional<FrameFacts>> next_facts() override;
+
+ private:
+  // A proved frame whose picture is in picture_; nullopt at the end.
+  using Advance = Result<std::optional<FrameFacts>>;
+
+  MatroskaReader(std::string path, Container container, CameraFacts camera, Ffv1Decoder decoder, bool whole)
+      : path_(std::move(path)),
+        container_(std::move(container)),
+        camera_(std::move(camera)),
+        decoder_(std::move(decoder)),
+        whole_(whole) {}
+
+  Advance advance();
+  Advance read_pair();
+  Advance prove(std::string_view text);
+  Error corrupt(const std::string& what) const;
+  Error ended() const;
+
+  std::string path_;
+  Container container_;
+  CameraFacts camera_;
+  Ffv1Decoder decoder_;
+  bool whole_;
+  std::optional<int> count_;
+  libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
+  bool has_picture_ = false;      // picture_ waits for its facts
+  std::optional<Advance> ahead_;  // the first frame: read when the file was opened
+  std::optional<Advance> last_;   // the end or the error, which stays
+  std::uint64_t frames_ = 0;
+};
+
+Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, const std::string& path) {
+  auto container = TRY(open_container(storage, path));
+  auto camera = TRY(camera_of(container, path));
+  auto decoder = Ffv1Decoder::open(camera, *container.tracks()[matroska::kPixelTrack]->codecpar);
+  if (!decoder) return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
+  const bool whole = TRY(is_whole(container.stream->file()));
+  std::unique_ptr<MatroskaReader> reader(
+      new MatroskaReader(path, std::move(container), std::move(camera), std::move(*decoder), whole));
+  if (whole) reader->count_ = count_frames(storage, path);
+  auto first = reader->advance();
+  if (!first && first.error().code == ErrorCode::Truncated)
+    return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
+  reader->ahead_ = std::move(first);
+  return std::unique_ptr<RecordingReader>(std::move(reader));
+}
+
+Error MatroskaReader::corrupt(const std::string& what) const {
+  return {ErrorCode::Corrupt, fmt::format("'{}' is damaged at frame {}: {}", path_, frames_, what)};
+}
+
+// No packet is left, and the end record was not among them.
+Error MatroskaReader::ended() const {
+  if (whole_) return corrupt("the rest of the file cannot be read");
+  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_)};
+}
+
+MatroskaReader::Advance MatroskaReader::advance() {
+  if (last_) return *last_;
+  if (ahead_) {
+    Advance first = std::move(*ahead_);
+    ahead_.reset();
+    return first;
+  }
+  Advance step = read_pair();
+  if (!step || !step.value()) last_ = step;
+  return step;
+}
+
+MatroskaReader::Advance MatroskaReader::read_pair() {
+  for (;;) {
+    const int code = av_read_frame(container_.demuxer.get(), packet_.get());
+    if (container_.stream->failure()) return *container_.stream->failure();
+    if (code == AVERROR_EOF) return ended();
+    if (code < 0) return corrupt(libav::words(code));
+    if (packet_->stream_index == matroska::kPixelTrack) {
+      if (has_picture_) return corrupt("a picture has no facts");
+      av_packet_unref(picture_.get());
+      av_packet_move_ref(picture_.get(), packet_.get());
+      has_picture_ = true;
+    } else if (packet_->stream_index == matroska::kFactsTrack) {
+      return prove(text_of(*packet_));
+    }
+    av_packet_unref(packet_.get());
+  }
+}
+
+MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
+  std::span<const std::uint8_t> pixels;
+  if (has_picture_) pixels = {picture_->data, static_cast<std::size_t>(picture_->size)};
+  if (!seal_holds(text, pixels)) return corrupt("the checksum over its pixels and facts does not hold");
+  auto record = record_from_json(text);
+  if (!record) return corrupt(record.error().message);
+  av_packet_unref(packet_.get());
+  if (record->index != frames_)
+    return corrupt(fmt::format("{} {} follows", record->is_end ? "the end record of a file of" : "frame", record->index));
+  if (record->is_end == has_picture_) return corrupt("a picture and its facts do not belong together");
+  if (record->is_end) return std::optional<FrameFacts>();
+  has_picture_ = false;
+  ++frames_;
+  return std::optional<FrameFacts>(record->facts);
+}
+
+Result<std::optional<RawFrame>> MatroskaReader::next() {
+  auto facts = TRY(advance());
+  if (!facts) return std::optional<RawFrame>();
+  RawFrame frame;
+  frame.facts = *facts;
+  if (auto decoded = decoder_.decode(*picture_, frame.codes); !decoded) {
+    last_ = Advance(Error{ErrorCode::Corrupt,
+                          fmt::format("'{}' is damaged at frame {}: {}", path_, frames_ - 1, decoded.error().message)});
+    return last_->error();
+  }
+  return std::optional<RawFrame>(std::move(frame));
+}
+
+Result<std::optional<FrameFacts>> MatroskaReader::next_facts() { return advance(); }
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path) {
+  return MatroskaReader::open(storage, path);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,180 @@
+// The recording on its way to the disk: one cluster per frame, each whole before the next one starts.
+extern "C" {
+#include <libavutil/opt.h>
+}
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstring>
+
+#include "hal/recording/facts_json.h"
+#include "hal/recording/ffv1.h"
+#include "hal/recording/matroska.h"
+#include "hal/recording/recording.h"
+#include "hal/recording/storage_stream.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr Duration kSyncInterval = std::chrono::seconds(1);  // of recorded time: what a power cut may cost
+constexpr AVRational kMilliseconds = {1, 1000};
+
+struct FreeMuxer {
+  void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
+};
+
+class MatroskaWriter : public RecordingWriter {
+ public:
+  static Result<std::unique_ptr<RecordingWriter>> create(Storage& storage, const std::string& path,
+                                                         const CameraFacts& camera);
+  Result<void> append(const RawFrame& frame) override;
+  Result<void> finish() override;
+
+ private:
+  MatroskaWriter(std::unique_ptr<StorageFile> file, Ffv1Encoder encoder)
+      : stream_(std::move(file), StorageStream::Direction::Write), encoder_(std::move(encoder)) {}
+
+  Result<void> write_header(const CameraFacts& camera);
+  void add_pixel_track(const CameraFacts& camera);
+  void add_facts_track();
+  Result<void> write_facts(const std::string& sealed);
+  Result<void> end_cluster();
+  Result<void> checked(int code, const char* what);
+  Result<void> sync();
+
+  StorageStream stream_;  // outlives the muxer
+  Ffv1Encoder encoder_;
+  std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
+  libav::Packet facts_packet_;
+  std::optional<Error> failure_;
+  bool finished_ = false;
+  std::uint64_t frames_ = 0;
+  Instant first_, synced_;
+  std::int64_t pts_ms_ = 0, frame_ms_ = 33;
+};
+
+Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage, const std::string& path,
+                                                                const CameraFacts& camera) {
+  TRY(check_recordable(camera));
+  auto encoder = TRY(Ffv1Encoder::open(camera));
+  auto file = TRY(storage.create(path));
+  std::unique_ptr<MatroskaWriter> writer(new MatroskaWriter(std::move(file), std::move(encoder)));
+  TRY(writer->write_header(camera));
+  return std::unique_ptr<RecordingWriter>(std::move(writer));
+}
+
+Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
+  AVFormatContext* muxer = nullptr;
+  if (const int code = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr); code < 0)
+    return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine cannot write Matroska"};
+  muxer_.reset(muxer);
+  facts_packet_.reset(av_packet_alloc());
+  muxer->pb = stream_.context();
+  muxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT;  // the same frames give the same bytes
+  frame_ms_ = std::max<std::int64_t>(1, std::llround(1000 / camera.framerate_hz));
+  add_pixel_track(camera);
+  add_facts_track();
+  av_dict_set(&muxer->metadata, matroska::kCameraTag, seal(to_json(camera), {}).c_str(), 0);
+  // The muxer must never end a cluster by itself: a picture and its facts belong into one.
+  av_opt_set_int(muxer->priv_data, "cluster_size_limit", INT_MAX, 0);
+  av_opt_set_int(muxer->priv_data, "cluster_time_limit", INT_MAX, 0);
+  TRY(checked(avformat_write_header(muxer, nullptr), "write the header of the recording"));
+  avio_flush(muxer->pb);
+  return checked(0, "write the header of the recording");
+}
+
+void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
+  AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
+  CHECK(track != nullptr && avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
+  track->time_base = kMilliseconds;
+  track->avg_frame_rate = av_d2q(camera.framerate_hz, 1 << 20);
+  track->disposition = AV_DISPOSITION_DEFAULT;
+}
+
+void MatroskaWriter::add_facts_track() {
+  AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
+  CHECK(track != nullptr);
+  track->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
+  track->codecpar->codec_id = AV_CODEC_ID_TEXT;
+  track->time_base = kMilliseconds;
+  av_dict_set(&track->metadata, "title", "frame facts (JSON)", 0);
+  av_dict_set(&track->metadata, "language", "zxx", 0);  // no linguistic content
+}
+
+// The storage's own error before the library's number for it; whichever was first stays.
+Result<void> MatroskaWriter::checked(int code, const char* what) {
+  if (stream_.failure())
+    failure_ = stream_.failure();
+  else if (code < 0)
+    failure_ = Error{ErrorCode::Io, fmt::format("cannot {}: {}", what, libav::words(code))};
+  if (failure_) return *failure_;
+  return {};
+}
+
+Result<void> MatroskaWriter::append(const RawFrame& frame) {
+  if (failure_) return *failure_;
+  CHECK(!finished_);
+  AVPacket* picture = TRY(encoder_.encode(frame.codes));
+  const Instant now = frame.facts.timestamp;
+  if (frames_ == 0) first_ = synced_ = now;
+  // A player wants time that does not run backwards; the true time is in the facts.
+  const auto since_first = std::chrono::duration_cast<std::chrono::milliseconds>(now - first_).count();
+  if (frames_ > 0) pts_ms_ = std::max(pts_ms_, std::int64_t{since_first});
+  const std::string facts = seal(to_json(frames_, frame.facts), {picture->data, static_cast<std::size_t>(picture->size)});
+
+  picture->stream_index = matroska::kPixelTrack;
+  picture->pts = picture->dts = pts_ms_;
+  picture->duration = frame_ms_;
+  TRY(checked(av_write_frame(muxer_.get(), picture), "write a frame"));
+  TRY(write_facts(facts));
+  TRY(end_cluster());
+  ++frames_;
+  return now - synced_ >= kSyncInterval ? (synced_ = now, sync()) : Result<void>();
+}
+
+Result<void> MatroskaWriter::write_facts(const std::string& sealed) {
+  AVPacket* packet = facts_packet_.get();
+  av_packet_unref(packet);
+  CHECK(av_new_packet(packet, static_cast<int>(sealed.size())) >= 0);
+  std::memcpy(packet->data, sealed.data(), sealed.size());
+  packet->stream_index = matroska::kFactsTrack;
+  packet->pts = packet->dts = pts_ms_;
+  packet->duration = frame_ms_;
+  packet->flags |= AV_PKT_FLAG_KEY;
+  return checked(av_write_frame(muxer_.get(), packet), "write the facts of a frame");
+}
+
+Result<void> MatroskaWriter::end_cluster() {
+  const int code = av_write_frame(muxer_.get(), nullptr);
+  avio_flush(muxer_->pb);
+  return checked(code, "write a frame");
+}
+
+Result<void> MatroskaWriter::sync() {
+  auto synced = stream_.file().sync();
+  if (!synced) failure_ = synced.error();
+  return synced;
+}
+
+Result<void> MatroskaWriter::finish() {
+  if (failure_) return *failure_;
+  if (finished_) return {};
+  if (frames_ > 0) pts_ms_ += frame_ms_;
+  TRY(write_facts(seal(end_record_json(frames_), {})));
+  TRY(end_cluster());
+  finished_ = true;
+  const int code = av_write_trailer(muxer_.get());
+  avio_flush(muxer_->pb);
+  TRY(checked(code, "write the index of the recording"));
+  return sync();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
+                                                          const CameraFacts& camera) {
+  return MatroskaWriter::create(storage, path, camera);
+}
+
+}  // namespace hdrcam
