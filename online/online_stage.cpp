@@ -141,11 +141,7 @@ void OnlineStage::advance(Step& step, const Step* after) {
   start = std::chrono::steady_clock::now();
   filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
   step.advanced = true;
-  if (options_.look_ahead > 1) {
-    step.state.radiance.copy_from(filter_.state().radiance);
-    step.state.variance.copy_from(filter_.state().variance);
-    step.state.own_share.copy_from(filter_.state().own_share);
-  }
+  if (options_.look_ahead > 1) step.state.copy_from(filter_.state());
   if (timing_) timing_("state", milliseconds_since(start));
 }
 

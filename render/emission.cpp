@@ -32,9 +32,7 @@ void Emission::render(const Moment& moment, HdrFrame& frame) {
 
 void Emission::join(const Moment& moment) {
   Fusion& fusion = *moment.fusion;
-  merged_.radiance.copy_from(moment.state->radiance);
-  merged_.variance.copy_from(moment.state->variance);
-  merged_.own_share.copy_from(moment.state->own_share);
+  merged_.copy_from(*moment.state);
   const int rows = merged_.radiance.rows(), cols = merged_.radiance.cols();
   ahead_share_.reshape(1, rows, cols);
   ahead_share_.fill(0);

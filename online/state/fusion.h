@@ -7,20 +7,9 @@
 #include "hal/core/worker_pool.h"
 #include "online/motion/flow_field.h"
 #include "online/state/exposure_tables.h"
+#include "online/state/radiance_state.h"
 
 namespace hdrcam {
-
-// Radiance of every pixel with its variance. white: radiance that saturates the shortest exposure of the clip; a
-// variance of unknown_variance(white) says that nobody saw the pixel unclipped: its radiance is a lower bound.
-struct RadianceState {
-  Image<float> radiance;   // [rgb, rows, cols]
-  Image<float> variance;   // [rgb, rows, cols]
-  Image<float> own_share;  // [1, rows, cols] 0..1: how much of the estimate is the newest frame's own sample
-};
-
-inline float unknown_variance(float white) { return 1e3f * white * white; }
-// A variance above this is treated as unknown: it says no more than that the pixel is brighter than nothing.
-inline float known_limit(float white) { return 0.1f * white * white; }
 
 // One frame's samples, possibly warped to another frame's pixels.
 struct Samples {

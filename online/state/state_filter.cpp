@@ -17,7 +17,7 @@ StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& p
 void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   state_.radiance.copy_from(samples_.radiance);
-  state_.variance.fill(unknown_variance(fusion_.white()));
+  state_.variance.fill(kUnseenVariance);
   fusion_.update(state_, samples_, tables, zero_flow_, 0, nullptr, nullptr, state_.own_share);
 }
 
@@ -37,7 +37,6 @@ void StateFilter::predict(const FlowField& to_previous, const Samples& samples, 
   local_contrast(predicted_.radiance, mean_, contrast_, pool_);
   fusion_.warp_variance(contrast_, flow, added_);
 
-  const float unknown = unknown_variance(fusion_.white());
   const float growth = 1 + options_.variance_growth, relative2 = options_.relative_growth * options_.relative_growth;
   const int cols = flow.cols();
   pool_.for_rows(flow.rows(), [&](int y0, int y1) {
@@ -47,8 +46,8 @@ void StateFilter::predict(const FlowField& to_previous, const Samples& samples, 
         float* v = predicted_.variance.row(c, y);
         for (int x = 0; x < cols; ++x) {
           const float carried = (v[x] * growth + relative2 * s[x] * s[x] + added[x]) / std::max(1e-4f, gate[x]);
-          const bool lost = gate[x] < options_.fusion.gate_floor || !(carried < unknown);
-          v[x] = lost ? unknown : carried;
+          const bool lost = gate[x] < options_.fusion.gate_floor || !(carried < kUnseenVariance);
+          v[x] = lost ? kUnseenVariance : carried;
         }
       }
   });

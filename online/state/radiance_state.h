@@ -1,0 +1,26 @@
+// What the state knows of every pixel: radiance, its variance, and how much of it is new. Move-only value.
+#pragma once
+
+#include "hal/core/image.h"
+
+namespace hdrcam {
+
+// The variance of a pixel that nobody saw unclipped: its radiance is a lower bound.
+constexpr float kUnseenVariance = 1e9f;
+// A variance above this says no more than that the pixel is not black: it is treated as unseen. white: the radiance
+// that saturates the shortest exposure of the clip.
+inline float known_limit(float white) { return 0.1f * white * white; }
+
+struct RadianceState {
+  Image<float> radiance;   // [rgb, rows, cols]
+  Image<float> variance;   // [rgb, rows, cols]
+  Image<float> own_share;  // [1, rows, cols] 0..1: how much of the estimate is the newest frame's own sample
+
+  void copy_from(const RadianceState& other) {
+    radiance.copy_from(other.radiance);
+    variance.copy_from(other.variance);
+    own_share.copy_from(other.own_share);
+  }
+};
+
+}  // namespace hdrcam
