@@ -1,0 +1,57 @@
+// The one place where the parts are joined, in the order of a frame's way: raw frame -> exposed frame -> state (and
+// field) -> HDR frame -> whoever takes it. The same for live capture, recording and replay. Thread-bound; deterministic
+// whatever the number of threads.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+
+#include "firmware_host/run_record.h"
+#include "hal/core/worker_pool.h"
+#include "hal/recording/recording.h"
+#include "online/online_stage.h"
+#include "render/emission.h"
+
+namespace hdrcam {
+
+// Points on the measured front of quality against time (docs/decisions.md).
+enum class Preset { Fast, Balanced, Best };
+Result<Preset> parse_preset(std::string_view text);
+const char* name(Preset preset);
+
+struct PipelineOptions {
+  OnlineOptions online;
+  EmissionOptions emission;
+};
+PipelineOptions options_of(Preset preset);
+
+class Pipeline {
+ public:
+  // What leaves the pipeline. The frame is valid during the call.
+  using Deliver = std::function<Result<void>(const HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
+
+  // Unsupported: a pixel layout that cannot be fitted yet.
+  static Result<std::unique_ptr<Pipeline>> create(const PipelineOptions& options, const CameraFacts& camera,
+                                                  WorkerPool& pool);
+
+  // Errors: BadExposure, SizeChanged, and what `deliver` returns.
+  Result<void> take(const RawFrame& raw, const Deliver& deliver);
+  // Delivers what is still on its way. TooShort for a clip of one frame.
+  Result<void> finish(const Deliver& deliver);
+
+  const OnlineStage& online() const { return online_; }
+
+ private:
+  Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response, WorkerPool& pool);
+  Result<void> render(const Moment& moment, const Deliver& deliver);
+
+  const CameraFacts camera_;
+  OnlineStage online_;
+  Emission emission_;
+  HdrFrame frame_;
+  FrameRecord record_;  // of the frame on its way; stages add to it
+  std::optional<Instant> first_time_;
+};
+
+}  // namespace hdrcam
