@@ -91,7 +91,7 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame, const StateMotion* before,
                                float before_ratio, const ExposedFrame* after, const ExposureTables* after_tables,
                                float after_ratio, StateMotion& motion) {
-  Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
+  Image<float>& to = motion.to_previous.vectors;
   clipped_share(frame, clipped_);
   if (before != nullptr && !before->to_previous.empty()) {
     warp_linear(before->to_previous.vectors, to, warped_, pool_);
@@ -114,22 +114,56 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
       gray_of_frame(*after, frame_gray_, pool_);
       gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
       flow_.compute({{&frame_gray_, &state_gray_, &after_to_state_}, {&state_gray_, &frame_gray_, &state_to_after_}});
-      pool_.for_rows(rows_, [&](int y0, int y1) {
-        for (int y = y0; y < y1; ++y)
-          for (int x = 0; x < cols_; ++x) {
-            const float a = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) *
-                            (1 - smooth_step(0.1f, 0.6f, clipped_after_.at(0, y, x)));
-            if (a <= 0) continue;
-            for (int d = 0; d < 2; ++d) {
-              const float v = 0.5f * after_ratio * (after_to_state_.at(d, y, x) - state_to_after_.at(d, y, x));
-              to.at(d, y, x) += a * (v - to.at(d, y, x));
-              from.at(d, y, x) += a * (-v - from.at(d, y, x));
-            }
-          }
-      });
+      bridge(after_ratio, motion);
     }
   }
   rate(&frame, motion);
+}
+
+// Motion through a frame that shows none, from the flow between the state before it and the frame after it, at constant
+// velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the state and at
+// x - u (1 - r) / r in the frame after, where r is its share of the time between them; both flows are asked there
+// (a fixed point, three rounds) and averaged.
+void MotionEstimator::bridge(float r, StateMotion& motion) {
+  constexpr int kRounds = 3;
+  Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
+  bridged_.reshape(2, rows_, cols_);
+  const float onward = -(1 - r) / r;
+  for (int round = 0; round < kRounds; ++round) {
+    if (round == 0) {
+      for (std::size_t i = 0; i < bridged_.size(); ++i)
+        bridged_.samples()[i] = 0.5f * r * (after_to_state_.samples()[i] - state_to_after_.samples()[i]);
+      continue;
+    }
+    ahead_.reshape(2, rows_, cols_);
+    for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+    warp_linear(after_to_state_, ahead_, seen_from_after_, pool_);
+    warp_linear(state_to_after_, bridged_, seen_from_state_, pool_);
+    for (std::size_t i = 0; i < bridged_.size(); ++i)
+      bridged_.samples()[i] = 0.5f * r * (seen_from_after_.samples()[i] - seen_from_state_.samples()[i]);
+  }
+  // to the state, at the pixels of the frame
+  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+  warp_linear(clipped_after_, ahead_, mask_, pool_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const float a = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, mask_.at(0, y, x)));
+        for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (bridged_.at(d, y, x) - to.at(d, y, x));
+      }
+  });
+  // from the state, at its own pixels
+  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = r * state_to_after_.samples()[i];
+  warp_linear(clipped_, ahead_, mask_, pool_);
+  warp_linear(clipped_after_, state_to_after_, clipped_seen_, pool_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const float a =
+            smooth_step(0.4f, 0.9f, mask_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, clipped_seen_.at(0, y, x)));
+        for (int d = 0; d < 2; ++d) from.at(d, y, x) += a * (ahead_.at(d, y, x) - from.at(d, y, x));
+      }
+  });
 }
 
 // Share of the 5x5 pixels around each that are clipped, bright or dark, in all channels.

@@ -31,6 +31,7 @@ class MotionEstimator {
                 const ExposedFrame* after, const ExposureTables* after_tables, float after_ratio, StateMotion& motion);
 
  private:
+  void bridge(float r, StateMotion& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
   void rate(const ExposedFrame* frame, StateMotion& motion);
 
@@ -39,6 +40,7 @@ class MotionEstimator {
   DenseFlow flow_;
   Image<std::uint8_t> frame_gray_, state_gray_;
   Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
+  Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
 };
 
 }  // namespace hdrcam
