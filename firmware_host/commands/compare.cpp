@@ -51,8 +51,7 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
   if (scores.flow_forward_epe_px)
     fmt::print("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
   if (!scores.missing.empty())
-    fmt::print("not scored, no estimate: {} frames ({})\n", scores.missing.size(),
-               fmt::join(scores.missing, ", "));
+    fmt::print("not scored, as there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {

@@ -1,12 +1,11 @@
 // The scores of a folder of HDR frames against a clip with ground truth.
-//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels:
-//   the response's
-//             scale cannot be observed; not per frame, so that flicker is not hidden
+//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels, as
+//             the response's scale cannot be observed; not per frame, so that flicker is not hidden
 //   white     min(99.9th percentile of the clip, radiance that saturates the shortest exposure): what 1 is
 //   flicker   mean |d log2 E - d log2 G| along the true motion where it is seen in both frames
 //   phase     spread of the mean log2 error over the phases of the exposure cycle: 0 is no pumping
-// Three passes over the files; held between frames is one sample in eleven of the clip, and two pictures.
-// Reentrant.
+// Three passes over the files; held between frames are at most one number per seven pixels of the clip, and
+// two pictures. Reentrant.
 #pragma once
 
 #include <array>

@@ -1,7 +1,6 @@
 // A small clip that knows its answer, and an estimate of it with known faults, the same on every machine:
 // 48x36, eight frames, three exposures. A textured background moves by (1.5, 0.5) px a frame; a brighter
-// square, object 1, by
-// (-1, 2) px before it; one lamp is far above white.
+// square, object 1, by (-1, 2) px before it; one lamp is far above white.
 #pragma once
 
 #include <string>
