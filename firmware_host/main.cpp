@@ -14,11 +14,12 @@ namespace {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-// The first ^C (or SIGTERM) asks for a clean end; SA_RESETHAND gives the second one its usual, deadly effect.
+// The first ^C (or SIGTERM) asks for a clean end and lets system calls go on; SA_RESETHAND gives the second
+// one its usual, deadly effect.
 void stop_cleanly_once(int signal) {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
-  action.sa_flags = SA_RESETHAND;
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
   sigaction(signal, &action, nullptr);
 }
 

@@ -41,14 +41,15 @@ std::string exit_code_text() {
 
 std::string help_text(const CLI::App& app) {
   std::string text =
-      "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, middle and\n"
+      "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, "
+      "middle and\n"
       "long in turn, and every one of them leaves as a scene-linear HDR frame of the same instant.\n\n"
       "Usage: hdrcam VERB [flags]      hdrcam VERB --help      hdrcam --version\n";
   std::string_view group;
   for (const ListedVerb& verb : kVerbs) {
     if (group != verb.group) text += fmt::format("\n{}:\n", group = verb.group);
-    text += fmt::format("  {:<9}{}\n           $ {}\n", verb.name, app.get_subcommand(verb.name)->get_description(),
-                        verb.example);
+    text += fmt::format("  {:<9}{}\n           $ {}\n", verb.name,
+                        app.get_subcommand(verb.name)->get_description(), verb.example);
   }
   text += "\n^C ends a run cleanly after the current frame; a second ^C ends it at once.\n\n";
   return text + exit_code_text();
@@ -65,19 +66,21 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
-// The sentence for a command line that CLI11 refused. An unknown flag comes first, whatever else is wrong: it is the
-// usual cause of the rest (its value was taken for a positional, or the flag it was meant to be is missing).
+// The sentence for a command line that CLI11 refused. An unknown flag comes first, whatever else is wrong: it
+// is the usual cause of the rest (its value was taken for a positional, or the flag it was meant to be is
+// missing).
 Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   const auto chosen = app.get_subcommands();
   const CLI::App& place = chosen.empty() ? app : *chosen.front();
-  const std::string help = chosen.empty() ? "hdrcam --help" : fmt::format("hdrcam {} --help", place.get_name());
+  const std::string help =
+      chosen.empty() ? "hdrcam --help" : fmt::format("hdrcam {} --help", place.get_name());
   std::vector<std::string> flags;
   for (const CLI::Option* option : place.get_options())
     for (const auto& word : option->get_lnames()) flags.push_back("--" + word);
 
   const std::vector<std::string> extras = app.remaining(true);
-  const auto extra_flag =
-      std::find_if(extras.begin(), extras.end(), [](const std::string& word) { return word.starts_with('-'); });
+  const auto extra_flag = std::find_if(extras.begin(), extras.end(),
+                                       [](const std::string& word) { return word.starts_with('-'); });
   if (extra_flag != extras.end()) {
     const std::string flag = extra_flag->substr(0, extra_flag->find('='));
     return {ErrorCode::Invalid,
@@ -86,7 +89,8 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see '{}'", extras.front(), help)};
   std::string sentence = refused.what();
-  if (!sentence.empty()) sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
+  if (!sentence.empty())
+    sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
   return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence, help)};
 }
 
@@ -123,7 +127,8 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
   const std::string_view first = args.front();
   if (first == "help") return help_on(app, args.subspan(1));
   const auto known = verb_names();
-  if (!first.starts_with('-') && std::find(known.begin(), known.end(), first) == known.end()) return unknown_verb(first);
+  if (!first.starts_with('-') && std::find(known.begin(), known.end(), first) == known.end())
+    return unknown_verb(first);
   try {
     app.parse(std::vector<std::string>(args.rbegin(), args.rend()));
   } catch (const CLI::CallForHelp&) {
@@ -137,8 +142,8 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
   return request;
 }
 
-int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop, std::ostream& out,
-                std::ostream& err) {
+int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop,
+                std::ostream& out, std::ostream& err) {
   const auto end_with = [&](const Error& error) {
     fmt::print(err, "hdrcam: {}.\n", error.message);
     return exit_code_of(error.code);

@@ -1,5 +1,5 @@
-// The program around the verbs: command line in, exit code out. main.cpp adds the process (signals, the real disk);
-// tests call run_program() in-process with a disk of their own. Reentrant.
+// The program around the verbs: command line in, exit code out. main.cpp adds the process (signals, the real
+// disk); tests call run_program() in-process with a disk of their own. Reentrant.
 #pragma once
 
 #include <atomic>
@@ -21,13 +21,13 @@ struct Request {
   std::string text;
 };
 
-// args: without the program's name. Errors: Invalid, one sentence that names what was not understood and, where one is
-// near, what was probably meant.
+// args: without the program's name. Errors: Invalid, one sentence that names what was not understood and,
+// where one is near, what was probably meant.
 Result<Request> parse_command_line(std::span<const char* const> args);
 
 // Parses and runs. Texts asked for go to `out`; an Error goes to `err` as the one line "hdrcam: <sentence>.".
 // stop: becomes true when the user asks to stop. Returns one of exit_codes().
-int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop, std::ostream& out,
-                std::ostream& err);
+int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop,
+                std::ostream& out, std::ostream& err);
 
 }  // namespace hdrcam

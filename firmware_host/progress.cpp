@@ -16,7 +16,8 @@ constexpr double kRecent = 0.1;  // weight of the newest frame in ms/frame
 }  // namespace
 
 std::string progress_line(const ProgressState& state) {
-  std::string line = state.total ? fmt::format("frame {}/{}", state.done, *state.total) : fmt::format("frame {}", state.done);
+  std::string line = state.total ? fmt::format("frame {}/{}", state.done, *state.total)
+                                 : fmt::format("frame {}", state.done);
   line += fmt::format("  {:.0f} ms/frame", state.ms_per_frame);
   if (state.loss) line += fmt::format("  loss {:.2g}", *state.loss);
   if (state.total) {
@@ -40,7 +41,8 @@ void Progress::frame_done(double ms, std::optional<double> loss, Clock::time_poi
   state_.ms_per_frame = state_.done == 0 ? ms : (1 - kRecent) * state_.ms_per_frame + kRecent * ms;
   ++state_.done;
   state_.loss = loss;
-  const Clock::duration interval = terminal_ ? Clock::duration(kTerminalInterval) : Clock::duration(kLogInterval);
+  const Clock::duration interval =
+      terminal_ ? Clock::duration(kTerminalInterval) : Clock::duration(kLogInterval);
   const bool last = state_.total && state_.done == *state_.total;
   if (shown_ && now - *shown_ < interval && !last) return;
   shown_ = now;

@@ -30,7 +30,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // One more frame is done. It shows at most every 50 ms on a terminal, every second elsewhere, and always for the last.
+  // One more frame is done. It shows at most every 50 ms on a terminal, every second elsewhere, and always
+  // for the last.
   void frame_done(double ms, std::optional<double> loss, Clock::time_point now = Clock::now());
 
  private:

@@ -43,8 +43,9 @@ Json provenance_of(const Shares& shares) {
 }
 
 Json json_of(const FrameRecord& frame) {
-  Json json{{"sequence", frame.sequence}, {"time_s", frame.time_s},       {"exposure", frame.exposure},
-            {"total_ms", frame.total_ms}, {"fit_steps", frame.fit_steps}, {"stages_ms", object_of(frame.stages_ms)},
+  Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
+            {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
+            {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
             {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;
@@ -66,7 +67,8 @@ std::vector<StageSummary> stage_summaries(const RunRecord& record) {
     }
   }
   std::vector<StageSummary> summaries;
-  for (std::size_t i = 0; i < names.size(); ++i) summaries.push_back(summary_of(names[i], std::move(times_ms[i])));
+  for (std::size_t i = 0; i < names.size(); ++i)
+    summaries.push_back(summary_of(names[i], std::move(times_ms[i])));
   summaries.push_back(summary_of("total", std::move(totals_ms)));
   return summaries;
 }
@@ -115,11 +117,14 @@ std::string to_json(const RunRecord& record) {
             {"provenance", provenance_of(mean_provenance(record))}};
   Json& stages = json["stages"] = Json::object();
   for (const StageSummary& stage : stage_summaries(record))
-    stages[stage.name] = {{"frames", stage.frames}, {"mean_ms", stage.mean_ms}, {"p95_ms", stage.p95_ms},
+    stages[stage.name] = {{"frames", stage.frames},
+                          {"mean_ms", stage.mean_ms},
+                          {"p95_ms", stage.p95_ms},
                           {"max_ms", stage.max_ms}};
   if (!record.scores.empty()) {
     Json& scores = json["scores"] = Json::object();
-    for (const ScoreRow& score : record.scores) scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
+    for (const ScoreRow& score : record.scores)
+      scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
   }
   if (record.response) json["response"] = *record.response;
   json["notes"] = record.notes;

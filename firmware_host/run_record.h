@@ -1,5 +1,6 @@
-// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The pipeline's verb
-// fills it; --stats writes it as JSON (to_json) and the report draws it (sinks/report.h). Plain values.
+// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The
+// pipeline's verb fills it; --stats writes it as JSON (to_json) and the report draws it (sinks/report.h).
+// Plain values.
 #pragma once
 
 #include <array>
@@ -25,14 +26,15 @@ inline constexpr std::size_t kProvenances = 5;  // values of enum Provenance
 
 struct FrameRecord {
   std::uint64_t sequence = 0;
-  double time_s = 0;        // since the first frame
-  double exposure = 1;      // E / E_ref
-  double total_ms = 0;      // from the frame's arrival in the pipeline until its work was done
-  std::vector<NamedValue> stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
-  std::vector<NamedValue> losses;     // weighted terms of the fit's last step; empty without the field
+  double time_s = 0;    // since the first frame
+  double exposure = 1;  // E / E_ref
+  double total_ms = 0;  // from the frame's arrival in the pipeline until its work was done
+  std::vector<NamedValue>
+      stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
+  std::vector<NamedValue> losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
-  std::string note;         // what was out of the ordinary, in words: "step rolled back"; usually empty
+  std::string note;  // what was out of the ordinary, in words: "step rolled back"; usually empty
 };
 
 // [rgb][code] relative exposure, as Response::inverse
@@ -63,10 +65,10 @@ struct RunRecord {
   double peak_memory_mib = 0;
 
   std::vector<FrameRecord> frames;
-  std::optional<ResponseCurves> response;        // the estimate in use at the end
+  std::optional<ResponseCurves> response;         // the estimate in use at the end
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
-  std::vector<ScoreRow> scores;                  // empty without ground truth
-  std::vector<std::string> notes;                // clip-level remarks: what was switched off and why
+  std::vector<ScoreRow> scores;                   // empty without ground truth
+  std::vector<std::string> notes;                 // clip-level remarks: what was switched off and why
 };
 
 // One stage over all frames in which it ran.

@@ -8,7 +8,8 @@
 
 namespace hdrcam {
 
-// Edits between two words: insertions, deletions, substitutions and swaps of neighbours (optimal string alignment).
+// Edits between two words: insertions, deletions, substitutions and swaps of neighbours (optimal string
+// alignment).
 int edit_distance(std::string_view a, std::string_view b);
 
 // The known word with the fewest edits; none where even that one differs in more than a third of its letters.

@@ -34,8 +34,8 @@ Result<std::vector<std::byte>> encode_png(const Image<std::uint8_t>& picture, Pn
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
   std::vector<std::byte> bytes(size);
   if (png_image_write_to_memory(&header, bytes.data(), &size, 0, pixels.data(), 0, nullptr) == 0)
-    return Error{ErrorCode::Io, fmt::format("libpng cannot encode a picture of {}x{} pixels: {}", picture.cols(),
-                                            picture.rows(), header.message)};
+    return Error{ErrorCode::Io, fmt::format("libpng cannot encode a picture of {}x{} pixels: {}",
+                                            picture.cols(), picture.rows(), header.message)};
   bytes.resize(size);
   return bytes;
 }

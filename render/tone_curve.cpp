@@ -9,10 +9,11 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kMeasureStep_px = 3;       // a ninth of the pixels is plenty for a mean and a percentile
+constexpr int kMeasureStep_px = 3;  // a ninth of the pixels is plenty for a mean and a percentile
 constexpr double kWhitePercentile = 0.995;
-constexpr float kWhiteHeadroom = 1.41f;  // half a stop above the percentile, so that highlights keep their shape
-constexpr float kLeastContrast = 4;      // white / mid: a flat picture is not stretched to the full display range
+constexpr float kWhiteHeadroom =
+    1.41f;                           // half a stop above the percentile, so that highlights keep their shape
+constexpr float kLeastContrast = 4;  // white / mid: a flat picture is not stretched to the full display range
 
 // IEC 61966-2-1, [0,1] -> [0,1]
 float srgb_encoded(float linear) {
@@ -70,7 +71,8 @@ std::uint8_t ToneCurve::code(float radiance) const {
   const int segment = static_cast<int>(bits >> kPlaceBits) - kFirst;
   if (segment < 0) return 0;
   if (segment >= kSegments * kOctaves) return static_cast<std::uint8_t>(codes_.back() + 0.5f);
-  const float place = static_cast<float>(bits & ((1u << kPlaceBits) - 1)) / static_cast<float>(1u << kPlaceBits);
+  const float place =
+      static_cast<float>(bits & ((1u << kPlaceBits) - 1)) / static_cast<float>(1u << kPlaceBits);
   const auto i = static_cast<std::size_t>(segment);
   return static_cast<std::uint8_t>(codes_[i] + place * (codes_[i + 1] - codes_[i]) + 0.5f);
 }

@@ -1,10 +1,10 @@
-// From scene-linear radiance to 8-bit display codes: one global curve, the same for each channel, so that bright colours
-// run into white as they do on film.
-//   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),  w = kKey white / mid      [Reinhard et al. 2002, eq. 3 and 4]
-//   code = 255 sRGB(min(y, 1))
-// `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame: ToneAdaptation
-// sets it from the first frame and then lets it follow by at most a hundredth of a stop a frame, so a still scene is
-// shown without flicker whatever the exposure schedule does.
+// From scene-linear radiance to 8-bit display codes: one global curve, the same for each channel, so that
+// bright colours run into white as they do on film.
+//   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),  w = kKey white / mid      [Reinhard et al. 2002, eq.
+//   3 and 4] code = 255 sRGB(min(y, 1))
+// `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame:
+// ToneAdaptation sets it from the first frame and then lets it follow by at most a hundredth of a stop a
+// frame, so a still scene is shown without flicker whatever the exposure schedule does.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ struct ToneAnchors {
   float white = 1;    // radiance shown as white, 4 mid .. 2^24
 };
 
-// The anchors that suit one picture: mid = geometric mean of its luminance, white = its 99.5th percentile with half a
-// stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left out, and where no others
-// are left (a black picture) there are no anchors.
+// The anchors that suit one picture: mid = geometric mean of its luminance, white = its 99.5th percentile
+// with half a stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left
+// out, and where no others are left (a black picture) there are no anchors.
 std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance);
 
 // Immutable value, reentrant. Evaluation is a table of 64 segments per octave over 2^-24 .. 2^24.
 class ToneCurve {
  public:
-  static constexpr float kKey = 0.36f;
+  static constexpr float kKey = 0.25f;  // shows `mid` as 0.2 of white's light, code 124
 
   explicit ToneCurve(ToneAnchors anchors);
   // radiance -> code, monotone; 0 for what is not a positive number, 255 for +inf

@@ -1,5 +1,6 @@
-// One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user names it,
-// `chosen` becomes what to run. main.cpp parses, runs and turns the Error into one sentence and an exit code.
+// One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user
+// names it, `chosen` becomes what to run. main.cpp parses, runs and turns the Error into one sentence and an
+// exit code.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,8 @@ namespace hdrcam {
 // What a verb gets from the program around it.
 struct Surroundings {
   Storage& storage;
-  const std::atomic<bool>& stop;  // set by the first ^C: finish the frame, close the files, return Interrupted
+  const std::atomic<bool>&
+      stop;  // set by the first ^C: finish the frame, close the files, return Interrupted
 };
 
 using Verb = std::function<Result<void>(Surroundings&)>;

@@ -43,7 +43,8 @@ Canvas::Canvas(int rows, int cols, Rgb background) {
 void Canvas::fill(int top, int left, int rows, int cols, Rgb colour) {
   for (int c = 0; c < 3; ++c) {
     cv::Mat plane = plane_of(picture_, c);
-    cv::rectangle(plane, cv::Rect(left, top, cols, rows), samples_of(colour)[static_cast<std::size_t>(c)], cv::FILLED);
+    cv::rectangle(plane, cv::Rect(left, top, cols, rows), samples_of(colour)[static_cast<std::size_t>(c)],
+                  cv::FILLED);
   }
 }
 
@@ -73,7 +74,9 @@ Image<std::uint8_t> resized(const Image<std::uint8_t>& picture, int rows, int co
   return resized_planes(picture, rows, cols);
 }
 
-Image<float> resized(const Image<float>& picture, int rows, int cols) { return resized_planes(picture, rows, cols); }
+Image<float> resized(const Image<float>& picture, int rows, int cols) {
+  return resized_planes(picture, rows, cols);
+}
 
 Image<std::uint8_t> false_colours(const Image<std::uint8_t>& values) {
   cv::Mat bgr;

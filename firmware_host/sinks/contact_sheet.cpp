@@ -19,7 +19,9 @@ constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
 constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224};
 constexpr float kBrightest = 0.98f;  // the percentile of 1 / depth that is shown brightest
 
-int cell_rows(int rows, int cols) { return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols); }
+int cell_rows(int rows, int cols) {
+  return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols);
+}
 int cell_cols(int cols) { return std::min(cols, kCellWidth_px); }
 
 template <class T>
@@ -155,7 +157,8 @@ Image<std::uint8_t> ContactSheet::composed() const {
   const int columns = static_cast<int>(titles.size()), count = static_cast<int>(rows.size());
   Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, kGap_px + columns * step_right, kPaper);
   for (int i = 0; i < columns; ++i)
-    canvas.write(kCaption_px - 6, kGap_px + i * step_right, titles[static_cast<std::size_t>(i)], kText_px, kInk);
+    canvas.write(kCaption_px - 6, kGap_px + i * step_right, titles[static_cast<std::size_t>(i)], kText_px,
+                 kInk);
 
   int top = kCaption_px;
   for (const Row* row : rows) {
@@ -166,9 +169,10 @@ Image<std::uint8_t> ContactSheet::composed() const {
     paste(1, row->shown);
     paste(2, coloured(row->provenance));
     if (!row->nearness.empty()) paste(3, false_colours(scaled(row->nearness, brightest)));
-    canvas.write(top + step_down - 7, kGap_px,
-                 fmt::format("frame {}    exposure {:+.1f} EV", row->facts.sequence, std::log2(row->exposure)),
-                 kText_px, kInk);
+    canvas.write(
+        top + step_down - 7, kGap_px,
+        fmt::format("frame {}    exposure {:+.1f} EV", row->facts.sequence, std::log2(row->exposure)),
+        kText_px, kInk);
     top += step_down;
   }
   draw_legend(canvas, top + kCaption_px - 7);

@@ -1,7 +1,7 @@
 // One picture that shows a whole run: a few frames, evenly spread over the clip, each as a row of
 //   what came in | the HDR frame, tone-mapped | provenance | inverse depth (where the field ran).
-// The clip's length is not known beforehand: every n-th frame is kept, and n doubles whenever too many are held, so the
-// memory is bounded. Thread-bound.
+// The clip's length is not known beforehand: every n-th frame is kept, and n doubles whenever too many are
+// held, so the memory is bounded. Thread-bound.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,8 @@ namespace hdrcam {
 
 class ContactSheet : public FrameSink {
  public:
-  // path: of the PNG that finish() writes; "" to write none (the report takes png()). The storage outlives the sink.
+  // path: of the PNG that finish() writes; "" to write none (the report takes png()). The storage outlives
+  // the sink.
   ContactSheet(Storage& storage, std::string path);
 
   // Every input frame, before its HDR frame is emitted. codes: [rgb, rows, cols] 0..255, as in ExposedFrame.

@@ -28,9 +28,10 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   if (options.framerate_hz) attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
   attributes.T_world_camera = facts.T_world_camera;
   attributes.owner = options.owner;
-  attributes.comments =
-      fmt::format("hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is {:.6g} of it",
-                  kVersion, facts.sequence, frame.reference_exposure, frame.exposure);
+  attributes.comments = fmt::format(
+      "hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is "
+      "{:.6g} of it",
+      kVersion, facts.sequence, frame.reference_exposure, frame.exposure);
   return attributes;
 }
 
@@ -58,7 +59,8 @@ class ExrSequence : public FrameSink {
     const std::size_t n = frame.radiance.plane_size();
     std::vector<ExrChannel> channels;
     const auto add = [&](std::string_view name, const Image<float>& image, int plane, ExrSample stored) {
-      channels.push_back({std::string(name), image.empty() ? zeros(n) : std::span(image.plane(plane), n), stored});
+      channels.push_back(
+          {std::string(name), image.empty() ? zeros(n) : std::span(image.plane(plane), n), stored});
     };
     for (int c = 0; c < 3; ++c) add(exr_channel::kRadiance[c], frame.radiance, c, ExrSample::Half);
     if (options_.layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);

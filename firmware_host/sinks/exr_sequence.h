@@ -1,10 +1,10 @@
-// HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written beside its name
-// and renamed when whole, so a reader that watches the folder never sees half a frame.
+// HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written beside
+// its name and renamed when whole, so a reader that watches the folder never sees half a frame.
 //   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
 //   Z                 depth, float, in units of the field's near plane; 0 where there is none
 //   backward.u/.v     motion to the previous frame, pixels; 0 for the first frame
-//   sigma confidence  standard deviation of ln radiance; exp(-sigma): the one-sigma lower bound over the value, 0..1
-//   provenance        enum Provenance
+//   sigma confidence  standard deviation of ln radiance; exp(-sigma): the one-sigma lower bound over the
+//   value, 0..1 provenance        enum Provenance
 #pragma once
 
 #include <memory>
@@ -28,10 +28,12 @@ Result<ExrLayers> parse_layers(std::string_view text);
 
 struct ExrSequenceOptions {
   ExrLayers layers = {};
-  ExrCompression compression = ExrCompression::Zip;   // Piz: about a tenth smaller on noisy frames, slower to read
+  ExrCompression compression =
+      ExrCompression::Zip;  // Piz: about a tenth smaller on noisy frames, slower to read
   std::optional<double> framerate_hz = std::nullopt;  // of the camera: framesPerSecond and timeCode
-  std::optional<double> white_cd_m2 = std::nullopt;   // luminance of radiance 1, where the camera has been calibrated
-  std::string owner = {};                             // written where not empty
+  std::optional<double> white_cd_m2 =
+      std::nullopt;        // luminance of radiance 1, where the camera has been calibrated
+  std::string owner = {};  // written where not empty
 };
 
 // pattern: "out/%06d.exr" (frame_pattern.h); its folder is created. The storage outlives the sink.

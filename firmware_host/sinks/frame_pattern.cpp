@@ -9,14 +9,16 @@ namespace {
 
 constexpr int kMaxDigits = 19;  // of a 64-bit sequence number
 
-Error refused(std::string_view flag, std::string_view text, std::string_view why, std::string_view extension) {
+Error refused(std::string_view flag, std::string_view text, std::string_view why,
+              std::string_view extension) {
   return {ErrorCode::Invalid,
           fmt::format("{} '{}' {}; write it as 'out/%06d{}'", flag, text, why, extension)};
 }
 
 }  // namespace
 
-Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text, std::string_view extension) {
+Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text,
+                                         std::string_view extension) {
   const auto percents = std::count(text.begin(), text.end(), '%');
   if (percents == 0) return refused(flag, text, "would put every frame into one file", extension);
   if (percents > 1) return refused(flag, text, "has more than one '%'", extension);
@@ -26,7 +28,8 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
   const std::size_t percent = text.find('%');
   const std::size_t end = text.find_first_not_of("0123456789", percent + 1);
   const std::string_view width = text.substr(percent + 1, end - percent - 1);
-  if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 || width[0] != '0')
+  if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 ||
+      width[0] != '0')
     return refused(flag, text, "has a '%' that is not a frame number like '%06d'", extension);
   int digits = 0;
   for (const char digit : width) digits = digits * 10 + (digit - '0');

@@ -1,5 +1,6 @@
-// Where HDR frames go. The pipeline hands every emitted frame to each sink in turn, on one thread, and calls finish()
-// once at the end, also after ^C. A sink that fails ends the run: a frame is never lost in silence. Thread-bound.
+// Where HDR frames go. The pipeline hands every emitted frame to each sink in turn, on one thread, and calls
+// finish() once at the end, also after ^C. A sink that fails ends the run: a frame is never lost in silence.
+// Thread-bound.
 #pragma once
 
 #include "hal/core/result.h"

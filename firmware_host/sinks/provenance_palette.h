@@ -1,5 +1,5 @@
-// How provenance is shown to people: one name and one colour per value, the same in pictures, charts and legends.
-// The colours stay apart for colour-blind eyes (Okabe and Ito 2008).
+// How provenance is shown to people: one name and one colour per value, the same in pictures, charts and
+// legends. The colours stay apart for colour-blind eyes (Okabe and Ito 2008).
 #pragma once
 
 #include <array>

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 240;  // along a chart's time axis
 constexpr std::size_t kMostNotedFrames = 20;
+constexpr double kMetWell = 95;  // % of frames within the deadline from which on the share is shown in green
 constexpr double kHole = std::numeric_limits<double>::quiet_NaN();
 
 std::string css(Rgb colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b); }
@@ -29,9 +30,10 @@ std::string section(const char* title, const std::string& explanation, const std
 
 std::string card(const std::string& content) { return "<div class=\"card\">" + content + "</div>\n"; }
 
-std::string tile(const std::string& value, const std::string& meaning, const char* look = "") {
-  return fmt::format("<div class=\"tile\"><b class=\"{}\">{}</b><span>{}</span></div>\n", look, escaped(value),
-                     escaped(meaning));
+std::string tile(const std::string& value, const std::string& unit, const std::string& meaning,
+                 const char* look = "") {
+  return fmt::format("<div class=\"tile\"><b class=\"{}\">{} <small>{}</small></b><span>{}</span></div>\n",
+                     look, escaped(value), escaped(unit), escaped(meaning));
 }
 
 std::string fact(const char* name, const std::string& value) {
@@ -52,7 +54,8 @@ std::vector<double> averaged(const std::vector<double>& values) {
   return means;
 }
 
-std::vector<double> over_frames(const RunRecord& record, const std::function<double(const FrameRecord&)>& value) {
+std::vector<double> over_frames(const RunRecord& record,
+                                const std::function<double(const FrameRecord&)>& value) {
   std::vector<double> values;
   values.reserve(record.frames.size());
   for (const FrameRecord& frame : record.frames) values.push_back(value(frame));
@@ -66,7 +69,7 @@ double value_named(const std::vector<NamedValue>& values, const std::string& wan
 }
 
 // The names in the order in which they first occur in any frame.
-std::vector<std::string> names_in(const RunRecord& record, std::vector<NamedValue> FrameRecord::* list) {
+std::vector<std::string> names_in(const RunRecord& record, std::vector<NamedValue> FrameRecord::*list) {
   std::vector<std::string> names;
   for (const FrameRecord& frame : record.frames)
     for (const NamedValue& entry : frame.*list)
@@ -78,7 +81,7 @@ std::vector<double> sequence_axis(const RunRecord& record) {
   return over_frames(record, [](const FrameRecord& frame) { return static_cast<double>(frame.sequence); });
 }
 
-std::vector<ChartSeries> series_of(const RunRecord& record, std::vector<NamedValue> FrameRecord::* list) {
+std::vector<ChartSeries> series_of(const RunRecord& record, std::vector<NamedValue> FrameRecord::*list) {
   std::vector<ChartSeries> series;
   for (const std::string& name : names_in(record, list))
     series.push_back({name, series_colour(series.size()), over_frames(record, [&](const FrameRecord& frame) {
@@ -90,37 +93,42 @@ std::vector<ChartSeries> series_of(const RunRecord& record, std::vector<NamedVal
 std::string tiles(const RunRecord& record) {
   const double mean_ms = mean_ms_per_frame(record);
   std::string html = "<div class=\"tiles\">\n";
-  html += tile(fmt::format("{}", record.emitted), "HDR frames emitted");
-  html += tile(fmt::format("{:.1f} ms", mean_ms),
+  html += tile(fmt::format("{}", record.emitted), "", "HDR frames emitted");
+  html += tile(fmt::format("{:.1f}", mean_ms), "ms",
                mean_ms > 0 ? fmt::format("per frame, {:.1f} frames/s", 1000 / mean_ms) : "per frame");
   if (record.deadline_ms > 0 && !record.frames.empty()) {
     const auto met = std::count_if(record.frames.begin(), record.frames.end(), [&](const FrameRecord& frame) {
       return frame.total_ms <= record.deadline_ms;
     });
     const double share = 100.0 * static_cast<double>(met) / static_cast<double>(record.frames.size());
-    html += tile(fmt::format("{:.0f} %", share), fmt::format("within {:.1f} ms", record.deadline_ms),
-                 share < 95 ? "bad" : "good");
+    html +=
+        tile(fmt::format("{:.0f}", share), "%", fmt::format("of frames within {:.1f} ms", record.deadline_ms),
+             share < kMetWell ? "bad" : "good");
   }
-  html += tile(fmt::format("{}", record.dropped), "frames dropped", record.dropped > 0 ? "bad" : "");
+  html += tile(fmt::format("{}", record.dropped), "", "frames dropped", record.dropped > 0 ? "bad" : "");
   for (std::size_t i = 0; i < std::min<std::size_t>(2, record.scores.size()); ++i)
-    html += tile(fmt::format("{:.4g} {}", record.scores[i].value, record.scores[i].unit), record.scores[i].name);
-  if (record.peak_memory_mib > 0) html += tile(fmt::format("{:.0f} MiB", record.peak_memory_mib), "peak memory");
+    html += tile(fmt::format("{:.4g}", record.scores[i].value), record.scores[i].unit, record.scores[i].name);
+  if (record.peak_memory_mib > 0)
+    html += tile(fmt::format("{:.0f}", record.peak_memory_mib), "MiB", "peak memory");
   return html + "</div>\n";
 }
 
 std::string sheet_section(std::span<const std::byte> png) {
   if (png.empty()) return "";
-  return section("Frames", "What came in, what left, and where each pixel came from, at moments spread over the clip.",
-                 fmt::format("<div class=\"card sheet\"><img alt=\"contact sheet\" src=\"data:image/png;base64,{}\"></div>\n",
-                             base64(png)));
+  return section(
+      "Frames", "What came in, what left, and where each pixel came from, at moments spread over the clip.",
+      fmt::format(
+          "<div class=\"card sheet\"><img alt=\"contact sheet\" src=\"data:image/png;base64,{}\"></div>\n",
+          base64(png)));
 }
 
 std::string scores_section(const RunRecord& record) {
   if (record.scores.empty()) return "";
   std::string rows;
   for (const ScoreRow& score : record.scores)
-    rows += fmt::format("<tr><th>{}</th><td class=\"n\">{:.4g} {}</td><td>{}</td></tr>\n", escaped(score.name),
-                        score.value, escaped(score.unit), score.higher_is_better ? "higher is better" : "lower is better");
+    rows += fmt::format("<tr><th>{}</th><td class=\"n\">{:.4g} {}</td><td>{}</td></tr>\n",
+                        escaped(score.name), score.value, escaped(score.unit),
+                        score.higher_is_better ? "higher is better" : "lower is better");
   return section("Scores", "Against ground truth, after one gain per channel for the whole clip.",
                  card("<table><tbody>" + rows + "</tbody></table>"));
 }
@@ -133,15 +141,19 @@ std::string time_section(const RunRecord& record) {
   chart.x = sequence_axis(record);
   chart.series = series_of(record, &FrameRecord::stages_ms);
   chart.y_least = 0;
-  if (record.deadline_ms > 0) chart.limit = ChartLimit{fmt::format("deadline {:.1f} ms", record.deadline_ms), record.deadline_ms};
+  if (record.deadline_ms > 0)
+    chart.limit = ChartLimit{fmt::format("deadline {:.1f} ms", record.deadline_ms), record.deadline_ms};
   std::string rows;
   for (const StageSummary& stage : stage_summaries(record))
-    rows += fmt::format("<tr><th>{}</th><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{:.2f}</td>"
-                        "<td class=\"n\">{:.2f}</td></tr>\n",
-                        escaped(stage.name), stage.frames, stage.mean_ms, stage.p95_ms, stage.max_ms);
+    rows += fmt::format(
+        "<tr><th>{}</th><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{:.2f}</td>"
+        "<td class=\"n\">{:.2f}</td></tr>\n",
+        escaped(stage.name), stage.frames, stage.mean_ms, stage.p95_ms, stage.max_ms);
   const std::string table =
-      "<table><thead><tr><th>stage</th><th class=\"n\">frames</th><th class=\"n\">mean, ms</th><th class=\"n\">95th percentile, "
-      "ms</th><th class=\"n\">longest, ms</th></tr></thead><tbody>" + rows + "</tbody></table>";
+      "<table><thead><tr><th>stage</th><th class=\"n\">frames</th><th class=\"n\">mean, ms</th><th "
+      "class=\"n\">95th percentile, "
+      "ms</th><th class=\"n\">longest, ms</th></tr></thead><tbody>" +
+      rows + "</tbody></table>";
   return section("Time", "Where each frame's time went, stage by stage.",
                  "<div class=\"two\">" + card(stacked_bars(chart)) + card(table) + "</div>\n");
 }
@@ -162,19 +174,22 @@ std::string provenance_section(const RunRecord& record) {
                             })});
     rows += fmt::format("<tr><th>{}</th><td class=\"n\">{:.1f} %</td></tr>\n", look.name, 100 * shares[i]);
   }
-  return section("Where the pixels came from",
-                 "Each pixel's main source: this frame's own sample, earlier frames carried along the motion, a later frame, "
-                 "the field, or only a lower bound because it was clipped everywhere.",
-                 "<div class=\"two\">" + card(stacked_bars(chart)) +
-                     card("<table><thead><tr><th>source</th><th class=\"n\">mean share</th></tr></thead><tbody>" + rows +
-                          "</tbody></table>") + "</div>\n");
+  return section(
+      "Where the pixels came from",
+      "Each pixel's main source: this frame's own sample, earlier frames carried along the motion, a later "
+      "frame, "
+      "the field, or only a lower bound because it was clipped everywhere.",
+      "<div class=\"two\">" + card(stacked_bars(chart)) +
+          card("<table><thead><tr><th>source</th><th class=\"n\">mean share</th></tr></thead><tbody>" + rows +
+               "</tbody></table>") +
+          "</div>\n");
 }
 
 std::string loss_section(const RunRecord& record) {
   Chart chart;
   chart.label = "loss terms over time";
   chart.x_label = "frame (sensor sequence)";
-  chart.y_label = "weighted loss after the frame's last step";
+  chart.y_label = "weighted loss";
   chart.x = sequence_axis(record);
   chart.series = series_of(record, &FrameRecord::losses);
   chart.logarithmic_y = true;
@@ -189,7 +204,7 @@ std::string response_section(const RunRecord& record) {
   Chart chart;
   chart.label = "camera response";
   chart.x_label = "code (0 to 255)";
-  chart.y_label = "exposure below saturation, stops";
+  chart.y_label = "stops below saturation";
   chart.y_least = -kShownStops, chart.y_most = 0;
   for (int code = 1; code < Response::kCodes; ++code) chart.x.push_back(code);
   const auto stops = [](const Response::Curve& curve) {
@@ -202,9 +217,12 @@ std::string response_section(const RunRecord& record) {
   };
   const char* const names[] = {"red", "green", "blue"};
   const char* const colours[] = {"#d64545", "#3d9a4b", "#3f74c8"};
-  for (std::size_t c = 0; c < 3; ++c) chart.series.push_back({names[c], colours[c], stops((*record.response)[c])});
-  if (record.response_prior) chart.series.push_back({"prior mean", "#8c8c8c", stops(*record.response_prior), true});
-  return section("Camera response", "The exposure that each code stands for, as estimated from the clip itself.",
+  for (std::size_t c = 0; c < 3; ++c)
+    chart.series.push_back({names[c], colours[c], stops((*record.response)[c])});
+  if (record.response_prior)
+    chart.series.push_back({"prior mean", "#8c8c8c", stops(*record.response_prior), true});
+  return section("Camera response",
+                 "The exposure that each code stands for, as estimated from the clip itself.",
                  card(line_chart(chart)));
 }
 
@@ -215,24 +233,28 @@ std::string notes_section(const RunRecord& record) {
   for (const FrameRecord& frame : record.frames)
     if (!frame.note.empty() && noted++ < kMostNotedFrames)
       items += fmt::format("<li>frame {}: {}</li>\n", frame.sequence, escaped(frame.note));
-  if (noted > kMostNotedFrames) items += fmt::format("<li>and {} more frames with remarks</li>\n", noted - kMostNotedFrames);
-  return items.empty() ? "" : section("Remarks", "What was out of the ordinary.", card("<ul>" + items + "</ul>"));
+  if (noted > kMostNotedFrames)
+    items += fmt::format("<li>and {} more frames with remarks</li>\n", noted - kMostNotedFrames);
+  return items.empty() ? ""
+                       : section("Remarks", "What was out of the ordinary.", card("<ul>" + items + "</ul>"));
 }
 
 std::string run_section(const RunRecord& record) {
   const bool balanced = record.captured == record.emitted + record.dropped;
-  std::string rows = fmt::format("<tr><th>command</th><td><code>{}</code></td></tr>\n", escaped(record.command));
+  std::string rows =
+      fmt::format("<tr><th>command</th><td><code>{}</code></td></tr>\n", escaped(record.command));
   rows += fact("preset", record.preset);
   rows += fact("seed", fmt::format("{}", record.seed));
   rows += fact("threads", fmt::format("{}", record.threads));
   rows += fact("precision", record.precision);
   rows += fact("hdrcam", kVersion);
   rows += fact("processor", fmt::format("{}, {} kernels", cpu_model(), name(instruction_set())));
-  rows += fact("camera", fmt::format("{}, {} x {} pixels, {:.4g} frames/s", record.camera, record.width, record.height,
-                                     record.framerate_hz));
+  rows += fact("camera", fmt::format("{}, {} x {} pixels, {:.4g} frames/s", record.camera, record.width,
+                                     record.height, record.framerate_hz));
   rows += fact("wall time", fmt::format("{:.2f} s", record.wall_s));
-  rows += fmt::format("<tr><th>frames</th><td class=\"{}\">{} captured {} {} emitted + {} dropped</td></tr>\n",
-                      balanced ? "" : "bad", record.captured, balanced ? "=" : "&ne;", record.emitted, record.dropped);
+  rows += fmt::format(
+      "<tr><th>frames</th><td class=\"{}\">{} captured {} {} emitted + {} dropped</td></tr>\n",
+      balanced ? "" : "bad", record.captured, balanced ? "=" : "&ne;", record.emitted, record.dropped);
   return section("Run", "Enough to do it again.", card("<table><tbody>" + rows + "</tbody></table>"));
 }
 
@@ -245,7 +267,8 @@ std::string base64(std::span<const std::byte> bytes) {
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t present = std::min<std::size_t>(3, bytes.size() - i);
     unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < present ? std::to_integer<unsigned>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < present ? std::to_integer<unsigned>(bytes[i + k]) : 0);
     for (std::size_t k = 0; k < 4; ++k) text += k <= present ? kAlphabet[group >> (18 - 6 * k) & 63] : '=';
   }
   return text;
@@ -254,15 +277,17 @@ std::string base64(std::span<const std::byte> bytes) {
 std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0} - hdrcam</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<main>\n<header><h1>{0}</h1>\n<p>{2} x {3} pixels, {4} frames in, {5} HDR "
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0} - "
+      "hdrcam</title>\n"
+      "<style>{1}</style>\n</head>\n<body>\n<main>\n<header><h1>{0}</h1>\n<p>{2} x {3} pixels, {4} frames "
+      "in, {5} HDR "
       "frames out</p></header>\n",
       escaped(record.title), kReportStyle, record.width, record.height, record.captured, record.emitted);
   html += tiles(record);
   html += sheet_section(contact_sheet_png);
   html += scores_section(record);
-  if (!record.frames.empty()) html += time_section(record) + provenance_section(record) + loss_section(record);
-  html += response_section(record);
+  if (!record.frames.empty()) html += time_section(record) + provenance_section(record);
+  html += "<div class=\"two\">" + loss_section(record) + response_section(record) + "</div>\n";
   html += notes_section(record);
   html += run_section(record);
   html += fmt::format("<footer>hdrcam {}</footer>\n</main>\n</body>\n</html>\n", kVersion);

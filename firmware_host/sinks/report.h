@@ -1,5 +1,5 @@
-// report.html: what a run did, on one page that needs nothing else (styles, charts and pictures are inside; no script,
-// no network), readable on light and dark screens and on paper.
+// report.html: what a run did, on one page that needs nothing else (styles, charts and pictures are inside;
+// no script, no network), readable on light and dark screens and on paper.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace hdrcam {
 
-// contact_sheet_png: ContactSheet::png(), or empty for a report without it. Long runs are averaged over consecutive
-// frames for the charts, so the page stays small. Reentrant.
+// contact_sheet_png: ContactSheet::png(), or empty for a report without it. Long runs are averaged over
+// consecutive frames for the charts, so the page stays small. Reentrant.
 std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png);
 
 // Errors: those of the disk.

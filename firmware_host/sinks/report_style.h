@@ -17,16 +17,17 @@ main { max-width: 1120px; margin: 0 auto; padding: 36px 24px 64px; }
 header h1 { margin: 0; font-size: 27px; letter-spacing: -0.01em; }
 header p { margin: 4px 0 0; color: var(--muted); }
 code { font: 13px/1.5 ui-monospace, "SF Mono", Menlo, Consolas, monospace; overflow-wrap: anywhere; }
-.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); gap: 12px; margin: 24px 0 8px; }
-.tile { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 12px 16px; }
-.tile b { display: block; font-size: 23px; font-weight: 600; font-variant-numeric: tabular-nums; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(132px, 1fr)); gap: 12px; margin: 24px 0 8px; }
+.tile { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 12px; }
+.tile b { display: block; white-space: nowrap; font-size: 20px; font-weight: 600; font-variant-numeric: tabular-nums; }
+.tile b small { font-size: 13px; font-weight: 500; color: var(--muted); }
 .tile span { color: var(--muted); font-size: 13px; }
 section { margin-top: 34px; }
 h2 { font-size: 17px; margin: 0 0 4px; }
 section > p { margin: 0 0 12px; color: var(--muted); max-width: 78ch; }
 .card { background: var(--card); border: 1px solid var(--line); border-radius: 10px; padding: 16px; }
 .sheet img { display: block; width: 100%; border-radius: 6px; }
-.chart { margin: 0; }
+.chart { margin: 0 auto; max-width: 680px; }
 .chart svg { display: block; width: 100%; height: auto; }
 .chart text { fill: var(--muted); font-size: 12px; font-variant-numeric: tabular-nums; }
 .chart text.limit { fill: var(--bad); }

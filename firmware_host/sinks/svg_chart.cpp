@@ -11,7 +11,7 @@ namespace hdrcam {
 namespace {
 
 // The picture in user units; the page scales it to its column.
-constexpr double kWidth = 760, kHeight = 280;
+constexpr double kWidth = 560, kHeight = 250;
 constexpr double kLeft = 62, kRight = 14, kTop = 12, kBottom = 44;
 constexpr double kBarGap = 0.12;  // of a bar's width
 
@@ -28,9 +28,9 @@ struct Frame {
     return kLeft + (value - x.least) / (x.most - x.least) * (kWidth - kLeft - kRight);
   }
   double height_of(double value) const {
-    const double place = logarithmic_y
-                             ? (std::log10(value) - std::log10(y.least)) / (std::log10(y.most) - std::log10(y.least))
-                             : (value - y.least) / (y.most - y.least);
+    const double place =
+        logarithmic_y ? (std::log10(value) - std::log10(y.least)) / (std::log10(y.most) - std::log10(y.least))
+                      : (value - y.least) / (y.most - y.least);
     return kHeight - kBottom - std::clamp(place, -0.02, 1.02) * (kHeight - kTop - kBottom);
   }
 };
@@ -46,20 +46,18 @@ Range range_of(const std::vector<double>& values, bool logarithmic) {
   }
   if (!(range.least <= range.most)) return logarithmic ? Range{0.1, 1} : Range{0, 1};
   if (logarithmic)
-    return {std::pow(10, std::floor(std::log10(range.least))), std::pow(10, std::ceil(std::log10(range.most) + 1e-9))};
+    return {std::pow(10, std::floor(std::log10(range.least))),
+            std::pow(10, std::ceil(std::log10(range.most) + 1e-9))};
   if (range.least == range.most) range.most = range.least + 1;
   return range;
 }
 
-// The vertical range, chosen limits first, widened to the next round tick where free.
+// The vertical range: what the chart asks for, else from the values with a little air above.
 Range vertical_range(const Chart& chart, const std::vector<double>& values) {
+  constexpr double kAir = 0.04;
   Range range = range_of(values, chart.logarithmic_y);
-  if (chart.y_least) range.least = *chart.y_least;
-  if (chart.y_most) range.most = *chart.y_most;
-  if (chart.logarithmic_y || chart.y_most) return range;
-  const auto ticks = round_ticks(range.least, range.most, 5);
-  if (ticks.size() >= 2 && ticks.back() < range.most) range.most = ticks.back() + (ticks[1] - ticks[0]);
-  return range;
+  if (!chart.logarithmic_y) range.most += kAir * (range.most - range.least);
+  return {chart.y_least.value_or(range.least), chart.y_most.value_or(range.most)};
 }
 
 std::vector<double> vertical_ticks(const Frame& frame) {
@@ -73,8 +71,8 @@ std::vector<double> vertical_ticks(const Frame& frame) {
 }
 
 std::string opened(const Chart& chart) {
-  return fmt::format("<figure class=\"chart\"><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n", kWidth,
-                     kHeight, escaped(chart.label));
+  return fmt::format("<figure class=\"chart\"><svg viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{}\">\n",
+                     kWidth, kHeight, escaped(chart.label));
 }
 
 std::string axes(const Chart& chart, const Frame& frame) {
@@ -85,18 +83,22 @@ std::string axes(const Chart& chart, const Frame& frame) {
     const double y = frame.height_of(tick);
     fmt::format_to(out, "<line class=\"grid\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>", kLeft,
                    kWidth - kRight, y, y);
-    fmt::format_to(out, "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>\n", kLeft - 7, y + 4, tick);
+    fmt::format_to(out, "<text x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{:.6g}</text>\n", kLeft - 7, y + 4,
+                   tick);
   }
   for (const double tick : round_ticks(frame.x.least, frame.x.most, 8)) {
     const double x = frame.right_of(tick);
-    fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>", x, bottom + 17, tick);
+    fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{}\" text-anchor=\"middle\">{:.6g}</text>", x, bottom + 17,
+                   tick);
   }
-  fmt::format_to(out, "\n<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>", kLeft, kWidth - kRight,
-                 bottom);
+  fmt::format_to(out, "\n<line class=\"axis\" x1=\"{0}\" x2=\"{1}\" y1=\"{2}\" y2=\"{2}\"/>", kLeft,
+                 kWidth - kRight, bottom);
   fmt::format_to(out, "<text class=\"unit\" x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
                  (kLeft + kWidth - kRight) / 2, kHeight - 7, escaped(chart.x_label));
   const double middle = (kTop + bottom) / 2;
-  fmt::format_to(out, "<text class=\"unit\" x=\"14\" y=\"{0}\" text-anchor=\"middle\" transform=\"rotate(-90 14 {0})\">{1}</text>\n",
+  fmt::format_to(out,
+                 "<text class=\"unit\" x=\"14\" y=\"{0}\" text-anchor=\"middle\" transform=\"rotate(-90 14 "
+                 "{0})\">{1}</text>\n",
                  middle, escaped(chart.y_label));
   return svg;
 }
@@ -104,16 +106,17 @@ std::string axes(const Chart& chart, const Frame& frame) {
 std::string limit_line(const Chart& chart, const Frame& frame) {
   if (!chart.limit || chart.limit->y > frame.y.most) return "";
   const double y = frame.height_of(chart.limit->y);
-  return fmt::format("<line class=\"limit\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
-                     "<text class=\"limit\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
-                     kLeft, kWidth - kRight, y, y, kWidth - kRight - 4, y - 5, escaped(chart.limit->name));
+  return fmt::format(
+      "<line class=\"limit\" x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/>"
+      "<text class=\"limit\" x=\"{}\" y=\"{:.1f}\" text-anchor=\"end\">{}</text>\n",
+      kLeft, kWidth - kRight, y, y, kWidth - kRight - 4, y - 5, escaped(chart.limit->name));
 }
 
 std::string legend(const Chart& chart) {
   std::string html = "<figcaption class=\"legend\">";
   for (const ChartSeries& series : chart.series)
-    html += fmt::format("<span><i class=\"{}\" style=\"--c:{}\"></i>{}</span>", series.dashed ? "dashed" : "solid",
-                        series.colour, escaped(series.name));
+    html += fmt::format("<span><i class=\"{}\" style=\"--c:{}\"></i>{}</span>",
+                        series.dashed ? "dashed" : "solid", series.colour, escaped(series.name));
   return html + "</figcaption>";
 }
 
@@ -125,12 +128,23 @@ std::string escaped(std::string_view text) {
   std::string safe;
   for (const char c : text) {
     switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      case '\'': safe += "&#39;"; break;
-      default: safe += c;
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
+      default:
+        safe += c;
     }
   }
   return safe;
@@ -151,14 +165,15 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
 }
 
 std::string series_colour(std::size_t i) {
-  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1", "#76b7b2",
-                                "#edc948", "#9c755f", "#ff9da7", "#8c8c8c"};
+  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1",
+                                "#76b7b2", "#edc948", "#9c755f", "#ff9da7", "#8c8c8c"};
   return kColours[i % kColours.size()];
 }
 
 std::string line_chart(const Chart& chart) {
   std::vector<double> values;
-  for (const ChartSeries& series : chart.series) values.insert(values.end(), series.y.begin(), series.y.end());
+  for (const ChartSeries& series : chart.series)
+    values.insert(values.end(), series.y.begin(), series.y.end());
   if (chart.limit) values.push_back(chart.limit->y);
   const Frame frame{range_of(chart.x, false), vertical_range(chart, values), chart.logarithmic_y};
   std::string svg = opened(chart) + axes(chart, frame);
@@ -169,8 +184,8 @@ std::string line_chart(const Chart& chart) {
     for (std::size_t i = 0; i < series.y.size(); ++i) {
       const bool visible = shown(series.y[i], chart.logarithmic_y);
       if (visible)
-        fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", pen_down ? "L" : "M", frame.right_of(chart.x[i]),
-                       frame.height_of(series.y[i]));
+        fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", pen_down ? "L" : "M",
+                       frame.right_of(chart.x[i]), frame.height_of(series.y[i]));
       pen_down = visible;
     }
     fmt::format_to(out, "<path class=\"{}\" stroke=\"{}\" d=\"{}\"><title>{}</title></path>\n",
@@ -186,8 +201,9 @@ std::string stacked_bars(const Chart& chart) {
       if (shown(series.y[i], false)) totals[i] += series.y[i];
   std::vector<double> values = totals;
   values.push_back(0);
-  if (chart.limit) values.push_back(chart.limit->y * 1.05);
-  const double spacing = chart.x.size() > 1 ? (chart.x.back() - chart.x.front()) / static_cast<double>(chart.x.size() - 1) : 1;
+  if (chart.limit) values.push_back(chart.limit->y);
+  const double spacing =
+      chart.x.size() > 1 ? (chart.x.back() - chart.x.front()) / static_cast<double>(chart.x.size() - 1) : 1;
   const double first = chart.x.empty() ? 0 : chart.x.front(), last = chart.x.empty() ? 1 : chart.x.back();
   const Frame frame{{first - spacing / 2, last + spacing / 2}, vertical_range(chart, values), false};
 
@@ -199,7 +215,8 @@ std::string stacked_bars(const Chart& chart) {
     fmt::format_to(out, "<path fill=\"{}\" d=\"", series.colour);
     for (std::size_t i = 0; i < chart.x.size(); ++i) {
       if (!shown(series.y[i], false) || series.y[i] <= 0) continue;
-      const double left = frame.right_of(chart.x[i] - width / 2), right = frame.right_of(chart.x[i] + width / 2);
+      const double left = frame.right_of(chart.x[i] - width / 2),
+                   right = frame.right_of(chart.x[i] + width / 2);
       const double low = frame.height_of(base[i]), high = frame.height_of(base[i] + series.y[i]);
       fmt::format_to(out, "M{:.1f} {:.1f}V{:.1f}H{:.1f}V{:.1f}Z", left, low, high, right, low);
       base[i] += series.y[i];

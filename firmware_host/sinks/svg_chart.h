@@ -1,5 +1,6 @@
-// Charts as SVG elements to embed in HTML: axes with round ticks, units in the labels, a legend. Text and grid take the
-// colours of the page (CSS variables --ink, --muted, --grid), so a chart is readable on light and dark. Reentrant.
+// Charts as SVG elements to embed in HTML: axes with round ticks, units in the labels, a legend. Text and
+// grid take the colours of the page (CSS variables --ink, --muted, --grid), so a chart is readable on light
+// and dark. Reentrant.
 #pragma once
 
 #include <limits>
@@ -15,8 +16,8 @@ std::string escaped(std::string_view text);
 
 struct ChartSeries {
   std::string name;
-  std::string colour;       // CSS
-  std::vector<double> y;    // as many as x; a value that is not finite is a hole
+  std::string colour;     // CSS
+  std::vector<double> y;  // as many as x; a value that is not finite is a hole
   bool dashed = false;
 };
 
@@ -31,8 +32,8 @@ struct Chart {
   std::vector<double> x;  // increasing
   std::vector<ChartSeries> series;
   std::optional<ChartLimit> limit;
-  bool logarithmic_y = false;              // powers of ten; values <= 0 are holes
-  std::optional<double> y_least, y_most;   // of the axis; otherwise from the values
+  bool logarithmic_y = false;             // powers of ten; values <= 0 are holes
+  std::optional<double> y_least, y_most;  // of the axis; otherwise from the values
 };
 
 std::string line_chart(const Chart& chart);

@@ -1,5 +1,5 @@
-// A run to draw and to write down: what a clip of `frames` frames with three exposures could have given. The numbers are
-// made up by formulas, nothing random.
+// A run to draw and to write down: what a clip of `frames` frames with three exposures could have given. The
+// numbers are made up by formulas, nothing random.
 #pragma once
 
 #include <cmath>
@@ -37,11 +37,16 @@ inline RunRecord example_run(int frames) {
     frame.time_s = i / 30.0;
     frame.exposure = std::exp2(2.0 * (i % 3 - 1));
     const double wobble = std::sin(i * 0.7);
-    frame.stages_ms = {{"flow", 14 + wobble}, {"state", 9 + 2 * wobble}, {"field", 38 + 9 * std::cos(i * 0.3)},
-                       {"emission", 11 - wobble}, {"sinks", 6.5}};
+    frame.stages_ms = {{"flow", 14 + wobble},
+                       {"state", 9 + 2 * wobble},
+                       {"field", 38 + 9 * std::cos(i * 0.3)},
+                       {"emission", 11 - wobble},
+                       {"sinks", 6.5}};
     for (const NamedValue& stage : frame.stages_ms) frame.total_ms += stage.value;
-    frame.losses = {{"photometric", 0.08 / (1 + i * 0.2)}, {"state", 0.03 / (1 + i * 0.1)},
-                    {"flow", 0.004 + 0.001 * wobble}, {"smoothness", 0.0006}};
+    frame.losses = {{"photometric", 0.08 / (1 + i * 0.2)},
+                    {"state", 0.03 / (1 + i * 0.1)},
+                    {"flow", 0.004 + 0.001 * wobble},
+                    {"smoothness", 0.0006}};
     frame.fit_steps = 128;
     const float carried = 0.6f * (1 - std::exp(-static_cast<float>(i) / 4));
     frame.provenance_share = {0.9f - carried, carried, 0.06f, 0.03f, 0.01f};
@@ -49,7 +54,8 @@ inline RunRecord example_run(int frames) {
   }
   record.response = example_response();
   record.response_prior = example_response()[1];
-  record.scores = {{"PSNR-mu", "dB", 38.1, true}, {"flicker", "stops", 0.059, false}, {"SSIM", "", 0.98, true}};
+  record.scores = {
+      {"PSNR-mu", "dB", 38.1, true}, {"flicker", "stops", 0.059, false}, {"SSIM", "", 0.98, true}};
   record.notes = {"the camera stands still: no poses are tracked"};
   if (frames > 5) record.frames[5].note = "a step was rolled back";
   return record;

@@ -109,7 +109,8 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"repaly", "walk.mkv"}), Contains("'repaly'") && Contains("did you mean 'replay'?"));
   CHECK_THAT(refused({"simulate"}), Contains("'simulate'") && !Contains("did you mean"));
   CHECK_THAT(refused({"help", "exprot"}), Contains("'exprot'") && Contains("did you mean 'export'?"));
-  CHECK_THAT(refused({"replay", "walk.mkv", "--ouptut", "x"}), Contains("'--ouptut'") && Contains("'--output'"));
+  CHECK_THAT(refused({"replay", "walk.mkv", "--ouptut", "x"}),
+             Contains("'--ouptut'") && Contains("'--output'"));
   CHECK_THAT(refused({"replay", "--seeed=4"}), Contains("'--seeed'") && Contains("'--seed'"));
   CHECK_THAT(refused({"--verbos"}), Contains("'--verbos'") && Contains("hdrcam --help"));
   CHECK_THAT(refused({"replay", "walk.mkv", "--seed", "many"}), Contains("--seed") && Contains("many"));

@@ -11,7 +11,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// What was printed for a run of `frames` frames, `apart` one from the next, on something that is not a terminal.
+// What was printed for a run of `frames` frames, `apart` one from the next, on something that is not a
+// terminal.
 std::string printed(int frames, std::chrono::milliseconds apart) {
   char* text = nullptr;
   std::size_t size = 0;

@@ -29,7 +29,8 @@ Image<std::uint8_t> decoded(const std::vector<std::byte>& bytes) {
   REQUIRE(png_image_finish_read(&header, nullptr, pixels.data(), 0, nullptr) != 0);
   Image<std::uint8_t> picture(channels, static_cast<int>(header.height), static_cast<int>(header.width));
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    picture.plane(static_cast<int>(i % static_cast<std::size_t>(channels)))[i / static_cast<std::size_t>(channels)] = pixels[i];
+    picture.plane(static_cast<int>(
+        i % static_cast<std::size_t>(channels)))[i / static_cast<std::size_t>(channels)] = pixels[i];
   return picture;
 }
 

@@ -29,7 +29,8 @@ TEST_CASE("the tone curve rises monotonically from black to white over all radia
     for (float radiance = 1e-8f; radiance <= 1e6f; radiance *= 1.003f) {
       const int code = curve.code(radiance);
       REQUIRE(code >= before);
-      REQUIRE(code - before <= 2);  // no visible step: a third of a percent of radiance is never more than two codes
+      REQUIRE(code - before <=
+              2);  // no visible step: a third of a percent of radiance is never more than two codes
       before = code;
     }
     CHECK(curve.code(anchors.white) == 255);
@@ -38,9 +39,8 @@ TEST_CASE("the tone curve rises monotonically from black to white over all radia
 }
 
 TEST_CASE("the middle of the scene is shown as a mid grey") {
-  const int code = ToneCurve({0.05f, 5}).code(0.05f);
-  CHECK(code > 110);
-  CHECK(code < 160);
+  CHECK(ToneCurve({0.05f, 5}).code(0.05f) == 124);
+  CHECK(ToneCurve({80, 8000}).code(80) == 124);
 }
 
 TEST_CASE("what is no positive number has a code, too") {

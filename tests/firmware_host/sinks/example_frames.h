@@ -1,4 +1,5 @@
-// HDR frames for the tests of the sinks: a gradient with a bright spot, every kind of provenance, nothing random.
+// HDR frames for the tests of the sinks: a gradient with a bright spot, every kind of provenance, nothing
+// random.
 #pragma once
 
 #include <cmath>
@@ -11,7 +12,8 @@ namespace hdrcam::test {
 
 enum class With { RadianceOnly, DepthAndFlow };
 
-inline HdrFrame example_frame(std::uint64_t sequence, With with = With::RadianceOnly, int rows = 24, int cols = 32) {
+inline HdrFrame example_frame(std::uint64_t sequence, With with = With::RadianceOnly, int rows = 24,
+                              int cols = 32) {
   HdrFrame frame;
   frame.facts.sequence = sequence;
   frame.facts.timestamp = Instant::from_seconds(5 + static_cast<double>(sequence) / 25);
@@ -26,7 +28,8 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < cols; ++x) {
       for (int c = 0; c < 3; ++c)
-        frame.radiance.at(c, y, x) = std::exp2(static_cast<float>(x * 16 / cols - 8)) * (1 + 0.1f * static_cast<float>(c));
+        frame.radiance.at(c, y, x) =
+            std::exp2(static_cast<float>(x * 16 / cols - 8)) * (1 + 0.1f * static_cast<float>(c));
       frame.sigma.at(0, y, x) = 0.01f * static_cast<float>(1 + y);
       frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(x * 5 / cols);
     }

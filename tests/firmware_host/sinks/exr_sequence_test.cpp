@@ -59,7 +59,8 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
   const auto layers = parse_layers("depth,flow,confidence,provenance");
   REQUIRE(layers.ok());
   for (const auto compression : {ExrCompression::Zip, ExrCompression::Piz}) {
-    auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.layers = layers.value(), .compression = compression});
+    auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr",
+                                    {.layers = layers.value(), .compression = compression});
     REQUIRE(sink.ok());
     REQUIRE(sink.value()->emit(example_frame(1, With::DepthAndFlow)).ok());
     const auto read = read_exr(posix_storage(), folder + "/0001.exr");
@@ -76,7 +77,8 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
 
 TEST_CASE("a frame without depth or motion has zeros in those layers, so that the channels never change") {
   const std::string folder = scratch_folder("exr-zeros");
-  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.layers = {.depth = true, .flow = true}});
+  auto sink =
+      create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.layers = {.depth = true, .flow = true}});
   REQUIRE(sink.value()->emit(example_frame(0)).ok());
   const auto read = read_exr(posix_storage(), folder + "/0000.exr");
   REQUIRE(read.ok());

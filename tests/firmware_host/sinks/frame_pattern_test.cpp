@@ -24,10 +24,10 @@ TEST_CASE("a number of 64 bits keeps all its digits") {
 }
 
 TEST_CASE("a pattern that would lose frames or reach printf is refused with the right spelling beside it") {
-  for (const std::string text : {"out/frame.exr", "out/%d.exr", "out/%6d.exr", "out/%06d/%06d.exr", "out/%s.exr",
-                                 "out/%06d.png", "out/%06d", "out/%06x.exr", "out/%%06d.exr", "out/%00d.exr",
-                                 "out/%020d.exr", "out/%0999999999999d.exr", "%06d/frame.exr", "out/%", "%0", "", "%n.exr",
-                                 "out/%-06d.exr", "out/%06ld.exr"}) {
+  for (const std::string text : {"out/frame.exr", "out/%d.exr", "out/%6d.exr", "out/%06d/%06d.exr",
+                                 "out/%s.exr", "out/%06d.png", "out/%06d", "out/%06x.exr", "out/%%06d.exr",
+                                 "out/%00d.exr", "out/%020d.exr", "out/%0999999999999d.exr", "%06d/frame.exr",
+                                 "out/%", "%0", "", "%n.exr", "out/%-06d.exr", "out/%06ld.exr"}) {
     INFO(text);
     const auto pattern = FramePattern::parse("--output", text, ".exr");
     REQUIRE_FALSE(pattern.ok());

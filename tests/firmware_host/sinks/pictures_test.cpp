@@ -26,7 +26,8 @@ struct Picture {
   std::vector<std::uint8_t> rgb;
 
   Rgb at(int y, int x) const {
-    const auto i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x));
+    const auto i =
+        3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x));
     return {rgb[i], rgb[i + 1], rgb[i + 2]};
   }
   long count(Rgb colour) const {

@@ -21,8 +21,8 @@ namespace {
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-// The first thing that is wrong with the tags of an HTML text, "" if they are balanced. Void elements have no end tag,
-// the content of <style> is not looked into, and '<' in text must be written as an entity.
+// The first thing that is wrong with the tags of an HTML text, "" if they are balanced. Void elements have no
+// end tag, the content of <style> is not looked into, and '<' in text must be written as an entity.
 std::string unbalanced(const std::string& html) {
   const std::set<std::string> voids{"meta", "img", "br", "!DOCTYPE"};
   std::vector<std::string> open;
@@ -36,7 +36,8 @@ std::string unbalanced(const std::string& html) {
     if (name.empty()) return "a tag without a name";
     if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an open quote in " + tag;
     if (closing) {
-      if (open.empty() || open.back() != name) return "</" + name + "> closes " + (open.empty() ? "nothing" : open.back());
+      if (open.empty() || open.back() != name)
+        return "</" + name + "> closes " + (open.empty() ? "nothing" : open.back());
       open.pop_back();
     } else if (!tag.ends_with('/') && !voids.contains(name)) {
       open.push_back(name);
@@ -70,10 +71,10 @@ TEST_CASE("the report is one well-formed page that needs nothing else") {
 TEST_CASE("the report holds every part of the run") {
   const std::string html = report_html(test::example_run(48), bytes_of("picture"));
   for (const char* part :
-       {"hdrcam replay walk.mkv", "balanced", "0.1.0", "kernels", "bf16", "data:image/png;base64,cGljdHVyZQ==",
-        "photometric", "smoothness", "prior mean", "deadline 100.0 ms", "95th percentile", "emission", "look-ahead",
-        "PSNR-mu", "38.1 dB", "0.059 stops", "48 captured = 48 emitted + 0 dropped", "no poses are tracked",
-        "frame 5: a step was rolled back"}) {
+       {"hdrcam replay walk.mkv", "balanced", "0.1.0", "kernels", "bf16",
+        "data:image/png;base64,cGljdHVyZQ==", "photometric", "smoothness", "prior mean", "deadline 100.0 ms",
+        "95th percentile", "emission", "look-ahead", "PSNR-mu", "38.1 dB", "0.059 stops",
+        "48 captured = 48 emitted + 0 dropped", "no poses are tracked", "frame 5: a step was rolled back"}) {
     INFO(part);
     CHECK(html.find(part) != std::string::npos);
   }

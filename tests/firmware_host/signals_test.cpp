@@ -1,0 +1,68 @@
+// ^C as the process sees it. The program is held in a system call by a FIFO that nobody writes to.
+#include <spawn.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/firmware_host/sinks/example_frames.h"
+
+#include <catch2/catch.hpp>
+
+namespace {
+
+// Returns once the program itself runs, with no handler of this process left in it.
+pid_t started(std::vector<std::string> words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  pid_t process = -1;
+  REQUIRE(posix_spawn(&process, argv.front(), nullptr, nullptr, argv.data(), environ) == 0);
+  return process;
+}
+
+// Whether the process has a handler for the signal now (the mask SigCgt of proc(5)).
+bool catches(pid_t process, int signal) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string word; status >> word;)
+    if (word == "SigCgt:") {
+      status >> word;
+      return (std::stoull(word, nullptr, 16) >> (signal - 1) & 1) != 0;
+    }
+  return false;
+}
+
+bool becomes_true(const std::function<bool()>& condition) {
+  for (int i = 0; i < 1000; ++i) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the process") {
+  const std::string fifo = hdrcam::test::scratch_folder("signals") + "/fifo";
+  REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const pid_t process = started({HDRCAM_BINARY, "info", fifo});
+    REQUIRE(becomes_true([&] { return catches(process, signal); }));
+    kill(process, signal);
+    REQUIRE(becomes_true([&] { return !catches(process, signal); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    int status = 0;
+    CHECK(waitpid(process, &status, WNOHANG) == 0);  // still there
+    kill(process, signal);
+    REQUIRE(waitpid(process, &status, 0) == process);
+    CHECK(WIFSIGNALED(status));
+    CHECK(WTERMSIG(status) == signal);
+  }
+}
