@@ -133,7 +133,7 @@ TEST_CASE("a flipped bit in the pixels is corruption at that frame, found by the
 
 TEST_CASE("a full disk comes back as such and leaves a recording of whole frames") {
   const Sample made = small_recording("full");
-  for (std::uint64_t space = 0; space < made.bytes; space += 3) {
+  for (std::uint64_t space = 0; space < made.bytes; space += 7) {
     FaultyStorage disk(posix_storage(), {.space_bytes = space});
     const std::string path = made.path + ".full";
     const auto recorded = sample::record(disk, path, made.camera, made.frames);
