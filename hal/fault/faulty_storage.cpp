@@ -25,12 +25,15 @@ class FaultyStorage::File : public StorageFile {
     if (disk_.writes_++ == disk_.faults_.failing_write) return refused("write");
     const std::uint64_t end = TRY(inner_->size());
     const std::uint64_t growth = offset + bytes.size() > end ? offset + bytes.size() - end : 0;
-    const std::uint64_t room = disk_.faults_.space_bytes ? *disk_.faults_.space_bytes - disk_.used_bytes_ : growth;
+    const std::uint64_t room =
+        disk_.faults_.space_bytes ? *disk_.faults_.space_bytes - disk_.used_bytes_ : growth;
     const std::uint64_t lost = growth > room ? growth - room : 0;
     disk_.used_bytes_ += growth - lost;
-    if (lost < bytes.size()) TRY(inner_->write_at(offset, bytes.first(bytes.size() - static_cast<std::size_t>(lost))));
+    if (lost < bytes.size())
+      TRY(inner_->write_at(offset, bytes.first(bytes.size() - static_cast<std::size_t>(lost))));
     if (lost == 0) return {};
-    return Error{ErrorCode::NoSpace, fmt::format("no space left to write '{}'; free some and run again", path_), ENOSPC};
+    return Error{ErrorCode::NoSpace,
+                 fmt::format("no space left to write '{}'; free some and run again", path_), ENOSPC};
   }
 
   Result<std::uint64_t> size() override {

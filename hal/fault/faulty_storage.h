@@ -1,6 +1,6 @@
-// A storage that fails on request: a full disk, a disk that refuses a write, a file that was cut, a disk that flips bits. It
-// wraps a real one, so that what the program leaves behind can be read back. For tests. Thread-safety of the wrapped one,
-// as long as one thread writes.
+// A storage that fails on request: a full disk, a disk that refuses a write, a file that was cut, a disk that
+// flips bits. It wraps a real one, so that what the program leaves behind can be read back. For tests.
+// Thread-safety of the wrapped one, as long as one thread writes.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,15 @@
 namespace hdrcam {
 
 struct StorageFaults {
-  std::optional<std::uint64_t> space_bytes;    // the disk is full once files have grown by so much in all: NoSpace
-  std::optional<std::uint64_t> failing_write;  // this write_at, counted from 0 over all files, is refused: Io
-  std::optional<std::uint64_t> failing_read;   // this read_at likewise
-  std::optional<std::uint64_t> failing_sync;   // this sync likewise
-  std::optional<std::uint64_t> cut_at_bytes;   // files opened to read end here
-  std::vector<std::uint64_t> flipped_bits;     // of files opened to read, counted from the first bit of the file
+  std::optional<std::uint64_t> space_bytes =
+      std::nullopt;  // the disk is full once files have grown by so much in all: NoSpace
+  std::optional<std::uint64_t> failing_write =
+      std::nullopt;  // this write_at, counted from 0 over all files, is refused: Io
+  std::optional<std::uint64_t> failing_read = std::nullopt;  // this read_at likewise
+  std::optional<std::uint64_t> failing_sync = std::nullopt;  // this sync likewise
+  std::optional<std::uint64_t> cut_at_bytes = std::nullopt;  // files opened to read end here
+  std::vector<std::uint64_t> flipped_bits =
+      {};  // of files opened to read, counted from the first bit of the file
 };
 
 class FaultyStorage : public Storage {
@@ -29,7 +32,9 @@ class FaultyStorage : public Storage {
 
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override;
   Result<std::unique_ptr<StorageFile>> create(const std::string& path) override;
-  Result<void> rename(const std::string& from, const std::string& to) override { return inner_.rename(from, to); }
+  Result<void> rename(const std::string& from, const std::string& to) override {
+    return inner_.rename(from, to);
+  }
   Result<void> remove(const std::string& path) override { return inner_.remove(path); }
   Result<void> make_directories(const std::string& path) override { return inner_.make_directories(path); }
 

@@ -16,7 +16,8 @@ constexpr int kVersion = 1;
 constexpr std::string_view kSealKey = R"(,"crc32":")";
 constexpr std::size_t kSealLength = 10 + 8 + 2;  // the key, eight hex digits, `"}`
 
-// The dump of the library gives the shortest text that reads back as the same double, and null for what is not finite.
+// The dump of the library gives the shortest text that reads back as the same double, and null for what is
+// not finite.
 double number(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
@@ -40,8 +41,8 @@ CameraFacts camera_of(const Json& json) {
   camera.bits = json.at("bits").get<int>();
   camera.linear = json.at("linear").get<bool>();
   if (const auto lens = json.find("intrinsics"); lens != json.end())
-    camera.intrinsics = Intrinsics{number(lens->at("fx_px")), number(lens->at("fy_px")), number(lens->at("cx_px")),
-                                   number(lens->at("cy_px"))};
+    camera.intrinsics = Intrinsics{number(lens->at("fx_px")), number(lens->at("fy_px")),
+                                   number(lens->at("cx_px")), number(lens->at("cy_px"))};
   if (const auto response = json.find("response"); response != json.end())
     for (const Json& row : *response) {
       auto& values = camera.response.emplace_back();
@@ -70,17 +71,13 @@ FrameFacts facts_of(const Json& json) {
 }  // namespace
 
 std::string to_json(const CameraFacts& camera) {
-  Json json = {{"format", kFormat},
-               {"version", kVersion},
-               {"name", camera.name},
-               {"width", camera.width},
-               {"height", camera.height},
-               {"framerate_hz", camera.framerate_hz},
-               {"bits", camera.bits},
-               {"layout", name(camera.layout)},
-               {"linear", camera.linear}};
+  Json json = {
+      {"format", kFormat},     {"version", kVersion},           {"name", camera.name},
+      {"width", camera.width}, {"height", camera.height},       {"framerate_hz", camera.framerate_hz},
+      {"bits", camera.bits},   {"layout", name(camera.layout)}, {"linear", camera.linear}};
   if (const auto& lens = camera.intrinsics)
-    json["intrinsics"] = {{"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
+    json["intrinsics"] = {
+        {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
   if (!camera.response.empty()) json["response"] = camera.response;
   return dumped(json);
 }
@@ -105,11 +102,12 @@ std::string end_record_json(std::uint64_t frames) { return dumped({{"end", true}
 Result<CameraFacts> camera_from_json(std::string_view text) {
   try {
     const Json json = Json::parse(text);
-    if (json.at("format") != kFormat) return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
+    if (json.at("format") != kFormat)
+      return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
     if (const int version = json.at("version").get<int>(); version > kVersion)
       return Error{ErrorCode::Unsupported,
-                   fmt::format("the recording has format version {}, this program reads up to {}; update it", version,
-                               kVersion)};
+                   fmt::format("the recording has format version {}, this program reads up to {}; update it",
+                               version, kVersion)};
     CameraFacts camera = camera_of(json);
     const auto layout = layout_named(json.at("layout").get<std::string>());
     if (!layout) return Error{ErrorCode::Corrupt, "the camera facts name an unknown pixel layout"};
@@ -135,8 +133,8 @@ Result<FactsRecord> record_from_json(std::string_view text) {
 }
 
 std::optional<PixelLayout> layout_named(std::string_view wanted) {
-  for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb, PixelLayout::BayerGrbg,
-                            PixelLayout::BayerGbrg, PixelLayout::BayerBggr})
+  for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb,
+                            PixelLayout::BayerGrbg, PixelLayout::BayerGbrg, PixelLayout::BayerBggr})
     if (wanted == name(layout)) return layout;
   return std::nullopt;
 }

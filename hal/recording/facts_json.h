@@ -1,5 +1,5 @@
-// Camera and frame facts as JSON text, sealed with a checksum (docs/recording.md). Doubles come back bit by bit; a number
-// that is not finite becomes null and comes back as NaN. Reentrant.
+// Camera and frame facts as JSON text, sealed with a checksum (docs/recording.md). Doubles come back bit by
+// bit; a number that is not finite becomes null and comes back as NaN. Reentrant.
 #pragma once
 
 #include <cstddef>

@@ -28,7 +28,8 @@ AVPixelFormat pixel_format(PixelLayout layout, int bits) {
 
 constexpr std::array<int, 3> kPlaneOfRgb = {2, 0, 1};  // the planes of GBRP are green, blue, red
 
-// Where the samples of one row and channel are within a frame. 0RGB32 is a native 32-bit word, red in bits 16..23.
+// Where the samples of one row and channel are within a frame. 0RGB32 is a native 32-bit word, red in
+// bits 16..23.
 template <class Byte>
 Byte* row_of(Byte* const* planes, const int* strides, int plane, int y) {
   return planes[plane] + static_cast<std::ptrdiff_t>(y) * strides[plane];
@@ -40,7 +41,8 @@ void pack(const Image<std::uint16_t>& codes, AVFrame& frame) {
     if (frame.format == AV_PIX_FMT_0RGB32) {
       const auto *r = codes.row(0, y), *g = codes.row(1, y), *b = codes.row(2, y);
       auto* words = reinterpret_cast<std::uint32_t*>(row_of(frame.data, frame.linesize, 0, y));
-      for (int x = 0; x < cols; ++x) words[x] = (std::uint32_t{r[x]} << 16) | (std::uint32_t{g[x]} << 8) | b[x];
+      for (int x = 0; x < cols; ++x)
+        words[x] = (std::uint32_t{r[x]} << 16) | (std::uint32_t{g[x]} << 8) | b[x];
     } else if (frame.format == AV_PIX_FMT_GRAY8) {
       auto* bytes = row_of(frame.data, frame.linesize, 0, y);
       std::transform(codes.row(0, y), codes.row(0, y) + cols, bytes,
@@ -70,8 +72,8 @@ void unpack(const AVFrame& frame, Image<std::uint16_t>& codes) {
     } else {
       for (int c = 0; c < codes.channels(); ++c) {
         const int plane = codes.channels() == 3 ? kPlaneOfRgb[static_cast<std::size_t>(c)] : 0;
-        std::copy_n(reinterpret_cast<const std::uint16_t*>(row_of(frame.data, frame.linesize, plane, y)), cols,
-                    codes.row(c, y));
+        std::copy_n(reinterpret_cast<const std::uint16_t*>(row_of(frame.data, frame.linesize, plane, y)),
+                    cols, codes.row(c, y));
       }
     }
   }
@@ -84,13 +86,17 @@ Error corrupt(const char* what, int code) {
 }  // namespace
 
 Result<void> check_recordable(const CameraFacts& camera) {
-  if (camera.width < 1 || camera.height < 1 || camera.width > kMaxSidePx || camera.height > kMaxSidePx)
-    return Error{ErrorCode::Invalid, fmt::format("a picture of {}x{} cannot be recorded; each side is 1 to {} pixels",
-                                                 camera.width, camera.height, kMaxSidePx)};
+  const auto fits = [](int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; };
+  if (!fits(camera.width) || !fits(camera.height))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a picture of {}x{} cannot be recorded; each side is {} to {} pixels",
+                             camera.width, camera.height, kMinSidePx, kMaxSidePx)};
   if (camera.bits < 8 || camera.bits > 16)
-    return Error{ErrorCode::Invalid, fmt::format("codes of {} bits cannot be recorded; 8 to 16 can", camera.bits)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("codes of {} bits cannot be recorded; 8 to 16 can", camera.bits)};
   if (!(camera.framerate_hz > 0) || !std::isfinite(camera.framerate_hz))
-    return Error{ErrorCode::Invalid, fmt::format("a frame rate of {} Hz cannot be; it is greater than 0", camera.framerate_hz)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a frame rate of {} Hz cannot be; it is greater than 0", camera.framerate_hz)};
   return {};
 }
 
@@ -100,7 +106,8 @@ Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
   encoder.bits_ = camera.bits;
   encoder.channels_ = channels(camera.layout);
   const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_FFV1);
-  if (codec == nullptr) return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 encoder"};
+  if (codec == nullptr)
+    return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 encoder"};
   encoder.context_.reset(avcodec_alloc_context3(codec));
   encoder.frame_.reset(av_frame_alloc());
   encoder.packet_.reset(av_packet_alloc());
@@ -118,8 +125,8 @@ Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
   context.slices = std::min(camera.width, camera.height) < 64 ? 1 : 4;
   av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
   if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)
-    return Error{ErrorCode::Invalid, fmt::format("FFV1 cannot hold {}x{} at {} bits: {}", camera.width, camera.height,
-                                                 camera.bits, libav::words(code))};
+    return Error{ErrorCode::Invalid, fmt::format("FFV1 cannot hold {}x{} at {} bits: {}", camera.width,
+                                                 camera.height, camera.bits, libav::words(code))};
   encoder.frame_->format = context.pix_fmt;
   encoder.frame_->width = camera.width;
   encoder.frame_->height = camera.height;
@@ -131,18 +138,21 @@ Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
 Result<AVPacket*> Ffv1Encoder::encode(const Image<std::uint16_t>& codes) {
   if (codes.channels() != channels_ || codes.rows() != context_->height || codes.cols() != context_->width)
     return Error{ErrorCode::SizeChanged,
-                 fmt::format("a frame of {}x{} with {} channel(s) does not fit a recording of {}x{} with {}", codes.cols(),
-                             codes.rows(), codes.channels(), context_->width, context_->height, channels_)};
+                 fmt::format("a frame of {}x{} with {} channel(s) does not fit a recording of {}x{} with {}",
+                             codes.cols(), codes.rows(), codes.channels(), context_->width, context_->height,
+                             channels_)};
   std::uint32_t used = 0;
   for (const std::uint16_t code : codes.samples()) used |= code;
   if ((used >> bits_) != 0)
-    return Error{ErrorCode::Invalid, fmt::format("a frame holds codes beyond {} bits; the camera facts say {}", bits_, bits_)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a frame holds codes beyond {} bits; the camera facts say {}", bits_, bits_)};
   if (av_frame_make_writable(frame_.get()) < 0) return Error{ErrorCode::Io, "no memory for a frame"};
   pack(codes, *frame_);
   av_packet_unref(packet_.get());
   int code = avcodec_send_frame(context_.get(), frame_.get());
   if (code >= 0) code = avcodec_receive_packet(context_.get(), packet_.get());
-  if (code < 0) return Error{ErrorCode::Io, fmt::format("FFV1 could not encode a frame: {}", libav::words(code))};
+  if (code < 0)
+    return Error{ErrorCode::Io, fmt::format("FFV1 could not encode a frame: {}", libav::words(code))};
   return packet_.get();
 }
 
@@ -151,7 +161,8 @@ Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecPa
   Ffv1Decoder decoder;
   decoder.channels_ = channels(camera.layout);
   const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_FFV1);
-  if (codec == nullptr) return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 decoder"};
+  if (codec == nullptr)
+    return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 decoder"};
   decoder.context_.reset(avcodec_alloc_context3(codec));
   decoder.frame_.reset(av_frame_alloc());
   CHECK(decoder.context_ && decoder.frame_);
@@ -174,7 +185,8 @@ Result<void> Ffv1Decoder::decode(const AVPacket& packet, Image<std::uint16_t>& c
   if (code >= 0) code = avcodec_receive_frame(context_.get(), frame_.get());
   if (code < 0) return corrupt("the pixels of a frame cannot be decoded", code);
   if (frame_->width != context_->width || frame_->height != context_->height || frame_->format != format_)
-    return Error{ErrorCode::Corrupt, "the pixels of a frame are not of the size and depth that the camera facts name"};
+    return Error{ErrorCode::Corrupt,
+                 "the pixels of a frame are not of the size and depth that the camera facts name"};
   codes.reshape(channels_, frame_->height, frame_->width);
   unpack(*frame_, codes);
   return {};

@@ -1,5 +1,5 @@
-// FFV1 version 3, every frame by itself, slice checksums on: pictures of codes to packets and back, without loss
-// (docs/recording.md, RFC 9043). The bytes do not depend on the number of threads. Thread-bound.
+// FFV1 version 3, every frame by itself, slice checksums on: pictures of codes to packets and back, without
+// loss (docs/recording.md, RFC 9043). The bytes do not depend on the number of threads. Thread-bound.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,8 @@ class Ffv1Encoder {
  public:
   // camera must be recordable.
   static Result<Ffv1Encoder> open(const CameraFacts& camera);
-  // codes: [channels(layout), rows, cols]. The packet stays valid until the next call. Errors: SizeChanged, Invalid.
+  // codes: [channels(layout), rows, cols]. The packet stays valid until the next call. Errors: SizeChanged,
+  // Invalid.
   Result<AVPacket*> encode(const Image<std::uint16_t>& codes);
   const AVCodecContext* context() const { return context_.get(); }
 

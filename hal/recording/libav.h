@@ -1,5 +1,5 @@
-// Ownership and errors of the FFmpeg libraries, for the files of this folder that call them. Their messages go nowhere:
-// what matters comes back as an Error.
+// Ownership and errors of the FFmpeg libraries, for the files of this folder that call them. Their messages
+// go nowhere: what matters comes back as an Error.
 #pragma once
 
 extern "C" {

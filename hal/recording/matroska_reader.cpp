@@ -1,5 +1,5 @@
-// The recording on its way back: packets come in pairs, a picture and its facts, and leave only when the checksum over
-// both holds. Holds one frame at a time.
+// The recording on its way back: packets come in pairs, a picture and its facts, and leave only when the
+// checksum over both holds. Holds one frame at a time.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,54 +22,17 @@ struct CloseDemuxer {
 struct Container {
   std::unique_ptr<StorageStream> stream;  // outlives the demuxer
   std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
+  bool whole = false;  // finished, and as long as it was then
 
   std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
 };
 
-constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf}, std::byte{0xa3}};
+constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf},
+                                                 std::byte{0xa3}};
 
-Result<Container> open_container(Storage& storage, const std::string& path) {
-  libav::be_quiet();
-  Container container;
-  container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
-  std::array<std::byte, 4> head{};
-  const std::size_t known = TRY(container.stream->file().read_at(0, head));
-  if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known), kEbmlMagic.begin()))
-    return Error{ErrorCode::NotRecording, fmt::format("'{}' is not a recording: it is no Matroska file", path)};
-
-  AVFormatContext* demuxer = avformat_alloc_context();
-  CHECK(demuxer != nullptr);
-  demuxer->pb = container.stream->context();
-  demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
-  const int code = avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);  // frees on failure
-  if (container.stream->failure()) return *container.stream->failure();
-  if (code == AVERROR_EOF || (code < 0 && avio_feof(container.stream->context()) != 0))
-    return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
-  if (code < 0) return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: its header cannot be read", path)};
-  container.demuxer.reset(demuxer);
-  return container;
-}
-
-Result<CameraFacts> camera_of(const Container& container, const std::string& path) {
-  const AVDictionaryEntry* tag = av_dict_get(container.demuxer->metadata, matroska::kCameraTag, nullptr, 0);
-  if (tag == nullptr)
-    return Error{ErrorCode::NotRecording, fmt::format("'{}' is a Matroska file, but not a recording of hdrcam", path)};
-  if (!seal_holds(tag->value, {}))
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: the checksum of its camera facts does not hold", path)};
-  auto camera = camera_from_json(tag->value);
-  if (camera) {
-    if (auto recordable = check_recordable(*camera); !recordable) camera = recordable.error();
-  }
-  if (!camera) return Error{camera.error().code, fmt::format("'{}': {}", path, camera.error().message)};
-  const auto tracks = container.tracks();
-  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_id != AV_CODEC_ID_FFV1 ||
-      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
-  return camera;
-}
-
-// Whether finish() reached the end of its work: the Segment, the second element of a Matroska file, then has a size, and
-// the file is that long. Element: identifier, size (first byte: its length in leading zeros), content.
+// Whether finish() reached the end of its work: the Segment, the second element of a Matroska file, then has
+// a size, and the file is that long. Element: identifier, size (first byte: its length in leading zeros),
+// content.
 Result<bool> is_whole(StorageFile& file) {
   const std::uint64_t file_size = TRY(file.size());
   std::array<std::byte, 64> head{};
@@ -81,7 +44,8 @@ Result<bool> is_whole(StorageFile& file) {
     const int length = std::countl_zero(std::to_integer<std::uint8_t>(head[at])) + 1;
     if (length > 8 || at + static_cast<std::uint64_t>(length) > known) return false;
     std::uint64_t size = std::to_integer<std::uint64_t>(head[at]) & (0xffu >> length);
-    for (int i = 1; i < length; ++i) size = size << 8 | std::to_integer<std::uint64_t>(head[at + static_cast<std::uint64_t>(i)]);
+    for (int i = 1; i < length; ++i)
+      size = size << 8 | std::to_integer<std::uint64_t>(head[at + static_cast<std::uint64_t>(i)]);
     at += static_cast<std::uint64_t>(length);
     const bool unknown = size == (std::uint64_t{1} << (7 * length)) - 1;
     if (unknown || size > file_size || at + size > file_size) return false;
@@ -90,11 +54,59 @@ Result<bool> is_whole(StorageFile& file) {
   return true;
 }
 
+Result<Container> open_container(Storage& storage, const std::string& path) {
+  libav::be_quiet();
+  Container container;
+  container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
+  std::array<std::byte, 4> head{};
+  const std::size_t known = TRY(container.stream->file().read_at(0, head));
+  if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known), kEbmlMagic.begin()))
+    return Error{ErrorCode::NotRecording,
+                 fmt::format("'{}' is not a recording: it is no Matroska file", path)};
+
+  container.whole = TRY(is_whole(container.stream->file()));
+  AVFormatContext* demuxer = avformat_alloc_context();
+  CHECK(demuxer != nullptr);
+  demuxer->pb = container.stream->context();
+  demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
+  const int code =
+      avformat_open_input(&demuxer, nullptr, av_find_input_format("matroska"), nullptr);  // frees on failure
+  if (container.stream->failure()) return *container.stream->failure();
+  if (code < 0 && !container.whole)
+    return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
+  if (code < 0)
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: its header cannot be read", path)};
+  container.demuxer.reset(demuxer);
+  return container;
+}
+
+Result<CameraFacts> camera_of(const Container& container, const std::string& path) {
+  const AVDictionaryEntry* tag = av_dict_get(container.demuxer->metadata, matroska::kCameraTag, nullptr, 0);
+  if (tag == nullptr)
+    return Error{ErrorCode::NotRecording,
+                 fmt::format("'{}' is a Matroska file, but not a recording of hdrcam", path)};
+  if (!seal_holds(tag->value, {}))
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is damaged: the checksum of its camera facts does not hold", path)};
+  auto camera = camera_from_json(tag->value);
+  if (camera) {
+    if (auto recordable = check_recordable(*camera); !recordable) camera = recordable.error();
+  }
+  if (!camera) return Error{camera.error().code, fmt::format("'{}': {}", path, camera.error().message)};
+  const auto tracks = container.tracks();
+  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_id != AV_CODEC_ID_FFV1 ||
+      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
+  return camera;
+}
+
 std::string_view text_of(const AVPacket& packet) {
   return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
 
-// The number of frames, from the end record, which the index leads to. A container of its own, since it seeks.
+// The number of frames, from the end record, which the index leads to. A container of its own, since it
+// seeks.
 std::optional<int> count_frames(Storage& storage, const std::string& path) {
   auto container = open_container(storage, path);
   if (!container) return std::nullopt;
@@ -121,12 +133,11 @@ class MatroskaReader : public RecordingReader {
   // A proved frame whose picture is in picture_; nullopt at the end.
   using Advance = Result<std::optional<FrameFacts>>;
 
-  MatroskaReader(std::string path, Container container, CameraFacts camera, Ffv1Decoder decoder, bool whole)
+  MatroskaReader(std::string path, Container container, CameraFacts camera, Ffv1Decoder decoder)
       : path_(std::move(path)),
         container_(std::move(container)),
         camera_(std::move(camera)),
-        decoder_(std::move(decoder)),
-        whole_(whole) {}
+        decoder_(std::move(decoder)) {}
 
   Advance advance();
   Advance read_pair();
@@ -138,7 +149,6 @@ class MatroskaReader : public RecordingReader {
   Container container_;
   CameraFacts camera_;
   Ffv1Decoder decoder_;
-  bool whole_;
   std::optional<int> count_;
   libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
   bool has_picture_ = false;      // picture_ waits for its facts
@@ -151,11 +161,11 @@ Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, 
   auto container = TRY(open_container(storage, path));
   auto camera = TRY(camera_of(container, path));
   auto decoder = Ffv1Decoder::open(camera, *container.tracks()[matroska::kPixelTrack]->codecpar);
-  if (!decoder) return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
-  const bool whole = TRY(is_whole(container.stream->file()));
+  if (!decoder)
+    return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
   std::unique_ptr<MatroskaReader> reader(
-      new MatroskaReader(path, std::move(container), std::move(camera), std::move(*decoder), whole));
-  if (whole) reader->count_ = count_frames(storage, path);
+      new MatroskaReader(path, std::move(container), std::move(camera), std::move(*decoder)));
+  if (reader->container_.whole) reader->count_ = count_frames(storage, path);
   auto first = reader->advance();
   if (!first && first.error().code == ErrorCode::Truncated)
     return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
@@ -169,7 +179,7 @@ Error MatroskaReader::corrupt(const std::string& what) const {
 
 // No packet is left, and the end record was not among them.
 Error MatroskaReader::ended() const {
-  if (whole_) return corrupt("the rest of the file cannot be read");
+  if (container_.whole) return corrupt("the rest of the file cannot be read");
   return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_)};
 }
 
@@ -211,7 +221,8 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   if (!record) return corrupt(record.error().message);
   av_packet_unref(packet_.get());
   if (record->index != frames_)
-    return corrupt(fmt::format("{} {} follows", record->is_end ? "the end record of a file of" : "frame", record->index));
+    return corrupt(fmt::format("{} {} follows", record->is_end ? "the end record of a file of" : "frame",
+                               record->index));
   if (record->is_end == has_picture_) return corrupt("a picture and its facts do not belong together");
   if (record->is_end) return std::optional<FrameFacts>();
   has_picture_ = false;
@@ -225,8 +236,8 @@ Result<std::optional<RawFrame>> MatroskaReader::next() {
   RawFrame frame;
   frame.facts = *facts;
   if (auto decoded = decoder_.decode(*picture_, frame.codes); !decoded) {
-    last_ = Advance(Error{ErrorCode::Corrupt,
-                          fmt::format("'{}' is damaged at frame {}: {}", path_, frames_ - 1, decoded.error().message)});
+    last_ = Advance(Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged at frame {}: {}", path_,
+                                                          frames_ - 1, decoded.error().message)});
     return last_->error();
   }
   return std::optional<RawFrame>(std::move(frame));

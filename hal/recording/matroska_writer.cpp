@@ -121,7 +121,8 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   // A player wants time that does not run backwards; the true time is in the facts.
   const auto since_first = std::chrono::duration_cast<std::chrono::milliseconds>(now - first_).count();
   if (frames_ > 0) pts_ms_ = std::max(pts_ms_, std::int64_t{since_first});
-  const std::string facts = seal(to_json(frames_, frame.facts), {picture->data, static_cast<std::size_t>(picture->size)});
+  const std::string facts =
+      seal(to_json(frames_, frame.facts), {picture->data, static_cast<std::size_t>(picture->size)});
 
   picture->stream_index = matroska::kPixelTrack;
   picture->pts = picture->dts = pts_ms_;

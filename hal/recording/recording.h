@@ -90,7 +90,7 @@ class RecordingReader {
   virtual Result<std::optional<FrameFacts>> next_facts();
 };
 
-constexpr int kMaxSidePx = 16384;  // of a recording
+constexpr int kMinSidePx = 2, kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
 
 // Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has
 // failed, every later call returns the same error.

@@ -12,7 +12,8 @@ constexpr int kBufferBytes = 1 << 16;
 
 }  // namespace
 
-StorageStream::StorageStream(std::unique_ptr<StorageFile> file, Direction direction) : file_(std::move(file)) {
+StorageStream::StorageStream(std::unique_ptr<StorageFile> file, Direction direction)
+    : file_(std::move(file)) {
   const bool writes = direction == Direction::Write;
   auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
   if (buffer == nullptr) throw std::bad_alloc();
@@ -37,7 +38,8 @@ int StorageStream::failed(const Result<T>& result) {
 
 int StorageStream::read(void* self, std::uint8_t* bytes, int size) {
   auto& stream = *static_cast<StorageStream*>(self);
-  const auto done = stream.file_->read_at(stream.offset_, std::as_writable_bytes(std::span(bytes, static_cast<std::size_t>(size))));
+  const auto done = stream.file_->read_at(
+      stream.offset_, std::as_writable_bytes(std::span(bytes, static_cast<std::size_t>(size))));
   if (!done) return stream.failed(done);
   if (done.value() == 0) return AVERROR_EOF;
   stream.offset_ += done.value();
@@ -46,8 +48,10 @@ int StorageStream::read(void* self, std::uint8_t* bytes, int size) {
 
 int StorageStream::write(void* self, std::uint8_t* bytes, int size) {
   auto& stream = *static_cast<StorageStream*>(self);
-  if (stream.failure_) return AVERROR(EIO);  // what comes after a failed write must not look like a whole cluster
-  const auto done = stream.file_->write_at(stream.offset_, std::as_bytes(std::span(bytes, static_cast<std::size_t>(size))));
+  if (stream.failure_)
+    return AVERROR(EIO);  // what comes after a failed write must not look like a whole cluster
+  const auto done =
+      stream.file_->write_at(stream.offset_, std::as_bytes(std::span(bytes, static_cast<std::size_t>(size))));
   if (!done) return stream.failed(done);
   stream.offset_ += static_cast<std::uint64_t>(size);
   return size;

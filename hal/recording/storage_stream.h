@@ -1,5 +1,6 @@
-// A file of the storage as the byte stream that libavformat reads and writes. The library reports a failure of the disk
-// as a number, and some only at the next call; the storage's own first Error is kept here. Thread-bound.
+// A file of the storage as the byte stream that libavformat reads and writes. The library reports a failure
+// of the disk as a number, and some only at the next call; the storage's own first Error is kept here.
+// Thread-bound.
 #pragma once
 
 #include <cstdint>

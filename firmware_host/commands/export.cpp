@@ -1,0 +1,50 @@
+// hdrcam export x.mkv -o FOLDER: a recording becomes images and a clip.json, bit by bit the same.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "firmware_host/commands/command.h"
+#include "hal/recording/image_sequence.h"
+
+namespace hdrcam {
+namespace {
+
+struct ExportOptions {
+  std::string recording, folder;
+};
+
+// A recording that was cut gives the frames that it has, and a word on stderr.
+Result<void> export_recording(Surroundings& around, const ExportOptions& options) {
+  auto reader = TRY(open_recording(around.storage, options.recording));
+  auto clip = TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera()));
+  int frames = 0;
+  for (;; ++frames) {
+    if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
+    auto frame = reader->next();
+    if (!frame && frame.error().code == ErrorCode::Truncated) {
+      fmt::print(stderr, "{}; exporting these\n", frame.error().message);
+      break;
+    }
+    if (!frame) return frame.error();
+    if (!frame.value()) break;
+    TRY(clip.append(**frame));
+  }
+  TRY(clip.finish());
+  fmt::print("{}: {} frames\n", options.folder, frames);
+  return {};
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Verb& chosen) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* verb = app.add_subcommand("export", "turn a recording into a folder of images with a clip.json");
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
+  verb->add_option("-o,--output", options->folder, "the folder to write; it must not hold a clip yet")
+      ->required();
+  verb->callback([options, &chosen] {
+    chosen = [options](Surroundings& around) { return export_recording(around, *options); };
+  });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,33 @@
+// hdrcam info x.mkv: what a recording holds, and whether it is whole.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/recording_summary.h"
+
+namespace hdrcam {
+namespace {
+
+struct InfoOptions {
+  std::string recording;
+  bool json = false;
+};
+
+Result<void> show(Surroundings& around, const InfoOptions& options) {
+  const auto summary = TRY(summarize(around.storage, options.recording));
+  fmt::print("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
+  return {};
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, Verb& chosen) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* verb = app.add_subcommand("info", "say what a recording holds and whether it is whole");
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
+  verb->add_flag("--json", options->json, "as JSON, for programs");
+  verb->callback(
+      [options, &chosen] { chosen = [options](Surroundings& around) { return show(around, *options); }; });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,142 @@
+#include "firmware_host/commands/recording_summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace hdrcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double range_ev(const RecordingSummary& summary) {
+  return summary.shortest_exposure_s > 0 ? std::log2(summary.longest_exposure_s / summary.shortest_exposure_s)
+                                         : 0;
+}
+
+// The slots in EV about the geometric mean of the cycle, the reference exposure.
+std::vector<double> slots_ev(const ExposureCycle& cycle) {
+  std::vector<double> slots;
+  double mean = 0;
+  for (const double exposure : cycle.exposures) slots.push_back(std::log2(exposure));
+  for (const double slot : slots) mean += slot / static_cast<double>(slots.size());
+  for (double& slot : slots) slot = std::round((slot - mean) * 1e6) * 1e-6 + 0.0;  // no -0
+  return slots;
+}
+
+double reference_s(const ExposureCycle& cycle) {
+  double sum = 0;
+  for (const double exposure : cycle.exposures) sum += std::log2(exposure);
+  return std::exp2(sum / static_cast<double>(cycle.exposures.size()));
+}
+
+void count(RecordingSummary& summary, const FrameFacts& facts, const FrameFacts* before) {
+  ++summary.frames;
+  if (before != nullptr && facts.sequence > before->sequence + 1) {
+    ++summary.gaps;
+    summary.dropped += facts.sequence - before->sequence - 1;
+  }
+  summary.unproved += (facts.flags & kFrameExposureUnproved) != 0;
+  summary.damaged += (facts.flags & kFrameDamaged) != 0;
+  summary.with_pose += facts.T_world_camera.has_value();
+  const double exposure = facts.exposure();
+  if (!(exposure > 0) || !std::isfinite(exposure)) return;
+  summary.longest_exposure_s = std::max(summary.longest_exposure_s, exposure);
+  summary.shortest_exposure_s =
+      summary.shortest_exposure_s > 0 ? std::min(summary.shortest_exposure_s, exposure) : exposure;
+}
+
+std::string schedule_text(const ExposureCycle& cycle) {
+  if (cycle.period == 0) return "none found";
+  std::string text;
+  for (const double slot : slots_ev(cycle)) text += fmt::format("{}{:+.2f}", text.empty() ? "" : " / ", slot);
+  return fmt::format("{} slot(s): {} EV about {:.6g} s", cycle.period, text, reference_s(cycle));
+}
+
+}  // namespace
+
+Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
+  auto reader = TRY(open_recording(storage, path));
+  RecordingSummary summary;
+  summary.camera = reader->camera();
+  const auto file = TRY(storage.open(path));
+  summary.bytes = TRY(file->size());
+  std::vector<FrameFacts> frames;
+  for (;;) {
+    auto facts = reader->next_facts();
+    if (!facts) summary.end = facts.error();
+    if (!facts || !facts.value()) break;
+    frames.push_back(**facts);
+    count(summary, frames.back(), frames.size() > 1 ? &frames[frames.size() - 2] : nullptr);
+  }
+  summary.cycle = find_exposure_cycle(frames);
+  if (!frames.empty())
+    summary.duration = frames.back().timestamp - frames.front().timestamp +
+                       Duration(std::llround(1e9 / summary.camera.framerate_hz));
+  return summary;
+}
+
+std::string as_table(const RecordingSummary& summary, const std::string& path) {
+  const CameraFacts& camera = summary.camera;
+  std::string table = path + "\n";
+  const auto row = [&](const char* what, const std::string& value) {
+    table += fmt::format("  {:<12}{}\n", what, value);
+  };
+  row("camera", camera.name.empty() ? "(no name)" : camera.name);
+  row("picture",
+      fmt::format("{}x{}, {} bits, {}", camera.width, camera.height, camera.bits, name(camera.layout)));
+  row("frame rate", fmt::format("{:.6g} Hz", camera.framerate_hz));
+  if (const auto& lens = camera.intrinsics)
+    row("lens", fmt::format("f {:.6g} x {:.6g} px, centre {:.6g}, {:.6g}", lens->fx_px, lens->fy_px,
+                            lens->cx_px, lens->cy_px));
+  row("response", camera.linear ? "linear" : camera.response.empty() ? "unknown" : "known");
+  row("schedule", schedule_text(summary.cycle));
+  row("exposures", summary.longest_exposure_s > 0
+                       ? fmt::format("{:.6g} .. {:.6g} s, {:.2f} EV", summary.shortest_exposure_s,
+                                     summary.longest_exposure_s, range_ev(summary))
+                       : "unknown");
+  row("frames", fmt::format("{} in {:.3f} s", summary.frames, to_seconds(summary.duration)));
+  row("dropped",
+      summary.dropped == 0 ? "none" : fmt::format("{} in {} gap(s)", summary.dropped, summary.gaps));
+  if (summary.unproved > 0)
+    row("unproved", fmt::format("{} frame(s) of uncertain exposure", summary.unproved));
+  if (summary.damaged > 0) row("damaged", fmt::format("{} frame(s)", summary.damaged));
+  row("poses",
+      summary.with_pose == 0 ? "none" : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
+  row("size", fmt::format("{:.2f} MB", static_cast<double>(summary.bytes) * 1e-6));
+  row("complete", summary.end ? "no: " + summary.end->message : "yes");
+  return table;
+}
+
+std::string as_json(const RecordingSummary& summary, const std::string& path) {
+  const CameraFacts& camera = summary.camera;
+  Json json = {{"recording", path},
+               {"name", camera.name},
+               {"width", camera.width},
+               {"height", camera.height},
+               {"bits", camera.bits},
+               {"layout", name(camera.layout)},
+               {"linear", camera.linear},
+               {"framerate_hz", camera.framerate_hz},
+               {"response_known", !camera.response.empty()},
+               {"slots_ev", slots_ev(summary.cycle)},
+               {"shortest_exposure_s", summary.shortest_exposure_s},
+               {"longest_exposure_s", summary.longest_exposure_s},
+               {"exposure_range_ev", range_ev(summary)},
+               {"frames", summary.frames},
+               {"duration_s", to_seconds(summary.duration)},
+               {"dropped", summary.dropped},
+               {"gaps", summary.gaps},
+               {"unproved", summary.unproved},
+               {"damaged", summary.damaged},
+               {"with_pose", summary.with_pose},
+               {"bytes", summary.bytes},
+               {"complete", !summary.end}};
+  if (const auto& lens = camera.intrinsics)
+    json["intrinsics"] = {
+        {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
+  if (summary.end) json["ended_by"] = summary.end->message;
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,35 @@
+// What `hdrcam info` says about a recording: gathered in one pass over the facts, shown as a table or as
+// JSON. The pixels are proved by their checksums but not decoded.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/recording/exposure_cycle.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+struct RecordingSummary {
+  CameraFacts camera;
+  std::uint64_t bytes = 0;    // of the file
+  std::uint64_t frames = 0;   // whole ones
+  std::uint64_t dropped = 0;  // missing sequence numbers
+  std::uint64_t gaps = 0;     // places where some are missing
+  std::uint64_t unproved = 0, damaged = 0, with_pose = 0;
+  Duration duration{0};  // first to last centre of exposure, plus one frame
+  double shortest_exposure_s = 0,
+         longest_exposure_s = 0;  // products of time and gains, 0 where none is known
+  ExposureCycle cycle;
+  std::optional<Error> end;  // why it ended early: Truncated, Corrupt; none where it is complete
+};
+
+// Errors: those of open_recording. A recording that ends early is not one of them.
+Result<RecordingSummary> summarize(Storage& storage, const std::string& path);
+
+std::string as_table(const RecordingSummary& summary, const std::string& path);
+std::string as_json(const RecordingSummary& summary, const std::string& path);
+
+}  // namespace hdrcam

@@ -1,0 +1,276 @@
+#include "hal/recording/clip_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hal/recording/exposure_cycle.h"
+#include "hal/recording/facts_json.h"
+
+namespace hdrcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kLatestTime_s = 9e9;  // what nanoseconds in 64 bits hold
+
+// Python writes NaN and Infinity, which JSON does not know. They become strings of the same length, so that
+// positions stay and the field is refused for what it is: not a number.
+void quote_non_numbers(std::string& text) {
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"') in_string = !in_string;
+    if (text[i] == '\\' && in_string) ++i;
+    if (in_string) continue;
+    for (const std::string_view word : {"-Infinity", "Infinity", "NaN"})
+      if (text.compare(i, word.size(), word) == 0) {
+        text[i] = text[i + word.size() - 1] = '"';
+        i += word.size() - 1;
+        break;
+      }
+  }
+}
+
+// The library's message without its own position.
+std::string reason_of(const Json::exception& e) {
+  const std::string_view what = e.what();
+  const auto column = what.find("column ");
+  const auto begin = what.find(": ", column == std::string_view::npos ? 0 : column);
+  return std::string(begin == std::string_view::npos ? what : what.substr(begin + 2));
+}
+
+Result<Json> parsed(std::string& text, const std::string& path) {
+  quote_non_numbers(text);
+  try {
+    return Json::parse(text);
+  } catch (const Json::parse_error& e) {
+    const std::size_t byte = std::min(e.byte, text.size());
+    const auto lines = std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON at line {}, byte {}: {}", path, lines + 1,
+                                                 byte, reason_of(e))};
+  } catch (const Json::exception& e) {
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON: {}", path, reason_of(e))};
+  }
+}
+
+// The members of one JSON object. `where` begins every message.
+class Fields {
+ public:
+  Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {}
+
+  const std::string& where() const { return where_; }
+  bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
+  // What stands there, shortened, for a message.
+  std::string shown(const char* key) const {
+    if (!has(key)) return "missing";
+    std::string text = object_.at(key).dump(-1, ' ', false, Json::error_handler_t::replace);
+    if (text.size() > 40) text.resize(40), text += "..";
+    return "is " + text;
+  }
+  Error wrong(const char* key, const char* expected, ErrorCode code = ErrorCode::Invalid) const {
+    return {code, fmt::format("{}: '{}' {}; {}", where_, key, shown(key), expected)};
+  }
+
+  Result<double> number(const char* key, std::optional<double> otherwise = std::nullopt) const {
+    if (!has(key) && otherwise) return *otherwise;
+    if (!has(key) || !object_.at(key).is_number()) return wrong(key, "a number is needed");
+    return object_.at(key).get<double>();
+  }
+  template <class T>
+  Result<T> integer(const char* key, std::optional<T> otherwise = std::nullopt) const {
+    if (!has(key) && otherwise) return *otherwise;
+    if (has(key) && object_.at(key).is_number_integer()) {
+      const Json& value = object_.at(key);
+      if (value.is_number_unsigned() && std::in_range<T>(value.get<std::uint64_t>()))
+        return static_cast<T>(value.get<std::uint64_t>());
+      if (!value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
+        return static_cast<T>(value.get<std::int64_t>());
+    }
+    return wrong(key, "a whole number within its range is needed");
+  }
+  // A factor of the exposure: positive and finite.
+  Result<double> exposure_factor(const char* key, std::optional<double> otherwise = std::nullopt) const {
+    if (!has(key) && otherwise) return *otherwise;
+    const bool is_number = has(key) && object_.at(key).is_number();
+    const double value = is_number ? object_.at(key).get<double>() : 0;
+    if (!(value > 0) || !std::isfinite(value))
+      return wrong(key, "the exposure of a frame must be known, positive and finite", ErrorCode::BadExposure);
+    return value;
+  }
+  Result<std::string> text(const char* key) const {
+    if (!has(key) || !object_.at(key).is_string() || object_.at(key).get_ref<const std::string&>().empty())
+      return wrong(key, "a text is needed");
+    return object_.at(key).get<std::string>();
+  }
+  // An array of so many numbers.
+  Result<std::vector<double>> numbers(const char* key, std::size_t count) const {
+    const auto is_number = [](const Json& value) { return value.is_number(); };
+    if (!has(key) || !object_.at(key).is_array() || object_.at(key).size() != count ||
+        !std::all_of(object_.at(key).begin(), object_.at(key).end(), is_number))
+      return Error{ErrorCode::Invalid, fmt::format("{}: '{}' must be {} numbers", where_, key, count)};
+    return object_.at(key).get<std::vector<double>>();
+  }
+  const Json& at(const char* key) const { return object_.at(key); }
+
+ private:
+  const Json& object_;
+  std::string where_;
+};
+
+Result<CameraFacts> camera_of(const Fields& clip) {
+  CameraFacts camera;
+  if (clip.has("name")) camera.name = clip.at("name").is_string() ? clip.at("name").get<std::string>() : "";
+  camera.width = TRY(clip.integer<int>("width"));
+  camera.height = TRY(clip.integer<int>("height"));
+  camera.framerate_hz = TRY(clip.number("fps"));
+  camera.bits = TRY(clip.integer<int>("bits"));
+  if (camera.width < kMinSidePx || camera.width > kMaxSidePx)
+    return clip.wrong("width", "2 to 16384 pixels are possible");
+  if (camera.height < kMinSidePx || camera.height > kMaxSidePx)
+    return clip.wrong("height", "2 to 16384 pixels are possible");
+  if (!(camera.framerate_hz > 0)) return clip.wrong("fps", "it must be greater than 0");
+  if (camera.bits < 8 || camera.bits > 16) return clip.wrong("bits", "8 to 16 are possible");
+  if (clip.has("layout")) {
+    const auto layout = layout_named(TRY(clip.text("layout")));
+    if (!layout) return clip.wrong("layout", "it is one of rgb, mono, rggb, grbg, gbrg, bggr");
+    camera.layout = *layout;
+  }
+  if (clip.has("linear")) {
+    if (!clip.at("linear").is_boolean()) return clip.wrong("linear", "it is true or false");
+    camera.linear = clip.at("linear").get<bool>();
+  }
+  if (clip.has("fx"))
+    camera.intrinsics = Intrinsics{TRY(clip.number("fx")), TRY(clip.number("fy")), TRY(clip.number("cx")),
+                                   TRY(clip.number("cy"))};
+  if (clip.has("response")) {
+    const Json& rows = clip.at("response");
+    if (!rows.is_array() || rows.size() != 3)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{}: 'response' must be three rows of 256 numbers", clip.where())};
+    for (const Json& row : rows) {
+      const Json wrapped = {{"response", row}};
+      camera.response.push_back(TRY(Fields(wrapped, clip.where()).numbers("response", 256)));
+    }
+  }
+  return camera;
+}
+
+Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path) {
+  ClipFrame frame;
+  frame.file = TRY(Fields(json, fmt::format("'{}': frame {}", path, index)).text("file"));
+  const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
+  FrameFacts& facts = frame.facts;
+  facts.exposure_s = TRY(fields.exposure_factor("exposure_s"));
+  facts.analogue_gain = TRY(fields.exposure_factor("gain", 1));
+  facts.digital_gain = TRY(fields.exposure_factor("digital_gain", 1));
+  const double time_s = TRY(fields.number("time_s"));
+  if (!(std::abs(time_s) < kLatestTime_s))
+    return fields.wrong("time_s", "it is the centre of the exposure in seconds");
+  facts.timestamp = Instant::from_seconds(time_s);
+  if (fields.has("timestamp_ns"))
+    facts.timestamp.since_boot = Duration(TRY(fields.integer<Duration::rep>("timestamp_ns")));
+  facts.sequence = TRY(fields.integer<std::uint64_t>("sequence", index));
+  facts.slot = TRY(fields.integer<int>("slot", -1));
+  facts.black_level = TRY(fields.number("black_level", 0));
+  facts.flags = TRY(fields.integer<std::uint32_t>("flags", 0));
+  if (fields.has("exposure_source")) {
+    const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
+    if (!source)
+      return fields.wrong("exposure_source",
+                          "it is one of embedded, reported, declared, predicted, photometric, unknown");
+    facts.exposure_source = *source;
+  }
+  if (fields.has("c2w")) {
+    const auto pose = TRY(fields.numbers("c2w", 12));
+    std::copy(pose.begin(), pose.end(), facts.T_world_camera.emplace().begin());
+  }
+  return frame;
+}
+
+// The slot of each frame as its exposures tell.
+std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
+  std::vector<FrameFacts> facts;
+  for (const ClipFrame& frame : frames) facts.push_back(frame.facts);
+  const ExposureCycle cycle = find_exposure_cycle(facts);
+  std::vector<int> slots;
+  for (const FrameFacts& frame : facts) slots.push_back(slot_of(cycle, facts.front(), frame));
+  return slots;
+}
+
+Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot) {
+  const FrameFacts& facts = frame.facts;
+  const FrameFacts usual;
+  const double time_s = static_cast<double>(facts.timestamp.since_boot.count()) / 1e9;
+  Json json = {{"file", frame.file}, {"time_s", time_s}, {"exposure_s", facts.exposure_s}};
+  const bool time_fits = std::abs(time_s) < kLatestTime_s && Instant::from_seconds(time_s) == facts.timestamp;
+  if (!time_fits) json["timestamp_ns"] = facts.timestamp.since_boot.count();
+  if (facts.analogue_gain != usual.analogue_gain) json["gain"] = facts.analogue_gain;
+  if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;
+  if (facts.sequence != index) json["sequence"] = facts.sequence;
+  if (with_slot) json["slot"] = facts.slot;
+  if (facts.black_level != usual.black_level) json["black_level"] = facts.black_level;
+  if (facts.exposure_source != usual.exposure_source) json["exposure_source"] = name(facts.exposure_source);
+  if (facts.flags != usual.flags) json["flags"] = facts.flags;
+  if (facts.T_world_camera) json["c2w"] = *facts.T_world_camera;
+  return json;
+}
+
+}  // namespace
+
+Result<Clip> clip_from_json(std::string text, const std::string& path) {
+  const Json json = TRY(parsed(text, path));
+  const Fields fields(json, fmt::format("'{}'", path));
+  if (!json.is_object()) return Error{ErrorCode::Invalid, fmt::format("'{}' holds no JSON object", path)};
+  Clip clip;
+  clip.camera = TRY(camera_of(fields));
+  clip.layout_is_named = fields.has("layout");
+  if (!fields.has("frames") || !fields.at("frames").is_array())
+    return fields.wrong("frames", "a list of frames is needed");
+  const Json& frames = fields.at("frames");
+  if (frames.size() < 2)
+    return Error{ErrorCode::TooShort,
+                 fmt::format("'{}' has {} frame(s); at least two are needed", path, frames.size())};
+  bool slots_are_named = false;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    clip.frames.push_back(TRY(frame_of(frames[i], i, path)));
+    slots_are_named = slots_are_named || frames[i].contains("slot");
+  }
+  if (slots_are_named) return clip;
+  const auto slots = slots_of(clip.frames);
+  for (std::size_t i = 0; i < slots.size(); ++i) clip.frames[i].facts.slot = slots[i];
+  return clip;
+}
+
+std::string clip_to_json(const Clip& clip) {
+  const CameraFacts& camera = clip.camera;
+  Json head = {{"name", camera.name},
+               {"width", camera.width},
+               {"height", camera.height},
+               {"fps", camera.framerate_hz},
+               {"bits", camera.bits}};
+  if (const auto& lens = camera.intrinsics)
+    head.update({{"fx", lens->fx_px}, {"fy", lens->fy_px}, {"cx", lens->cx_px}, {"cy", lens->cy_px}});
+  if (camera.layout != PixelLayout::Rgb && camera.layout != PixelLayout::Mono)
+    head["layout"] = name(camera.layout);
+  if (camera.linear) head["linear"] = true;
+  if (!camera.response.empty()) head["response"] = camera.response;
+
+  const auto told = slots_of(clip.frames);
+  bool with_slots = false;
+  for (std::size_t i = 0; i < told.size(); ++i)
+    with_slots = with_slots || told[i] != clip.frames[i].facts.slot;
+
+  const auto dumped = [](const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  std::string text = dumped(head);
+  text.back() = ',';
+  text += "\n\"frames\":[";
+  for (std::size_t i = 0; i < clip.frames.size(); ++i)
+    text += (i == 0 ? "\n" : ",\n") + dumped(frame_json(clip.frames[i], i, with_slots));
+  return text + "\n]}\n";
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,33 @@
+// The clip.json of an image sequence (docs/recording.md): the facts of the camera and of each frame, and the
+// image that holds its pixels. Every complaint names the file, the frame and the value. Reentrant.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+struct ClipFrame {
+  std::string file;  // relative to the folder of the clip.json
+  FrameFacts facts;
+};
+
+struct Clip {
+  CameraFacts camera;
+  bool layout_is_named = false;  // otherwise the first image tells RGB from mono
+  std::vector<ClipFrame> frames;
+};
+
+// path: of the clip.json, for the messages. Slots that no frame names are found from the exposures.
+// Errors: Invalid (no JSON, with line and byte; a key that is missing or cannot be), BadExposure, TooShort
+// (below two frames).
+Result<Clip> clip_from_json(std::string text, const std::string& path);
+
+// Facts that have their default, and slots that the exposures tell, are left out.
+std::string clip_to_json(const Clip& clip);
+
+}  // namespace hdrcam

@@ -1,0 +1,112 @@
+#include "hal/recording/image_sequence.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include "hal/recording/png_image.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr const char* kClipFile = "clip.json";
+
+// 16-bit samples to codes: the code in the upper bits, or scaled to the full range. False where a sample is
+// neither.
+bool to_codes(Image<std::uint16_t>& samples, int bits) {
+  const int shift = 16 - bits, largest = (1 << bits) - 1;
+  bool exact = true;
+  for (std::uint16_t& sample : samples.samples()) {
+    const int code = sample >> shift;
+    const bool shifted = code << shift == sample;
+    const bool scaled = std::abs(std::int64_t{sample} * largest - std::int64_t{code} * 65535) * 2 <= largest;
+    exact = exact && (shifted || scaled);
+    sample = static_cast<std::uint16_t>(code);
+  }
+  return exact;
+}
+
+void to_samples(Image<std::uint16_t>& codes, int bits) {
+  for (std::uint16_t& code : codes.samples()) code = static_cast<std::uint16_t>(code << (16 - bits));
+}
+
+}  // namespace
+
+Result<ImageSequence> ImageSequence::open(Storage& storage, const std::string& path) {
+  const bool is_file = path.ends_with(".json");
+  const std::filesystem::path file =
+      is_file ? std::filesystem::path(path) : std::filesystem::path(path) / kClipFile;
+  ImageSequence sequence(storage, file.parent_path().string());
+  std::string text = TRY(read_whole(storage, file.string()));
+  sequence.clip_ = TRY(clip_from_json(std::move(text), file.string()));
+  if (!sequence.clip_.layout_is_named) {
+    const PngImage first = TRY(sequence.load(0));
+    sequence.clip_.camera.layout = first.samples.channels() == 3 ? PixelLayout::Rgb : PixelLayout::Mono;
+  }
+  return sequence;
+}
+
+std::string ImageSequence::path_of(int index) const {
+  return (std::filesystem::path(folder_) / clip_.frames[static_cast<std::size_t>(index)].file).string();
+}
+
+Result<PngImage> ImageSequence::load(int index) const {
+  auto image = read_png(*storage_, path_of(index), clip_.camera.width, clip_.camera.height);
+  if (image) return image;
+  const Error& error = image.error();
+  return Error{error.code, fmt::format("frame {}: {}", index, error.message), error.sys_errno};
+}
+
+Result<RawFrame> ImageSequence::read(int index) const {
+  const CameraFacts& camera = clip_.camera;
+  PngImage image = TRY(load(index));
+  const int found = image.samples.channels(), expected = channels(camera.layout);
+  if (found != expected)
+    return Error{ErrorCode::SizeChanged,
+                 fmt::format("frame {}: '{}' has {} channel(s), expected {} ({})", index, path_of(index),
+                             found, expected, name(camera.layout))};
+  if (image.bits_per_sample < camera.bits)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("frame {}: '{}' has 8 bits a sample, the clip says {}; set 'bits' to 8", index,
+                             path_of(index), camera.bits)};
+  if (image.bits_per_sample == 16 && !to_codes(image.samples, camera.bits))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("frame {}: '{}' has samples of more than {} bits; set 'bits' to 16", index,
+                             path_of(index), camera.bits)};
+  return RawFrame{clip_.frames[static_cast<std::size_t>(index)].facts, std::move(image.samples)};
+}
+
+Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const std::string& folder,
+                                                        const CameraFacts& camera) {
+  if (const auto held = storage.open(folder + "/" + kClipFile);
+      held || held.error().code != ErrorCode::NotFound)
+    return held ? Error{ErrorCode::Invalid,
+                        fmt::format("'{}' already holds a clip; name another folder or remove it", folder)}
+                : held.error();
+  TRY(storage.make_directories(folder + "/ldr"));
+  ImageSequenceWriter writer(storage, folder);
+  writer.clip_.camera = camera;
+  return writer;
+}
+
+Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
+  const CameraFacts& camera = clip_.camera;
+  if (frame.codes.channels() != channels(camera.layout) || frame.codes.rows() != camera.height ||
+      frame.codes.cols() != camera.width)
+    return Error{ErrorCode::SizeChanged,
+                 fmt::format("frame {} is {}x{}, the clip is {}x{}", clip_.frames.size(), frame.codes.cols(),
+                             frame.codes.rows(), camera.width, camera.height)};
+  PngImage image{camera.bits > 8 ? 16 : 8, frame.codes.clone()};
+  if (camera.bits > 8) to_samples(image.samples, camera.bits);
+  const std::string file = fmt::format("ldr/{:04}.png", clip_.frames.size());
+  TRY(write_png(*storage_, folder_ + "/" + file, image));
+  clip_.frames.push_back({file, frame.facts});
+  return {};
+}
+
+Result<void> ImageSequenceWriter::finish() {
+  const std::string text = clip_to_json(clip_);
+  return write_whole(*storage_, folder_ + "/" + kClipFile, std::as_bytes(std::span(text)));
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,58 @@
+// A clip as a folder of PNG images with a clip.json (docs/recording.md): read one frame at a time, and
+// written back so that it reads the same, bit by bit. Thread-bound.
+#pragma once
+
+#include <string>
+
+#include "hal/recording/clip_json.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+struct PngImage;
+
+class ImageSequence {
+ public:
+  // path: of the clip.json, or of the folder that holds it. The storage outlives the sequence.
+  // Errors: those of clip_from_json and, for the first image, of read.
+  static Result<ImageSequence> open(Storage& storage, const std::string& path);
+
+  const CameraFacts& camera() const { return clip_.camera; }
+  int frame_count() const { return static_cast<int>(clip_.frames.size()); }
+  const FrameFacts& facts(int index) const { return clip_.frames[static_cast<std::size_t>(index)].facts; }
+  // Errors: NotFound, Permission; Corrupt (a damaged PNG); SizeChanged (another size, or grey among RGB);
+  // Invalid (a bit would be lost); Unsupported. Messages name the frame, the file and the value.
+  Result<RawFrame> read(int index) const;
+
+ private:
+  ImageSequence(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
+  std::string path_of(int index) const;
+  Result<PngImage> load(int index) const;
+
+  Storage* storage_;
+  std::string folder_;
+  Clip clip_;
+};
+
+class ImageSequenceWriter {
+ public:
+  // Makes the folder. Errors: Invalid where it already holds a clip; Permission. The storage outlives the
+  // writer.
+  static Result<ImageSequenceWriter> create(Storage& storage, const std::string& folder,
+                                            const CameraFacts& camera);
+
+  // Writes the image, whole. Errors: SizeChanged, Permission, NoSpace, Io.
+  Result<void> append(const RawFrame& frame);
+  // Writes the clip.json; before that the folder holds images but no clip.
+  Result<void> finish();
+
+ private:
+  ImageSequenceWriter(Storage& storage, std::string folder)
+      : storage_(&storage), folder_(std::move(folder)) {}
+
+  Storage* storage_;
+  std::string folder_;
+  Clip clip_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,182 @@
+// import, export and info as the user calls them.
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/recording_summary.h"
+#include "hal/fault/faulty_storage.h"
+#include "hal/recording/image_sequence.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+Result<void> hdrcam_verb(const std::string& line, Storage& storage = posix_storage(),
+                         bool interrupted = false) {
+  CLI::App app;
+  Verb verb;
+  add_import(app, verb);
+  add_export(app, verb);
+  add_info(app, verb);
+  app.parse(line);
+  const std::atomic<bool> stop = interrupted;
+  Surroundings around{storage, stop};
+  return verb(around);
+}
+
+// A clip whose images and facts are random but legal.
+std::vector<RawFrame> write_clip(const std::string& folder, const CameraFacts& camera, int count) {
+  auto frames = sample::frames(camera, count, 17);
+  auto writer = ImageSequenceWriter::create(posix_storage(), folder, camera);
+  REQUIRE(writer.ok());
+  for (const RawFrame& frame : frames) REQUIRE(writer.value().append(frame).ok());
+  REQUIRE(writer.value().finish().ok());
+  return frames;
+}
+
+std::string text_of(const std::string& path) { return read_whole(posix_storage(), path).value(); }
+
+void write_file(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+}  // namespace
+
+TEST_CASE("exporting what was imported gives the clip, and importing that the same recording") {
+  for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb})
+    for (const int bits : {8, 12}) {
+      const std::string folder = sample::scratch_folder("verbs");
+      const auto frames = write_clip(folder + "/clip", sample::camera(layout, bits, 37, 23), 6);
+      REQUIRE(hdrcam_verb("import " + folder + "/clip/clip.json -o " + folder + "/x.mkv").ok());
+      CHECK(!std::filesystem::exists(folder + "/x.mkv.part"));
+      const auto replayed = sample::replay(posix_storage(), folder + "/x.mkv");
+      CHECK(!replayed.error);
+      CHECK(replayed.frames.size() == 6);
+      CHECK(replayed.is_start_of(frames));
+
+      REQUIRE(hdrcam_verb("export " + folder + "/x.mkv -o " + folder + "/back").ok());
+      CHECK(text_of(folder + "/back/clip.json") == text_of(folder + "/clip/clip.json"));
+      for (int i = 0; i < 6; ++i) {
+        const std::string file = fmt::format("/ldr/{:04}.png", i);
+        CHECK(text_of(folder + "/back" + file) == text_of(folder + "/clip" + file));
+      }
+      REQUIRE(hdrcam_verb("import " + folder + "/back -o " + folder + "/y.mkv").ok());
+      CHECK(text_of(folder + "/y.mkv") == text_of(folder + "/x.mkv"));
+    }
+}
+
+TEST_CASE("a failed import leaves neither a new output nor a changed old one") {
+  const std::string folder = sample::scratch_folder("failed");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  write_clip(folder + "/clip", camera, 4);
+  const std::string line = "import " + folder + "/clip -o " + folder + "/x.mkv";
+  write_file(folder + "/x.mkv", "older");
+  const auto untouched = [&] {
+    CHECK(text_of(folder + "/x.mkv") == "older");
+    CHECK(!std::filesystem::exists(folder + "/x.mkv.part"));
+  };
+  SECTION("the disk is full") {
+    FaultyStorage disk(posix_storage(), {.space_bytes = 4000});
+    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::NoSpace);
+    untouched();
+  }
+  SECTION("the disk fails") {
+    FaultyStorage disk(posix_storage(), {.failing_write = 3});
+    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::Io);
+    untouched();
+  }
+  SECTION("the third image is missing") {
+    std::filesystem::remove(folder + "/clip/ldr/0002.png");
+    const auto imported = hdrcam_verb(line);
+    CHECK(imported.error().code == ErrorCode::NotFound);
+    CHECK(imported.error().message.find("frame 2") != std::string::npos);
+    untouched();
+  }
+  SECTION("the user interrupts") {
+    CHECK(hdrcam_verb(line, posix_storage(), true).error().code == ErrorCode::Interrupted);
+    untouched();
+  }
+  SECTION("and a good one replaces it") {
+    REQUIRE(hdrcam_verb(line).ok());
+    CHECK(!sample::replay(posix_storage(), folder + "/x.mkv").error);
+  }
+}
+
+TEST_CASE(
+    "export gives the whole frames of a cut recording, refuses a damaged one and never mixes two clips") {
+  const std::string folder = sample::scratch_folder("export");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 5, 2);
+  const std::string path = folder + "/x.mkv", line = "export " + path + " -o " + folder + "/out";
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto bytes = std::filesystem::file_size(path);
+  SECTION("cut") {
+    FaultyStorage disk(posix_storage(), {.cut_at_bytes = bytes * 3 / 5});
+    const auto whole = sample::replay(disk, path).frames.size();
+    REQUIRE((whole > 1 && whole < 5));
+    REQUIRE(hdrcam_verb(line, disk).ok());
+    CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() ==
+          static_cast<int>(whole));
+  }
+  SECTION("damaged") {
+    FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
+    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::Corrupt);
+    CHECK(!std::filesystem::exists(folder + "/out/clip.json"));
+  }
+  SECTION("twice") {
+    REQUIRE(hdrcam_verb(line).ok());
+    const auto again = hdrcam_verb(line);
+    CHECK(again.error().code == ErrorCode::Invalid);
+    CHECK(again.error().message.find(folder + "/out") != std::string::npos);
+  }
+}
+
+TEST_CASE("info counts what is there and what is missing") {
+  const std::string path = sample::scratch_folder("info") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  auto frames = sample::frames(camera, 12, 2);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FrameFacts& facts = frames[i].facts;
+    facts.sequence = i + (i >= 5 ? 2 : 0) + (i >= 9 ? 1 : 0);
+    facts.exposure_s = facts.sequence % 2 == 0 ? 0.001 : 0.016;
+    facts.analogue_gain = facts.digital_gain = 1;
+    facts.flags = i == 5 ? kFrameAfterDrop | kFrameExposureUnproved : 0;
+  }
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto summary = summarize(posix_storage(), path);
+  REQUIRE(summary.ok());
+  const RecordingSummary& info = summary.value();
+  CHECK(info.frames == 12);
+  CHECK((info.dropped == 3 && info.gaps == 2));
+  CHECK(info.unproved == 1);
+  CHECK(info.with_pose == 6);
+  CHECK(info.cycle.period == 2);
+  CHECK(info.shortest_exposure_s == 0.001);
+  CHECK(info.longest_exposure_s == 0.016);
+  CHECK(info.bytes == std::filesystem::file_size(path));
+  CHECK(!info.end);
+  const auto json = nlohmann::json::parse(as_json(info, path));
+  CHECK(json.at("complete") == true);
+  CHECK(json.at("exposure_range_ev").get<double>() == Approx(4));
+  CHECK(json.at("slots_ev").get<std::vector<double>>() == std::vector<double>{-2, 2});
+  const std::string table = as_table(info, path);
+  for (const char* words : {"37x23, 8 bits, rgb", "2 slot(s): -2.00 / +2.00 EV about 0.004 s", "4.00 EV",
+                            "12 in", "3 in 2 gap(s)", "complete    yes"}) {
+    INFO(table << words);
+    CHECK(table.find(words) != std::string::npos);
+  }
+  CHECK(hdrcam_verb("info --json " + path).ok());
+
+  FaultyStorage disk(posix_storage(), {.cut_at_bytes = info.bytes / 2});
+  const auto cut = summarize(disk, path);
+  REQUIRE(cut.ok());
+  REQUIRE(cut.value().end);
+  CHECK(cut.value().end->code == ErrorCode::Truncated);
+  CHECK(cut.value().frames < 12);
+  CHECK(hdrcam_verb("info " + path + ".none").error().code == ErrorCode::NotFound);
+}

@@ -1,0 +1,248 @@
+// Every way in which a file can be damaged: cut, flipped, not written to the end, never one of ours.
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+
+#include "hal/fault/faulty_storage.h"
+#include "hal/recording/recording.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+struct Sample {
+  std::string path;
+  CameraFacts camera;
+  std::vector<RawFrame> frames;
+  std::uint64_t bytes = 0;
+};
+
+Sample small_recording(const std::string& name, PixelLayout layout = PixelLayout::Rgb) {
+  Sample made{sample::scratch_folder(name) + "/x.mkv", sample::camera(layout, 8, 7, 5), {}, 0};
+  made.frames = sample::frames(made.camera, 4, 21);
+  REQUIRE(sample::record(posix_storage(), made.path, made.camera, made.frames).ok());
+  made.bytes = std::filesystem::file_size(made.path);
+  return made;
+}
+
+void write_file(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+}  // namespace
+
+TEST_CASE("a recording cut at any byte reads up to its last whole frame and says that it was cut") {
+  const Sample made = small_recording("cut");
+  // Where each frame is whole, found by recording step by step.
+  std::vector<std::uint64_t> whole_at;
+  {
+    const std::string path = made.path + ".steps";
+    auto writer = create_recording(posix_storage(), path, made.camera);
+    REQUIRE(writer.ok());
+    for (const RawFrame& frame : made.frames) {
+      REQUIRE(writer.value()->append(frame).ok());
+      whole_at.push_back(std::filesystem::file_size(path));
+    }
+  }
+  std::size_t complete = 0;
+  for (std::uint64_t cut = 0; cut <= made.bytes; ++cut) {
+    FaultyStorage disk(posix_storage(), {.cut_at_bytes = cut});
+    const auto replayed = sample::replay(disk, made.path);
+    INFO("cut at byte " << cut << " of " << made.bytes << ": "
+                        << (replayed.error ? replayed.error->message : std::string("complete")));
+    const auto expected =
+        std::count_if(whole_at.begin(), whole_at.end(), [&](auto end) { return end <= cut; });
+    REQUIRE(static_cast<long>(replayed.frames.size()) == expected);
+    REQUIRE(replayed.is_start_of(made.frames));
+    if (replayed.error) {
+      REQUIRE(replayed.error->code == ErrorCode::Truncated);
+      if (expected > 0)
+        REQUIRE(replayed.error->message.find(fmt::format("{} whole", expected)) != std::string::npos);
+    } else {
+      ++complete;
+      REQUIRE(expected == 4);
+    }
+  }
+  // Only a cut behind the end record, in the index, may go unnoticed: nothing is lost there.
+  CHECK(complete > 0);
+  CHECK(complete < made.bytes - whole_at.back());
+}
+
+TEST_CASE("a cut recording does not claim to know its number of frames") {
+  const Sample made = small_recording("cutcount");
+  FaultyStorage disk(posix_storage(), {.cut_at_bytes = made.bytes - 1});
+  const auto reader = open_recording(disk, made.path);
+  REQUIRE(reader.ok());
+  CHECK(!reader.value()->frame_count());
+}
+
+TEST_CASE("a flipped bit never gives a wrong frame and never a silent gap") {
+  const Sample made = small_recording("flip", PixelLayout::Mono);
+  int noticed = 0;
+  for (std::uint64_t bit = 0; bit < made.bytes * 8; ++bit) {
+    FaultyStorage disk(posix_storage(), {.flipped_bits = {bit}});
+    const auto replayed = sample::replay(disk, made.path);
+    INFO("bit " << bit << ": " << (replayed.error ? replayed.error->message : std::string("complete")));
+    REQUIRE(replayed.is_start_of(made.frames));
+    if (!replayed.error) REQUIRE(replayed.frames.size() == made.frames.size());
+    if (replayed.error) {
+      ++noticed;
+      REQUIRE((replayed.ended_with(ErrorCode::Corrupt) || replayed.ended_with(ErrorCode::Truncated) ||
+               replayed.ended_with(ErrorCode::NotRecording) || replayed.ended_with(ErrorCode::Unsupported)));
+    }
+  }
+  CHECK(noticed > 0);
+}
+
+TEST_CASE("many flipped bits never give a wrong frame") {
+  const Sample made = small_recording("flips");
+  std::mt19937 random(99);
+  for (int trial = 0; trial < 2000; ++trial) {
+    StorageFaults faults;
+    const auto count = 1 + random() % 40;
+    for (unsigned i = 0; i < count; ++i) faults.flipped_bits.push_back(random() % (made.bytes * 8));
+    if (trial % 3 == 0) faults.cut_at_bytes = random() % made.bytes;
+    FaultyStorage disk(posix_storage(), faults);
+    const auto replayed = sample::replay(disk, made.path);
+    INFO("trial " << trial);
+    REQUIRE(replayed.is_start_of(made.frames));
+    if (!replayed.error) REQUIRE(replayed.frames.size() == made.frames.size());
+  }
+}
+
+TEST_CASE("a flipped bit in the pixels is corruption at that frame, found by the checksum") {
+  const std::string path = sample::scratch_folder("pixel") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 16, 64, 48);
+  const auto frames = sample::frames(camera, 3, 4);
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  // Random 16-bit codes do not compress: the middle of the file is in the pixels of frame 1.
+  FaultyStorage disk(posix_storage(), {.flipped_bits = {std::filesystem::file_size(path) * 4}});
+  for (const bool decode : {true, false}) {
+    auto reader = open_recording(disk, path);
+    REQUIRE(reader.ok());
+    REQUIRE(reader.value()->next_facts().ok());
+    const auto error = decode ? reader.value()->next().error() : reader.value()->next_facts().error();
+    CHECK(error.code == ErrorCode::Corrupt);
+    CHECK(error.message.find("frame 1") != std::string::npos);
+    CHECK(error.message.find(path) != std::string::npos);
+  }
+}
+
+TEST_CASE("a full disk comes back as such and leaves a recording of whole frames") {
+  const Sample made = small_recording("full");
+  for (std::uint64_t space = 0; space < made.bytes; space += 7) {
+    FaultyStorage disk(posix_storage(), {.space_bytes = space});
+    const std::string path = made.path + ".full";
+    const auto recorded = sample::record(disk, path, made.camera, made.frames);
+    INFO("room for " << space << " of " << made.bytes << " bytes");
+    REQUIRE(!recorded.ok());
+    REQUIRE(recorded.error().code == ErrorCode::NoSpace);
+    REQUIRE(recorded.error().message.find(path) != std::string::npos);
+    REQUIRE(sample::replay(posix_storage(), path).is_start_of(made.frames));
+  }
+}
+
+TEST_CASE("after a refused write the recording holds what was appended before, and the error stays") {
+  const Sample made = small_recording("eio");
+  const std::string path = made.path + ".eio";
+  std::uint64_t all_writes = 0;
+  {
+    FaultyStorage disk(posix_storage(), {});
+    REQUIRE(sample::record(disk, path, made.camera, made.frames).ok());
+    all_writes = disk.writes();
+  }
+  REQUIRE(all_writes > made.frames.size());
+  for (std::uint64_t refused = 0; refused < all_writes; ++refused) {
+    INFO("write " << refused << " of " << all_writes);
+    FaultyStorage disk(posix_storage(), {.failing_write = refused});
+    auto writer = create_recording(disk, path, made.camera);
+    std::size_t appended = 0;
+    if (!writer) {
+      REQUIRE(writer.error().code == ErrorCode::Io);
+      continue;
+    }
+    Result<void> last;
+    for (const RawFrame& frame : made.frames) {
+      last = writer.value()->append(frame);
+      if (!last) break;
+      ++appended;
+    }
+    if (last.ok()) last = writer.value()->finish();
+    REQUIRE(!last.ok());
+    REQUIRE(last.error().code == ErrorCode::Io);
+    REQUIRE(last.error().sys_errno == EIO);
+    REQUIRE(writer.value()->append(made.frames[0]).error().code == ErrorCode::Io);
+    REQUIRE(writer.value()->finish().error().code == ErrorCode::Io);
+    const auto replayed = sample::replay(posix_storage(), path);
+    REQUIRE(replayed.frames.size() == appended);
+    REQUIRE(replayed.is_start_of(made.frames));
+  }
+}
+
+TEST_CASE("a disk that refuses to sync or to read is reported") {
+  const Sample made = small_recording("sync");
+  {
+    FaultyStorage disk(posix_storage(), {.failing_sync = 0});
+    const auto recorded = sample::record(disk, made.path + ".sync", made.camera, made.frames);
+    REQUIRE(!recorded.ok());
+    CHECK(recorded.error().code == ErrorCode::Io);
+  }
+  std::uint64_t all_reads = 0;
+  {
+    FaultyStorage disk(posix_storage(), {});
+    REQUIRE(!sample::replay(disk, made.path).error);
+    all_reads = disk.reads();
+  }
+  REQUIRE(all_reads > 2);
+  for (std::uint64_t refused = 0; refused < all_reads; ++refused) {
+    FaultyStorage disk(posix_storage(), {.failing_read = refused});
+    const auto replayed = sample::replay(disk, made.path);
+    INFO("read " << refused << " of " << all_reads);
+    REQUIRE(replayed.is_start_of(made.frames));
+    // Reading the number of frames ahead is a convenience: its failure is not one of the recording.
+    if (replayed.error)
+      REQUIRE(replayed.error->code == ErrorCode::Io);
+    else
+      REQUIRE(replayed.frames.size() == made.frames.size());
+  }
+}
+
+TEST_CASE("a file that is not a recording is said to be none") {
+  const std::string folder = sample::scratch_folder("foreign");
+  const std::string path = folder + "/x.mkv";
+  SECTION("it does not exist") {
+    CHECK(sample::replay(posix_storage(), path).ended_with(ErrorCode::NotFound));
+  }
+  SECTION("it is empty") {
+    write_file(path, "");
+    CHECK(sample::replay(posix_storage(), path).ended_with(ErrorCode::Truncated));
+  }
+  SECTION("it is a PNG") {
+    write_file(path, "\x89PNG\r\n\x1a\n and so on");
+    const auto replayed = sample::replay(posix_storage(), path);
+    CHECK(replayed.ended_with(ErrorCode::NotRecording));
+    CHECK(replayed.error->message == "'" + path + "' is not a recording: it is no Matroska file");
+  }
+  SECTION("it is noise") {
+    std::mt19937 random(3);
+    std::string noise(5000, '\0');
+    for (char& byte : noise) byte = static_cast<char>(random());
+    write_file(path, noise);
+    CHECK(sample::replay(posix_storage(), path).ended_with(ErrorCode::NotRecording));
+  }
+  SECTION("it is a Matroska file of somebody else") {
+    REQUIRE(sample::record(posix_storage(), path, sample::camera(PixelLayout::Mono, 8, 8, 8), {}).ok());
+    auto bytes = read_whole(posix_storage(), path).value();
+    bytes.replace(bytes.find("HDRCAM_CAMERA"), 13, "SOME_BODYELSE");
+    write_file(path, bytes);
+    const auto replayed = sample::replay(posix_storage(), path);
+    CHECK(replayed.ended_with(ErrorCode::NotRecording));
+    CHECK(replayed.error->message.find("not a recording of hdrcam") != std::string::npos);
+  }
+  SECTION("it is a folder") {
+    CHECK(sample::replay(posix_storage(), folder).ended_with(ErrorCode::Permission));
+  }
+}

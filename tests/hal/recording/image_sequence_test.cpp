@@ -1,0 +1,285 @@
+#include "hal/recording/image_sequence.h"
+
+#include <fstream>
+
+#include "hal/fault/faulty_storage.h"
+#include "hal/recording/png_image.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr const char* kHead =
+    R"("name":"t","width":6,"height":4,"fps":30,"bits":8,"fx":5.5,"fy":5.5,"cx":3,"cy":2)";
+
+void write_file(const std::string& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+void write_picture(const std::string& path, int channels, int rows, int cols, int bits_per_sample,
+                   unsigned seed = 1) {
+  std::mt19937 random(seed);
+  PngImage image{bits_per_sample, Image<std::uint16_t>(channels, rows, cols)};
+  for (auto& sample : image.samples.samples())
+    sample = static_cast<std::uint16_t>(random() & ((1u << bits_per_sample) - 1));
+  REQUIRE(write_png(posix_storage(), path, image).ok());
+}
+
+// A folder with four good 6x4 images; a test then writes the clip.json it wants to see refused.
+struct ClipFolder {
+  std::string path = sample::scratch_folder("clip");
+
+  ClipFolder() {
+    for (int i = 0; i < 4; ++i)
+      write_picture(path + fmt::format("/{}.png", i), 3, 4, 6, 8, static_cast<unsigned>(i));
+  }
+  void write(const std::string& head, const std::vector<std::string>& frames) const {
+    std::string text = "{" + head + ",\n\"frames\":[";
+    for (std::size_t i = 0; i < frames.size(); ++i) text += (i ? ",\n{" : "\n{") + frames[i] + "}";
+    write_file(path + "/clip.json", text + "]}");
+  }
+  // The error of opening the clip and reading every frame.
+  Error error() const {
+    const auto clip = ImageSequence::open(posix_storage(), path);
+    if (!clip) return clip.error();
+    for (int i = 0; i < clip.value().frame_count(); ++i)
+      if (const auto frame = clip.value().read(i); !frame) return frame.error();
+    FAIL("the clip was accepted");
+    return {};
+  }
+  Error error_of_frame_1(const std::string& frame) const {
+    write(kHead, {R"("file":"0.png","time_s":0,"exposure_s":0.001)", frame});
+    return error();
+  }
+};
+
+bool says(const Error& error, std::initializer_list<const char*> words) {
+  INFO(error.message);
+  for (const char* word : words) CHECK(error.message.find(word) != std::string::npos);
+  return std::all_of(words.begin(), words.end(),
+                     [&](const char* word) { return error.message.find(word) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("a clip gives its facts: gain, centre of exposure, pose, slots of the schedule") {
+  const ClipFolder folder;
+  folder.write(
+      kHead,
+      {R"("file":"0.png","time_s":0,"exposure_s":0.001)",
+       R"("file":"1.png","time_s":0.0333333333,"exposure_s":0.008,"gain":2,"c2w":[1,0,0,0.5,0,1,0,0,0,0,1,-2])",
+       R"("file":"2.png","time_s":0.0666666667,"exposure_s":0.001)",
+       R"("file":"3.png","time_s":0.1,"exposure_s":0.016,"later":"ignored")"});
+  for (const std::string& path : {folder.path, folder.path + "/clip.json", folder.path + "/"}) {
+    const auto clip = ImageSequence::open(posix_storage(), path);
+    INFO(clip.error().message);
+    REQUIRE(clip.ok());
+    CHECK(clip.value().camera().layout == PixelLayout::Rgb);
+    CHECK(clip.value().camera().intrinsics->fx_px == 5.5);
+    const auto frame = clip.value().read(1);
+    REQUIRE(frame.ok());
+    CHECK(frame.value().facts.exposure() == 0.016);
+    CHECK(frame.value().facts.analogue_gain == 2);
+    CHECK(frame.value().facts.timestamp.since_boot.count() == 33333333);
+    CHECK(frame.value().facts.sequence == 1);
+    CHECK((*frame.value().facts.T_world_camera)[3] == 0.5);
+    CHECK((*frame.value().facts.T_world_camera)[11] == -2);
+    for (int i = 0; i < 4; ++i) CHECK(clip.value().facts(i).slot == i % 2);
+  }
+}
+
+TEST_CASE("an exposure that is missing or cannot be is refused by its frame, file and value") {
+  const ClipFolder folder;
+  const auto refused = [&](const char* exposure, const char* shown) {
+    const Error error = folder.error_of_frame_1(std::string(R"("file":"1.png","time_s":0.1)") + exposure);
+    CHECK(error.code == ErrorCode::BadExposure);
+    CHECK(says(error, {"clip.json", "frame 1", "'1.png'", shown}));
+  };
+  refused("", "'exposure_s' missing");
+  refused(R"(,"exposure_s":0)", "'exposure_s' is 0");
+  refused(R"(,"exposure_s":-0.004)", "'exposure_s' is -0.004");
+  refused(R"(,"exposure_s":NaN)", "'exposure_s'");
+  refused(R"(,"exposure_s":Infinity)", "'exposure_s'");
+  refused(R"(,"exposure_s":-Infinity)", "'exposure_s'");
+  refused(R"(,"exposure_s":null)", "'exposure_s' is null");
+  refused(R"(,"exposure_s":"long")", "'exposure_s' is \"long\"");
+  refused(R"(,"exposure_s":0.01,"gain":0)", "'gain' is 0");
+  refused(R"(,"exposure_s":0.01,"gain":-1.5)", "'gain' is -1.5");
+}
+
+TEST_CASE("a clip of fewer than two frames is too short") {
+  const ClipFolder folder;
+  folder.write(kHead, {});
+  CHECK(folder.error().code == ErrorCode::TooShort);
+  folder.write(kHead, {R"("file":"0.png","time_s":0,"exposure_s":0.001)"});
+  const Error error = folder.error();
+  CHECK(error.code == ErrorCode::TooShort);
+  CHECK(says(error, {"clip.json", "1 frame", "two"}));
+}
+
+TEST_CASE("images that do not fit the clip are refused by their frame, file and value") {
+  const ClipFolder folder;
+  const std::string good = R"(,"time_s":0.1,"exposure_s":0.001)";
+  SECTION("missing") {
+    const Error error = folder.error_of_frame_1(R"("file":"ldr/none.png")" + good);
+    CHECK(error.code == ErrorCode::NotFound);
+    CHECK(says(error, {"frame 1", "ldr/none.png"}));
+  }
+  SECTION("another size") {
+    write_picture(folder.path + "/big.png", 3, 4, 7, 8);
+    const Error error = folder.error_of_frame_1(R"("file":"big.png")" + good);
+    CHECK(error.code == ErrorCode::SizeChanged);
+    CHECK(says(error, {"frame 1", "big.png", "7x4", "6x4"}));
+  }
+  SECTION("grey among RGB") {
+    write_picture(folder.path + "/grey.png", 1, 4, 6, 8);
+    CHECK(folder.error_of_frame_1(R"("file":"grey.png")" + good).code == ErrorCode::SizeChanged);
+  }
+  SECTION("not a PNG") {
+    write_file(folder.path + "/text.png", "hello");
+    const Error error = folder.error_of_frame_1(R"("file":"text.png")" + good);
+    CHECK(error.code == ErrorCode::Corrupt);
+    CHECK(says(error, {"frame 1", "text.png"}));
+  }
+  SECTION("a folder") {
+    CHECK(folder.error_of_frame_1(R"("file":".")" + good).code == ErrorCode::Permission);
+  }
+  SECTION("of more bits than the clip says") {
+    write_picture(folder.path + "/deep.png", 3, 4, 6, 16);
+    const Error error = folder.error_of_frame_1(R"("file":"deep.png")" + good);
+    CHECK(error.code == ErrorCode::Invalid);
+    CHECK(says(error, {"frame 1", "deep.png", "8 bits"}));
+  }
+}
+
+TEST_CASE("a clip.json that cannot be read is refused with what is wrong and where") {
+  const ClipFolder folder;
+  const std::string frames =
+      R"(,"frames":[{"file":"0.png","time_s":0,"exposure_s":1},{"file":"1.png","time_s":1,"exposure_s":1}]})";
+  const auto refused = [&](const std::string& text, std::initializer_list<const char*> words) {
+    write_file(folder.path + "/clip.json", text);
+    const Error error = folder.error();
+    CHECK(error.code == ErrorCode::Invalid);
+    CHECK(says(error, words));
+  };
+  refused("", {"clip.json", "line 1"});
+  refused("{\n\"width\":6,\n\"height\" 4}", {"clip.json", "line 3", "byte 23"});
+  refused("[]", {"clip.json", "object"});
+  refused("{\"frames\":[1e999]}", {"clip.json", "1e999"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' missing"});
+  refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' missing"});
+  refused(R"({"width":0,"height":4,"fps":30,"bits":8)" + frames, {"'width' is 0"});
+  refused(R"({"width":6.5,"height":4,"fps":30,"bits":8)" + frames, {"'width' is 6.5"});
+  refused(R"({"width":6,"height":99999999999,"fps":30,"bits":8)" + frames, {"'height' is 99999999999"});
+  refused(R"({"width":6,"height":4,"fps":0,"bits":8)" + frames, {"'fps' is 0"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":17)" + frames, {"'bits' is 17"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"layout":"xyz")" + frames, {"'layout' is \"xyz\""});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"fx":3)" + frames, {"'fy' missing"});
+  refused(R"({"width":6,"height":4,"fps":30,"bits":8,"response":[[1],[2],[3]])" + frames,
+          {"response", "256"});
+  refused("{" + std::string(kHead) + R"(,"frames":[{"time_s":0},{}]})", {"frame 0", "'file' missing"});
+  refused("{" + std::string(kHead) + R"(,"frames":[3,4]})", {"frame 0", "'file' missing"});
+  refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1},{}]})",
+          {"frame 0", "'time_s' missing"});
+  refused("{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1,"time_s":1e300},{}]})",
+          {"'time_s' is 1e+300"});
+  refused(
+      "{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1,"time_s":0,"c2w":[1,2]},{}]})",
+      {"c2w", "12"});
+  CHECK(ImageSequence::open(posix_storage(), folder.path + "/none").error().code == ErrorCode::NotFound);
+}
+
+TEST_CASE("codes of 9 to 16 bits are read from the upper bits or from the full scale of a 16-bit image") {
+  for (const int bits : {8, 9, 10, 12, 14, 16}) {
+    INFO(bits << " bits");
+    const std::string folder = sample::scratch_folder("deep");
+    const int largest = (1 << bits) - 1;
+    PngImage shifted{16, Image<std::uint16_t>(1, 2, 64)}, scaled{16, Image<std::uint16_t>(1, 2, 64)};
+    Image<std::uint16_t> codes(1, 2, 64);
+    for (std::size_t i = 0; i < 128; ++i) {
+      const int code = static_cast<int>(i) * largest / 127;
+      codes.samples()[i] = static_cast<std::uint16_t>(code);
+      shifted.samples.samples()[i] = static_cast<std::uint16_t>(code << (16 - bits));
+      scaled.samples.samples()[i] = static_cast<std::uint16_t>(std::lround(code * 65535.0 / largest));
+    }
+    REQUIRE(write_png(posix_storage(), folder + "/a.png", shifted).ok());
+    REQUIRE(write_png(posix_storage(), folder + "/b.png", scaled).ok());
+    write_file(folder + "/clip.json", fmt::format(R"({{"width":64,"height":2,"fps":30,"bits":{},"frames":[
+      {{"file":"a.png","time_s":0,"exposure_s":1}},{{"file":"b.png","time_s":1,"exposure_s":1}}]}})",
+                                                  bits));
+    const auto clip = ImageSequence::open(posix_storage(), folder);
+    REQUIRE(clip.ok());
+    CHECK(clip.value().camera().layout == PixelLayout::Mono);
+    for (int i = 0; i < 2; ++i) {
+      const auto frame = clip.value().read(i);
+      REQUIRE(frame.ok());
+      CHECK(sample::same(frame.value().codes, codes));
+    }
+  }
+}
+
+TEST_CASE("an 8-bit image in a clip of more bits is refused") {
+  const ClipFolder folder;
+  folder.write(R"("width":6,"height":4,"fps":30,"bits":12)", {R"("file":"0.png","time_s":0,"exposure_s":1)",
+                                                              R"("file":"1.png","time_s":1,"exposure_s":1)"});
+  const Error error = folder.error();
+  CHECK(error.code == ErrorCode::Invalid);
+  CHECK(says(error, {"frame 0", "0.png", "8 bits", "12"}));
+}
+
+TEST_CASE("a damaged PNG is an error, never a crash, wherever the damage is") {
+  const std::string path = sample::scratch_folder("png") + "/x.png";
+  write_picture(path, 3, 9, 13, 16);
+  const std::uint64_t bytes = posix_storage().open(path).value()->size().value();
+  for (std::uint64_t cut = 0; cut < bytes; ++cut) {
+    FaultyStorage disk(posix_storage(), {.cut_at_bytes = cut});
+    const auto image = read_png(disk, path, 13, 9);
+    INFO("cut at byte " << cut);
+    REQUIRE(!image.ok());
+    REQUIRE(image.error().code == ErrorCode::Corrupt);
+  }
+  std::mt19937 random(8);
+  for (int trial = 0; trial < 5000; ++trial) {
+    StorageFaults faults;
+    for (unsigned i = 0, n = 1 + random() % 4; i < n; ++i)
+      faults.flipped_bits.push_back(random() % (bytes * 8));
+    FaultyStorage disk(posix_storage(), faults);
+    const auto image = read_png(disk, path, 13, 9);
+    if (image) REQUIRE(image.value().samples.plane_size() == 9 * 13);
+  }
+}
+
+TEST_CASE("writing a clip and reading it gives back every bit, in every layout and depth") {
+  for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerGbrg})
+    for (const int bits : {8, 10, 11, 16}) {
+      INFO(name(layout) << ' ' << bits);
+      const std::string folder = sample::scratch_folder("written") + "/deep/clip";
+      CameraFacts camera = sample::camera(layout, bits, 37, 23);
+      camera.linear = bits == 16;
+      camera.response.assign(3, std::vector<double>(256, 1.0 / 3.0));
+      const auto frames = sample::frames(camera, 7, 3);
+      auto writer = ImageSequenceWriter::create(posix_storage(), folder, camera);
+      REQUIRE(writer.ok());
+      for (const RawFrame& frame : frames) REQUIRE(writer.value().append(frame).ok());
+      CHECK(ImageSequence::open(posix_storage(), folder).error().code ==
+            ErrorCode::NotFound);  // not before it is whole
+      REQUIRE(writer.value().finish().ok());
+      const auto clip = ImageSequence::open(posix_storage(), folder);
+      REQUIRE(clip.ok());
+      CHECK(clip.value().camera().name == camera.name);
+      CHECK(clip.value().camera().layout == layout);
+      CHECK(clip.value().camera().linear == camera.linear);
+      CHECK(clip.value().camera().response == camera.response);
+      CHECK(sample::same_bits(clip.value().camera().framerate_hz, camera.framerate_hz));
+      REQUIRE(clip.value().frame_count() == 7);
+      for (int i = 0; i < 7; ++i) {
+        const auto frame = clip.value().read(i);
+        REQUIRE(frame.ok());
+        CHECK(sample::same(frame.value(), frames[static_cast<std::size_t>(i)]));
+      }
+      CHECK(ImageSequenceWriter::create(posix_storage(), folder, camera).error().code == ErrorCode::Invalid);
+    }
+}

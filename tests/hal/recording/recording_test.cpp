@@ -1,0 +1,194 @@
+#include "hal/recording/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+TEST_CASE("a recording gives back every bit of every frame, in every layout and depth") {
+  const std::string folder = sample::scratch_folder("roundtrip");
+  for (const auto layout :
+       {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb, PixelLayout::BayerBggr})
+    for (const int bits : {8, 9, 10, 11, 12, 13, 14, 15, 16})
+      for (const auto& [width, height] : {std::pair{37, 23}, {2, 2}, {2, 65}, {130, 97}}) {
+        INFO(name(layout) << ' ' << bits << " bits " << width << 'x' << height);
+        const CameraFacts camera = sample::camera(layout, bits, width, height);
+        auto frames = sample::frames(camera, 3, 7);
+        frames[1].codes.fill(frames[1].codes.samples()[0]);  // flat: codes run lengths instead
+        std::sort(frames[2].codes.samples().begin(), frames[2].codes.samples().end());  // smooth
+        const std::string path = folder + "/x.mkv";
+        const auto recorded = sample::record(posix_storage(), path, camera, frames);
+        INFO(recorded.error().message);
+        REQUIRE(recorded.ok());
+        const auto replayed = sample::replay(posix_storage(), path);
+        INFO((replayed.error ? replayed.error->message : ""));
+        REQUIRE(!replayed.error);
+        REQUIRE(replayed.frames.size() == 3);
+        REQUIRE(replayed.is_start_of(frames));
+      }
+}
+
+TEST_CASE("a recording gives back the camera facts and knows how many frames it has") {
+  const std::string path = sample::scratch_folder("camera") + "/x.mkv";
+  CameraFacts camera = sample::camera(PixelLayout::BayerGrbg, 10, 37, 23);
+  camera.linear = true;
+  camera.intrinsics = Intrinsics{0.1 + 0.2, 1.0 / 3.0, 18.5, 1e-300};
+  camera.response.assign(3, std::vector<double>(256));
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < 256; ++i) camera.response[c][i] = static_cast<double>(i * (c + 1)) / 765.1;
+  const auto frames = sample::frames(camera, 40, 3);
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+
+  const auto reader = open_recording(posix_storage(), path);
+  REQUIRE(reader.ok());
+  const CameraFacts& read = reader.value()->camera();
+  CHECK(read.name == camera.name);
+  CHECK((read.width == 37 && read.height == 23 && read.bits == 10));
+  CHECK(read.layout == PixelLayout::BayerGrbg);
+  CHECK(read.linear);
+  CHECK(sample::same_bits(read.framerate_hz, camera.framerate_hz));
+  REQUIRE(read.intrinsics);
+  CHECK(sample::same_bits(read.intrinsics->fx_px, 0.1 + 0.2));
+  CHECK(sample::same_bits(read.intrinsics->fy_px, 1.0 / 3.0));
+  CHECK(sample::same_bits(read.intrinsics->cx_px, 18.5));
+  CHECK(sample::same_bits(read.intrinsics->cy_px, 1e-300));
+  CHECK(read.response == camera.response);
+  CHECK(reader.value()->frame_count() == 40);
+}
+
+TEST_CASE("a recording without frames is complete and empty") {
+  const std::string path = sample::scratch_folder("empty") + "/x.mkv";
+  REQUIRE(sample::record(posix_storage(), path, sample::camera(PixelLayout::Mono, 8, 8, 8), {}).ok());
+  const auto replayed = sample::replay(posix_storage(), path);
+  CHECK(!replayed.error);
+  CHECK(replayed.frames.empty());
+}
+
+TEST_CASE("the same frames give the same bytes") {
+  const std::string folder = sample::scratch_folder("bytes");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 12, 130, 97);
+  const auto frames = sample::frames(camera, 5, 11);
+  REQUIRE(sample::record(posix_storage(), folder + "/a.mkv", camera, frames).ok());
+  REQUIRE(sample::record(posix_storage(), folder + "/b.mkv", camera, frames).ok());
+  CHECK(bytes_of(folder + "/a.mkv") == bytes_of(folder + "/b.mkv"));
+}
+
+TEST_CASE("facts that are odd come back as they were") {
+  const std::string path = sample::scratch_folder("odd") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
+  auto frames = sample::frames(camera, 5, 5);
+  frames[0].facts.exposure_s = -0.0;
+  frames[1].facts.exposure_s = 5e-324;
+  frames[1].facts.timestamp.since_boot =
+      frames[0].facts.timestamp.since_boot - std::chrono::hours(1);  // runs backwards
+  frames[2].facts.sequence = ~std::uint64_t{0};
+  frames[2].facts.slot = -1;
+  frames[3].facts.timestamp.since_boot = frames[2].facts.timestamp.since_boot;
+  frames[3].facts.flags = ~0u;
+  frames[4].facts.timestamp.since_boot += std::chrono::hours(24 * 40);  // a gap of weeks
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto replayed = sample::replay(posix_storage(), path);
+  CHECK(replayed.frames.size() == 5);
+  CHECK(replayed.is_start_of(frames));
+}
+
+TEST_CASE("an exposure that is not a number comes back as not a number") {
+  const std::string path = sample::scratch_folder("nan") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
+  auto frames = sample::frames(camera, 1, 5);
+  frames[0].facts.exposure_s = std::nan("");
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto replayed = sample::replay(posix_storage(), path);
+  REQUIRE(replayed.frames.size() == 1);
+  CHECK(std::isnan(replayed.frames[0].facts.exposure_s));
+}
+
+TEST_CASE("next_facts lists a recording without its pixels") {
+  const std::string path = sample::scratch_folder("facts") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 6, 2);
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  auto reader = open_recording(posix_storage(), path);
+  REQUIRE(reader.ok());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i == 3) {  // the two may be mixed
+      const auto frame = reader.value()->next();
+      REQUIRE((frame.ok() && frame.value()));
+      CHECK(sample::same(*frame.value(), frames[i]));
+      continue;
+    }
+    const auto facts = reader.value()->next_facts();
+    REQUIRE((facts.ok() && facts.value()));
+    CHECK(sample::same(*facts.value(), frames[i].facts));
+  }
+  const auto end = reader.value()->next_facts();
+  REQUIRE(end.ok());
+  CHECK(!end.value());
+}
+
+TEST_CASE("a growing recording is readable up to the last appended frame") {
+  const std::string path = sample::scratch_folder("live") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 4, 2);
+  auto writer = create_recording(posix_storage(), path, camera);
+  REQUIRE(writer.ok());
+  CHECK(sample::replay(posix_storage(), path).ended_with(ErrorCode::Truncated));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    REQUIRE(writer.value()->append(frames[i]).ok());
+    const auto replayed = sample::replay(posix_storage(), path);
+    CHECK(replayed.ended_with(ErrorCode::Truncated));
+    CHECK(replayed.frames.size() == i + 1);
+    CHECK(replayed.is_start_of(frames));
+  }
+  REQUIRE(writer.value()->finish().ok());
+  CHECK(!sample::replay(posix_storage(), path).error);
+}
+
+TEST_CASE("what a recording cannot hold is refused with the value in the sentence") {
+  const std::string path = sample::scratch_folder("refused") + "/x.mkv";
+  const auto code_of = [&](const CameraFacts& camera) {
+    const auto writer = create_recording(posix_storage(), path, camera);
+    REQUIRE(!writer.ok());
+    return writer.error();
+  };
+  CHECK(code_of(sample::camera(PixelLayout::Rgb, 7, 8, 8)).code == ErrorCode::Invalid);
+  CHECK(code_of(sample::camera(PixelLayout::Rgb, 17, 8, 8)).message.find("17") != std::string::npos);
+  CHECK(code_of(sample::camera(PixelLayout::Rgb, 8, 0, 8)).code == ErrorCode::Invalid);
+  CHECK(code_of(sample::camera(PixelLayout::Mono, 8, 8, 1)).code == ErrorCode::Invalid);
+  CHECK(code_of(sample::camera(PixelLayout::Rgb, 8, 8, 20000)).message.find("20000") != std::string::npos);
+
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 10, 8, 8);
+  auto writer = create_recording(posix_storage(), path, camera);
+  REQUIRE(writer.ok());
+  const auto append_error = [&](const CameraFacts& other) {
+    const auto appended = writer.value()->append(sample::frames(other, 1, 1)[0]);
+    REQUIRE(!appended.ok());
+    return appended.error().code;
+  };
+  CHECK(append_error(sample::camera(PixelLayout::Rgb, 10, 9, 8)) == ErrorCode::SizeChanged);
+  CHECK(append_error(sample::camera(PixelLayout::Mono, 10, 8, 8)) == ErrorCode::SizeChanged);
+  CHECK(append_error(sample::camera(PixelLayout::Rgb, 11, 8, 8)) == ErrorCode::Invalid);
+  // A refused frame leaves no trace.
+  const auto frames = sample::frames(camera, 2, 1);
+  for (const RawFrame& frame : frames) REQUIRE(writer.value()->append(frame).ok());
+  REQUIRE(writer.value()->finish().ok());
+  const auto replayed = sample::replay(posix_storage(), path);
+  CHECK(!replayed.error);
+  CHECK(replayed.frames.size() == 2);
+  CHECK(replayed.is_start_of(frames));
+}
