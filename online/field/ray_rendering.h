@@ -80,7 +80,7 @@ void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, c
               const T* d_ray_weight, const T* flow_unit, RaySamples<T>& d) {
   const Composite<T>& c = trace.combined;
   const auto n = static_cast<std::size_t>(ray.toward);
-  T d_weight[kMaxSamples], d_share[kMaxSamples], d_density[2][kMaxSamples];
+  T d_weight[kMaxSamples] = {}, d_share[kMaxSamples] = {}, d_density[2][kMaxSamples];
   for (int k = 0; k < ray.count; ++k) {
     const FieldSample<T>&still = ray.still[k], &moving = ray.moving[k];
     const T s = c.share[k], w = c.weight[k];
