@@ -65,7 +65,7 @@ class ViewGeometry {
     T ray[3] = {0, 0, 1};
     for (int i = 0; i < 2; ++i)
       ray[i] = (((x[i] - T(0.5)) * margin_ + T(0.5)) * size_[i] - centre_[i]) / focal_[i];
-    const T q = (x[2] - kDepthOffset) / kDepthScale;
+    const T q = inverse_depth(x[2]);
     T p[3];
     for (int i = 0; i < 3; ++i)
       p[i] = from_anchor_[i][0] * ray[0] + from_anchor_[i][1] * ray[1] + from_anchor_[i][2] + from_anchor_[i][3] * q;
@@ -82,6 +82,9 @@ class ViewGeometry {
         jacobian[i][j] = focal_[i] / z * (from_anchor_[i][column] - p[i] / z * d_z) * ray_per_x[j];
       }
   }
+
+  // of a window coordinate d, as the anchor sees it
+  static T inverse_depth(T d) { return (d - kDepthOffset) / kDepthScale; }
 
  private:
   static constexpr T kNearest = T(0.05), kDepthOffset = T(0.01), kDepthScale = T(0.98);

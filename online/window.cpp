@@ -103,7 +103,7 @@ Result<void> Window::advance(const FieldObservation& seen) {
                          : previous != nullptr         ? previous->T_world_camera
                                                        : kIdentityPose;
   if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
-  frame.T_anchor_camera = compose(inverse(T_world_anchor_), frame.T_world_camera);
+  frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
   take_base(seen, frame);
   if (previous != nullptr && usable(seen.to_previous, rows, cols)) take_flow(seen.to_previous, frame, *previous, Neighbour::Previous);
   if (previous != nullptr && usable(seen.from_previous, rows, cols)) take_flow(seen.from_previous, *previous, frame, Neighbour::Next);
@@ -210,6 +210,10 @@ PoseMatrix Window::move_anchor() {
   T_world_anchor_ = T_world_new;
   for (WindowFrame* frame : order_) frame->T_anchor_camera = compose(inverse(T_world_new), frame->T_world_camera);
   return T_new_old;
+}
+
+PoseMatrix Window::T_anchor_camera(const PoseMatrix& T_world_camera) const {
+  return compose(inverse(T_world_anchor_), T_world_camera);
 }
 
 int Window::nearest(double time_s) const {

@@ -87,6 +87,7 @@ class Window {
   // position of the frame nearest in time
   int nearest(double time_s) const;
   const WindowFrustum& frustum() const { return frustum_; }
+  PoseMatrix T_anchor_camera(const PoseMatrix& T_world_camera) const;
   int slots() const { return static_cast<int>(frames_.size()); }
 
   bool anchor_is_stale() const;   // a corner of the newest view leaves the window at mid depth
