@@ -6,7 +6,7 @@ namespace hdrcam {
 namespace {
 
 constexpr float kMaxCodeValue = 255;
-constexpr float kDarkest = 1e-7f, kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
+constexpr float kDarkest = 1e-5f, kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
 constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;
 
 float log_radiance(float radiance) {
@@ -15,9 +15,10 @@ float log_radiance(float radiance) {
 
 // How much the networks may move what the state says: all where nobody saw the pixel, nothing where the state is sure.
 float gate(float radiance, float variance, float trusted_sigma) {
-  if (!std::isfinite(radiance) || !std::isfinite(variance) || radiance <= 0 || variance >= kUnseenVariance) return 1;
-  const float log_variance = std::max(variance, 0.f) / (radiance * radiance);
-  return log_variance / (log_variance + trusted_sigma * trusted_sigma);
+  if (!std::isfinite(radiance) || !std::isfinite(variance) || variance >= kUnseenVariance) return 1;
+  const float trusted = trusted_sigma * std::clamp(radiance, kDarkest, kBrightest);
+  const float spread = std::max(variance, 0.f);
+  return spread / (spread + trusted * trusted);
 }
 
 bool has_shape(const Image<float>* image, int channels, int rows, int cols) {

@@ -12,6 +12,7 @@
 #include "hal/core/image.h"
 #include "hal/core/result.h"
 #include "online/motion/flow_field.h"
+#include "online/state/radiance_state.h"
 #include "online/view_geometry.h"
 
 namespace hdrcam {
@@ -31,8 +32,6 @@ struct FieldObservation {
   const Image<float>* inverse_depth = nullptr; // [1, rows, cols] prior in the window's units, null if there is none
   PoseMatrix T_world_camera = kIdentityPose;   // identity where the camera is fixed or unknown
 };
-
-constexpr float kUnseenVariance = 1e9f;
 
 // The base of one pixel, interleaved because the field reads all of it at a fractional position.
 using BasePixel = std::array<float, 12>;

@@ -119,10 +119,20 @@ void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& 
         bounded_exp(base[kBaseLogRadiance + c] + base[kBaseGate + c] * raw.plane(1 + c)[s], T(kRadianceBound));
 }
 
+// The prior of the static density: what the base says moves is not static. 1 where the base is still, towards e^-6 from
+// a quarter of a pixel to two pixels of flow.
+template <class T>
+T stillness(const T* base) {
+  T fastest = 0;
+  for (int i = kBaseFlow; i < kBaseFlow + 4; ++i) fastest = std::max(fastest, std::abs(base[i]));
+  return std::exp(-std::clamp(4 * (fastest - T(0.25)), T(0), T(6)));
+}
+
 template <class T>
 FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base) {
   FieldSample<T> sample;
   decode_radiance(raw, s, base, sample);
+  sample.density *= stillness(base);
   sample.blend = sigmoid(raw.plane(StaticHead::kBlend)[s]);
   return sample;
 }

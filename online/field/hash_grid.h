@@ -89,6 +89,7 @@ class HashGrid {
   std::span<T> table(int l) { return {table_.plane(l), level_size_}; }
   std::span<T> d_table(int l) { return {d_table_.plane(l), level_size_}; }
   Image<T>& tables() { return table_; }
+  const Image<T>& tables() const { return table_; }
 
   // features [2 * levels, 1, ld] <- table
   void encode(const GridSamples<T>& at, Image<T>& features) const {

@@ -59,6 +59,7 @@ template <class T>
 class Mlp {
  public:
   static constexpr int kLayers = 3;
+  static constexpr float kBiasSpread = 0.3f;
 
   // He initialisation; the head is scaled by head_gain, so that 0 starts every output at its bias.
   Mlp(int inputs, int hidden, int outputs, float head_gain, Pcg32& random)
@@ -68,7 +69,9 @@ class Mlp {
       const float bound = std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);
       for (int i = 0; i < width_[layer] * width_[layer + 1]; ++i)
         parameters_.push_back(static_cast<T>(random.uniform(-bound, bound)));
-      parameters_.resize(parameters_.size() + static_cast<std::size_t>(width_[layer + 1]), 0);
+      // hidden biases spread the kinks: a unit whose inputs are all zero must not be dead
+      for (int o = 0; o < width_[layer + 1]; ++o)
+        parameters_.push_back(layer == kLayers - 1 ? T(0) : static_cast<T>(random.uniform(-kBiasSpread, kBiasSpread)));
     }
   }
 

@@ -213,7 +213,7 @@ TrainingRay FieldFit::ray_at(int index, int x, int y) {
   return ray;
 }
 
-// The flow prior as a pixel of the neighbour, and how much the neighbour's radiance there has to say.
+// The flow prior as a pixel of the neighbour.
 void FieldFit::aim_at_neighbour(TrainingRay& ray) {
   const Window& window = field_.window;
   const auto n = static_cast<std::size_t>(ray.toward);
@@ -225,13 +225,9 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
   x[0] += base[kBaseFlow + 2 * n] * static_cast<float>(window.frustum().u_per_px());
   x[1] += base[kBaseFlow + 2 * n + 1] * static_cast<float>(window.frustum().v_per_px());
   ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, ray.flow_prior, nullptr);
-  const int tx = static_cast<int>(std::floor(ray.flow_prior[0])), ty = static_cast<int>(std::floor(ray.flow_prior[1]));
-  ray.warps = tx >= 0 && ty >= 0 && tx < window.frustum().cols && ty < window.frustum().rows;
-  if (!ray.warps) return;
+  const auto cols = static_cast<float>(window.frustum().cols), rows = static_cast<float>(window.frustum().rows);
+  ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols && ray.flow_prior[1] < rows;
   ray.flow_confidence = base[kBaseConfidence + n];
-  const BasePixel& other = there.base.at(0, ty, tx);
-  for (std::size_t c = 0; c < 3; ++c)
-    ray.consistency[c] = ray.flow_confidence * (1 - base[kBaseGate + c] * other[kBaseGate + c]);
 }
 
 // Sums what the shards left, in their order; returns the gradient's norm.
@@ -322,9 +318,10 @@ void FieldFit::reanchor() {
 }
 
 void FieldFit::start_networks() {
-  const FieldNetworks<float> fresh(shape_of(options_, field_.window.frustum().rows, field_.window.frustum().cols), random_);
+  const WindowFrustum& frustum = field_.window.frustum();
+  const FieldNetworks<float> fresh(shape_of(options_, frustum.rows, frustum.cols), random_);
   const auto copy = [](const Branch<float>& from, Branch<float>& to) {
-    to.grid.tables().fill(0);
+    to.grid.tables().copy_from(from.grid.tables());
     std::copy(from.mlp.parameters().begin(), from.mlp.parameters().end(), to.mlp.parameters().begin());
   };
   copy(fresh.still, field_.networks.still);

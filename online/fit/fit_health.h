@@ -22,15 +22,16 @@ struct FitCounts {
 
 class FitHealth {
  public:
-  static constexpr double kExploded = 20;     // times the usual loss
-  static constexpr double kLargeGradient = 5; // times the usual norm
-  static constexpr int kWarmUp = 20;          // steps before "usual" means anything
-  static constexpr int kPatience = 3;         // roll-backs without a step taken between them
+  static constexpr double kExploded = 20;     // times the usual loss, and at least ..
+  static constexpr double kSmallLoss = 0.05;  // .. times this: a new frame may well multiply a loss near zero
+  static constexpr double kLargeGradient = 5;  // times the usual norm
+  static constexpr int kWarmUp = 20;           // steps before "usual" means anything
+  static constexpr int kPatience = 3;          // roll-backs without a step taken between them
 
   StepVerdict judge(double loss, double gradient_norm) {
     ++counts_.steps;
     if (!std::isfinite(loss) || !std::isfinite(gradient_norm)) return ++counts_.skipped, StepVerdict::Skipped;
-    if (seen_ >= kWarmUp && loss > kExploded * std::max(usual_loss_, 1e-4)) {
+    if (seen_ >= kWarmUp && loss > kExploded * std::max(usual_loss_, kSmallLoss)) {
       ++counts_.rolled_back, ++in_a_row_;
       return StepVerdict::RolledBack;
     }

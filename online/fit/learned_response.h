@@ -39,7 +39,7 @@ class LearnedResponse {
 
   Value evaluate(int channel, T x) const {
     if (x >= 1) return {1 + kLeak - kLeak / std::sqrt(x), T(0.5) * kLeak / std::sqrt(x), -1, 0};
-    if (x <= 0) return {kLeak * x, kLeak * x, -1, 0};
+    if (!(x > 0)) return {kLeak * x, kLeak * x, -1, 0};  // also what is not a number, and stays none
     const T at = std::sqrt(x) * T(kSegments);
     const int segment = std::min(static_cast<int>(at), kSegments - 1);
     const T fraction = at - T(segment);

@@ -46,7 +46,7 @@ constexpr std::array<LossFact, 14> kLosses = {{
     {"temporal", 0.002f, "uniform motion"},
     {"minimal", 0.001f, "little motion beyond the base"},
     {"state", 0.2f, "rendered log radiance against the state's, where it is sure"},
-    {"consistency", 0.2f, "log radiance against the neighbour's, where at least one frame saw the point"},
+    {"consistency", 0.2f, "log radiance against the neighbour's, where the flow is sure"},
     {"entropy", 1e-3f, "a ray is static or dynamic"},
     {"distortion", 0.f, "compact weights along a ray"},
     {"response", 1e-3f, "second differences of the response"},
@@ -72,7 +72,6 @@ struct TrainingRay {
   float sharpness = 1;                  // 1 / (1 + motion blur in pixels^2): the codes are an integral, the field is not
   float state_log_radiance[3] = {0, 0, 0}, state_trust[3] = {0, 0, 0};
   float flow_prior[2] = {0, 0}, flow_confidence = 0;  // pixel of the neighbour
-  float consistency[3] = {0, 0, 0};     // relevance of the neighbour's radiance
   float depth_prior = 0, depth_confidence = 0;
 };
 
@@ -138,10 +137,10 @@ void ray_losses(const TrainingRay& target, T share, const LossWeights& weights, 
   const T prior[2] = {T(target.flow_prior[0]), T(target.flow_prior[1])};
   value(LossTerm::Flow) += flow_loss(weight(LossTerm::Flow) * T(target.flow_confidence), picture.landing, prior,
                                      d_picture.landing);
-  const T relevance[3] = {T(target.consistency[0]), T(target.consistency[1]), T(target.consistency[2])};
   value(LossTerm::Consistency) +=
-      radiance_consistency_loss(weight(LossTerm::Consistency), picture.radiance, picture.warped_radiance, relevance,
-                                d_picture.radiance, d_picture.warped_radiance);
+      radiance_consistency_loss(weight(LossTerm::Consistency) * T(target.flow_confidence), picture.visible,
+                                picture.radiance, picture.warped_radiance, d_picture.radiance,
+                                d_picture.warped_radiance, d_picture.visible);
   const int there = static_cast<int>(ray.toward), back = 1 - there;
   for (int k = 0; k < ray.count; ++k)
     value(LossTerm::Cycle) +=

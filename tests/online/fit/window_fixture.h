@@ -82,7 +82,6 @@ struct WindowFixture {
         const int kind = random.below(8);
         ray.values[c] = kind == 0 ? kNoValue : kind == 1 ? 1.f : kind == 2 ? 0.f : random.uniform(0.1f, 0.9f);
         ray.state_log_radiance[c] = random.uniform(-3, 1), ray.state_trust[c] = random.uniform();
-        ray.consistency[c] = random.uniform();
       }
       all.push_back(ray);
     }
