@@ -1,0 +1,52 @@
+// Volume rendering along one ray (paper eq. "combine_static"): samples near to far, each with a static and a dynamic
+// density. What the ray shows of any quantity is sum_k w_k ((1 - s_k) static_k + s_k dynamic_k), with
+//   alpha_k = 1 - exp(-(sigma_s + sigma_d) delta),  w_k = alpha_k prod_{m<k} (1 - alpha_m),  s_k = sigma_d / sigma.
+// The last sample is opaque: there is always something at the end of a ray, so the weights sum to 1. Reentrant.
+#pragma once
+
+#include <cmath>
+
+namespace hdrcam {
+
+constexpr int kMaxSamples = 16;  // per ray
+
+template <class T>
+struct Composite {
+  int count = 0;
+  T density[2][kMaxSamples];  // static, dynamic, per unit of spacing
+  T weight[kMaxSamples];      // w
+  T share[kMaxSamples];       // s
+  T transmittance[kMaxSamples], passed[kMaxSamples];  // before the sample; 1 - alpha of the sample
+};
+
+template <class T>
+void composite_ray(const T* spacing, Composite<T>& ray) {
+  constexpr T kEmpty = T(1e-6);  // keeps the share defined where both branches are empty
+  T light = 1;
+  for (int k = 0; k < ray.count; ++k) {
+    const T total = ray.density[0][k] + ray.density[1][k] + kEmpty;
+    ray.share[k] = ray.density[1][k] / total;
+    ray.passed[k] = k + 1 < ray.count ? std::exp(-total * spacing[k]) : T(0);
+    ray.transmittance[k] = light;
+    ray.weight[k] = light * (1 - ray.passed[k]);
+    light *= ray.passed[k];
+  }
+}
+
+// d_density[2][count] from the gradients with respect to weights and shares.
+template <class T>
+void pull_composite(const T* spacing, const Composite<T>& ray, const T* d_weight, const T* d_share,
+                    T (*d_density)[kMaxSamples]) {
+  constexpr T kEmpty = T(1e-6);
+  T behind = 0;  // sum over the samples behind k of w d_weight
+  for (int k = ray.count - 1; k >= 0; --k) {
+    const T total = ray.density[0][k] + ray.density[1][k] + kEmpty;
+    const T d_total =
+        k + 1 < ray.count ? spacing[k] * (ray.transmittance[k] * ray.passed[k] * d_weight[k] - behind) : T(0);
+    behind += ray.weight[k] * d_weight[k];
+    d_density[0][k] = d_total - d_share[k] * ray.share[k] / total;
+    d_density[1][k] = d_total + d_share[k] * (1 - ray.share[k]) / total;
+  }
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,191 @@
+// The radiance field of the window: two branches, each a hash grid and a small network, over the base of the frames.
+//   static (u, v, d)      -> density, log radiance residual (3), blending weight v
+//   dynamic (u, v, d, t)  -> density, log radiance residual (3), scene flow to the next and previous frame (6),
+//                            occlusion weights (2)
+// A sample's radiance is exp(base + gate * residual), where base and gate are read from the frame's planes at the pixel
+// that sees the sample: unbounded, and with an untrained network exactly the state's picture. Scene flow is base flow +
+// residual. Scalar type T as in hash_grid.h. Evaluation is reentrant, each caller with passes of its own.
+#pragma once
+
+#include "online/field/compositing.h"
+#include "online/field/hash_grid.h"
+#include "online/field/mlp.h"
+#include "online/window.h"
+
+namespace hdrcam {
+
+enum class Blend {
+  DensitySum,  // densities add up
+  Weight,      // the paper's: v sigma_static and (1 - v) sigma_dynamic
+};
+
+struct FieldShape {
+  HashGridShape static_grid{8, 15, 1, 16, 320, 0.75f, 0.25f};
+  HashGridShape dynamic_grid{4, 13, 8, 16, 160, 0.75f, 0.125f};
+  int hidden = 32;  // neurons per hidden layer, a multiple of 4
+  Blend blend = Blend::DensitySum;
+};
+
+struct StaticHead {
+  enum : int { kDensity = 0, kResidual = 1, kBlend = 4, kCount = 8 };
+};
+struct DynamicHead {
+  enum : int { kDensity = 0, kResidual = 1, kFlow = 4, kOcclusion = 10, kCount = 12 };
+};
+
+template <class T>
+struct Branch {
+  HashGrid<T> grid;
+  Mlp<T> mlp;
+
+  Branch(const HashGridShape& shape, int hidden, int outputs, float head_gain, Pcg32& random)
+      : grid(shape, 1e-2f, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
+};
+
+template <class T>
+struct FieldNetworks {
+  Branch<T> still, moving;
+  Blend blend;
+
+  FieldNetworks(const FieldShape& shape, Pcg32& random)
+      : still(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
+        moving(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
+        blend(shape.blend) {
+    still.mlp.head_bias(StaticHead::kDensity) = T(1);
+    moving.mlp.head_bias(DynamicHead::kDensity) = T(0);
+    for (int k = 0; k < 2; ++k) moving.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
+  }
+  static constexpr float kHeadGain = 0.1f;
+};
+
+// One evaluation of a branch on up to ld samples, with what the way back needs. All pictures are [width, 1, ld].
+template <class T>
+struct BranchPass {
+  Image<T> position, features, raw;
+  Image<T> d_position, d_features, d_raw;
+  MlpTrace<T> trace;
+  std::vector<std::int32_t> slot;
+  int n = 0;  // a multiple of kSampleMultiple
+
+  void reserve(const Branch<T>& branch, int ld) {
+    for (Image<T>* rows : {&position, &d_position}) *rows = Image<T>(3, 1, ld);
+    for (Image<T>* rows : {&features, &d_features}) *rows = Image<T>(branch.mlp.inputs(), 1, ld);
+    for (Image<T>* rows : {&raw, &d_raw}) *rows = Image<T>(branch.mlp.outputs(), 1, ld);
+    for (int k = 0; k < 2; ++k) {
+      trace.hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
+      trace.d_hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
+    }
+    slot.assign(static_cast<std::size_t>(ld), 0);
+  }
+  GridSamples<T> samples() const { return {position, slot, n}; }
+
+  void forward(const Branch<T>& branch) {
+    branch.grid.encode(samples(), features);
+    branch.mlp.forward(features, n, trace, raw);
+  }
+  // d_raw -> d_features and d_parameters; d_raw of unused samples must be 0
+  void backward(const Branch<T>& branch, std::span<T> d_parameters) {
+    branch.mlp.backward(features, d_raw, n, trace, d_parameters, d_features);
+  }
+};
+
+// One sample as rendering sees it. The same struct holds the gradient with respect to each member.
+template <class T>
+struct FieldSample {
+  T density = 0;
+  T radiance[3] = {0, 0, 0};
+  T blend = 0;                  // v, of the static branch
+  T flow[2][3] = {};            // by Neighbour: pixels of the anchor along u and v, kDepthUnit along d
+  T flow_residual[2][3] = {};   // what the network added to the base
+  T occlusion[2] = {0, 0};      // 1: the point is visible in that neighbour too
+};
+
+// The exponent of densities and radiances is cut where floats would leave their range.
+template <class T>
+T bounded_exp(T x, T bound) {
+  return std::exp(std::clamp(x, -bound, bound));
+}
+template <class T>
+T sigmoid(T x) {
+  return 1 / (1 + std::exp(-x));
+}
+constexpr float kDensityBound = 12, kRadianceBound = 20;
+
+template <class T>
+void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& sample) {
+  sample.density = bounded_exp(raw.plane(0)[s], T(kDensityBound));
+  for (int c = 0; c < 3; ++c)
+    sample.radiance[c] =
+        bounded_exp(base[kBaseLogRadiance + c] + base[kBaseGate + c] * raw.plane(1 + c)[s], T(kRadianceBound));
+}
+
+// The prior of the static density: what the base says moves is not static. 1 where the base is still, towards e^-6 from
+// a quarter of a pixel to two pixels of flow.
+template <class T>
+T stillness(const T* base) {
+  T fastest = 0;
+  for (int i = kBaseFlow; i < kBaseFlow + 4; ++i) fastest = std::max(fastest, std::abs(base[i]));
+  return std::exp(-std::clamp(4 * (fastest - T(0.25)), T(0), T(6)));
+}
+
+template <class T>
+FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base) {
+  FieldSample<T> sample;
+  decode_radiance(raw, s, base, sample);
+  sample.density *= stillness(base);
+  sample.blend = sigmoid(raw.plane(StaticHead::kBlend)[s]);
+  return sample;
+}
+
+template <class T>
+FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base) {
+  FieldSample<T> sample;
+  decode_radiance(raw, s, base, sample);
+  for (int k = 0; k < 2; ++k) {
+    for (int a = 0; a < 3; ++a) {
+      sample.flow_residual[k][a] = raw.plane(DynamicHead::kFlow + 3 * k + a)[s];
+      sample.flow[k][a] = sample.flow_residual[k][a] + (a < 2 ? base[kBaseFlow + 2 * k + a] : T(0));
+    }
+    sample.occlusion[k] = sigmoid(raw.plane(DynamicHead::kOcclusion + k)[s]);
+  }
+  return sample;
+}
+
+// The way back of decode_radiance; d_base[12], where the position is learned, receives the base's share.
+template <class T>
+void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
+                   Image<T>& d_raw, T* d_base) {
+  const T density = raw.plane(0)[s];
+  d_raw.plane(0)[s] += std::abs(density) < T(kDensityBound) ? d.density * sample.density : T(0);
+  for (int c = 0; c < 3; ++c) {
+    const T residual = raw.plane(1 + c)[s], gate = base[kBaseGate + c];
+    if (std::abs(base[kBaseLogRadiance + c] + gate * residual) >= T(kRadianceBound)) continue;
+    const T d_log = d.radiance[c] * sample.radiance[c];
+    d_raw.plane(1 + c)[s] += d_log * gate;
+    if (d_base == nullptr) continue;
+    d_base[kBaseLogRadiance + c] += d_log;
+    d_base[kBaseGate + c] += d_log * residual;
+  }
+}
+
+template <class T>
+void pull_static(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
+                 Image<T>& d_raw) {
+  pull_radiance(raw, s, base, sample, d, d_raw, static_cast<T*>(nullptr));
+  d_raw.plane(StaticHead::kBlend)[s] += d.blend * sample.blend * (1 - sample.blend);
+}
+
+template <class T>
+void pull_dynamic(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
+                  Image<T>& d_raw, T* d_base) {
+  pull_radiance(raw, s, base, sample, d, d_raw, d_base);
+  for (int k = 0; k < 2; ++k) {
+    for (int a = 0; a < 3; ++a) {
+      d_raw.plane(DynamicHead::kFlow + 3 * k + a)[s] += d.flow[k][a] + d.flow_residual[k][a];
+      if (d_base != nullptr && a < 2) d_base[kBaseFlow + 2 * k + a] += d.flow[k][a];
+    }
+    d_raw.plane(DynamicHead::kOcclusion + k)[s] += d.occlusion[k] * sample.occlusion[k] * (1 - sample.occlusion[k]);
+  }
+}
+
+}  // namespace hdrcam

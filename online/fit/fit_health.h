@@ -1,0 +1,66 @@
+// Watches the fit: a step whose loss or gradient is not finite is not taken, a loss that explodes sends the parameters
+// back to their last good copy, an outlier gradient is scaled down. Everything is counted, nothing is hidden. Value type.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace hdrcam {
+
+enum class StepVerdict {
+  Taken,
+  Skipped,     // loss or gradient not finite
+  RolledBack,  // loss exploded
+};
+
+struct FitCounts {
+  long steps = 0;            // asked for
+  long skipped = 0, rolled_back = 0, clipped = 0, restarted = 0;
+  long without_dynamic = 0;  // steps that had no need of the dynamic branch
+  long anchors_moved = 0;
+};
+
+class FitHealth {
+ public:
+  static constexpr double kExploded = 20;     // times the usual loss, and at least ..
+  static constexpr double kSmallLoss = 0.05;  // .. times this: a new frame may well multiply a loss near zero
+  static constexpr double kLargeGradient = 5;  // times the usual norm
+  static constexpr int kWarmUp = 20;           // steps before "usual" means anything
+  static constexpr int kPatience = 3;          // roll-backs without a step taken between them
+
+  StepVerdict judge(double loss, double gradient_norm) {
+    ++counts_.steps;
+    if (!std::isfinite(loss) || !std::isfinite(gradient_norm)) return ++counts_.skipped, StepVerdict::Skipped;
+    if (seen_ >= kWarmUp && loss > kExploded * std::max(usual_loss_, kSmallLoss)) {
+      ++counts_.rolled_back, ++in_a_row_;
+      return StepVerdict::RolledBack;
+    }
+    const double rate = 1.0 / (1 + std::min(seen_, 50));
+    usual_loss_ += rate * (loss - usual_loss_);
+    scale_ = 1;
+    if (seen_ >= kWarmUp && gradient_norm > kLargeGradient * usual_norm_ && usual_norm_ > 0) {
+      scale_ = kLargeGradient * usual_norm_ / gradient_norm;
+      ++counts_.clipped;
+    }
+    usual_norm_ += rate * (scale_ * gradient_norm - usual_norm_);
+    ++seen_;
+    in_a_row_ = 0;
+    return StepVerdict::Taken;
+  }
+
+  // for the gradient of the step just taken
+  float gradient_scale() const { return static_cast<float>(scale_); }
+  // the last good copy is not good: start the networks anew
+  bool is_lost() const { return in_a_row_ >= kPatience; }
+  void restart() { seen_ = in_a_row_ = 0, ++counts_.restarted; }
+
+  FitCounts& counts() { return counts_; }
+  const FitCounts& counts() const { return counts_; }
+
+ private:
+  FitCounts counts_;
+  double usual_loss_ = 0, usual_norm_ = 0, scale_ = 1;
+  int seen_ = 0, in_a_row_ = 0;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,13 @@
+// Occlusion weights would rather be 1 (visible): without this term hiding everything is the cheapest way to warp well
+// (as in NSFF's published code). visible: the ray's rendered occlusion weight 0..1. Reentrant.
+#pragma once
+
+namespace hdrcam {
+
+template <class T>
+T occlusion_loss(T weight, T visible, T& d_visible) {
+  d_visible -= weight;
+  return weight * (1 - visible);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,95 @@
+// Window space and the cameras that look into it. Window space is the anchor camera's frustum, widened by a margin for
+// its neighbours' views: u, v across the widened picture and d along inverse depth, all in [0, 1]. A camera is given by
+// its transform to the anchor. Inverse depth q is near / z, dimensionless, 0 at infinity and 1 at the near plane; where
+// poses are unknown all cameras coincide with the anchor, and depth only orders what is seen. Scalar type T as in
+// field/hash_grid.h. Value types, reentrant.
+#pragma once
+
+#include <algorithm>
+
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+struct WindowFrustum {
+  Intrinsics camera;
+  int rows = 0, cols = 0;  // of the picture
+  float margin = 1.25f;    // width of the window over the width of the picture
+  float near = 1;          // distance of the near plane, in the poses' unit
+
+  // One pixel of the anchor's picture, in window units along u and v; the unit of flow along d is kDepthUnit.
+  double u_per_px() const { return 1 / (static_cast<double>(cols) * static_cast<double>(margin)); }
+  double v_per_px() const { return 1 / (static_cast<double>(rows) * static_cast<double>(margin)); }
+  static constexpr double kDepthUnit = 0.01;
+};
+
+// a * b of rigid transforms, and the inverse.
+PoseMatrix compose(const PoseMatrix& T_a_b, const PoseMatrix& T_b_c);
+PoseMatrix inverse(const PoseMatrix& T_a_b);
+constexpr PoseMatrix kIdentityPose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+bool is_rigid(const PoseMatrix& T);  // finite, and a rotation within 1e-3
+
+template <class T>
+class ViewGeometry {
+ public:
+  ViewGeometry(const WindowFrustum& frustum, const PoseMatrix& T_anchor_camera)
+      : focal_{T(frustum.camera.fx_px), T(frustum.camera.fy_px)},
+        centre_{T(frustum.camera.cx_px), T(frustum.camera.cy_px)},
+        size_{T(frustum.cols), T(frustum.rows)},
+        margin_(frustum.margin) {
+    const PoseMatrix T_camera_anchor = inverse(T_anchor_camera);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        to_anchor_[i][j] = T(T_anchor_camera[static_cast<std::size_t>(4 * i + j)]);
+        from_anchor_[i][j] = T(T_camera_anchor[static_cast<std::size_t>(4 * i + j)]);
+      }
+      to_anchor_[i][3] = T(T_anchor_camera[static_cast<std::size_t>(4 * i + 3)] / frustum.near);
+      from_anchor_[i][3] = T(T_camera_anchor[static_cast<std::size_t>(4 * i + 3)] / frustum.near);
+    }
+  }
+
+  // window point of a pixel at inverse depth q; may lie outside the unit cube
+  void place(const T pixel[2], T q, T x[3]) const {
+    const T ray[3] = {(pixel[0] - centre_[0]) / focal_[0], (pixel[1] - centre_[1]) / focal_[1], 1};
+    T p[3];
+    for (int i = 0; i < 3; ++i)
+      p[i] = to_anchor_[i][0] * ray[0] + to_anchor_[i][1] * ray[1] + to_anchor_[i][2] + to_anchor_[i][3] * q;
+    const T z = std::max(p[2], kNearest);
+    for (int i = 0; i < 2; ++i)
+      x[i] = ((focal_[i] * p[i] / z + centre_[i]) / size_[i] - T(0.5)) / margin_ + T(0.5);
+    x[2] = kDepthOffset + kDepthScale * q / z;
+  }
+
+  // pixel where a window point is seen; jacobian [2][3] = d pixel / d x, may be null
+  void project(const T x[3], T pixel[2], T (*jacobian)[3]) const {
+    T ray[3] = {0, 0, 1};
+    for (int i = 0; i < 2; ++i)
+      ray[i] = (((x[i] - T(0.5)) * margin_ + T(0.5)) * size_[i] - centre_[i]) / focal_[i];
+    const T q = inverse_depth(x[2]);
+    T p[3];
+    for (int i = 0; i < 3; ++i)
+      p[i] = from_anchor_[i][0] * ray[0] + from_anchor_[i][1] * ray[1] + from_anchor_[i][2] + from_anchor_[i][3] * q;
+    const bool behind = p[2] < kNearest;
+    const T z = behind ? kNearest : p[2];
+    for (int i = 0; i < 2; ++i) pixel[i] = focal_[i] * p[i] / z + centre_[i];
+    if (jacobian == nullptr) return;
+    const T ray_per_x[3] = {margin_ * size_[0] / focal_[0], margin_ * size_[1] / focal_[1], 1 / kDepthScale};
+    constexpr int kColumn[3] = {0, 1, 3};
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int column = kColumn[j];
+        const T d_z = behind ? T(0) : from_anchor_[2][column];
+        jacobian[i][j] = focal_[i] / z * (from_anchor_[i][column] - p[i] / z * d_z) * ray_per_x[j];
+      }
+  }
+
+  // of a window coordinate d, as the anchor sees it
+  static T inverse_depth(T d) { return (d - kDepthOffset) / kDepthScale; }
+
+ private:
+  static constexpr T kNearest = T(0.05), kDepthOffset = T(0.01), kDepthScale = T(0.98);
+  T focal_[2], centre_[2], size_[2], margin_;
+  T to_anchor_[3][4], from_anchor_[3][4];  // translation over the near distance
+};
+
+}  // namespace hdrcam

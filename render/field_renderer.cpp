@@ -1,0 +1,91 @@
+#include "render/field_renderer.h"
+
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kStripes = 8;  // units of work that own a probe; enough for any number of threads we meet
+
+// The nearest frame and the distance to it in frame intervals.
+ProbeView probe_view(const Window& window, const FieldViewRequest& request) {
+  ProbeView view;
+  view.T_anchor_camera = window.T_anchor_camera(request.T_world_camera);
+  view.frame = window.nearest(request.time_s);
+  const double away = request.time_s - window.frame(view.frame).time_s;
+  const int other = view.frame + (away > 0 ? 1 : -1);
+  if (other < 0 || other >= window.size()) return view;
+  const double interval = std::abs(window.frame(other).time_s - window.frame(view.frame).time_s);
+  if (interval > 0 && std::abs(away) > 1e-3 * interval)
+    view.offset = static_cast<float>(std::clamp(away / interval, -0.5, 0.5));
+  return view;
+}
+
+float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(radiance, 0.f, 1e9f) : 0.f; }
+
+}  // namespace
+
+// The guide of a frame, seen from elsewhere: each of its points is carried to the tile where the view sees it, nearer
+// points win, and empty tiles keep what the frame had at the same place.
+void FieldRenderer::splat_guide(const RadianceField& field, const ProbeView& from) {
+  const WindowFrustum& frustum = field.window.frustum();
+  const WindowFrame& frame = field.window.frame(from.frame);
+  guide_.copy_from(frame.guide);
+  if (from.T_anchor_camera == frame.T_anchor_camera) return;
+  const ViewGeometry<float> here(frustum, frame.T_anchor_camera), there(frustum, from.T_anchor_camera);
+  Image<float> seen(1, guide_.rows(), guide_.cols());
+  for (int y = 0; y < guide_.rows(); ++y)
+    for (int x = 0; x < guide_.cols(); ++x) {
+      const float centre[2] = {(static_cast<float>(x) + 0.5f) * kGuideStep, (static_cast<float>(y) + 0.5f) * kGuideStep};
+      float point[3], pixel[2];
+      here.place(centre, frame.guide.at(0, y, x), point);
+      there.project(point, pixel, nullptr);
+      const int tx = static_cast<int>(std::floor(pixel[0] / kGuideStep)), ty = static_cast<int>(std::floor(pixel[1] / kGuideStep));
+      if (tx < 0 || ty < 0 || tx >= guide_.cols() || ty >= guide_.rows()) continue;
+      seen.at(0, ty, tx) = std::max(seen.at(0, ty, tx), frame.guide.at(0, y, x));
+    }
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    if (seen.samples()[i] > 0) guide_.samples()[i] = seen.samples()[i];
+}
+
+void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& request, FieldView& view) {
+  CHECK(field.window.size() > 0 && request.step >= 1);
+  const WindowFrustum& frustum = field.window.frustum();
+  const int rows = (frustum.rows + request.step - 1) / request.step, cols = (frustum.cols + request.step - 1) / request.step;
+  view.radiance.reshape(3, rows, cols);
+  for (Image<float>* plane : {&view.depth, &view.dynamic_share, &view.confidence}) plane->reshape(1, rows, cols);
+  for (Image<float>& flow : view.flow) flow.reshape(2, rows, cols);
+  while (probes_.size() < kStripes) probes_.emplace_back(field, kMaxSamples);
+  const ProbeView from = probe_view(field.window, request);
+  splat_guide(field, from);
+
+  const auto store = [&view](int y, int x, const ProbeAnswer& answer) {
+    for (int c = 0; c < 3; ++c) view.radiance.at(c, y, x) = presentable(answer.radiance[c]);
+    view.depth.at(0, y, x) = 1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
+    view.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
+    view.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
+    for (int n = 0; n < 2; ++n)
+      for (int a = 0; a < 2; ++a)
+        view.flow[n].at(a, y, x) = std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] : 0.f;
+  };
+  pool_.for_each(kStripes, [&](int stripe) {
+    ProbeRay rays[FieldProbe::kRays];
+    ProbeAnswer answers[FieldProbe::kRays];
+    for (int y = stripe; y < rows; y += kStripes)
+      for (int x0 = 0; x0 < cols; x0 += FieldProbe::kRays) {
+        const int count = std::min(FieldProbe::kRays, cols - x0);
+        for (int i = 0; i < count; ++i) {
+          const float px = (static_cast<float>(x0 + i) + 0.5f) * static_cast<float>(request.step);
+          const float py = (static_cast<float>(y) + 0.5f) * static_cast<float>(request.step);
+          const int gx = std::min(static_cast<int>(px) / kGuideStep, guide_.cols() - 1);
+          const int gy = std::min(static_cast<int>(py) / kGuideStep, guide_.rows() - 1);
+          rays[i] = {{px, py}, guide_.at(0, gy, gx)};
+        }
+        const auto n = static_cast<std::size_t>(count);
+        probes_[static_cast<std::size_t>(stripe)].look(field, from, {rays, n}, {answers, n});
+        for (int i = 0; i < count; ++i) store(y, x0 + i, answers[i]);
+      }
+  });
+}
+
+}  // namespace hdrcam
