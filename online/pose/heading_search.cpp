@@ -1,7 +1,6 @@
 #include "online/pose/heading_search.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +9,9 @@ namespace {
 
 constexpr int kHeadings = 128;                                 // on the half sphere: about 12 degrees apart
 constexpr double kDifferent = 0.94;                            // cosine between two headings that are worth trying both
-constexpr std::array<double, 4> kWidths_sigmas{12, 6, 3, 3};   // of the robust kernel, step by step
+constexpr int kRounds = 4;                                     // of reweighting
+constexpr double kKernel_medians = 4;                          // width of the robust kernel
+constexpr double kLeastError = 1e-4;                           // focal lengths: below, all headings are perfect
 constexpr double kShortestEpipolar = 0.03;                     // closer to the epipole its direction says nothing
 
 // A point's flow once the rotation is taken out, in focal lengths.
@@ -48,17 +49,26 @@ Eigen::Vector3d heading(int i) {
 struct Candidate {
   Eigen::Vector3d direction;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  double cost = 0;
+  double cost = 0;     // median error across the epipolar lines, focal lengths
   double forward = 0;  // how many points are in front rather than behind, softly counted
 };
 
+double median(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
 // The best small rotation for one heading; its cost, and which way along the heading the points are in front.
-Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction) {
-  Candidate found{.direction = direction};
-  for (const double width : kWidths_sigmas) {
+Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction, std::vector<double>& errors) {
+  Candidate found{.direction = direction, .turn = Eigen::Vector3d::Zero()};
+  double width = HUGE_VAL;
+  for (int round = 0; round < kRounds; ++round) {
     Eigen::Matrix3d H = 1e-9 * Eigen::Matrix3d::Identity();
     Eigen::Vector3d g = Eigen::Vector3d::Zero();
-    found.cost = found.forward = 0;
+    found.forward = 0;
+    errors.clear();
     for (const Parallax& p : points) {
       const Eigen::Vector2d line(direction.x() - p.x * direction.z(), direction.y() - p.y * direction.z());
       const double length = line.norm();
@@ -66,25 +76,19 @@ Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& di
       const Eigen::Vector2d across(-line.y() / length, line.x() / length);
       const Eigen::RowVector3d row = across.transpose() * p.per_turn;
       const double error = across.dot(p.flow) - row * found.turn;
-      const double squared = error * error / (p.sigma * p.sigma);
-      const double kernel = width * width / (width * width + squared);
-      const double weight = kernel * kernel / (p.sigma * p.sigma);
-      found.cost += squared * kernel;
-      found.forward += kernel * std::tanh(line.dot(p.flow - p.per_turn * found.turn) / (length * p.sigma));
+      const double kernel = 1 / (1 + error * error / (width * width));
+      const double weight = kernel * kernel;
+      errors.push_back(std::abs(error));
+      found.forward += weight * std::tanh(line.dot(p.flow - p.per_turn * found.turn) / (length * p.sigma));
       H.noalias() += weight * row.transpose() * row;
       g.noalias() += weight * row.transpose() * error;
     }
-    found.turn += H.ldlt().solve(g);
+    found.cost = median(errors);
+    width = kKernel_medians * std::max(found.cost, kLeastError);
+    if (round + 1 < kRounds) found.turn += H.ldlt().solve(g);
   }
   if (found.forward < 0) found.direction = -direction;
   return found;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, std::size_t points,
@@ -94,8 +98,9 @@ Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, s
     const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(), found.direction.y() - p.y * found.direction.z());
     depths.push_back(std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), 1e-4)));
   }
-  const double unit = std::max(median(depths), 1e-6);
-  Heading result{.T_camera_world = {}, .inverse_depths = std::vector<double>(points, 1.0), .cost = found.cost};
+  std::vector<double> sorted = depths;
+  const double unit = std::max(median(sorted), 1e-6);
+  Heading result{.T_camera_world = {}, .inverse_depths = std::vector<double>(points, 1.0)};
   for (std::size_t k = 0; k < parallax.size(); ++k) result.inverse_depths[parallax[k].index] = depths[k] / unit;
   const Eigen::Matrix3d turn = rotation(found.turn);
   result.T_camera_world = {turn * turned.R, turn * turned.t + unit * found.direction};
@@ -108,7 +113,8 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
                                      const RigidTransform& turned, int count) {
   const std::vector<Parallax> parallax = parallaxes(points, lens, turned);
   std::vector<Candidate> candidates;
-  for (int i = 0; i < kHeadings; ++i) candidates.push_back(explain(parallax, heading(i)));
+  std::vector<double> errors;
+  for (int i = 0; i < kHeadings; ++i) candidates.push_back(explain(parallax, heading(i), errors));
   std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
 
   std::vector<Candidate> chosen;

@@ -14,7 +14,7 @@ namespace hdrcam {
 struct Heading {
   RigidTransform T_camera_world;       // with the length of the translation such that the median inverse depth is 1
   std::vector<double> inverse_depths;  // [points]
-  double cost = 0;                     // of the flow across the epipolar lines, squared sigmas
+  double noise = 1;                    // of the flow across the epipolar lines, in sigmas (noise_across)
 };
 
 // turned: the pose of the best rotation without translation. At most `count` headings, the best first, all clearly

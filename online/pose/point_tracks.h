@@ -13,7 +13,7 @@ namespace hdrcam {
 
 struct TrackOptions {
   int points = 500;                   // grid cells = the most points that are followed
-  float least_confidence = 0.5f;      // of the flow at a point, 0..1
+  float least_confidence = 0.85f;     // of the flow at a point, 0..1
   float flow_disagreement_px = 1;     // largest difference of the flow within a pixel's neighbours: an edge of motion
   int longest_coast = 4;              // frames a point may go unseen
   int longest_track = 60;             // frames: the chained flow has drifted off the point by then

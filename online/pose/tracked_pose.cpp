@@ -8,9 +8,42 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kTurnSteps = 6, kMoveSteps = 8, kFirstMoveSteps = 10;  // Gauss-Newton
-constexpr int kHeadingsTried = 4;
+constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 6;
+constexpr double kSameHeading = 0.9;           // cosine
+constexpr double kUnexplained_px = 0.6;        // off by more than the flow's usual noise
+constexpr double kClearParallax_sigmas = 5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
+
+// Share of the seen points that the pose leaves clearly off, whatever the reason.
+double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens, const RigidTransform& T_camera_world) {
+  int seen = 0, off = 0;
+  for (const ScenePoint& point : points) {
+    PointResidual r;
+    if (!point.seen) continue;
+    const bool near = point_residual(point, point.inverse_depth, lens, T_camera_world, r) && r.px.norm() < kUnexplained_px;
+    ++seen, off += !near;
+  }
+  return seen > 0 ? static_cast<double>(off) / seen : 0;
+}
+
+// Share of the seen points that the translation moves by more than this.
+double parallax_share(std::span<const ScenePoint> points, const Heading& heading, const Intrinsics& lens, double px) {
+  int seen = 0, clear = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    PointResidual r;
+    if (!points[i].seen || !point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world, r)) continue;
+    ++seen, clear += r.per_inverse_depth.norm() * heading.inverse_depths[i] > px;
+  }
+  return seen > 0 ? static_cast<double>(clear) / seen : 0;
+}
+
+bool same_heading(const Heading& a, const Heading& b) {
+  const Eigen::Vector3d centre_a = a.T_camera_world.inverse().t.normalized();
+  return centre_a.dot(b.T_camera_world.inverse().t.normalized()) > kSameHeading;
+}
+
+bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; }
 
 }  // namespace
 
@@ -68,32 +101,34 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
   accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
 }
 
-// No depth is known yet, all points were first seen from the world's origin. A translation is believed once it explains
-// much more than free depths explain of mere noise.
+// No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the flow best,
+// the one that leaves least noise across the epipolar lines wins, once it stands out and the parallax is clear; until
+// then the camera only turns.
 void TrackedPose::find_translation(const PoseFit& turned) {
+  accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
   const auto points = tracks_.points();
-  auto logc=[&](const RigidTransform&T,const std::vector<double>&d,double s0){double c=0;int n=0;for(size_t i=0;i<points.size();++i)if(points[i].seen){PointResidual r;double e=point_residual(points[i],d[i],lens_,T,r)?r.px.squaredNorm():1e4;c+=std::log1p(e/(s0*s0));++n;}return c/n;};
-  static int ff; ++ff;
-  struct C{RigidTransform T;std::vector<double> d;double c,s;}; std::vector<C> cs;
-  for (Heading& heading : search_headings(points, lens_, turned.T_camera_world, kHeadingsTried)) {
-    PoseFit fit; fit.T_camera_world = heading.T_camera_world;
-    double scale = 1;
-    for (int round = 0; round < 3; ++round) {
-      fit = fit_pose(points, lens_, fit.T_camera_world, {.steps = 6, .noise_scale = scale, .widest_sigmas = 6}, heading.inverse_depths);
-      scale = std::clamp(noise_across(points, heading.inverse_depths, lens_, fit.T_camera_world), 0.03/.25, 0.6/.25);
+  if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
+
+  std::vector<Heading> headings = search_headings(points, lens_, turned.T_camera_world, kHeadingsTried);
+  for (Heading& heading : headings)
+    for (int round = 0; round < kHeadingRounds; ++round) {
+      const FitOptions options{.steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
+      heading.T_camera_world = fit_pose(points, lens_, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
+      heading.noise = noise_across(points, heading.inverse_depths, lens_, heading.T_camera_world);
     }
-    cs.push_back({fit.T_camera_world, heading.inverse_depths, logc(fit.T_camera_world, heading.inverse_depths, .1), scale});
-  }
-  std::sort(cs.begin(), cs.end(), [](auto&a, auto&b){return a.c<b.c;});
-  if (getenv("PDBG")) { fprintf(stderr, "find: turned %.3f\n", logc(turned.T_camera_world, trial_depths_, .1));
-    for (auto&c:cs){auto b=c.T.t.normalized();std::vector<double> par;double big=0;for(size_t i=0;i<points.size();++i)if(points[i].seen){PointResidual r;if(point_residual(points[i],c.d[i],lens_,c.T,r))par.push_back(r.per_inverse_depth.norm()*c.d[i]);}for(double p:par)big+=p>5*c.s*.25;std::nth_element(par.begin(),par.begin()+par.size()/2,par.end());
-     Eigen::Vector3d C=-(c.T.R.transpose()*c.T.t).normalized();fprintf(stderr,"   C %.2f %.2f %.2f rotvs %.3fdeg logc %.3f sigma %.3f medpar %.2f big %.2f\n",C.x(),C.y(),C.z(),Eigen::AngleAxisd(c.T.R*turned.T_camera_world.R.transpose()).angle()*57.3,c.c,c.s*.25,par[par.size()/2],big/par.size());} }
-  return accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
-  PoseFit moved;
-  RigidTransform T_camera_world = moved.T_camera_world;
+  const auto best = std::min_element(headings.begin(), headings.end(), less_noise);
+  const bool stands_out = std::all_of(headings.begin(), headings.end(), [&](const Heading& other) {
+    return same_heading(*best, other) || best->noise < options_.heading_noise_ratio * other.noise;
+  });
+  const double noise_px = best->noise * tracks_.noise_px();
+  if (!stands_out || parallax_share(points, *best, lens_, kClearParallax_sigmas * noise_px) < options_.parallax_share) return;
+
+  depths_ = best->inverse_depths;
+  tracks_.learn_noise(best->noise, 1);
+  RigidTransform T_camera_world = best->T_camera_world;
   choose_unit(T_camera_world);
   tracks_.learn(depths_, lens_, T_camera_world);
-  accept(T_camera_world, CameraMotion::General, moved.inlier_share);
+  accept(T_camera_world, CameraMotion::General, turned.inlier_share);
 }
 
 // The median depth becomes the unit of length.

@@ -18,7 +18,8 @@ struct TrackerOptions {
   double still_drift_px = 0.3;      // the sum of motions too small to see, before it is believed
   double translation_gain = 60;     // squared sigmas that a translation must explain to be believed..
   double translation_gain_on = 15;  // ..and while the camera is moving already
-  double free_depth_gain = 1.0;     // per point, before any depth is known: what free depths explain of mere noise
+  double parallax_share = 0.3;      // of the points must show clear parallax before the first translation is believed..
+  double heading_noise_ratio = 0.8; // ..and the best heading leave this much less noise than any other one
   int fewest_points = 30;           // below this the pose is lost
   double fewest_inliers = 0.3;      // share
   double velocity_decay = 0.9;      // per frame, while lost
