@@ -107,6 +107,7 @@ void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics
     }
     histories_[i].outlier = 0;
     point.inverse_depth = inverse_depths[i];
+    point.seen_px += options_.pull * r.px;
     const double gained = r.per_inverse_depth.squaredNorm() / (point.sigma_px * point.sigma_px);
     const double most = 1 / std::pow(kBestRelative * std::max(point.inverse_depth, 0.1 * typical_inverse_depth_), 2);
     point.information = std::min(kForget * point.information + gained, std::max(most, histories_[i].seed_information));

@@ -13,15 +13,16 @@ namespace hdrcam {
 
 struct TrackOptions {
   int points = 500;                   // grid cells = the most points that are followed
-  float least_confidence = 0.85f;     // of the flow at a point, 0..1
-  float flow_disagreement_px = 1;     // largest difference of the flow within a pixel's neighbours: an edge of motion
+  float least_confidence = 0.9f;      // of the flow at a point, 0..1
+  float flow_disagreement_px = 0.5f;  // largest difference of the flow within a pixel's neighbours: an edge of motion
   int longest_coast = 4;              // frames a point may go unseen
   int longest_track = 60;             // frames: the chained flow has drifted off the point by then
   int outlier_patience = 3;           // frames in a row that a point may contradict the pose
   double sigma_px = 0.25;             // of one flow vector, at first; then it is measured..
-  double least_sigma_px = 0.03, most_sigma_px = 0.6;  // ..within these
+  double least_sigma_px = 0.03, most_sigma_px = 0.3;  // ..within these
   double sigma_growth = 0.1;          // of the chain: variance = sigma^2 (1 + growth * age)
-  double prior_spread = 1.5;          // relative standard deviation of the inverse depth of a new point..
+  double pull = 0.2;                  // of a point's residual taken back per frame: the chained flow drifts off the point
+  double prior_spread = 1;            // relative standard deviation of the inverse depth of a new point..
   double vague_spread = 10;           // ..and while no depth is known
 };
 

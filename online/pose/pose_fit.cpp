@@ -83,6 +83,7 @@ void accumulate(const ScenePoint& point, const PointTerms& q, Linearised& sum) {
 }
 
 Vector6 solve(Linearised& sum, Freedom freedom) {
+  if (freedom == Freedom::Nothing) return Vector6::Zero();
   if (freedom == Freedom::Rotation) {
     sum.H.bottomRows<3>().setZero(), sum.H.rightCols<3>().setZero();
     sum.H.bottomRightCorner<3, 3>().setIdentity();
@@ -166,7 +167,7 @@ PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens, con
     }
     const Eigen::Matrix3d turn = rotation(move.head<3>());
     T = {turn * T.R, turn * T.t + move.tail<3>()};
-    if (width == kRobustSigmas && move.norm() < kSmallestStep) break;
+    if (options.freedom != Freedom::Nothing && width == kRobustSigmas && move.norm() < kSmallestStep) break;
   }
   T.R = orthonormal(T.R);
   fit.cost = total_cost(points, inverse_depths, lens, options.noise_scale, fit);

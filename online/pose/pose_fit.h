@@ -23,7 +23,8 @@ struct ScenePoint {
   bool seen = true;                 // takes part in the fit
 };
 
-enum class Freedom { Rotation, RotationAndTranslation };
+// What may change besides the inverse depths.
+enum class Freedom { Nothing, Rotation, RotationAndTranslation };
 
 struct PoseFit {
   RigidTransform T_camera_world;

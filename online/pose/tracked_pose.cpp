@@ -9,7 +9,7 @@ namespace hdrcam {
 namespace {
 
 constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
-constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 6;
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160, kDepthSteps = 6;
 constexpr double kSameHeading = 0.9;           // cosine
 constexpr double kUnexplained_px = 0.6;        // off by more than the flow's usual noise
 constexpr double kClearParallax_sigmas = 5;
@@ -36,6 +36,21 @@ double parallax_share(std::span<const ScenePoint> points, const Heading& heading
     ++seen, clear += r.per_inverse_depth.norm() * heading.inverse_depths[i] > px;
   }
   return seen > 0 ? static_cast<double>(clear) / seen : 0;
+}
+
+// Every n-th of them, about `count`.
+std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t count) {
+  std::vector<ScenePoint> some;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / (count + 1)) some.push_back(points[i]);
+  return some;
+}
+
+void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
+  for (int round = 0; round < rounds; ++round) {
+    const FitOptions options{.steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
+    heading.T_camera_world = fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
+    heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world);
+  }
 }
 
 bool same_heading(const Heading& a, const Heading& b) {
@@ -109,36 +124,34 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   const auto points = tracks_.points();
   if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
 
-  std::vector<Heading> headings = search_headings(points, lens_, turned.T_camera_world, kHeadingsTried);
-  for (Heading& heading : headings)
-    for (int round = 0; round < kHeadingRounds; ++round) {
-      const FitOptions options{.steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
-      heading.T_camera_world = fit_pose(points, lens_, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
-      heading.noise = noise_across(points, heading.inverse_depths, lens_, heading.T_camera_world);
-    }
+  const std::vector<ScenePoint> some = thinned(points, kHeadingPoints);
+  std::vector<Heading> headings = search_headings(some, lens_, turned.T_camera_world, kHeadingsTried);
+  for (Heading& heading : headings) refine(some, lens_, kHeadingRounds, heading);
   const auto best = std::min_element(headings.begin(), headings.end(), less_noise);
   const bool stands_out = std::all_of(headings.begin(), headings.end(), [&](const Heading& other) {
     return same_heading(*best, other) || best->noise < options_.heading_noise_ratio * other.noise;
   });
-  const double noise_px = best->noise * tracks_.noise_px();
-  if (!stands_out || parallax_share(points, *best, lens_, kClearParallax_sigmas * noise_px) < options_.parallax_share) return;
+  if (!stands_out) return;
 
-  depths_ = best->inverse_depths;
-  tracks_.learn_noise(best->noise, 1);
-  RigidTransform T_camera_world = best->T_camera_world;
-  choose_unit(T_camera_world);
-  tracks_.learn(depths_, lens_, T_camera_world);
-  accept(T_camera_world, CameraMotion::General, turned.inlier_share);
+  Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
+  fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps}, first.inverse_depths);
+  refine(points, lens_, 1, first);
+  const double clear_px = kClearParallax_sigmas * first.noise * tracks_.noise_px();
+  if (parallax_share(points, first, lens_, clear_px) < options_.parallax_share) return;
+  tracks_.learn_noise(first.noise, 1);
+  choose_unit(first);
+  tracks_.learn(first.inverse_depths, lens_, first.T_camera_world);
+  accept(first.T_camera_world, CameraMotion::General, turned.inlier_share);
 }
 
 // The median depth becomes the unit of length.
-void TrackedPose::choose_unit(RigidTransform& T_camera_world) {
-  trial_depths_ = depths_;
-  const auto middle = trial_depths_.begin() + static_cast<std::ptrdiff_t>(trial_depths_.size() / 2);
-  std::nth_element(trial_depths_.begin(), middle, trial_depths_.end());
+void TrackedPose::choose_unit(Heading& first) {
+  std::vector<double> sorted = first.inverse_depths;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
   const double median = std::max(*middle, 1e-6);
-  T_camera_world.t *= median;
-  for (double& depth : depths_) depth /= median;
+  first.T_camera_world.t *= median;
+  for (double& depth : first.inverse_depths) depth /= median;
   depth_known_ = true;
 }
 

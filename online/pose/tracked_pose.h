@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "online/pose/heading_search.h"
 #include "online/pose/point_tracks.h"
 #include "online/pose/pose_source.h"
 
@@ -37,7 +38,7 @@ class TrackedPose final : public PoseSource {
   void track(const FlowField& from_previous);
   void find_translation(const PoseFit& turned);
   void follow_translation(const PoseFit& turned);
-  void choose_unit(RigidTransform& T_camera_world);
+  void choose_unit(Heading& first);
   bool stands_still(const PoseFit& turned) const;
   void accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share);
   void lose();
