@@ -9,10 +9,10 @@ namespace hdrcam {
 namespace {
 
 constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
-constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160, kDepthSteps = 6;
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 200, kDepthSteps = 6;
 constexpr double kSameHeading = 0.9;           // cosine
 constexpr double kUnexplained_px = 0.6;        // off by more than the flow's usual noise
-constexpr double kClearParallax_sigmas = 5;
+constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
 
 // Share of the seen points that the pose leaves clearly off, whatever the reason.
@@ -136,7 +136,7 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
   fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps}, first.inverse_depths);
   refine(points, lens_, 1, first);
-  const double clear_px = kClearParallax_sigmas * first.noise * tracks_.noise_px();
+  const double clear_px = std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());
   if (parallax_share(points, first, lens_, clear_px) < options_.parallax_share) return;
   tracks_.learn_noise(first.noise, 1);
   choose_unit(first);
