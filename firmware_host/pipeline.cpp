@@ -1,7 +1,5 @@
 #include "firmware_host/pipeline.h"
 
-#include <chrono>
-
 namespace hdrcam {
 namespace {
 
@@ -45,13 +43,29 @@ const char* name(Preset preset) {
   return "?";
 }
 
-PipelineOptions options_of(Preset preset) {
+Result<EmitLayer> parse_layer(std::string_view text) {
+  if (text == "merged") return EmitLayer::Merged;
+  if (text == "state") return EmitLayer::State;
+  if (text == "field") return EmitLayer::Field;
+  return Error{ErrorCode::Invalid, fmt::format("there is no layer '{}'; emit merged, state or field", text)};
+}
+
+PipelineOptions options_of(Preset preset, EmitLayer layer) {
   PipelineOptions options;
+  FieldStageOptions field;
   switch (preset) {
-    case Preset::Fast: options.online.flow = FlowQuality::Fast; break;
-    case Preset::Balanced: break;
-    case Preset::Best: options.online.flow = FlowQuality::Fine; break;
+    case Preset::Fast:
+      options.online.flow = FlowQuality::Fast;
+      field.field = FieldOptions::fast();
+      break;
+    case Preset::Balanced: field.field = FieldOptions::balanced(); break;
+    case Preset::Best:
+      options.online.flow = FlowQuality::Fine;
+      field.field = FieldOptions::best();
+      break;
   }
+  options.render.layer = layer;
+  if (layer != EmitLayer::State) options.online.field = field;
   return options;
 }
 
@@ -67,9 +81,11 @@ Result<std::unique_ptr<Pipeline>> Pipeline::create(const PipelineOptions& option
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response,
                    WorkerPool& pool)
     : camera_(camera),
-      online_(options.online, camera.height, camera.width, camera.bits, response, pool),
-      emission_(options.emission, pool) {
-  online_.set_timing([this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); });
+      online_(options.online, camera, response, pool),
+      render_(options.render, pool) {
+  const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
+  online_.set_timing(time);
+  render_.set_timing(time);
 }
 
 Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
@@ -86,11 +102,14 @@ Result<void> Pipeline::finish(const Deliver& deliver) {
 }
 
 Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
-  const auto start = std::chrono::steady_clock::now();
-  emission_.render(moment, frame_);
-  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
-  add_to(record_.stages_ms, "emission", spent.count());
-
+  render_.render(moment, frame_);
+  if (moment.fit != nullptr) {
+    record_.fit_steps = moment.fit->steps;
+    for (std::size_t term = 0; term < kLosses.size(); ++term)
+      if (moment.fit->losses[term] != 0) record_.losses.push_back({kLosses[term].name, moment.fit->losses[term]});
+    if (moment.fit->rolled_back > 0)
+      record_.note = fmt::format("{} of {} steps rolled back", moment.fit->rolled_back, moment.fit->steps);
+  }
   record_.sequence = frame_.facts.sequence;
   record_.time_s = to_seconds(frame_.facts.timestamp - *first_time_);
   record_.exposure = static_cast<double>(frame_.exposure);

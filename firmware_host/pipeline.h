@@ -11,7 +11,7 @@
 #include "hal/core/worker_pool.h"
 #include "hal/recording/recording.h"
 #include "online/online_stage.h"
-#include "render/emission.h"
+#include "render/render_stage.h"
 
 namespace hdrcam {
 
@@ -22,9 +22,11 @@ const char* name(Preset preset);
 
 struct PipelineOptions {
   OnlineOptions online;
-  EmissionOptions emission;
+  RenderOptions render;
 };
-PipelineOptions options_of(Preset preset);
+// What a preset means for one layer: the state alone needs no field.
+PipelineOptions options_of(Preset preset, EmitLayer layer);
+Result<EmitLayer> parse_layer(std::string_view text);
 
 class Pipeline {
  public:
@@ -48,7 +50,7 @@ class Pipeline {
 
   const CameraFacts camera_;
   OnlineStage online_;
-  Emission emission_;
+  RenderStage render_;
   HdrFrame frame_;
   FrameRecord record_;  // of the frame on its way; stages add to it
   std::optional<Instant> first_time_;

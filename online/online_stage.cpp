@@ -1,15 +1,12 @@
 #include "online/online_stage.h"
 
-#include <chrono>
 #include <cmath>
+
+#include "hal/core/stopwatch.h"
 
 
 namespace hdrcam {
 namespace {
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
 
 // Geometric mean of the exposures of one cycle: the frames before the first exposure comes again.
 double cycle_mean(const std::deque<RawFrame>& frames) {
@@ -31,21 +28,22 @@ struct OnlineStage::Step {
   ExposedFrame frame;
   StateMotion motion;   // between the state at the frame before and this one
   RadianceState state;  // after this frame; only kept where the look-ahead is longer than one frame
+  FitReport fit;
   bool advanced = false, emitted = false;
 };
 
-OnlineStage::OnlineStage(OnlineOptions options, int rows, int cols, int bits, const Response* response,
-                         WorkerPool& pool)
-    : options_(options),
+OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response, WorkerPool& pool)
+    : options_(std::move(options)),
+      camera_(camera),
       pool_(pool),
       response_known_(response != nullptr),
       response_(response != nullptr ? *response : prior_mean_response()),
       noise_estimator_(pool),
-      motion_(options.flow, rows, cols, pool),
-      filter_(options.state, rows, cols, pool) {
-  settings_.bits = bits;
-  noise_.code_noise = options.code_noise;
-  noise_.code_step = kMaxCode / static_cast<float>((1 << bits) - 1);
+      motion_(options_.flow, camera.height, camera.width, pool),
+      filter_(options_.state, camera.height, camera.width, pool) {
+  settings_.bits = camera.bits;
+  noise_.code_noise = options_.code_noise;
+  noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
 }
 
 OnlineStage::~OnlineStage() = default;
@@ -106,20 +104,21 @@ Result<void> OnlineStage::take(ExposedFrame frame, const Emit& emit) {
     filter_.restart(step.frame, tables);
     step.motion.to_previous.vectors.reshape(0, 0, 0);
     step.advanced = true;
+    TRY(fit(step, nullptr));
   } else {
     Step& previous = *steps_[steps_.size() - 2];
-    if (!previous.advanced) advance(previous, &step);
-    const auto start = std::chrono::steady_clock::now();
+    if (!previous.advanced) TRY(advance(previous, &step));
+    Stopwatch watch;
     motion_.match(filter_.state(), step.frame, tables, step.motion);
-    if (timing_) timing_("motion", milliseconds_since(start));
+    if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
-    if (options_.look_ahead == 0) advance(step, nullptr);
+    if (options_.look_ahead == 0) TRY(advance(step, nullptr));
   }
   return emit_ready(false, emit);
 }
 
-void OnlineStage::advance(Step& step, const Step* after) {
-  auto start = std::chrono::steady_clock::now();
+Result<void> OnlineStage::advance(Step& step, const Step* after) {
+  Stopwatch watch;
   std::size_t at = 0;
   while (steps_[at].get() != &step) ++at;
   const Step& before = *steps_[at - 1];
@@ -136,13 +135,21 @@ void OnlineStage::advance(Step& step, const Step* after) {
   motion_.complete(filter_.state(), step.frame, at >= 2 ? &before.motion : nullptr, before_ratio,
                    after != nullptr ? &after->frame : nullptr,
                    after != nullptr ? &tables_for(after->frame.exposure) : nullptr, after_ratio, step.motion);
-  if (timing_) timing_("motion", milliseconds_since(start));
+  if (timing_) timing_("motion", watch.lap_ms());
 
-  start = std::chrono::steady_clock::now();
   filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
   step.advanced = true;
   if (options_.look_ahead > 1) step.state.copy_from(filter_.state());
-  if (timing_) timing_("state", milliseconds_since(start));
+  if (timing_) timing_("state", watch.lap_ms());
+  return fit(step, &step.motion);
+}
+
+Result<void> OnlineStage::fit(Step& step, const StateMotion* motion) {
+  if (!options_.field) return {};
+  if (!field_)
+    field_ = std::make_unique<FieldStage>(*options_.field, camera_, step.frame.facts.T_world_camera.has_value(), pool_);
+  step.fit = TRY(field_->advance(step.frame, filter_.state(), filter_.fusion().white(), motion, response_, timing_));
+  return {};
 }
 
 Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
@@ -160,6 +167,8 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
       moment.ahead.push_back({&later.frame, &later.motion.from_previous, &tables_for(later.frame.exposure)});
     }
     moment.fusion = &filter_.fusion();
+    moment.field = field_.get();
+    moment.fit = field_ ? &step.fit : nullptr;
     moment.white = filter_.fusion().white();
     moment.reference_exposure = settings_.reference_exposure;
     step.emitted = true;
@@ -180,7 +189,7 @@ Result<void> OnlineStage::finish(const Emit& emit) {
                    fmt::format("the clip has {} frame(s); at least two of different exposure are needed", waiting_.size())};
     TRY(bootstrap(emit));
   }
-  if (!steps_.empty() && !steps_.back()->advanced) advance(*steps_.back(), nullptr);
+  if (!steps_.empty() && !steps_.back()->advanced) TRY(advance(*steps_.back(), nullptr));
   return emit_ready(true, emit);
 }
 
@@ -192,7 +201,7 @@ const ExposureTables& OnlineStage::tables_for(float exposure) {
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   constexpr int kEager = 8;  // frames: at first the model is solved at each, then at every eighth
-  const auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   if (step.frame.exposure <= previous.frame.exposure)
     noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_);
   else
@@ -201,7 +210,7 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
     noise_ = noise_estimator_.solve(noise_);
     for (auto& [exposure, tables] : tables_) tables = ExposureTables(response_, noise_, exposure);
   }
-  if (timing_) timing_("noise", milliseconds_since(start));
+  if (timing_) timing_("noise", watch.lap_ms());
 }
 
 }  // namespace hdrcam

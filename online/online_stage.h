@@ -7,10 +7,11 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "capture/unpack.h"
+#include "online/field_stage.h"
 #include "online/motion/state_motion.h"
 #include "online/noise/noise_estimator.h"
 #include "online/response/response_estimator.h"
@@ -24,6 +25,7 @@ struct OnlineOptions {
   FlowQuality flow = FlowQuality::Medium;
   float code_noise = 1;        // codes rms (NoiseModel)
   StateOptions state;
+  std::optional<FieldStageOptions> field = std::nullopt;  // none: the state alone
 };
 
 // One frame ready to be emitted; everything is valid only during the call that hands it out.
@@ -38,6 +40,8 @@ struct Moment {
   const FlowField* to_previous = nullptr;  // null at the first frame
   std::vector<Ahead> ahead;                // the following frames, nearest first
   Fusion* fusion = nullptr;
+  const FieldStage* field = nullptr;       // fitted up to and with this frame; null without the field
+  const FitReport* fit = nullptr;          // the fit's work on this frame
   float white = 1;                         // radiance that saturates the shortest exposure
   double reference_exposure = 1;           // E_ref, seconds x gains
 };
@@ -47,8 +51,8 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const Moment&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  // bits: of the raw codes; `response` null: unknown, to be estimated.
-  OnlineStage(OnlineOptions options, int rows, int cols, int bits, const Response* response, WorkerPool& pool);
+  // response: null where unknown, to be estimated.
+  OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response, WorkerPool& pool);
   ~OnlineStage();
 
   // Takes the next frame; emits what became ready. Errors: BadExposure, and whatever emit returns.
@@ -67,12 +71,14 @@ class OnlineStage {
 
   Result<void> bootstrap(const Emit& emit);
   Result<void> take(ExposedFrame frame, const Emit& emit);
-  void advance(Step& step, const Step* after);
+  Result<void> advance(Step& step, const Step* after);
+  Result<void> fit(Step& step, const StateMotion* motion);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(float exposure);
   void learn_noise(const Step& previous, const Step& step);
 
   OnlineOptions options_;
+  const CameraFacts camera_;
   WorkerPool& pool_;
   UnpackSettings settings_;
   std::deque<RawFrame> waiting_;  // until the bootstrap
@@ -87,6 +93,7 @@ class OnlineStage {
 
   MotionEstimator motion_;
   StateFilter filter_;
+  std::unique_ptr<FieldStage> field_;             // made with the first frame
   std::deque<std::unique_ptr<Step>> steps_;       // not yet emitted, oldest first, and one before them
   std::vector<std::unique_ptr<Step>> spare_;      // to be used again
   Timing timing_;

@@ -19,6 +19,8 @@ class Emission {
   Emission(EmissionOptions options, WorkerPool& pool) : options_(options), pool_(pool), shrinkage_(pool) {}
 
   void render(const Moment& moment, HdrFrame& frame);
+  // of the frame rendered last, before shrinkage: [rgb, rows, cols]
+  const Image<float>& variance() const { return merged_.variance; }
 
  private:
   void join(const Moment& moment);

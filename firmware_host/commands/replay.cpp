@@ -21,7 +21,7 @@ namespace hdrcam {
 namespace {
 
 struct ReplayFlags {
-  std::string recording, output, preset = "balanced", layers, compression = "zip";
+  std::string recording, output, preset = "balanced", emit = "merged", layers, compression = "zip";
   std::string preview, sheet, stats, report, truth;
   int look_ahead = -1, threads = 0, frames = 0;
   std::uint64_t seed = 1;
@@ -71,7 +71,7 @@ Result<void> make_folder_of(Storage& storage, const std::string& path) {
 std::string command_line_of(const ReplayFlags& flags) {
   std::string text = fmt::format("hdrcam replay {}", flags.recording);
   if (!flags.output.empty()) text += fmt::format(" -o {}", flags.output);
-  text += fmt::format(" --preset {}", flags.preset);
+  text += fmt::format(" --preset {} --emit {}", flags.preset, flags.emit);
   if (flags.look_ahead >= 0) text += fmt::format(" --lookahead {}", flags.look_ahead);
   if (flags.frames > 0) text += fmt::format(" --frames {}", flags.frames);
   return text + fmt::format(" --seed {}", flags.seed);
@@ -121,12 +121,14 @@ Result<void> add_scores(RunRecord& record, const ReplayFlags& flags, Surrounding
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Preset preset = TRY(parse_preset(flags.preset));
+  const EmitLayer layer = TRY(parse_layer(flags.emit));
   if (!flags.truth.empty() && flags.output.empty())
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
   auto reader = TRY(open_recording(around.storage, flags.recording));
   const CameraFacts& camera = reader->camera();
   const int threads = flags.threads > 0 ? flags.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  PipelineOptions options = options_of(preset);
+  PipelineOptions options = options_of(preset, layer);
+  if (options.online.field) options.online.field->field.seed = flags.seed;
   if (flags.look_ahead >= 0) options.online.look_ahead = flags.look_ahead;
   options.online.code_noise = static_cast<float>(flags.code_noise);
 
@@ -187,6 +189,7 @@ void add_replay(CLI::App& app, Verb& chosen) {
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->required();
   verb->add_option("-o,--output", flags->output, "HDR frames, numbered by the sensor's sequence: out/%06d.exr");
   verb->add_option("--preset", flags->preset, "fast, balanced or best: quality against time")->capture_default_str();
+  verb->add_option("--emit", flags->emit, "merged, or one layer alone: state, field")->capture_default_str();
   verb->add_option("--lookahead", flags->look_ahead, "later frames that an HDR frame waits for, 0..2 [1]")
       ->check(CLI::Range(0, 2));
   verb->add_option("--frames", flags->frames, "stop after so many frames")->check(CLI::PositiveNumber);

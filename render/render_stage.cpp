@@ -1,0 +1,92 @@
+#include "render/render_stage.h"
+
+#include <cmath>
+
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+namespace {
+
+// Bilinear, pixel centres at +0.5: in at every `step`-th pixel -> out at all.
+void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>& out, WorkerPool& pool) {
+  out.reshape(in.channels(), rows, cols);
+  if (step == 1) {
+    out.copy_from(in);
+    return;
+  }
+  const float scale = 1 / static_cast<float>(step);
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y) {
+      const float sy = std::clamp((static_cast<float>(y) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.rows() - 1));
+      const int ya = std::min(static_cast<int>(sy), in.rows() - 1), yb = std::min(ya + 1, in.rows() - 1);
+      const float fy = sy - static_cast<float>(ya);
+      for (int x = 0; x < cols; ++x) {
+        const float sx = std::clamp((static_cast<float>(x) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.cols() - 1));
+        const int xa = std::min(static_cast<int>(sx), in.cols() - 1), xb = std::min(xa + 1, in.cols() - 1);
+        const float fx = sx - static_cast<float>(xa);
+        for (int c = 0; c < in.channels(); ++c) {
+          const float top = in.at(c, ya, xa) + fx * (in.at(c, ya, xb) - in.at(c, ya, xa));
+          const float bottom = in.at(c, yb, xa) + fx * (in.at(c, yb, xb) - in.at(c, yb, xa));
+          out.at(c, y, x) = top + fy * (bottom - top);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace
+
+void RenderStage::render(const Moment& moment, HdrFrame& frame) {
+  Stopwatch watch;
+  const auto lap = [&](const char* stage) {
+    if (timing_) timing_(stage, watch.lap_ms());
+  };
+  emission_.render(moment, frame);
+  frame.depth.reshape(0, 0, 0);
+  lap("emission");
+  if (moment.field == nullptr || options_.layer == EmitLayer::State) return;
+  look_into_field(moment, frame);
+  if (options_.layer == EmitLayer::Field)
+    take_all(frame);
+  else
+    fill_unseen(moment, frame);
+  lap("field render");
+}
+
+void RenderStage::look_into_field(const Moment& moment, HdrFrame& frame) {
+  FieldViewRequest request;
+  request.T_world_camera = moment.field->pose().T_world_camera;
+  request.time_s = frame.facts.timestamp.seconds();
+  request.step = moment.field->fit().options().render_step;
+  renderer_.render(moment.field->field(), request, view_);
+  const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
+  enlarge(view_.radiance, request.step, rows, cols, radiance_, pool_);
+  enlarge(view_.depth, request.step, rows, cols, frame.depth, pool_);
+}
+
+void RenderStage::take_all(HdrFrame& frame) {
+  frame.radiance.copy_from(radiance_);
+  frame.provenance.fill(static_cast<std::uint8_t>(Provenance::Field));
+}
+
+// Where a channel was never seen unclipped the state holds a lower bound; the field may raise it.
+void RenderStage::fill_unseen(const Moment& moment, HdrFrame& frame) {
+  const float known = known_limit(moment.white);
+  const int cols = frame.radiance.cols();
+  const Image<float>& variance = emission_.variance();
+  pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        bool answered = false;
+        for (int c = 0; c < 3; ++c) {
+          if (variance.at(c, y, x) < known) continue;
+          float& bound = frame.radiance.at(c, y, x);
+          const float answer = std::min(radiance_.at(c, y, x), options_.largest_answer * bound);
+          if (answer > bound) bound = answer, answered = true;
+        }
+        if (answered) frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(Provenance::Field);
+      }
+  });
+}
+
+}  // namespace hdrcam
