@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLatestTime_s = 9e9;  // what nanoseconds in 64 bits hold
+constexpr double kLatestSeconds = 9e9;  // what nanoseconds in 64 bits hold
 
 // Python writes NaN and Infinity, which JSON does not know. They become strings of the same length, so that
 // positions stay and the field is refused for what it is: not a number.
@@ -166,7 +166,7 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   facts.analogue_gain = TRY(fields.exposure_factor("gain", 1));
   facts.digital_gain = TRY(fields.exposure_factor("digital_gain", 1));
   const double time_s = TRY(fields.number("time_s"));
-  if (!(std::abs(time_s) < kLatestTime_s))
+  if (!(std::abs(time_s) < kLatestSeconds))
     return fields.wrong("time_s", "it is the centre of the exposure in seconds");
   facts.timestamp = Instant::from_seconds(time_s);
   if (fields.has("timestamp_ns"))
@@ -204,7 +204,7 @@ Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot) {
   const FrameFacts usual;
   const double time_s = static_cast<double>(facts.timestamp.since_boot.count()) / 1e9;
   Json json = {{"file", frame.file}, {"time_s", time_s}, {"exposure_s", facts.exposure_s}};
-  const bool time_fits = std::abs(time_s) < kLatestTime_s && Instant::from_seconds(time_s) == facts.timestamp;
+  const bool time_fits = std::abs(time_s) < kLatestSeconds && Instant::from_seconds(time_s) == facts.timestamp;
   if (!time_fits) json["timestamp_ns"] = facts.timestamp.since_boot.count();
   if (facts.analogue_gain != usual.analogue_gain) json["gain"] = facts.analogue_gain;
   if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;

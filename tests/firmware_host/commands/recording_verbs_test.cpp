@@ -82,23 +82,23 @@ TEST_CASE("a failed import leaves neither a new output nor a changed old one") {
   };
   SECTION("the disk is full") {
     FaultyStorage disk(posix_storage(), {.space_bytes = 4000});
-    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::NoSpace);
+    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::NoSpace);
     untouched();
   }
   SECTION("the disk fails") {
     FaultyStorage disk(posix_storage(), {.failing_write = 3});
-    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::Io);
+    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::Io);
     untouched();
   }
   SECTION("the third image is missing") {
     std::filesystem::remove(folder + "/clip/ldr/0002.png");
     const auto imported = hdrcam_verb(line);
-    CHECK(imported.error().code == ErrorCode::NotFound);
+    CHECK(sample::error_of(imported).code == ErrorCode::NotFound);
     CHECK(imported.error().message.find("frame 2") != std::string::npos);
     untouched();
   }
   SECTION("the user interrupts") {
-    CHECK(hdrcam_verb(line, posix_storage(), true).error().code == ErrorCode::Interrupted);
+    CHECK(sample::error_of(hdrcam_verb(line, posix_storage(), true)).code == ErrorCode::Interrupted);
     untouched();
   }
   SECTION("and a good one replaces it") {
@@ -125,13 +125,13 @@ TEST_CASE(
   }
   SECTION("damaged") {
     FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
-    CHECK(hdrcam_verb(line, disk).error().code == ErrorCode::Corrupt);
+    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::Corrupt);
     CHECK(!std::filesystem::exists(folder + "/out/clip.json"));
   }
   SECTION("twice") {
     REQUIRE(hdrcam_verb(line).ok());
     const auto again = hdrcam_verb(line);
-    CHECK(again.error().code == ErrorCode::Invalid);
+    CHECK(sample::error_of(again).code == ErrorCode::Invalid);
     CHECK(again.error().message.find(folder + "/out") != std::string::npos);
   }
 }
@@ -178,5 +178,5 @@ TEST_CASE("info counts what is there and what is missing") {
   REQUIRE(cut.value().end);
   CHECK(cut.value().end->code == ErrorCode::Truncated);
   CHECK(cut.value().frames < 12);
-  CHECK(hdrcam_verb("info " + path + ".none").error().code == ErrorCode::NotFound);
+  CHECK(sample::error_of(hdrcam_verb("info " + path + ".none")).code == ErrorCode::NotFound);
 }

@@ -22,7 +22,7 @@ TEST_CASE("without faults the disk is the one below") {
   CHECK(read_whole(posix_storage(), path).value() == "hello");
   CHECK(read_whole(disk, path).value() == "hello");
   CHECK(disk.writes() == 1);
-  CHECK(disk.open(path + "y").error().code == ErrorCode::NotFound);
+  CHECK(sample::error_of(disk.open(path + "y")).code == ErrorCode::NotFound);
 }
 
 TEST_CASE("a full disk takes what fits and refuses the rest; what is rewritten needs no room") {
@@ -34,7 +34,7 @@ TEST_CASE("a full disk takes what fits and refuses the rest; what is rewritten n
   REQUIRE(file.value()->write_at(0, bytes("abcde")).ok());
   const auto full = file.value()->write_at(5, bytes("67890"));
   REQUIRE(!full.ok());
-  CHECK(full.error().code == ErrorCode::NoSpace);
+  CHECK(sample::error_of(full).code == ErrorCode::NoSpace);
   CHECK(full.error().message.find(path) != std::string::npos);
   CHECK(read_whole(posix_storage(), path).value() == "abcde678");
   CHECK(!file.value()->write_at(8, bytes("9")).ok());
@@ -46,11 +46,11 @@ TEST_CASE("one chosen write, read or sync is refused, the others are not") {
   auto file = disk.create(path);
   REQUIRE(file.ok());
   CHECK(file.value()->write_at(0, bytes("a")).ok());
-  CHECK(file.value()->write_at(1, bytes("b")).error().code == ErrorCode::Io);
+  CHECK(sample::error_of(file.value()->write_at(1, bytes("b"))).code == ErrorCode::Io);
   CHECK(file.value()->write_at(1, bytes("c")).ok());
   CHECK(file.value()->sync().ok());
-  CHECK(file.value()->sync().error().code == ErrorCode::Io);
-  CHECK(read_whole(disk, path).error().code == ErrorCode::Io);
+  CHECK(sample::error_of(file.value()->sync()).code == ErrorCode::Io);
+  CHECK(sample::error_of(read_whole(disk, path)).code == ErrorCode::Io);
   CHECK(read_whole(disk, path).value() == "ac");
 }
 

@@ -139,7 +139,7 @@ TEST_CASE("a full disk comes back as such and leaves a recording of whole frames
     const auto recorded = sample::record(disk, path, made.camera, made.frames);
     INFO("room for " << space << " of " << made.bytes << " bytes");
     REQUIRE(!recorded.ok());
-    REQUIRE(recorded.error().code == ErrorCode::NoSpace);
+    REQUIRE(sample::error_of(recorded).code == ErrorCode::NoSpace);
     REQUIRE(recorded.error().message.find(path) != std::string::npos);
     REQUIRE(sample::replay(posix_storage(), path).is_start_of(made.frames));
   }
@@ -161,7 +161,7 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
     auto writer = create_recording(disk, path, made.camera);
     std::size_t appended = 0;
     if (!writer) {
-      REQUIRE(writer.error().code == ErrorCode::Io);
+      REQUIRE(sample::error_of(writer).code == ErrorCode::Io);
       continue;
     }
     Result<void> last;
@@ -172,10 +172,10 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
     }
     if (last.ok()) last = writer.value()->finish();
     REQUIRE(!last.ok());
-    REQUIRE(last.error().code == ErrorCode::Io);
+    REQUIRE(sample::error_of(last).code == ErrorCode::Io);
     REQUIRE(last.error().sys_errno == EIO);
-    REQUIRE(writer.value()->append(made.frames[0]).error().code == ErrorCode::Io);
-    REQUIRE(writer.value()->finish().error().code == ErrorCode::Io);
+    REQUIRE(sample::error_of(writer.value()->append(made.frames[0])).code == ErrorCode::Io);
+    REQUIRE(sample::error_of(writer.value()->finish()).code == ErrorCode::Io);
     const auto replayed = sample::replay(posix_storage(), path);
     REQUIRE(replayed.frames.size() == appended);
     REQUIRE(replayed.is_start_of(made.frames));
@@ -188,7 +188,7 @@ TEST_CASE("a disk that refuses to sync or to read is reported") {
     FaultyStorage disk(posix_storage(), {.failing_sync = 0});
     const auto recorded = sample::record(disk, made.path + ".sync", made.camera, made.frames);
     REQUIRE(!recorded.ok());
-    CHECK(recorded.error().code == ErrorCode::Io);
+    CHECK(sample::error_of(recorded).code == ErrorCode::Io);
   }
   std::uint64_t all_reads = 0;
   {

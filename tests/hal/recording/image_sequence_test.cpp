@@ -75,7 +75,7 @@ TEST_CASE("a clip gives its facts: gain, centre of exposure, pose, slots of the 
        R"("file":"3.png","time_s":0.1,"exposure_s":0.016,"later":"ignored")"});
   for (const std::string& path : {folder.path, folder.path + "/clip.json", folder.path + "/"}) {
     const auto clip = ImageSequence::open(posix_storage(), path);
-    INFO(clip.error().message);
+    INFO(sample::error_of(clip).message);
     REQUIRE(clip.ok());
     CHECK(clip.value().camera().layout == PixelLayout::Rgb);
     CHECK(clip.value().camera().intrinsics->fx_px == 5.5);
@@ -189,7 +189,8 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused(
       "{" + std::string(kHead) + R"(,"frames":[{"file":"0.png","exposure_s":1,"time_s":0,"c2w":[1,2]},{}]})",
       {"c2w", "12"});
-  CHECK(ImageSequence::open(posix_storage(), folder.path + "/none").error().code == ErrorCode::NotFound);
+  CHECK(sample::error_of(ImageSequence::open(posix_storage(), folder.path + "/none")).code ==
+        ErrorCode::NotFound);
 }
 
 TEST_CASE("codes of 9 to 16 bits are read from the upper bits or from the full scale of a 16-bit image") {
@@ -239,7 +240,7 @@ TEST_CASE("a damaged PNG is an error, never a crash, wherever the damage is") {
     const auto image = read_png(disk, path, 13, 9);
     INFO("cut at byte " << cut);
     REQUIRE(!image.ok());
-    REQUIRE(image.error().code == ErrorCode::Corrupt);
+    REQUIRE(sample::error_of(image).code == ErrorCode::Corrupt);
   }
   std::mt19937 random(8);
   for (int trial = 0; trial < 5000; ++trial) {
@@ -280,6 +281,7 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
         REQUIRE(frame.ok());
         CHECK(sample::same(frame.value(), frames[static_cast<std::size_t>(i)]));
       }
-      CHECK(ImageSequenceWriter::create(posix_storage(), folder, camera).error().code == ErrorCode::Invalid);
+      CHECK(sample::error_of(ImageSequenceWriter::create(posix_storage(), folder, camera)).code ==
+            ErrorCode::Invalid);
     }
 }

@@ -16,7 +16,8 @@ namespace hdrcam::sample {
 // A folder of its own for each test of each run, empty at the start, gone at the end of the run.
 inline std::string scratch_folder(const std::string& name) {
   struct Root {
-    std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("hdrcam_tests_{}", ::getpid());
+    std::filesystem::path path =
+        std::filesystem::temp_directory_path() / fmt::format("hdrcam_tests_{}", ::getpid());
     ~Root() {
       std::error_code ignored;
       std::filesystem::remove_all(path, ignored);
@@ -72,6 +73,12 @@ inline std::vector<RawFrame> frames(const CameraFacts& camera, int count, unsign
     frames.push_back({std::move(frame_facts), picture(camera, random)});
   }
   return frames;
+}
+
+// The error of what must have failed; an ok result gives a code that no test expects.
+template <class T>
+Error error_of(const Result<T>& result) {
+  return result.ok() ? Error{ErrorCode::Timeout, "no error"} : result.error();
 }
 
 inline bool same_bits(double a, double b) {
