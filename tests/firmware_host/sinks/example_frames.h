@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "hal/fault/faulty_storage.h"
 #include "render/hdr_frame.h"
 
 namespace hdrcam::test {
@@ -44,6 +45,13 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
       }
   }
   return frame;
+}
+
+// A disk that is full once files have grown by so much in all.
+inline StorageFaults disk_of(std::uint64_t bytes) {
+  StorageFaults faults;
+  faults.space_bytes = bytes;
+  return faults;
 }
 
 // An empty folder under the system's temporary one, made anew.

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "hal/fault/faulty_storage.h"
 #include "tests/firmware_host/sinks/example_frames.h"
 
 #include <catch2/catch.hpp>
@@ -97,7 +96,7 @@ TEST_CASE("layers that do not exist are refused with the nearest that does") {
 
 TEST_CASE("a full disk ends the sequence with an error and leaves only whole files") {
   const std::string folder = scratch_folder("exr-full");
-  FaultyStorage full(posix_storage(), {.space_bytes = 6000});
+  FaultyStorage full(posix_storage(), test::disk_of(6000));
   auto sink = create_exr_sequence(full, folder + "/%04d.exr", {});
   REQUIRE(sink.ok());
   std::uint64_t written = 0;
