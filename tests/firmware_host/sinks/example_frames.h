@@ -3,8 +3,6 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
-#include <string>
 
 #include "hal/fault/faulty_storage.h"
 #include "render/hdr_frame.h"
@@ -52,14 +50,6 @@ inline StorageFaults disk_of(std::uint64_t bytes) {
   StorageFaults faults;
   faults.space_bytes = bytes;
   return faults;
-}
-
-// An empty folder under the system's temporary one, made anew.
-inline std::string scratch_folder(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("hdrcam-test-" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder.string();
 }
 
 }  // namespace hdrcam::test

@@ -4,18 +4,19 @@
 #include <filesystem>
 
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using sample::scratch_folder;
 using test::example_frame;
-using test::scratch_folder;
 using test::With;
 
 namespace {
 
-float sample(const ExrImage& image, std::string_view channel, int y, int x) {
+float value_in(const ExrImage& image, std::string_view channel, int y, int x) {
   const auto index = image.find(channel);
   REQUIRE(index.has_value());
   return image.samples.at(*index, y, x);
@@ -39,7 +40,7 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
   const ExrImage& image = read.value();
   CHECK(image.names == std::vector<std::string>{"B", "G", "R"});
   const float half_precision = 0x1p-11f;
-  CHECK(sample(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
+  CHECK(value_in(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
 
   const ExrAttributes& facts = image.attributes;
   CHECK(*facts.exposure_s == Approx(0.004));
@@ -65,12 +66,12 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
     const auto read = read_exr(posix_storage(), folder + "/0001.exr");
     REQUIRE(read.ok());
     CHECK(read.value().names.size() == 3 + 1 + 2 + 2 + 1);
-    CHECK(sample(read.value(), "Z", 6, 0) == 7);
-    CHECK(sample(read.value(), "backward.u", 2, 2) == 0.5f);
-    CHECK(sample(read.value(), "backward.v", 2, 2) == -1.5f);
-    CHECK(sample(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
-    CHECK(sample(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
-    CHECK(sample(read.value(), "provenance", 0, 31) == 4);
+    CHECK(value_in(read.value(), "Z", 6, 0) == 7);
+    CHECK(value_in(read.value(), "backward.u", 2, 2) == 0.5f);
+    CHECK(value_in(read.value(), "backward.v", 2, 2) == -1.5f);
+    CHECK(value_in(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
+    CHECK(value_in(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
+    CHECK(value_in(read.value(), "provenance", 0, 31) == 4);
   }
 }
 
@@ -81,8 +82,8 @@ TEST_CASE("a frame without depth or motion has zeros in those layers, so that th
   REQUIRE(sink.value()->emit(example_frame(0)).ok());
   const auto read = read_exr(posix_storage(), folder + "/0000.exr");
   REQUIRE(read.ok());
-  CHECK(sample(read.value(), "Z", 5, 5) == 0);
-  CHECK(sample(read.value(), "backward.u", 5, 5) == 0);
+  CHECK(value_in(read.value(), "Z", 5, 5) == 0);
+  CHECK(value_in(read.value(), "backward.u", 5, 5) == 0);
 }
 
 TEST_CASE("layers that do not exist are refused with the nearest that does") {

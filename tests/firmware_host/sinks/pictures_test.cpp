@@ -10,12 +10,13 @@
 #include "firmware_host/sinks/null.h"
 #include "firmware_host/sinks/preview.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using sample::scratch_folder;
 using test::example_frame;
-using test::scratch_folder;
 using test::With;
 
 namespace {

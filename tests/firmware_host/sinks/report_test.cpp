@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/svg_chart.h"
 #include "tests/firmware_host/example_run.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
@@ -133,7 +134,7 @@ TEST_CASE("ticks are round and lie within the axis") {
 }
 
 TEST_CASE("a report that cannot be written whole is not written at all") {
-  const std::string path = test::scratch_folder("report-full") + "/report.html";
+  const std::string path = sample::scratch_folder("report-full") + "/report.html";
   FaultyStorage full(posix_storage(), test::disk_of(1000));
   CHECK(write_report(full, path, test::example_run(48), {}).error().code == ErrorCode::NoSpace);
   CHECK(posix_storage().open(path).error().code == ErrorCode::NotFound);
