@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cfenv>
 #include <exception>
 #include <ostream>
 #include <string_view>
@@ -104,6 +105,18 @@ Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   return unknown_verb(topic);
 }
 
+// A verb may flush denormals on its thread (hal/core/cpu.h); the caller of run_program gets its mode back.
+class FloatingPointMode {
+ public:
+  FloatingPointMode() { std::fegetenv(&saved_); }
+  ~FloatingPointMode() { std::fesetenv(&saved_); }
+  FloatingPointMode(const FloatingPointMode&) = delete;
+  FloatingPointMode& operator=(const FloatingPointMode&) = delete;
+
+ private:
+  std::fenv_t saved_{};
+};
+
 std::shared_ptr<CLI::App> command_line(Verb& chosen) {
   auto app = std::make_shared<CLI::App>("", "hdrcam");
   app->require_subcommand(1);
@@ -155,6 +168,7 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
       out << request->text << std::flush;
       return kExitOk;
     }
+    const FloatingPointMode restored_at_end;
     Surroundings surroundings{storage, stop};
     const Result<void> done = request->verb(surroundings);
     return done ? kExitOk : end_with(done.error());

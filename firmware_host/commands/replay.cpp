@@ -168,7 +168,9 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
       TRY(pipeline->take(*raw, deliver));
       ++record.captured;
     }
-    TRY(pipeline->finish(deliver));
+    auto finished = pipeline->finish(deliver);
+    const bool stopped_too_soon = ended_early && !finished && finished.error().code == ErrorCode::TooShort;
+    if (!finished && !stopped_too_soon) return finished;
   }
   TRY(sinks.finish());
   conclude_record(record, pipeline->online(),

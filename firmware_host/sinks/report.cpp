@@ -106,8 +106,13 @@ std::string tiles(const RunRecord& record) {
              share < kMetWell ? "bad" : "good");
   }
   html += tile(fmt::format("{}", record.dropped), "", "frames dropped", record.dropped > 0 ? "bad" : "");
-  for (std::size_t i = 0; i < std::min<std::size_t>(2, record.scores.size()); ++i)
-    html += tile(fmt::format("{:.4g}", record.scores[i].value), record.scores[i].unit, record.scores[i].name);
+  for (const bool higher_is_better : {true, false}) {  // the first score of each kind
+    const auto score = std::find_if(record.scores.begin(), record.scores.end(), [&](const ScoreRow& row) {
+      return row.higher_is_better == higher_is_better;
+    });
+    if (score != record.scores.end())
+      html += tile(fmt::format("{:.4g}", score->value), score->unit, score->name);
+  }
   if (record.peak_memory_mib > 0)
     html += tile(fmt::format("{:.0f}", record.peak_memory_mib), "MiB", "peak memory");
   return html + "</div>\n";

@@ -4,15 +4,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "tests/firmware_host/sinks/example_frames.h"
+#include "firmware_host/exit_code.h"
+#include "firmware_host/program.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
@@ -50,7 +54,7 @@ bool becomes_true(const std::function<bool()>& condition) {
 }  // namespace
 
 TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the process") {
-  const std::string fifo = hdrcam::test::scratch_folder("signals") + "/fifo";
+  const std::string fifo = hdrcam::sample::scratch_folder("signals") + "/fifo";
   REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
   for (const int signal : {SIGINT, SIGTERM}) {
     const pid_t process = started({HDRCAM_BINARY, "info", fifo});
@@ -65,4 +69,14 @@ TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the pr
     CHECK(WIFSIGNALED(status));
     CHECK(WTERMSIG(status) == signal);
   }
+}
+
+TEST_CASE("a run that is asked to stop ends with 130, and what it says is true") {
+  const std::string pattern = hdrcam::sample::scratch_folder("stopped") + "/%06d.exr";
+  const std::vector<const char*> args{"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o",
+                                      pattern.c_str()};
+  const std::atomic<bool> stop{true};
+  std::ostringstream out, err;
+  CHECK(hdrcam::run_program(args, hdrcam::posix_storage(), stop, out, err) == hdrcam::kExitInterrupted);
+  CHECK(err.str() == "hdrcam: stopped after 0 frames; they are complete.\n");
 }

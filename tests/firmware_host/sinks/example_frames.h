@@ -3,9 +3,8 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
-#include <string>
 
+#include "hal/fault/faulty_storage.h"
 #include "render/hdr_frame.h"
 
 namespace hdrcam::test {
@@ -46,12 +45,11 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
   return frame;
 }
 
-// An empty folder under the system's temporary one, made anew.
-inline std::string scratch_folder(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("hdrcam-test-" + name);
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder.string();
+// A disk that is full once files have grown by so much in all.
+inline StorageFaults disk_of(std::uint64_t bytes) {
+  StorageFaults faults;
+  faults.space_bytes = bytes;
+  return faults;
 }
 
 }  // namespace hdrcam::test

@@ -3,20 +3,20 @@
 #include <cmath>
 #include <filesystem>
 
-#include "hal/fault/faulty_storage.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using sample::scratch_folder;
 using test::example_frame;
-using test::scratch_folder;
 using test::With;
 
 namespace {
 
-float sample(const ExrImage& image, std::string_view channel, int y, int x) {
+float value_in(const ExrImage& image, std::string_view channel, int y, int x) {
   const auto index = image.find(channel);
   REQUIRE(index.has_value());
   return image.samples.at(*index, y, x);
@@ -40,7 +40,7 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
   const ExrImage& image = read.value();
   CHECK(image.names == std::vector<std::string>{"B", "G", "R"});
   const float half_precision = 0x1p-11f;
-  CHECK(sample(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
+  CHECK(value_in(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
 
   const ExrAttributes& facts = image.attributes;
   CHECK(*facts.exposure_s == Approx(0.004));
@@ -66,12 +66,12 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
     const auto read = read_exr(posix_storage(), folder + "/0001.exr");
     REQUIRE(read.ok());
     CHECK(read.value().names.size() == 3 + 1 + 2 + 2 + 1);
-    CHECK(sample(read.value(), "Z", 6, 0) == 7);
-    CHECK(sample(read.value(), "backward.u", 2, 2) == 0.5f);
-    CHECK(sample(read.value(), "backward.v", 2, 2) == -1.5f);
-    CHECK(sample(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
-    CHECK(sample(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
-    CHECK(sample(read.value(), "provenance", 0, 31) == 4);
+    CHECK(value_in(read.value(), "Z", 6, 0) == 7);
+    CHECK(value_in(read.value(), "backward.u", 2, 2) == 0.5f);
+    CHECK(value_in(read.value(), "backward.v", 2, 2) == -1.5f);
+    CHECK(value_in(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
+    CHECK(value_in(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
+    CHECK(value_in(read.value(), "provenance", 0, 31) == 4);
   }
 }
 
@@ -82,8 +82,8 @@ TEST_CASE("a frame without depth or motion has zeros in those layers, so that th
   REQUIRE(sink.value()->emit(example_frame(0)).ok());
   const auto read = read_exr(posix_storage(), folder + "/0000.exr");
   REQUIRE(read.ok());
-  CHECK(sample(read.value(), "Z", 5, 5) == 0);
-  CHECK(sample(read.value(), "backward.u", 5, 5) == 0);
+  CHECK(value_in(read.value(), "Z", 5, 5) == 0);
+  CHECK(value_in(read.value(), "backward.u", 5, 5) == 0);
 }
 
 TEST_CASE("layers that do not exist are refused with the nearest that does") {
@@ -97,7 +97,7 @@ TEST_CASE("layers that do not exist are refused with the nearest that does") {
 
 TEST_CASE("a full disk ends the sequence with an error and leaves only whole files") {
   const std::string folder = scratch_folder("exr-full");
-  FaultyStorage full(posix_storage(), {.space_bytes = 6000});
+  FaultyStorage full(posix_storage(), test::disk_of(6000));
   auto sink = create_exr_sequence(full, folder + "/%04d.exr", {});
   REQUIRE(sink.ok());
   std::uint64_t written = 0;

@@ -9,14 +9,14 @@
 #include "firmware_host/sinks/contact_sheet.h"
 #include "firmware_host/sinks/null.h"
 #include "firmware_host/sinks/preview.h"
-#include "hal/fault/faulty_storage.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using sample::scratch_folder;
 using test::example_frame;
-using test::scratch_folder;
 using test::With;
 
 namespace {
@@ -77,7 +77,7 @@ TEST_CASE("the preview shows brighter radiance brighter, the same way in every f
 
 TEST_CASE("a preview on a full disk is an error") {
   const std::string folder = scratch_folder("preview-full");
-  FaultyStorage full(posix_storage(), {.space_bytes = 10});
+  FaultyStorage full(posix_storage(), test::disk_of(10));
   auto sink = create_preview(full, folder + "/%03d.png");
   REQUIRE(sink.ok());
   CHECK(sink.value()->emit(example_frame(0)).error().code == ErrorCode::NoSpace);

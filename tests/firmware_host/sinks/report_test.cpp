@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "firmware_host/sinks/svg_chart.h"
-#include "hal/fault/faulty_storage.h"
 #include "tests/firmware_host/example_run.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
@@ -134,8 +134,8 @@ TEST_CASE("ticks are round and lie within the axis") {
 }
 
 TEST_CASE("a report that cannot be written whole is not written at all") {
-  const std::string path = test::scratch_folder("report-full") + "/report.html";
-  FaultyStorage full(posix_storage(), {.space_bytes = 1000});
+  const std::string path = sample::scratch_folder("report-full") + "/report.html";
+  FaultyStorage full(posix_storage(), test::disk_of(1000));
   CHECK(write_report(full, path, test::example_run(48), {}).error().code == ErrorCode::NoSpace);
   CHECK(posix_storage().open(path).error().code == ErrorCode::NotFound);
   CHECK(write_report(posix_storage(), path, test::example_run(48), {}).ok());
