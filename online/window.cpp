@@ -106,12 +106,15 @@ Result<void> Window::advance(const FieldObservation& seen) {
   if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
   frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
   take_base(seen, frame);
-  if (previous != nullptr && usable(seen.to_previous, rows, cols)) take_flow(seen.to_previous, frame, *previous, Neighbour::Previous);
-  if (previous != nullptr && usable(seen.from_previous, rows, cols)) take_flow(seen.from_previous, *previous, frame, Neighbour::Next);
-  if (previous != nullptr)
-    carry_guide(*previous, frame);
+  if (previous != nullptr && usable(seen.to_previous, rows, cols))
+    carry_guide(*previous, *seen.to_previous, frame);
   else
     frame.guide.fill(options_.default_inverse_depth);
+  guide_by_prior(frame);
+  if (previous != nullptr) {
+    if (usable(seen.to_previous, rows, cols)) take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
+    if (usable(seen.from_previous, rows, cols)) take_flow(*seen.from_previous, *previous, frame, Neighbour::Next);
+  }
   order_.push_back(&frame);
   return {};
 }
@@ -136,19 +139,19 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
   if (has_shape(seen.inverse_depth, 1, rows, cols)) frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
-// Lifts a flow of pixels to a displacement in window space, both ends at the guide's depth. The flow the other way
+// Lifts a flow of pixels to a displacement in window space, both ends at the depth that is known best. The flow the other way
 // starts as its opposite until it is measured: motion is nearly uniform over two frames.
-void Window::take_flow(const FlowField* flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const {
+void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const {
   const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
   int moving = 0;
   for (int y = 0; y < frustum_.rows; ++y)
     for (int x = 0; x < frustum_.cols; ++x) {
-      float dx = flow->vectors.at(0, y, x), dy = flow->vectors.at(1, y, x), sure = flow->confidence.at(0, y, x);
+      float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x), sure = flow.confidence.at(0, y, x);
       if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(sure)) dx = dy = sure = 0;
       dx = std::clamp(dx, -kMaxFlow_px, kMaxFlow_px), dy = std::clamp(dy, -kMaxFlow_px, kMaxFlow_px);
-      const double q = static_cast<double>(guide_at(from.guide, y, x));
+      const double q = static_cast<double>(depth_at(from, y, x));
       const double start[2] = {x + 0.5, y + 0.5};
       const double end[2] = {start[0] + static_cast<double>(dx), start[1] + static_cast<double>(dy)};
       double x_start[3], x_end[3];
@@ -168,18 +171,39 @@ void Window::take_flow(const FlowField* flow, WindowFrame& from, const WindowFra
 }
 
 // The guide of a new frame: the previous one's, fetched along the flow.
-void Window::carry_guide(const WindowFrame& from, WindowFrame& to) const {
+void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const {
   for (int y = 0; y < to.guide.rows(); ++y)
     for (int x = 0; x < to.guide.cols(); ++x) {
       const int px = std::min(x * kGuideStep + kGuideStep / 2, frustum_.cols - 1);
       const int py = std::min(y * kGuideStep + kGuideStep / 2, frustum_.rows - 1);
-      const BasePixel& base = to.base.at(0, py, px);
-      const bool moved = to.has_flow[static_cast<int>(Neighbour::Previous)];
-      const float dx = moved ? base[kBaseFlow + 2] : 0, dy = moved ? base[kBaseFlow + 3] : 0;
-      const int sx = std::clamp(px + static_cast<int>(std::lround(dx)), 0, frustum_.cols - 1);
-      const int sy = std::clamp(py + static_cast<int>(std::lround(dy)), 0, frustum_.rows - 1);
-      to.guide.at(0, y, x) = guide_at(from.guide, sy, sx);
+      const auto moved = [&](int axis, int at, int size) {
+        const float flow = to_previous.vectors.at(axis, py, px);
+        return std::isfinite(flow) ? std::clamp(at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px))), 0, size - 1) : at;
+      };
+      to.guide.at(0, y, x) = guide_at(from.guide, moved(1, py, frustum_.rows), moved(0, px, frustum_.cols));
     }
+}
+
+// Where a prior knows enough of a tile, its mean is the guide.
+void Window::guide_by_prior(WindowFrame& frame) const {
+  if (frame.depth_prior.empty()) return;
+  constexpr int kEnough = kGuideStep * kGuideStep / 4;
+  for (int y = 0; y < frame.guide.rows(); ++y)
+    for (int x = 0; x < frame.guide.cols(); ++x) {
+      float sum = 0;
+      int known = 0;
+      for (int py = y * kGuideStep; py < std::min((y + 1) * kGuideStep, frustum_.rows); ++py)
+        for (int px = x * kGuideStep; px < std::min((x + 1) * kGuideStep, frustum_.cols); ++px) {
+          const float q = frame.depth_prior.at(0, py, px);
+          if (std::isfinite(q)) sum += std::clamp(q, 0.f, 1.f), ++known;
+        }
+      if (known >= kEnough) frame.guide.at(0, y, x) = sum / static_cast<float>(known);
+    }
+}
+
+float Window::depth_at(const WindowFrame& frame, int y, int x) const {
+  const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
+  return prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
 }
 
 PoseMatrix Window::move_anchor() {
@@ -197,7 +221,7 @@ PoseMatrix Window::move_anchor() {
       for (int y = 0; y < frustum_.rows; ++y)
         for (int x = 0; x < frustum_.cols; ++x) {
           BasePixel& base = frame(i).base.at(0, y, x);
-          const double q = static_cast<double>(guide_at(frame(i).guide, y, x)), start[2] = {x + 0.5, y + 0.5};
+          const double q = static_cast<double>(depth_at(frame(i), y, x)), start[2] = {x + 0.5, y + 0.5};
           double point[3], end[2], x_end[3];
           here.place(start, q, point);
           for (std::size_t a = 0; a < 2; ++a) point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];

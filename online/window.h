@@ -29,7 +29,7 @@ struct FieldObservation {
   const Image<float>* variance = nullptr;      // of radiance; >= kUnseenVariance: nobody saw the pixel
   const FlowField* to_previous = nullptr;      // this frame -> previous
   const FlowField* from_previous = nullptr;    // previous frame -> this one
-  const Image<float>* inverse_depth = nullptr; // [1, rows, cols] prior in the window's units, null if there is none
+  const Image<float>* inverse_depth = nullptr; // [1, rows, cols] prior: near / z, NaN where unknown; null: none
   PoseMatrix T_world_camera = kIdentityPose;   // identity where the camera is fixed or unknown
 };
 
@@ -95,8 +95,10 @@ class Window {
 
  private:
   void take_base(const FieldObservation& seen, WindowFrame& frame) const;
-  void take_flow(const FlowField* flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const;
-  void carry_guide(const WindowFrame& from, WindowFrame& to) const;
+  void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const;
+  void carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const;
+  void guide_by_prior(WindowFrame& frame) const;
+  float depth_at(const WindowFrame& frame, int y, int x) const;
 
   WindowFrustum frustum_;
   WindowOptions options_;

@@ -16,7 +16,8 @@ struct RaySamples {
   T inverse_depth[kMaxSamples], spacing[kMaxSamples];
   T position[kMaxSamples][3];
   FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
-  FieldSample<T> warped[kMaxSamples];  // the neighbour's dynamic branch where the scene flow leads
+  FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
+  FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch where the scene flow leads
   // where the neighbour's camera sees the sample: unmoved, and displaced by the scene flow with d pixel / d window point
   T landing_still[kMaxSamples][2], landing_moving[kMaxSamples][2], landing_jacobian[kMaxSamples][2][3];
 };
@@ -44,8 +45,8 @@ void set_densities(const RaySamples<T>& ray, Blend blend, Composite<T>& combined
     const T v = ray.still[k].blend;
     combined.density[0][k] = ray.has_static ? (weighted ? v : T(1)) * ray.still[k].density : T(0);
     combined.density[1][k] = ray.has_dynamic ? (weighted ? 1 - v : T(1)) * ray.moving[k].density : T(0);
-    warped.density[0][k] = 0;
-    warped.density[1][k] = ray.warped[k].density;
+    warped.density[0][k] = combined.density[0][k];
+    warped.density[1][k] = (weighted ? 1 - v : T(1)) * ray.warped[k].density;
   }
 }
 
@@ -68,12 +69,29 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
   }
   if (!ray.warps) return picture;
   composite_ray(ray.spacing, trace.warped);
-  for (int k = 0; k < ray.count; ++k)
-    for (int c = 0; c < 3; ++c) picture.warped_radiance[c] += trace.warped.weight[k] * ray.warped[k].radiance[c];
+  for (int k = 0; k < ray.count; ++k) {
+    const T moving = trace.warped.weight[k] * trace.warped.share[k], still = trace.warped.weight[k] - moving;
+    for (int c = 0; c < 3; ++c)
+      picture.warped_radiance[c] += still * ray.still_there[k].radiance[c] + moving * ray.warped[k].radiance[c];
+  }
   return picture;
 }
 
-// Adds to `d` (still, moving, warped) from d_picture and, for losses on the weights themselves, d_weight[count].
+// The way back of set_densities; `dynamic` names the samples whose density went in beside the static one's.
+template <class T>
+void pull_densities(const RaySamples<T>& ray, Blend blend, FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples],
+                    const T (*d_density)[kMaxSamples], RaySamples<T>& d) {
+  const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
+  for (int k = 0; k < ray.count; ++k) {
+    const T v = ray.still[k].blend;
+    if (ray.has_static) d.still[k].density += (weighted ? v : T(1)) * d_density[0][k];
+    if (ray.has_dynamic) (d.*dynamic)[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
+    if (weighted)
+      d.still[k].blend += d_density[0][k] * ray.still[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
+  }
+}
+
+// Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves, d_weight[count].
 // flow_unit[3]: window units per unit of flow.
 template <class T>
 void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, const RayPicture<T>& d_picture,
@@ -105,24 +123,23 @@ void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, c
     d_share[k] = w * (of_moving - of_still);
   }
   pull_composite(ray.spacing, c, d_weight, d_share, d_density);
-  for (int k = 0; k < ray.count; ++k) {
-    const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
-    const T v = ray.still[k].blend;
-    if (ray.has_static) d.still[k].density += (weighted ? v : T(1)) * d_density[0][k];
-    if (ray.has_dynamic) d.moving[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
-    if (weighted)
-      d.still[k].blend += d_density[0][k] * ray.still[k].density - d_density[1][k] * ray.moving[k].density;
-  }
+  pull_densities(ray, blend, &RaySamples<T>::moving, d_density, d);
   if (!ray.warps) return;
+  const Composite<T>& there = trace.warped;
   for (int k = 0; k < ray.count; ++k) {
-    d_weight[k] = d_share[k] = 0;
+    const T s = there.share[k], w = there.weight[k];
+    T of_still = 0, of_moving = 0;
     for (int j = 0; j < 3; ++j) {
-      d_weight[k] += d_picture.warped_radiance[j] * ray.warped[k].radiance[j];
-      d.warped[k].radiance[j] += trace.warped.weight[k] * d_picture.warped_radiance[j];
+      of_still += d_picture.warped_radiance[j] * ray.still_there[k].radiance[j];
+      of_moving += d_picture.warped_radiance[j] * ray.warped[k].radiance[j];
+      d.still_there[k].radiance[j] += w * (1 - s) * d_picture.warped_radiance[j];
+      d.warped[k].radiance[j] += w * s * d_picture.warped_radiance[j];
     }
+    d_weight[k] = (1 - s) * of_still + s * of_moving;
+    d_share[k] = w * (of_moving - of_still);
   }
-  pull_composite(ray.spacing, trace.warped, d_weight, d_share, d_density);
-  for (int k = 0; k < ray.count; ++k) d.warped[k].density += d_density[1][k];
+  pull_composite(ray.spacing, there, d_weight, d_share, d_density);
+  pull_densities(ray, blend, &RaySamples<T>::warped, d_density, d);
 }
 
 }  // namespace hdrcam

@@ -40,7 +40,7 @@ constexpr std::array<LossFact, 14> kLosses = {{
     {"warped", 0.5f, "picture warped from a neighbour against the codes"},
     {"occlusion", 0.02f, "occlusion weights towards visible"},
     {"flow", 0.02f, "rendered scene flow against the flow prior, per pixel"},
-    {"depth", 0.f, "rendered inverse depth against a prior, if one is given"},
+    {"depth", 0.1f, "rendered inverse depth against a prior, if one is given"},
     {"cycle", 0.02f, "scene flow there and back, per pixel"},
     {"spatial", 0.002f, "scene flow of neighbouring samples of a ray"},
     {"temporal", 0.002f, "uniform motion"},

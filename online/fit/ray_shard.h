@@ -174,9 +174,12 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
       const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s], warped_.position.plane(2)[s]};
       view.project(ray.position[k], ray.landing_still[k], nullptr);
       view.project(point, ray.landing_moving[k], ray.landing_jacobian[k]);
-      T warped_base[12];
-      fetch_base(there.base, ray.landing_moving[k], warped_base, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
-      ray.warped[k] = decode_dynamic(warped_.raw, s, warped_base);
+      T base_there[12];
+      fetch_base(there.base, ray.landing_moving[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+      ray.warped[k] = decode_dynamic(warped_.raw, s, base_there);
+      if (!step.has_static) continue;
+      fetch_base(there.base, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+      decode_radiance(still_.raw, s, base_there, ray.still_there[k]);
     }
   }
   RayTrace<T> trace;
@@ -184,6 +187,7 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
 
   const FieldSample<T> none;
   std::fill_n(d_.still, ray.count, none), std::fill_n(d_.moving, ray.count, none), std::fill_n(d_.warped, ray.count, none);
+  std::fill_n(d_.still_there, ray.count, none);
   RayPicture<T> d_picture;
   T d_ray_weight[kMaxSamples] = {};
   LossValues<T> losses{};
@@ -209,9 +213,14 @@ void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& ta
     if (ray.has_dynamic)
       pull_dynamic(moving_.raw, s, base, ray.moving[k], d.moving[k], moving_.d_raw, static_cast<T*>(nullptr));
     if (!ray.warps) continue;
-    T warped_base[12], d_x[12], d_y[12], d_base[12] = {};
-    fetch_base(neighbour(step.window, target).base, ray.landing_moving[k], warped_base, d_x, d_y);
-    pull_dynamic(warped_.raw, s, warped_base, ray.warped[k], d.warped[k], warped_.d_raw, d_base);
+    const Image<BasePixel>& there = neighbour(step.window, target).base;
+    T base_there[12], d_x[12], d_y[12], d_base[12] = {};
+    if (ray.has_static) {
+      fetch_base(there, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+      pull_radiance(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw, static_cast<T*>(nullptr));
+    }
+    fetch_base(there, ray.landing_moving[k], base_there, d_x, d_y);
+    pull_dynamic(warped_.raw, s, base_there, ray.warped[k], d.warped[k], warped_.d_raw, d_base);
     T d_landing[2] = {0, 0};
     for (int i = 0; i < 12; ++i) d_landing[0] += d_base[i] * d_x[i], d_landing[1] += d_base[i] * d_y[i];
     for (int a = 0; a < 3; ++a)
