@@ -1,0 +1,165 @@
+// The main job from outside: the program, a recording, and what it leaves on the disk.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <vector>
+
+#include "firmware_host/program.h"
+#include "hal/fault/faulty_storage.h"
+#include "render/exr.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Outcome {
+  int code;
+  std::string err;
+};
+
+Outcome run(const std::vector<std::string>& words, Storage& storage = posix_storage(), bool stop_at_once = false) {
+  std::vector<const char*> args;
+  for (const auto& word : words) args.push_back(word.c_str());
+  const std::atomic<bool> stop{stop_at_once};
+  std::ostringstream out, err;
+  const int code = run_program(args, storage, stop, out, err);
+  return {code, err.str()};
+}
+
+const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+
+std::string write_clip(const std::string& folder, int frames) {
+  const test::MovingScene scene;
+  const std::string path = folder + "/clip.mkv";
+  auto writer = create_recording(posix_storage(), path, scene.camera()).value();
+  for (int i = 0; i < frames; ++i) REQUIRE(writer->append(scene.frame(i)).ok());
+  REQUIRE(writer->finish().ok());
+  return path;
+}
+
+std::vector<std::string> files_in(const std::string& folder, const std::string& extension) {
+  std::vector<std::string> names;
+  if (!fs::exists(folder)) return names;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.path().extension() == extension) names.push_back(entry.path().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+TEST_CASE("the demo recording becomes HDR frames brighter than any LDR level, a preview, statistics and a report") {
+  const std::string out = sample::scratch_folder("replay_demo");
+  const Outcome outcome = run({"replay", kDemo, "-o", out + "/%06d.exr", "--frames", "8", "--preset", "fast", "--layers",
+                               "depth,flow,confidence,provenance", "--preview", out + "/preview/%06d.png", "--stats",
+                               out + "/stats.json", "--sheet", out + "/sheet.png", "--report", out + "/report.html"});
+  INFO(outcome.err);
+  REQUIRE(outcome.code == 0);
+  const auto frames = files_in(out, ".exr");
+  REQUIRE(frames.size() == 8);
+  float brightest = 0;
+  for (const auto& path : frames) {
+    const auto picture = read_exr(posix_storage(), path).value();
+    for (const float v : picture.samples.samples()) REQUIRE(std::isfinite(v));
+    for (const auto& name : exr_channel::kRadiance) {
+      const auto channel = picture.find(name);
+      REQUIRE(channel.has_value());
+      const float* plane = picture.samples.plane(*channel);
+      brightest = std::max(brightest, *std::max_element(plane, plane + picture.samples.plane_size()));
+    }
+  }
+  CHECK(brightest > 1.5f);  // 1 is the brightest level of the reference exposure
+  CHECK(files_in(out + "/preview", ".png").size() == 8);
+  CHECK(bytes_of(out + "/stats.json").find("\"ms_per_frame\"") != std::string::npos);
+  CHECK(bytes_of(out + "/report.html").find("</html>") != std::string::npos);
+  CHECK(fs::file_size(out + "/sheet.png") > 1000);
+}
+
+TEST_CASE("one thread and two leave the same bytes, another seed leaves others") {
+  const std::string folder = sample::scratch_folder("replay_threads"), clip = write_clip(folder, 7);
+  const auto replay_to = [&](const std::string& name, const std::string& threads, const std::string& seed) {
+    REQUIRE(run({"replay", clip, "-o", folder + "/" + name + "/%06d.exr", "--emit", "field", "--preset", "fast", "--threads",
+                 threads, "--seed", seed})
+                .code == 0);
+    std::vector<std::string> all;
+    for (const auto& path : files_in(folder + "/" + name, ".exr")) all.push_back(bytes_of(path));
+    return all;
+  };
+  const auto one = replay_to("one", "1", "7");
+  REQUIRE(one.size() == 7);
+  CHECK(one == replay_to("two", "2", "7"));
+  CHECK(one != replay_to("other", "1", "8"));
+}
+
+TEST_CASE("each layer can be had alone") {
+  const std::string folder = sample::scratch_folder("replay_layers"), clip = write_clip(folder, 6);
+  for (const char* layer : {"merged", "state", "field"}) {
+    REQUIRE(run({"replay", clip, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset", "fast"}).code == 0);
+    CHECK(files_in(folder + "/" + layer, ".exr").size() == 6);
+  }
+}
+
+TEST_CASE("what cannot be is said in one sentence, with an exit code of its own") {
+  const std::string folder = sample::scratch_folder("replay_errors");
+  const std::string clip = write_clip(folder, 6), output = folder + "/out/%06d.exr";
+  const auto expect = [&](int code, const std::string& word, const std::vector<std::string>& words) {
+    const Outcome outcome = run(words);
+    INFO(outcome.err);
+    CHECK(outcome.code == code);
+    CHECK(outcome.err.find(word) != std::string::npos);
+    CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') >= 1);
+  };
+  expect(3, "nothing.mkv", {"replay", folder + "/nothing.mkv", "-o", output});
+  expect(4, "CMakeLists.txt", {"replay", HDRCAM_SOURCE_DIR "/CMakeLists.txt", "-o", output});
+  expect(2, "--speed", {"replay", clip, "--speed", "9"});
+  expect(2, "preset", {"replay", clip, "--preset", "quick"});
+  expect(2, "layer", {"replay", clip, "--emit", "all"});
+  expect(2, "%0", {"replay", clip, "-o", folder + "/frame.exr"});
+  fs::create_directories(folder + "/one");
+  expect(9, "1 frame", {"replay", write_clip(folder + "/one", 1), "-o", output});
+  std::ofstream(folder + "/file") << "in the way";
+  expect(10, "file", {"replay", clip, "-o", folder + "/file/%06d.exr"});
+}
+
+TEST_CASE("a recording that was cut gives the frames before the cut and exit code 5") {
+  const std::string folder = sample::scratch_folder("replay_cut"), clip = write_clip(folder, 8);
+  fs::resize_file(clip, fs::file_size(clip) * 6 / 10);
+  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"});
+  INFO(outcome.err);
+  CHECK(outcome.code == 5);
+  const auto frames = files_in(folder + "/out", ".exr");
+  CHECK(frames.size() >= 2);
+  CHECK(frames.size() < 8);
+  for (const auto& path : frames) CHECK(read_exr(posix_storage(), path).ok());
+}
+
+TEST_CASE("a full disk ends the run with exit code 11, and what is there is whole") {
+  const std::string folder = sample::scratch_folder("replay_full"), clip = write_clip(folder, 6);
+  FaultyStorage full(posix_storage(), {.space_bytes = 60'000});
+  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"}, full);
+  INFO(outcome.err);
+  CHECK(outcome.code == 11);
+  const auto frames = files_in(folder + "/out", ".exr");
+  CHECK(frames.size() < 6);
+  for (const auto& path : frames) CHECK(read_exr(posix_storage(), path).ok());
+  CHECK(files_in(folder + "/out", ".part").empty());
+}
+
+TEST_CASE("^C ends the run with exit code 130") {
+  const std::string folder = sample::scratch_folder("replay_stop"), clip = write_clip(folder, 6);
+  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
+  CHECK(outcome.code == 130);
+}

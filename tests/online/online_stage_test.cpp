@@ -1,0 +1,118 @@
+#include "online/online_stage.h"
+
+#include <cmath>
+
+#include "render/emission.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+struct Run {
+  std::vector<std::uint64_t> sequences;
+  std::vector<float> radiance;
+  Result<void> result;
+};
+
+Run run(const test::MovingScene& scene, int frames, const OnlineOptions& options, int threads) {
+  WorkerPool pool(threads);
+  OnlineStage stage(options, scene.camera(), nullptr, pool);
+  Emission emission({}, pool);
+  HdrFrame frame;
+  Run run;
+  const OnlineStage::Emit emit = [&](const Moment& moment) -> Result<void> {
+    emission.render(moment, frame);
+    run.sequences.push_back(frame.facts.sequence);
+    const auto samples = frame.radiance.samples();
+    run.radiance.insert(run.radiance.end(), samples.begin(), samples.end());
+    return {};
+  };
+  for (int i = 0; i < frames; ++i) {
+    run.result = stage.ingest(scene.frame(i), emit);
+    if (!run.result) return run;
+  }
+  run.result = stage.finish(emit);
+  return run;
+}
+
+}  // namespace
+
+TEST_CASE("every frame is emitted once and in order, whatever the look-ahead and the length of the clip") {
+  const test::MovingScene scene;
+  for (const int look_ahead : {0, 1, 2})
+    for (const int frames : {2, 3, 6, 7, 11}) {
+      OnlineOptions options;
+      options.look_ahead = look_ahead;
+      const Run result = run(scene, frames, options, 1);
+      REQUIRE(result.result.ok());
+      REQUIRE(result.sequences.size() == static_cast<std::size_t>(frames));
+      for (int i = 0; i < frames; ++i) CHECK(result.sequences[static_cast<std::size_t>(i)] == static_cast<std::uint64_t>(i));
+      for (const float l : result.radiance) REQUIRE((std::isfinite(l) && l >= 0));
+    }
+}
+
+TEST_CASE("the same frames give the same bytes on one thread and on three, with the field and without") {
+  const test::MovingScene scene;
+  OnlineOptions options;
+  CHECK(run(scene, 9, options, 1).radiance == run(scene, 9, options, 3).radiance);
+  FieldStageOptions field;
+  field.field.steps_per_frame = 3;
+  options.field = field;
+  CHECK(run(scene, 7, options, 1).radiance == run(scene, 7, options, 3).radiance);
+}
+
+TEST_CASE("the merged frames are nearer to the scene than the frames that went in") {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128;
+  const Run result = run(scene, 12, {}, 2);
+  REQUIRE(result.result.ok());
+  const Response truth = Response::gamma(scene.gamma);
+  const std::size_t pixels = static_cast<std::size_t>(scene.rows * scene.cols);
+  // both are scaled to the truth by their median ratio: the response leaves one gain open
+  const auto log_error = [&](auto&& estimate, int frame) {
+    std::vector<double> logs;
+    for (int y = 0; y < scene.rows; ++y)
+      for (int x = 0; x < scene.cols; ++x)
+        logs.push_back(std::log2(std::max(1e-5, estimate(y, x)) / scene.radiance(frame, 1, x, y)));
+    auto middle = logs;
+    std::nth_element(middle.begin(), middle.begin() + static_cast<std::ptrdiff_t>(middle.size() / 2), middle.end());
+    double sum = 0;
+    for (const double e : logs) sum += std::abs(e - middle[middle.size() / 2]);
+    return sum / static_cast<double>(logs.size());
+  };
+  for (int i = 3; i < 11; ++i) {
+    const RawFrame raw = scene.frame(i);
+    const double own = log_error(
+        [&](int y, int x) {
+          return static_cast<double>(truth.exposure_of(1, static_cast<float>(raw.codes.at(1, y, x)))) / raw.facts.exposure_s;
+        },
+        i);
+    const double merged = log_error(
+        [&](int y, int x) {
+          return static_cast<double>(result.radiance[(static_cast<std::size_t>(i) * 3 + 1) * pixels +
+                                                     static_cast<std::size_t>(y * scene.cols + x)]);
+        },
+        i);
+    INFO("frame " << i << ": own " << own << ", merged " << merged << " stops");
+    CHECK(merged < own);
+    CHECK(merged < 0.25);
+  }
+}
+
+TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
+  test::MovingScene scene;
+  const Run one = run(scene, 1, {}, 1);
+  REQUIRE_FALSE(one.result.ok());
+  CHECK(one.result.error().code == ErrorCode::TooShort);
+  for (const double bad : {0., -0.004, std::nan(""), HUGE_VAL}) {
+    scene.exposures_s = {0.001, bad};
+    scene.full_well = 0;
+    const Run refused = run(scene, 3, {}, 1);
+    REQUIRE_FALSE(refused.result.ok());
+    CHECK(refused.result.error().code == ErrorCode::BadExposure);
+    CHECK(refused.result.error().message.find("frame 1") != std::string::npos);
+  }
+}

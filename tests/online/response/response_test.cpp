@@ -1,0 +1,102 @@
+#include "online/response/response.h"
+
+#include <cmath>
+
+#include "capture/unpack.h"
+#include "online/response/response_estimator.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+std::vector<ExposedFrame> exposed(const test::MovingScene& scene, int count) {
+  UnpackSettings settings;
+  settings.reference_exposure = 0.004;
+  std::vector<ExposedFrame> frames;
+  for (int i = 0; i < count; ++i) frames.push_back(unpack(scene.frame(i), i, 1 / 30., settings).value());
+  return frames;
+}
+
+ResponseEstimate estimated(const std::vector<ExposedFrame>& frames) {
+  ResponseEstimator estimator;
+  for (std::size_t i = 1; i < frames.size(); ++i) CHECK(estimator.add_pair(frames[i - 1], frames[i]));
+  return estimator.estimate({});
+}
+
+}  // namespace
+
+TEST_CASE("a response is strictly monotone and inverts itself") {
+  for (const float exponent : {1.f, 2.2f, 4.f}) {
+    const Response response = Response::gamma(exponent);
+    for (int c = 0; c < 3; ++c) {
+      CHECK(response.exposure_of(c, 255) == Approx(1));
+      for (std::size_t z = 1; z < 256; ++z) REQUIRE(response.inverse(c)[z] > response.inverse(c)[z - 1]);
+      for (float code = 3; code < 255; code += 3.5f)
+        CHECK(response.code_of(c, response.exposure_of(c, code)) == Approx(code).margin(0.3));
+    }
+  }
+}
+
+TEST_CASE("the leak is continuous at 0 and 1, and its slope is the derivative and never zero") {
+  const Response response = Response::gamma(2.2f);
+  float slope = 0;
+  CHECK(response.leaky_value(0, 0, &slope) == Approx(0).margin(5e-3));
+  CHECK(response.leaky_value(0, 1, &slope) == Approx(1));
+  CHECK(response.leaky_value(0, 1.0001f, &slope) == Approx(1).margin(1e-4));
+  for (const float x : {-3.f, -0.1f, 1.2f, 2.f, 50.f}) {
+    const float h = 1e-2f * std::abs(x);
+    float ignored = 0;
+    const float numeric = (response.leaky_value(1, x + h, &ignored) - response.leaky_value(1, x - h, &ignored)) / (2 * h);
+    response.leaky_value(1, x, &slope);
+    CHECK(slope == Approx(numeric).epsilon(0.02).margin(2e-6));
+    CHECK(slope > 0);
+  }
+}
+
+TEST_CASE("the response is found from six frames of an unknown camera") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  for (const float exponent : {1.6f, 2.2f, 2.8f}) {
+    scene.gamma = exponent;
+    const auto estimate = estimated(exposed(scene, 6));
+    INFO("gamma " << exponent);
+    CHECK(response_error(estimate.response, Response::gamma(exponent)) < 0.06);
+    CHECK(response_error(prior_mean_response(), Response::gamma(exponent)) >
+          1.5 * response_error(estimate.response, Response::gamma(exponent)));
+    for (const float black : estimate.black_level) CHECK(black < 2);
+  }
+}
+
+TEST_CASE("a black level is found together with the response") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  scene.sensitivity = 60;  // a dark scene: black pixels are there to be seen
+  scene.black_level = 14;
+  const auto estimate = estimated(exposed(scene, 6));
+  for (const float black : estimate.black_level) CHECK(black == Approx(14).margin(1.5));
+  CHECK(response_error(estimate.response, Response::gamma(2.2f)) < 0.15);
+}
+
+TEST_CASE("pairs that say nothing are left out") {
+  test::MovingScene scene;
+  auto frames = exposed(scene, 4);
+  ResponseEstimator estimator;
+  SECTION("of the same exposure") { CHECK_FALSE(estimator.add_pair(frames[0], frames[3])); }
+  SECTION("of unproved exposure") {
+    frames[1].facts.flags |= kFrameExposureUnproved;
+    CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
+  }
+  SECTION("across a scene cut") {
+    ExposedFrame& other = frames[1];
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < scene.rows; ++y)
+        for (int x = 0; x < scene.cols; ++x)
+          other.codes.at(c, y, x) = 128 + 100 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
+    CHECK_FALSE(estimator.add_pair(frames[0], other));
+  }
+  CHECK(estimator.pairs() == 0);
+  CHECK(response_error(estimator.estimate({}).response, prior_mean_response()) < 1e-3);
+}

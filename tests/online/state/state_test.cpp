@@ -1,0 +1,184 @@
+#include <cmath>
+
+#include "capture/unpack.h"
+#include "online/state/local_statistics.h"
+#include "online/state/state_filter.h"
+#include "online/state/warp.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+Image<float> texture(int rows, int cols) {
+  Image<float> image(3, rows, cols);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x)
+        image.at(c, y, x) = 2 + static_cast<float>(std::sin(0.31 * x + c) * std::cos(0.23 * y));
+  return image;
+}
+
+Image<float> uniform_flow(int rows, int cols, float dx, float dy) {
+  Image<float> flow(2, rows, cols);
+  std::fill_n(flow.plane(0), flow.plane_size(), dx);
+  std::fill_n(flow.plane(1), flow.plane_size(), dy);
+  return flow;
+}
+
+FlowField still(int rows, int cols) {
+  FlowField flow{uniform_flow(rows, cols, 0, 0), Image<float>(1, rows, cols)};
+  flow.confidence.fill(1);
+  return flow;
+}
+
+ExposedFrame unpacked(const RawFrame& raw, int index) {
+  UnpackSettings settings;
+  settings.reference_exposure = 0.004;
+  return unpack(raw, index, 1 / 30., settings).value();
+}
+
+}  // namespace
+
+TEST_CASE("a picture that does not move is copied bit for bit") {
+  WorkerPool pool(2);
+  const auto image = texture(21, 34);
+  Image<float> out;
+  for (const float tiny : {0.f, 0.01f, -0.015f}) {  // below half of 1/32 pixel
+    warp_cubic(image, uniform_flow(21, 34, tiny, -tiny), 0.3f, out, pool);
+    REQUIRE(std::equal(image.samples().begin(), image.samples().end(), out.samples().begin()));
+  }
+}
+
+TEST_CASE("a warp by whole and by fractional pixels finds the values of a smooth picture") {
+  WorkerPool pool(1);
+  const auto image = texture(40, 60);
+  Image<float> cubic, linear;
+  for (const float dx : {3.f, -2.f, 0.5f, 1.34375f}) {
+    warp_cubic(image, uniform_flow(40, 60, dx, 1), 0, cubic, pool);
+    warp_linear(image, uniform_flow(40, 60, dx, 1), linear, pool);
+    for (int y = 6; y < 34; ++y)
+      for (int x = 6; x < 54; ++x) {
+        const double truth = 2 + std::sin(0.31 * (x + static_cast<double>(dx)) + 1) * std::cos(0.23 * (y + 1));
+        REQUIRE(cubic.at(1, y, x) == Approx(truth).margin(0.004));
+        REQUIRE(linear.at(1, y, x) == Approx(truth).margin(0.02));
+      }
+  }
+}
+
+TEST_CASE("a flow that leads nowhere repeats the border and reads nothing outside") {
+  WorkerPool pool(1);
+  const auto image = texture(5, 7);
+  Image<float> out;
+  for (const float wild : {1e9f, -1e9f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    warp_cubic(image, uniform_flow(5, 7, wild, wild), 0.3f, out, pool);
+    for (const float v : out.samples()) REQUIRE(std::isfinite(v));
+    warp_linear(image, uniform_flow(5, 7, wild, wild), out, pool);
+    for (const float v : out.samples()) REQUIRE((v >= 1 && v <= 3));
+  }
+}
+
+TEST_CASE("box means and local contrast agree with sums written out") {
+  WorkerPool pool(2);
+  const auto image = texture(9, 11);
+  Image<float> mean, contrast, small, large;
+  box_mean(image, 1, small, pool);
+  box_mean(image, 2, large, pool);
+  local_contrast(image, mean, contrast, pool);
+  const auto mirrored = [](int i, int n) { return i < 0 ? -i : i >= n ? 2 * n - 2 - i : i; };
+  for (int y = 0; y < 9; ++y)
+    for (int x = 0; x < 11; ++x) {
+      double sum[3] = {}, square = 0;
+      for (int r = 1; r <= 2; ++r)
+        for (int dy = -r; dy <= r; ++dy)
+          for (int dx = -r; dx <= r; ++dx) {
+            const auto v = static_cast<double>(image.at(2, mirrored(y + dy, 9), mirrored(x + dx, 11)));
+            sum[r] += v;
+            if (r == 1) square += v * v;
+          }
+      REQUIRE(small.at(2, y, x) == Approx(sum[1] / 9));
+      REQUIRE(large.at(2, y, x) == Approx(sum[2] / 25));
+      REQUIRE(mean.at(2, y, x) == Approx(sum[1] / 9));
+      REQUIRE(contrast.at(2, y, x) == Approx(square / 9 - sum[1] / 9 * sum[1] / 9).margin(1e-5));
+    }
+}
+
+TEST_CASE("frames of a still scene add up: the error falls and the variance says by how much") {
+  test::MovingScene scene;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 400, scene.read_noise = 6;
+  WorkerPool pool(2);
+  const Response response = Response::gamma(scene.gamma);
+  NoiseModel noise;
+  noise.full_well = 400, noise.read_noise = 6, noise.code_noise = 0;
+  StateFilter filter({}, scene.rows, scene.cols, pool);
+  filter.fusion().set_white(4);
+  const auto error = [&](const Image<float>& radiance) {
+    double sum = 0;
+    int count = 0;
+    for (int y = 0; y < scene.rows; ++y)
+      for (int x = 0; x < scene.cols; ++x) {
+        const double truth = scene.radiance(0, 1, x, y);
+        if (truth > 1) continue;
+        const double e = std::log(std::max(1e-4, static_cast<double>(radiance.at(1, y, x))) / truth);
+        sum += e * e, ++count;
+      }
+    return std::sqrt(sum / count);
+  };
+  double first = 0;
+  for (int i = 0; i < 12; ++i) {
+    auto raw = scene.frame(i);
+    raw.facts.exposure_s = 0.004;
+    scene.exposures_s = {0.004};
+    const auto frame = unpacked(scene.frame(i), i);
+    const ExposureTables tables(response, noise, frame.exposure);
+    if (i == 0)
+      filter.restart(frame, tables);
+    else
+      filter.advance(frame, tables, still(scene.rows, scene.cols));
+    if (i == 0) first = error(filter.state().radiance);
+  }
+  CHECK(error(filter.state().radiance) < 0.55 * first);
+}
+
+TEST_CASE("what is clipped in every frame stays a lower bound and is called unseen") {
+  test::MovingScene scene;
+  scene.sensitivity = 1e7;
+  WorkerPool pool(1);
+  StateFilter filter({}, scene.rows, scene.cols, pool);
+  filter.fusion().set_white(4);
+  for (int i = 0; i < 4; ++i) {
+    const auto frame = unpacked(scene.frame(i), i);
+    const ExposureTables tables(Response::gamma(2.2f), {}, frame.exposure);
+    if (i == 0)
+      filter.restart(frame, tables);
+    else
+      filter.advance(frame, tables, still(scene.rows, scene.cols));
+  }
+  for (const float v : filter.state().variance.samples()) REQUIRE(v >= known_limit(4));
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(4));  // the shortest exposure's bound
+}
+
+TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {
+  constexpr int kRows = 20, kCols = 20;
+  WorkerPool pool(1);
+  Fusion fusion({}, kRows, kCols, pool);
+  fusion.set_white(4);
+  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols), Image<float>(1, kRows, kCols)};
+  state.radiance.fill(0.2f);
+  state.variance.fill(1e-5f);
+  const ExposureTables tables(Response::gamma(2.2f), {}, 1);
+  Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate;
+  confidence.fill(1);
+  Samples samples;
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x)
+      for (int c = 0; c < 3; ++c) codes.at(c, y, x) = tables.code(c, x < kCols / 2 ? 0.2f : 0.5f);
+  fusion.sample(codes, codes, tables, samples);
+  fusion.gate(state, samples, tables, confidence, gate);
+  CHECK(gate.at(0, 10, 2) > 0.95f);
+  CHECK(gate.at(0, 10, 17) < 0.05f);
+  CHECK(gate.at(0, 10, 17) > 0);
+}
