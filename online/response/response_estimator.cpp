@@ -168,7 +168,7 @@ class Ranking {
 
 struct ResponseEstimator::Curve {
   Vector g;
-  double misfit = 0;
+  double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior
 };
 
 bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
@@ -209,21 +209,24 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
   std::array<Vector, 3> best;
   BlackLevel best_black{};
   double least = std::numeric_limits<double>::max();
+  // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior counts half
+  // here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
+  constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
   const float bound = *std::max_element(darkest_.begin(), darkest_.end());
   for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
     if (share > 0 && (bound < 1 || share * bound > kMaxBlackLevel)) continue;
     std::array<Vector, 3> curves;
     BlackLevel black{};
-    double misfit = 0;
+    double misfit = share > 0 ? kPedestalPenalty : 0;
     for (std::size_t c = 0; c < 3; ++c) {
       black[c] = share * darkest_[c];
       const Curve curve = solve(c, black[c], noise);
       curves[c] = curve.g;
-      misfit += curve.misfit;
+      misfit += curve.match_misfit + kPriorShare * curve.prior_misfit;
     }
     if (misfit < least) least = misfit, best = curves, best_black = black;
   }
-  return {Response(curves_of(best)), best_black, least};
+  return {Response(curves_of(best)), best_black};
 }
 
 ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
@@ -276,7 +279,8 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
       if (used > 0) misfit += sum * std::max(used, usable) / used;
     }
     const Vector d = g - p.mean;
-    curve.misfit = misfit + d.dot(p.precision * d);
+    curve.match_misfit = misfit;
+    curve.prior_misfit = d.dot(p.precision * d);
     if (iteration == kIterations) break;
     g = A.llt().solve(b);
     for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);

@@ -21,7 +21,6 @@ namespace hdrcam {
 struct ResponseEstimate {
   Response response;
   BlackLevel black_level{};
-  double misfit = 0;  // of matches and prior, -2 ln of the unnormalised posterior
 };
 
 class ResponseEstimator {

@@ -12,7 +12,7 @@ using Weights = std::array<float, 4>;
 
 std::array<Weights, kSubpixels> make_cubic_weights() {
   std::array<Weights, kSubpixels> table{};
-  constexpr float a = -0.75f;
+  constexpr float a = -0.5f;
   for (int i = 0; i < kSubpixels; ++i) {
     const float f = static_cast<float>(i) / kSubpixels;
     auto& w = table[static_cast<std::size_t>(i)];

@@ -7,7 +7,7 @@
 
 namespace hdrcam {
 
-// Cubic convolution (a = -0.75), every channel; with `limit` > 0 the result stays within 1 -+ limit of the bilinear
+// Cubic convolution (a = -0.5, Catmull-Rom), every channel; with `limit` > 0 the result stays within 1 -+ limit of the bilinear
 // value, so that no ringing builds up in a recursion. in, out: [n, rows, cols]; flow: [dx dy, rows, cols] pixels.
 void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out, WorkerPool& pool);
 

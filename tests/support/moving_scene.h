@@ -20,12 +20,14 @@ struct MovingScene {
   double full_well = 8000, read_noise = 4;             // electrons; 0 full well: no noise
   int black_level = 0;                                 // codes
   double framerate_hz = 30;
+  double detail = 1;                                   // of the texture: below 1 it is smoother
 
   CameraFacts camera() const {
     CameraFacts facts;
     facts.name = "moving scene";
     facts.width = cols, facts.height = rows;
     facts.framerate_hz = framerate_hz;
+    facts.intrinsics = Intrinsics{static_cast<double>(cols), static_cast<double>(cols), cols / 2.0, rows / 2.0};
     return facts;
   }
 
@@ -42,9 +44,9 @@ struct MovingScene {
   }
 
   double radiance(int frame, int channel, double x, double y) const {
-    const double u = x - drift_px * frame;
-    double log2_l = -3 + 2.2 * std::sin(u * 0.21) * std::cos(y * 0.17) + 1.5 * std::sin(u * 0.05 + y * 0.09) +
-                    0.6 * std::sin(u * 0.9 + 2 * y * 0.4) + 0.3 * channel;
+    const double u = (x - drift_px * frame) * detail, v = y * detail;
+    double log2_l = -3 + 2.2 * std::sin(u * 0.21) * std::cos(v * 0.17) + 1.5 * std::sin(u * 0.05 + v * 0.09) +
+                    0.6 * std::sin(u * 0.9 + v * 0.8) + 0.3 * channel;
     const double dx = x - (cols * 0.3 + disc_px * frame), dy = y - rows * 0.5;
     if (dx * dx + dy * dy < rows * rows * 0.03) log2_l = 1.2 + 0.5 * std::sin(dx) + 0.5 * std::cos(dy * 1.3);
     return std::exp2(log2_l);

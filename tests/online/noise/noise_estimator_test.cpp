@@ -11,6 +11,7 @@ TEST_CASE("shot noise is measured from a still scene, and nothing is claimed fro
   test::MovingScene scene;
   scene.rows = 96, scene.cols = 128;
   scene.drift_px = scene.disc_px = 0;
+  scene.detail = 0.2;
   WorkerPool pool(2);
   const Response response = Response::gamma(scene.gamma);
   FlowField still{Image<float>(2, scene.rows, scene.cols), Image<float>(1, scene.rows, scene.cols)};

@@ -146,6 +146,7 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
 TEST_CASE("what is clipped in every frame stays a lower bound and is called unseen") {
   test::MovingScene scene;
   scene.sensitivity = 1e7;
+  scene.full_well = 0;
   WorkerPool pool(1);
   StateFilter filter({}, scene.rows, scene.cols, pool);
   filter.fusion().set_white(4);
