@@ -165,9 +165,8 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
 }
 
 std::string series_colour(std::size_t i) {
-  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1",
-                                "#76b7b2", "#edc948", "#9c755f", "#ff9da7", "#8c8c8c",
-                                "#5b6cc9", "#a0508f"};
+  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1", "#76b7b2",
+                                "#edc948", "#9c755f", "#ff9da7", "#8c8c8c", "#5b6cc9", "#a0508f"};
   return kColours[i % kColours.size()];
 }
 
