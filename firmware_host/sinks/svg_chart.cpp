@@ -12,7 +12,7 @@ namespace {
 
 // The picture in user units; the page scales it to its column.
 constexpr double kWidth = 560, kHeight = 250;
-constexpr double kLeft = 62, kRight = 14, kTop = 12, kBottom = 44;
+constexpr double kLeft = 70, kRight = 14, kTop = 12, kBottom = 44;
 constexpr double kBarGap = 0.12;  // of a bar's width
 
 struct Range {
@@ -165,8 +165,8 @@ std::vector<double> round_ticks(double least, double most, int wanted) {
 }
 
 std::string series_colour(std::size_t i) {
-  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1",
-                                "#76b7b2", "#edc948", "#9c755f", "#ff9da7", "#8c8c8c"};
+  constexpr std::array kColours{"#4e79a7", "#f28e2b", "#59a14f", "#e15759", "#b07aa1", "#76b7b2",
+                                "#edc948", "#9c755f", "#ff9da7", "#8c8c8c", "#5b6cc9", "#a0508f"};
   return kColours[i % kColours.size()];
 }
 
