@@ -60,8 +60,8 @@ class ViewGeometry {
     x[2] = kDepthOffset + kDepthScale * q / z;
   }
 
-  // pixel where a window point is seen; jacobian [2][3] = d pixel / d x, may be null
-  void project(const T x[3], T pixel[2], T (*jacobian)[3]) const {
+  // how a window point is seen: pixel x, y and inverse depth; jacobian [3][3] = d seen / d x, may be null
+  void project(const T x[3], T seen[3], T (*jacobian)[3]) const {
     T ray[3] = {0, 0, 1};
     for (int i = 0; i < 2; ++i)
       ray[i] = (((x[i] - T(0.5)) * margin_ + T(0.5)) * size_[i] - centre_[i]) / focal_[i];
@@ -71,16 +71,18 @@ class ViewGeometry {
       p[i] = from_anchor_[i][0] * ray[0] + from_anchor_[i][1] * ray[1] + from_anchor_[i][2] + from_anchor_[i][3] * q;
     const bool behind = p[2] < kNearest;
     const T z = behind ? kNearest : p[2];
-    for (int i = 0; i < 2; ++i) pixel[i] = focal_[i] * p[i] / z + centre_[i];
+    for (int i = 0; i < 2; ++i) seen[i] = focal_[i] * p[i] / z + centre_[i];
+    seen[2] = q / z;
     if (jacobian == nullptr) return;
     const T ray_per_x[3] = {margin_ * size_[0] / focal_[0], margin_ * size_[1] / focal_[1], 1 / kDepthScale};
     constexpr int kColumn[3] = {0, 1, 3};
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const int column = kColumn[j];
-        const T d_z = behind ? T(0) : from_anchor_[2][column];
+    for (int j = 0; j < 3; ++j) {
+      const int column = kColumn[j];
+      const T d_z = behind ? T(0) : from_anchor_[2][column];
+      for (int i = 0; i < 2; ++i)
         jacobian[i][j] = focal_[i] / z * (from_anchor_[i][column] - p[i] / z * d_z) * ray_per_x[j];
-      }
+      jacobian[2][j] = ((j == 2 ? T(1) : T(0)) - q / z * d_z) / z * ray_per_x[j];
+    }
   }
 
   // of a window coordinate d, as the anchor sees it

@@ -111,6 +111,7 @@ Result<void> Window::advance(const FieldObservation& seen) {
   else
     frame.guide.fill(options_.default_inverse_depth);
   guide_by_prior(frame);
+  take_surface(frame);
   if (previous != nullptr) {
     if (usable(seen.to_previous, rows, cols)) take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
     if (usable(seen.from_previous, rows, cols)) take_flow(*seen.from_previous, *previous, frame, Neighbour::Next);
@@ -151,7 +152,7 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
       float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x), sure = flow.confidence.at(0, y, x);
       if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(sure)) dx = dy = sure = 0;
       dx = std::clamp(dx, -kMaxFlow_px, kMaxFlow_px), dy = std::clamp(dy, -kMaxFlow_px, kMaxFlow_px);
-      const double q = static_cast<double>(depth_at(from, y, x));
+      const double q = static_cast<double>(from.base.at(0, y, x)[kBaseSurface]);
       const double start[2] = {x + 0.5, y + 0.5};
       const double end[2] = {start[0] + static_cast<double>(dx), start[1] + static_cast<double>(dy)};
       double x_start[3], x_end[3];
@@ -201,9 +202,13 @@ void Window::guide_by_prior(WindowFrame& frame) const {
     }
 }
 
-float Window::depth_at(const WindowFrame& frame, int y, int x) const {
-  const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
-  return prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
+// The prior where it knows, the guide elsewhere.
+void Window::take_surface(WindowFrame& frame) const {
+  for (int y = 0; y < frustum_.rows; ++y)
+    for (int x = 0; x < frustum_.cols; ++x) {
+      const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
+      frame.base.at(0, y, x)[kBaseSurface] = prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
+    }
 }
 
 PoseMatrix Window::move_anchor() {
@@ -221,8 +226,8 @@ PoseMatrix Window::move_anchor() {
       for (int y = 0; y < frustum_.rows; ++y)
         for (int x = 0; x < frustum_.cols; ++x) {
           BasePixel& base = frame(i).base.at(0, y, x);
-          const double q = static_cast<double>(depth_at(frame(i), y, x)), start[2] = {x + 0.5, y + 0.5};
-          double point[3], end[2], x_end[3];
+          const double q = static_cast<double>(base[kBaseSurface]), start[2] = {x + 0.5, y + 0.5};
+          double point[3], end[3], x_end[3];
           here.place(start, q, point);
           for (std::size_t a = 0; a < 2; ++a) point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];
           there.project(point, end, nullptr);

@@ -34,12 +34,14 @@ struct FieldObservation {
 };
 
 // The base of one pixel, interleaved because the field reads all of it at a fractional position.
-using BasePixel = std::array<float, 12>;
+constexpr int kBaseChannels = 16;  // a cache line; three are not used
+using BasePixel = std::array<float, kBaseChannels>;
 enum BaseChannel : int {
   kBaseLogRadiance = 0,  // rgb
   kBaseGate = 3,         // rgb 0..1: V / (V + trusted_sigma^2), V the variance of log radiance
   kBaseFlow = 6,         // forward u v, backward u v: displacement in window space in pixels of the anchor
   kBaseConfidence = 10,  // forward, backward 0..1
+  kBaseSurface = 12,     // inverse depth of what the pixel sees, as far as it is known
 };
 
 enum class Neighbour : int { Next = 0, Previous = 1 };
@@ -98,7 +100,7 @@ class Window {
   void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const;
   void carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const;
   void guide_by_prior(WindowFrame& frame) const;
-  float depth_at(const WindowFrame& frame, int y, int x) const;
+  void take_surface(WindowFrame& frame) const;
 
   WindowFrustum frustum_;
   WindowOptions options_;
@@ -108,7 +110,7 @@ class Window {
   long arrived_ = 0;
 };
 
-// The base at a fractional pixel (clamped to the picture), bilinear: value[12], and its slopes along x and y where
+// The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes along x and y where
 // asked for. Pixel centres at +0.5.
 template <class T>
 void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {

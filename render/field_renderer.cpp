@@ -25,27 +25,38 @@ float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(
 
 }  // namespace
 
-// The guide of a frame, seen from elsewhere: each of its points is carried to the tile where the view sees it, nearer
-// points win, and empty tiles keep what the frame had at the same place.
-void FieldRenderer::splat_guide(const RadianceField& field, const ProbeView& from) {
+// The surface of a frame, seen from elsewhere: each of its pixels is carried to where the view sees it, nearer ones win.
+// What nothing falls on is a disoccluded background: it continues the farther of its neighbours.
+void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& from) {
   const WindowFrustum& frustum = field.window.frustum();
   const WindowFrame& frame = field.window.frame(from.frame);
-  guide_.copy_from(frame.guide);
-  if (from.T_anchor_camera == frame.T_anchor_camera) return;
+  const int rows = (frustum.rows + kSplat - 1) / kSplat, cols = (frustum.cols + kSplat - 1) / kSplat;
+  guide_.reshape(1, rows, cols);
+  guide_.fill(0);
   const ViewGeometry<float> here(frustum, frame.T_anchor_camera), there(frustum, from.T_anchor_camera);
-  Image<float> seen(1, guide_.rows(), guide_.cols());
-  for (int y = 0; y < guide_.rows(); ++y)
-    for (int x = 0; x < guide_.cols(); ++x) {
-      const float centre[2] = {(static_cast<float>(x) + 0.5f) * kGuideStep, (static_cast<float>(y) + 0.5f) * kGuideStep};
-      float point[3], pixel[2];
-      here.place(centre, frame.guide.at(0, y, x), point);
-      there.project(point, pixel, nullptr);
-      const int tx = static_cast<int>(std::floor(pixel[0] / kGuideStep)), ty = static_cast<int>(std::floor(pixel[1] / kGuideStep));
-      if (tx < 0 || ty < 0 || tx >= guide_.cols() || ty >= guide_.rows()) continue;
-      seen.at(0, ty, tx) = std::max(seen.at(0, ty, tx), frame.guide.at(0, y, x));
+  for (int y = 0; y < frustum.rows; ++y)
+    for (int x = 0; x < frustum.cols; ++x) {
+      const float centre[2] = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
+      float point[3], seen[3];
+      here.place(centre, frame.base.at(0, y, x)[kBaseSurface], point);
+      there.project(point, seen, nullptr);
+      const int tx = static_cast<int>(std::floor(seen[0] / kSplat)), ty = static_cast<int>(std::floor(seen[1] / kSplat));
+      if (tx < 0 || ty < 0 || tx >= cols || ty >= rows) continue;
+      guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
     }
-  for (std::size_t i = 0; i < seen.size(); ++i)
-    if (seen.samples()[i] > 0) guide_.samples()[i] = seen.samples()[i];
+  const float farthest = 0.02f;
+  for (int y = 0; y < rows; ++y) {
+    float* row = guide_.row(0, y);
+    for (int x = 0; x < cols; ++x) {
+      if (row[x] > 0) continue;
+      int end = x;
+      while (end < cols && row[end] <= 0) ++end;
+      const float left = x > 0 ? row[x - 1] : 1, right = end < cols ? row[end] : 1;
+      const float fill = x == 0 && end == cols ? farthest : std::min(left, right);
+      std::fill(row + x, row + end, fill);
+      x = end;
+    }
+  }
 }
 
 void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& request, FieldView& view) {
@@ -57,7 +68,7 @@ void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& r
   for (Image<float>& flow : view.flow) flow.reshape(2, rows, cols);
   while (probes_.size() < kStripes) probes_.emplace_back(field, kMaxSamples);
   const ProbeView from = probe_view(field.window, request);
-  splat_guide(field, from);
+  splat_surface(field, from);
 
   const auto store = [&view](int y, int x, const ProbeAnswer& answer) {
     for (int c = 0; c < 3; ++c) view.radiance.at(c, y, x) = presentable(answer.radiance[c]);
@@ -77,8 +88,8 @@ void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& r
         for (int i = 0; i < count; ++i) {
           const float px = (static_cast<float>(x0 + i) + 0.5f) * static_cast<float>(request.step);
           const float py = (static_cast<float>(y) + 0.5f) * static_cast<float>(request.step);
-          const int gx = std::min(static_cast<int>(px) / kGuideStep, guide_.cols() - 1);
-          const int gy = std::min(static_cast<int>(py) / kGuideStep, guide_.rows() - 1);
+          const int gx = std::min(static_cast<int>(px) / kSplat, guide_.cols() - 1);
+          const int gy = std::min(static_cast<int>(py) / kSplat, guide_.rows() - 1);
           rays[i] = {{px, py}, guide_.at(0, gy, gx)};
         }
         const auto n = static_cast<std::size_t>(count);

@@ -30,11 +30,12 @@ class FieldRenderer {
   void render(const RadianceField& field, const FieldViewRequest& request, FieldView& view);
 
  private:
-  void splat_guide(const RadianceField& field, const ProbeView& from);
+  static constexpr int kSplat = 2;  // pixels
+  void splat_surface(const RadianceField& field, const ProbeView& from);
 
   WorkerPool& pool_;
   std::vector<FieldProbe> probes_;
-  Image<float> guide_;  // [1, rows, cols] of the frame's guide, as the requested view sees it
+  Image<float> guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view sees it
 };
 
 }  // namespace hdrcam

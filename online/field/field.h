@@ -51,8 +51,6 @@ struct FieldNetworks {
       : still(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
         moving(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
         blend(shape.blend) {
-    still.mlp.head_bias(StaticHead::kDensity) = T(1);
-    moving.mlp.head_bias(DynamicHead::kDensity) = T(0);
     for (int k = 0; k < 2; ++k) moving.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
   }
   static constexpr float kHeadGain = 0.1f;
@@ -111,9 +109,27 @@ T sigmoid(T x) {
 }
 constexpr float kDensityBound = 12, kRadianceBound = 20;
 
+// The prior of log density, both branches: the base's surface, with nothing in front of it. log_density at an inverse
+// depth, and its slopes by inverse depth and by the surface's.
+template <class T>
+struct SurfacePrior {
+  T log_density, by_depth, by_surface;
+};
+template <class T>
+SurfacePrior<T> surface_prior(T inverse_depth, T surface) {
+  constexpr T kEmpty = -6, kPeak = 8, kThickness = T(0.01), kPerDepth = T(0.04);
+  const T width = kThickness + kPerDepth * surface, away = (inverse_depth - surface) / width;
+  const T peak = kPeak * std::exp(T(-0.5) * away * away), slope = peak * away / width;
+  return {kEmpty + peak, -slope, slope * (1 + away * kPerDepth)};
+}
+
+template <class T>
+void decode_density(const Image<T>& raw, int s, T prior, FieldSample<T>& sample) {
+  sample.density = bounded_exp(raw.plane(0)[s] + prior, T(kDensityBound));
+}
+
 template <class T>
 void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& sample) {
-  sample.density = bounded_exp(raw.plane(0)[s], T(kDensityBound));
   for (int c = 0; c < 3; ++c)
     sample.radiance[c] =
         bounded_exp(base[kBaseLogRadiance + c] + base[kBaseGate + c] * raw.plane(1 + c)[s], T(kRadianceBound));
@@ -129,8 +145,9 @@ T stillness(const T* base) {
 }
 
 template <class T>
-FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base) {
+FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base, T prior) {
   FieldSample<T> sample;
+  decode_density(raw, s, prior, sample);
   decode_radiance(raw, s, base, sample);
   sample.density *= stillness(base);
   sample.blend = sigmoid(raw.plane(StaticHead::kBlend)[s]);
@@ -138,8 +155,9 @@ FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base) {
 }
 
 template <class T>
-FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base) {
+FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base, T prior) {
   FieldSample<T> sample;
+  decode_density(raw, s, prior, sample);
   decode_radiance(raw, s, base, sample);
   for (int k = 0; k < 2; ++k) {
     for (int a = 0; a < 3; ++a) {
@@ -151,12 +169,20 @@ FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base) {
   return sample;
 }
 
-// The way back of decode_radiance; d_base[12], where the position is learned, receives the base's share.
+// The way back of decode_density; returns d_prior.
+template <class T>
+T pull_density(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample, const FieldSample<T>& d,
+               Image<T>& d_raw) {
+  if (std::abs(raw.plane(0)[s] + prior) >= T(kDensityBound)) return 0;
+  const T d_log = d.density * sample.density;
+  d_raw.plane(0)[s] += d_log;
+  return d_log;
+}
+
+// The way back of decode_radiance; d_base, where the position is learned, receives the base's share.
 template <class T>
 void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
                    Image<T>& d_raw, T* d_base) {
-  const T density = raw.plane(0)[s];
-  d_raw.plane(0)[s] += std::abs(density) < T(kDensityBound) ? d.density * sample.density : T(0);
   for (int c = 0; c < 3; ++c) {
     const T residual = raw.plane(1 + c)[s], gate = base[kBaseGate + c];
     if (std::abs(base[kBaseLogRadiance + c] + gate * residual) >= T(kRadianceBound)) continue;
@@ -169,15 +195,17 @@ void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<
 }
 
 template <class T>
-void pull_static(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
-                 Image<T>& d_raw) {
+void pull_static(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
+                 const FieldSample<T>& d, Image<T>& d_raw) {
+  pull_density(raw, s, prior, sample, d, d_raw);
   pull_radiance(raw, s, base, sample, d, d_raw, static_cast<T*>(nullptr));
   d_raw.plane(StaticHead::kBlend)[s] += d.blend * sample.blend * (1 - sample.blend);
 }
 
+// Returns d_prior.
 template <class T>
-void pull_dynamic(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample, const FieldSample<T>& d,
-                  Image<T>& d_raw, T* d_base) {
+T pull_dynamic(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
+               const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {
   pull_radiance(raw, s, base, sample, d, d_raw, d_base);
   for (int k = 0; k < 2; ++k) {
     for (int a = 0; a < 3; ++a) {
@@ -186,6 +214,7 @@ void pull_dynamic(const Image<T>& raw, int s, const T* base, const FieldSample<T
     }
     d_raw.plane(DynamicHead::kOcclusion + k)[s] += d.occlusion[k] * sample.occlusion[k] * (1 - sample.occlusion[k]);
   }
+  return pull_density(raw, s, prior, sample, d, d_raw);
 }
 
 }  // namespace hdrcam

@@ -7,15 +7,16 @@ namespace {
 
 using View = ViewGeometry<float>;
 
-// The base where a frame sees a window point; outside its picture nothing is known.
-void base_at(const View& frame_view, const WindowFrame& frame, const float* point, float* base) {
-  float pixel[2];
+// The base where a frame sees a window point; outside its picture nothing is known. Returns the density prior there.
+float base_at(const View& frame_view, const WindowFrame& frame, const float* point, float* base) {
+  float pixel[3];
   frame_view.project(point, pixel, nullptr);
   fetch_base(frame.base, pixel, base, static_cast<float*>(nullptr), static_cast<float*>(nullptr));
   const bool outside = pixel[0] < -0.5f || pixel[1] < -0.5f || pixel[0] > static_cast<float>(frame.base.cols()) + 0.5f ||
                        pixel[1] > static_cast<float>(frame.base.rows()) + 0.5f;
   if (outside)
     for (int c = 0; c < 3; ++c) base[kBaseGate + c] = 1;
+  return surface_prior(pixel[2], base[kBaseSurface]).log_density;
 }
 
 }  // namespace
@@ -73,9 +74,9 @@ void FieldProbe::move_to_frame(const RadianceField& field, const ProbeView& view
     for (int k = 0; k < ray_[static_cast<std::size_t>(r)].count; ++k) {
       const int s = r * ray_[static_cast<std::size_t>(r)].count + k;
       const float* point = ray_[static_cast<std::size_t>(r)].position[k];
-      float base[12];
-      base_at(frame_view, frame, point, base);
-      const auto sample = decode_dynamic(moving_.raw, s, base);
+      float base[kBaseChannels];
+      const float prior = base_at(frame_view, frame, point, base);
+      const auto sample = decode_dynamic(moving_.raw, s, base, prior);
       for (int a = 0; a < 3; ++a)
         moving_.position.plane(a)[s] = point[a] - std::abs(view.offset) * sample.flow[n][a] * unit[a];
     }
@@ -95,16 +96,16 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
   float known[2][kMaxSamples];  // 1 - gate of the static and dynamic sample
   for (int k = 0; k < ray.count; ++k) {
     const int s = r * ray.count + k;
-    float base[12];
-    base_at(frame_view, frame, ray.position[k], base);
-    ray.still[k] = decode_static(still_.raw, s, base);
+    float base[kBaseChannels];
+    float prior = base_at(frame_view, frame, ray.position[k], base);
+    ray.still[k] = decode_static(still_.raw, s, base, prior);
     known[0][k] = 1 - (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
     if (!ray.has_dynamic) continue;
     if (view.offset != 0) {
       const float point[3] = {moving_.position.plane(0)[s], moving_.position.plane(1)[s], moving_.position.plane(2)[s]};
-      base_at(frame_view, frame, point, base);
+      prior = base_at(frame_view, frame, point, base);
     }
-    ray.moving[k] = decode_dynamic(moving_.raw, s, base);
+    ray.moving[k] = decode_dynamic(moving_.raw, s, base, prior);
     known[1][k] = 1 - (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
   }
   RayTrace<float> trace;
@@ -116,7 +117,7 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
     const float still = trace.combined.weight[k] - moving;
     answer.confidence += still * known[0][k] + (ray.has_dynamic ? moving * known[1][k] : 0);
     for (int n = 0; n < 2; ++n) {
-      float landing[2];
+      float landing[3];
       neighbour_view[n].project(ray.position[k], landing, nullptr);
       for (int a = 0; a < 2; ++a) answer.flow[n][a] += still * (landing[a] - probe.pixel[a]);
       if (!ray.has_dynamic) continue;

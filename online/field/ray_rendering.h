@@ -18,8 +18,9 @@ struct RaySamples {
   FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
   FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
   FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch where the scene flow leads
-  // where the neighbour's camera sees the sample: unmoved, and displaced by the scene flow with d pixel / d window point
-  T landing_still[kMaxSamples][2], landing_moving[kMaxSamples][2], landing_jacobian[kMaxSamples][2][3];
+  // how the neighbour's camera sees the sample (pixel, inverse depth): unmoved, and displaced by the scene flow with
+  // d seen / d window point
+  T landing_still[kMaxSamples][3], landing_moving[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
 };
 
 template <class T>

@@ -47,7 +47,7 @@ void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor, c
             const double at[3] = {i / static_cast<double>(level.cells[0]), j / static_cast<double>(level.cells[1]),
                                   k / static_cast<double>(level.cells[2])};
             // a window point of the new anchor is a pixel and an inverse depth of its camera
-            double pixel[2], x[3];
+            double pixel[3], x[3];
             old_anchor.project(at, pixel, nullptr);
             moved.place(pixel, old_anchor.inverse_depth(at[2]), x);
             const float position[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
@@ -191,8 +191,7 @@ TrainingRay FieldFit::ray_at(int index, int x, int y) {
   TrainingRay ray;
   ray.frame = index;
   ray.pixel[0] = static_cast<float>(x) + 0.5f, ray.pixel[1] = static_cast<float>(y) + 0.5f;
-  ray.guide = frame.guide.at(0, std::min(y / kGuideStep, frame.guide.rows() - 1),
-                             std::min(x / kGuideStep, frame.guide.cols() - 1));
+  ray.guide = base[kBaseSurface];
   for (int c = 0; c < 3; ++c) {
     ray.values[c] = frame.values.at(c, y, x);
     ray.state_log_radiance[c] = base[static_cast<std::size_t>(kBaseLogRadiance + c)];
@@ -224,7 +223,9 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
   ViewGeometry<float>(window.frustum(), here.T_anchor_camera).place(ray.pixel, ray.guide, x);
   x[0] += base[kBaseFlow + 2 * n] * static_cast<float>(window.frustum().u_per_px());
   x[1] += base[kBaseFlow + 2 * n + 1] * static_cast<float>(window.frustum().v_per_px());
-  ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, ray.flow_prior, nullptr);
+  float landing[3];
+  ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, landing, nullptr);
+  for (int a = 0; a < 2; ++a) ray.flow_prior[a] = landing[a];
   const auto cols = static_cast<float>(window.frustum().cols), rows = static_cast<float>(window.frustum().rows);
   ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols && ray.flow_prior[1] < rows;
   ray.flow_confidence = base[kBaseConfidence + n];

@@ -51,6 +51,10 @@ class RayShard {
   void pull_samples(const StepSetting<T>& step, const TrainingRay& target, int r, const RaySamples<T>& d);
   void return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays);
   void zero(BranchPass<T>& pass);
+  T own_prior(int r, int k) const {
+    const auto at = static_cast<std::size_t>(r);
+    return surface_prior(ray_[at].inverse_depth[k], base_[at][kBaseSurface]).log_density;
+  }
   const WindowFrame& neighbour(const Window& window, const TrainingRay& ray) const {
     return window.frame(ray.frame + (ray.toward == Neighbour::Next ? 1 : -1));
   }
@@ -62,7 +66,7 @@ class RayShard {
   BranchPass<T> still_, moving_, warped_;
   std::vector<T> d_static_, d_dynamic_;
   std::vector<RaySamples<T>> ray_;
-  std::vector<std::array<T, 12>> base_;  // of each ray, at its own pixel
+  std::vector<std::array<T, kBaseChannels>> base_;  // of each ray, at its own pixel
   std::vector<float> misfit_;
   LossValues<T> losses_{};
   typename LearnedResponse<T>::Gradient d_response_{};
@@ -150,7 +154,7 @@ void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const Traini
     RaySamples<T>& ray = ray_[r];
     for (int k = 0; k < ray.count; ++k) {
       const int s = static_cast<int>(r) * ray.count + k;
-      ray.moving[k] = decode_dynamic(moving_.raw, s, base_[r].data());
+      ray.moving[k] = decode_dynamic(moving_.raw, s, base_[r].data(), own_prior(static_cast<int>(r), k));
       const T* flow = ray.moving[k].flow[static_cast<int>(ray.toward)];
       for (int a = 0; a < 3; ++a)
         warped_.position.plane(a)[s] = ray.position[k][a] + (ray.warps ? flow[a] * unit[a] : T(0));
@@ -165,7 +169,7 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
   RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count && step.has_static; ++k)
-    ray.still[k] = decode_static(still_.raw, r * ray.count + k, base);
+    ray.still[k] = decode_static(still_.raw, r * ray.count + k, base, own_prior(r, k));
   if (ray.warps) {
     const WindowFrame& there = neighbour(step.window, target);
     const ViewGeometry<T> view(step.window.frustum(), there.T_anchor_camera);
@@ -174,9 +178,10 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
       const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s], warped_.position.plane(2)[s]};
       view.project(ray.position[k], ray.landing_still[k], nullptr);
       view.project(point, ray.landing_moving[k], ray.landing_jacobian[k]);
-      T base_there[12];
+      T base_there[kBaseChannels];
       fetch_base(there.base, ray.landing_moving[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
-      ray.warped[k] = decode_dynamic(warped_.raw, s, base_there);
+      const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+      ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
       if (!step.has_static) continue;
       fetch_base(there.base, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
       decode_radiance(still_.raw, s, base_there, ray.still_there[k]);
@@ -209,23 +214,27 @@ void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& ta
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count; ++k) {
     const int s = r * ray.count + k;
-    if (ray.has_static) pull_static(still_.raw, s, base, ray.still[k], d.still[k], still_.d_raw);
+    if (ray.has_static) pull_static(still_.raw, s, base, own_prior(r, k), ray.still[k], d.still[k], still_.d_raw);
     if (ray.has_dynamic)
-      pull_dynamic(moving_.raw, s, base, ray.moving[k], d.moving[k], moving_.d_raw, static_cast<T*>(nullptr));
+      pull_dynamic(moving_.raw, s, base, own_prior(r, k), ray.moving[k], d.moving[k], moving_.d_raw,
+                   static_cast<T*>(nullptr));
     if (!ray.warps) continue;
     const Image<BasePixel>& there = neighbour(step.window, target).base;
-    T base_there[12], d_x[12], d_y[12], d_base[12] = {};
+    T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
     if (ray.has_static) {
       fetch_base(there, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
       pull_radiance(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw, static_cast<T*>(nullptr));
     }
     fetch_base(there, ray.landing_moving[k], base_there, d_x, d_y);
-    pull_dynamic(warped_.raw, s, base_there, ray.warped[k], d.warped[k], warped_.d_raw, d_base);
-    T d_landing[2] = {0, 0};
-    for (int i = 0; i < 12; ++i) d_landing[0] += d_base[i] * d_x[i], d_landing[1] += d_base[i] * d_y[i];
+    const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+    const T d_prior =
+        pull_dynamic(warped_.raw, s, base_there, prior.log_density, ray.warped[k], d.warped[k], warped_.d_raw, d_base);
+    d_base[kBaseSurface] += d_prior * prior.by_surface;
+    T d_landing[3] = {0, 0, d_prior * prior.by_depth};
+    for (int i = 0; i < kBaseChannels; ++i) d_landing[0] += d_base[i] * d_x[i], d_landing[1] += d_base[i] * d_y[i];
     for (int a = 0; a < 3; ++a)
-      warped_.d_position.plane(a)[s] +=
-          d_landing[0] * ray.landing_jacobian[k][0][a] + d_landing[1] * ray.landing_jacobian[k][1][a];
+      for (int i = 0; i < 3; ++i)
+        warped_.d_position.plane(a)[s] += d_landing[i] * ray.landing_jacobian[k][i][a];
   }
 }
 
