@@ -9,7 +9,7 @@ namespace hdrcam {
 namespace {
 
 constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
-constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 200, kDepthSteps = 6;
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160, kDepthSteps = 6;
 constexpr double kSameHeading = 0.9;           // cosine
 constexpr double kUnexplained_px = 0.6;        // off by more than the flow's usual noise
 constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
