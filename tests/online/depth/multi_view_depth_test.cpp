@@ -23,13 +23,12 @@ CameraPose at(const RigidTransform& T_world_camera, bool lost = false) {
   return pose;
 }
 
-DepthPrior run(const SyntheticScene& scene, const std::vector<RigidTransform>& path, const std::vector<FramePair>& frames,
-               const DepthOptions& options, int threads = 1) {
+DepthPrior run(const SyntheticScene& scene, const std::vector<RigidTransform>& path,
+               const std::vector<FramePair>& frames, const DepthOptions& options, int threads = 1) {
   WorkerPool pool(threads);
   MultiViewDepth depth(options, scene.lens, scene.rows, scene.cols, pool);
   const DepthPrior* prior = nullptr;
-  for (std::size_t i = 0; i < path.size(); ++i)
-    prior = &depth.next(at(path[i]), frames[i].to_previous);
+  for (std::size_t i = 0; i < path.size(); ++i) prior = &depth.next(at(path[i]), frames[i].to_previous);
   return {prior->inverse_depth.clone(), prior->weight.clone()};
 }
 
@@ -37,8 +36,8 @@ struct Quality {
   double dense = 0, relative_error = 0, moving_kept = 0;
 };
 
-Quality judge(const SyntheticScene& scene, const RigidTransform& T_world_camera, double time, const DepthPrior& prior,
-              int step_px, int moving_sphere = -1) {
+Quality judge(const SyntheticScene& scene, const RigidTransform& T_world_camera, double time,
+              const DepthPrior& prior, int step_px, int moving_sphere = -1) {
   int known = 0, all = 0, moving = 0, moving_kept = 0;
   double error = 0;
   for (int y = 0; y < prior.weight.rows(); ++y)
@@ -118,7 +117,8 @@ TEST_CASE("the depth does not depend on the number of threads", "[depth]") {
   const auto path = straight_path(10, {0.05, 0, 0.02}, {0, -0.003, 0});
   const auto frames = film(scene, path, 0.2);
   const DepthPrior one = run(scene, path, frames, {}, 1), three = run(scene, path, frames, {}, 3);
-  CHECK(std::memcmp(one.inverse_depth.plane(0), three.inverse_depth.plane(0), one.inverse_depth.size() * sizeof(float)) == 0);
+  CHECK(std::memcmp(one.inverse_depth.plane(0), three.inverse_depth.plane(0),
+                    one.inverse_depth.size() * sizeof(float)) == 0);
   CHECK(std::memcmp(one.weight.plane(0), three.weight.plane(0), one.weight.size() * sizeof(float)) == 0);
 }
 
@@ -126,13 +126,16 @@ TEST_CASE("a lost pose forgets, broken flow is not believed, and nothing is ever
   const SyntheticScene scene = room();
   const auto path = straight_path(8, {0.05, 0, 0}, {0, 0, 0});
   auto frames = film(scene, path, 0);
-  for (std::size_t k = 0; k < frames[5].to_previous.vectors.size(); k += 5) frames[5].to_previous.vectors.samples()[k] = NAN;
+  for (std::size_t k = 0; k < frames[5].to_previous.vectors.size(); k += 5)
+    frames[5].to_previous.vectors.samples()[k] = NAN;
   WorkerPool pool(1);
   MultiViewDepth depth({}, scene.lens, scene.rows, scene.cols, pool);
   for (std::size_t i = 0; i < path.size(); ++i) {
     const DepthPrior& prior = depth.next(at(path[i], i == 7), frames[i].to_previous);
     for (const float d : prior.inverse_depth.samples()) REQUIRE((std::isfinite(d) && d >= 0));
     for (const float w : prior.weight.samples()) REQUIRE((w >= 0 && w <= 1));
-    if (i == 7) REQUIRE(std::all_of(prior.weight.samples().begin(), prior.weight.samples().end(), [](float w) { return w == 0; }));
+    if (i == 7)
+      REQUIRE(std::all_of(prior.weight.samples().begin(), prior.weight.samples().end(),
+                          [](float w) { return w == 0; }));
   }
 }

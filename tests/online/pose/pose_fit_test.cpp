@@ -12,7 +12,8 @@ namespace {
 const Intrinsics kLens{300, 300, 160, 120};
 const RigidTransform kTruth{rotation({0.01, -0.02, 0.005}), {0.06, -0.02, 0.04}};  // T_camera_world
 
-// Points first seen from the origin, depths 1..5, seen again from kTruth; every `outliers`-th is somewhere else.
+// Points first seen from the origin, depths 1..5, seen again from kTruth; every `outliers`-th is somewhere
+// else.
 std::vector<ScenePoint> scene(double prior_error, int outliers, std::vector<double>& depths) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> x(-0.5, 0.5), y(-0.4, 0.4), inverse(0.2, 1), any(-20, 20);

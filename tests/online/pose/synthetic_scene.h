@@ -1,5 +1,5 @@
-// A small analytic world for tests of pose and depth: a wall with a relief, a floor and spheres that may move; it
-// answers with the exact flow between two views, and the exact depth. World = the first camera.
+// A small analytic world for tests of pose and depth: a wall with a relief, a floor and spheres that may
+// move; it answers with the exact flow between two views, and the exact depth. World = the first camera.
 #pragma once
 
 #include <Eigen/Dense>
@@ -31,7 +31,9 @@ struct SyntheticScene {
     int sphere = -1;
   };
 
-  Eigen::Vector3d ray(double u, double v) const { return {(u - lens.cx_px) / lens.fx_px, (v - lens.cy_px) / lens.fy_px, 1}; }
+  Eigen::Vector3d ray(double u, double v) const {
+    return {(u - lens.cx_px) / lens.fx_px, (v - lens.cy_px) / lens.fy_px, 1};
+  }
 
   Hit cast(const RigidTransform& T_world_camera, double time, double u, double v) const {
     const Eigen::Vector3d d = T_world_camera.R * ray(u, v), o = T_world_camera.t;
@@ -51,14 +53,16 @@ struct SyntheticScene {
     if (relief && d.y() > 1e-6) consider((floor_y - o.y()) / d.y(), -1);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
       const Eigen::Vector3d to = o - (spheres[i].centre + time * spheres[i].velocity);
-      const double a = d.squaredNorm(), b = d.dot(to), c = to.squaredNorm() - spheres[i].radius * spheres[i].radius;
+      const double a = d.squaredNorm(), b = d.dot(to),
+                   c = to.squaredNorm() - spheres[i].radius * spheres[i].radius;
       if (b * b > a * c) consider((-b - std::sqrt(b * b - a * c)) / a, static_cast<int>(i));
     }
     return hit;
   }
 
   // Exact flow from the view at `from` to the view at `to`; confidence 0 where hidden or outside.
-  FlowField flow(const RigidTransform& T_world_from, double from, const RigidTransform& T_world_to, double to) const {
+  FlowField flow(const RigidTransform& T_world_from, double from, const RigidTransform& T_world_to,
+                 double to) const {
     FlowField field{Image<float>(2, rows, cols), Image<float>(1, rows, cols)};
     const RigidTransform T_to_world = T_world_to.inverse();
     for (int y = 0; y < rows; ++y)
@@ -71,7 +75,8 @@ struct SyntheticScene {
         field.vectors.at(0, y, x) = static_cast<float>(u - x - 0.5);
         field.vectors.at(1, y, x) = static_cast<float>(v - y - 0.5);
         const bool inside = u > 0 && v > 0 && u < cols && v < rows;
-        field.confidence.at(0, y, x) = inside && cast(T_world_to, to, u, v).depth > 0.98 * q.z() ? 1.0f : 0.0f;
+        field.confidence.at(0, y, x) =
+            inside && cast(T_world_to, to, u, v).depth > 0.98 * q.z() ? 1.0f : 0.0f;
       }
     return field;
   }
@@ -99,7 +104,8 @@ inline void add_noise(FlowField& field, double sigma_px, std::mt19937& random) {
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < cols; ++x) {
         const int i = y / kPatch_px, j = x / kPatch_px;
-        const float fy = static_cast<float>(y % kPatch_px) / kPatch_px, fx = static_cast<float>(x % kPatch_px) / kPatch_px;
+        const float fy = static_cast<float>(y % kPatch_px) / kPatch_px,
+                    fx = static_cast<float>(x % kPatch_px) / kPatch_px;
         field.vectors.at(d, y, x) += (1 - fy) * ((1 - fx) * knots.at(d, i, j) + fx * knots.at(d, i, j + 1)) +
                                      fy * ((1 - fx) * knots.at(d, i + 1, j) + fx * knots.at(d, i + 1, j + 1));
       }
@@ -110,8 +116,9 @@ struct FramePair {
   FlowField to_previous, from_previous;
 };
 
-inline std::vector<FramePair> film(const SyntheticScene& scene, const std::vector<RigidTransform>& T_world_camera,
-                                   double noise_px, unsigned seed = 1) {
+inline std::vector<FramePair> film(const SyntheticScene& scene,
+                                   const std::vector<RigidTransform>& T_world_camera, double noise_px,
+                                   unsigned seed = 1) {
   std::mt19937 random(seed);
   std::vector<FramePair> frames(T_world_camera.size());
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -124,7 +131,8 @@ inline std::vector<FramePair> film(const SyntheticScene& scene, const std::vecto
   return frames;
 }
 
-inline std::vector<RigidTransform> straight_path(int frames, const Eigen::Vector3d& step, const Eigen::Vector3d& turn_rad) {
+inline std::vector<RigidTransform> straight_path(int frames, const Eigen::Vector3d& step,
+                                                 const Eigen::Vector3d& turn_rad) {
   std::vector<RigidTransform> path;
   for (int i = 0; i < frames; ++i) path.push_back({rotation(i * turn_rad), i * step});
   return path;

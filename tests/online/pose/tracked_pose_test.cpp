@@ -16,7 +16,8 @@ constexpr double kDegree = std::numbers::pi / 180;
 std::vector<CameraPose> track(const SyntheticScene& scene, const std::vector<FramePair>& frames) {
   TrackedPose tracker(scene.lens);
   std::vector<CameraPose> poses;
-  for (const FramePair& frame : frames) poses.push_back(tracker.next({}, frame.to_previous, frame.from_previous));
+  for (const FramePair& frame : frames)
+    poses.push_back(tracker.next({}, frame.to_previous, frame.from_previous));
   return poses;
 }
 
@@ -32,7 +33,8 @@ bool all_finite(const CameraPose& pose) {
   bool finite = std::isfinite(pose.inlier_share);
   for (const double v : pose.T_world_camera) finite = finite && std::isfinite(v);
   for (const DepthSample& s : pose.depth_samples)
-    finite = finite && std::isfinite(s.inverse_depth) && s.inverse_depth >= 0 && s.weight >= 0 && s.weight <= 1;
+    finite =
+        finite && std::isfinite(s.inverse_depth) && s.inverse_depth >= 0 && s.weight >= 0 && s.weight <= 1;
   return finite;
 }
 
@@ -50,8 +52,10 @@ PathErrors compare(const std::vector<CameraPose>& tracked, const std::vector<Rig
   errors.direction_deg = angle_deg(pose_of(tracked.back()).t, truth.back().t);
   std::vector<double> ratio;
   for (std::size_t i = 1; i < tracked.size(); ++i) {
-    if (tracked[i].motion != CameraMotion::General || tracked[i - 1].motion != CameraMotion::General) continue;
-    ratio.push_back((pose_of(tracked[i]).t - pose_of(tracked[i - 1]).t).norm() / (truth[i].t - truth[i - 1].t).norm());
+    if (tracked[i].motion != CameraMotion::General || tracked[i - 1].motion != CameraMotion::General)
+      continue;
+    ratio.push_back((pose_of(tracked[i]).t - pose_of(tracked[i - 1]).t).norm() /
+                    (truth[i].t - truth[i - 1].t).norm());
   }
   for (std::size_t i = 1; i < ratio.size(); ++i)
     errors.worst_step = std::max(errors.worst_step, std::abs(std::log(ratio[i] / ratio[i - 1])));
@@ -97,8 +101,8 @@ TEST_CASE("a camera that only turns keeps its position exactly", "[pose]") {
 
 TEST_CASE("a translation is found, whichever way it goes", "[pose]") {
   const SyntheticScene scene = room();
-  const auto step = GENERATE(Eigen::Vector3d{0.05, 0, 0}, Eigen::Vector3d{0, -0.05, 0}, Eigen::Vector3d{0, 0, 0.08},
-                             Eigen::Vector3d{-0.03, 0.01, -0.05});
+  const auto step = GENERATE(Eigen::Vector3d{0.05, 0, 0}, Eigen::Vector3d{0, -0.05, 0},
+                             Eigen::Vector3d{0, 0, 0.08}, Eigen::Vector3d{-0.03, 0.01, -0.05});
   CAPTURE(step.transpose());
   const auto truth = straight_path(15, step, {0.001, -0.003, 0.001});
   const auto poses = track(scene, film(scene, truth, 0.3));
@@ -109,7 +113,8 @@ TEST_CASE("a translation is found, whichever way it goes", "[pose]") {
   CHECK(poses.back().depth_samples.size() > 150);
 }
 
-TEST_CASE("objects that move by themselves over 30 percent of the picture do not pull the camera along", "[pose]") {
+TEST_CASE("objects that move by themselves over 30 percent of the picture do not pull the camera along",
+          "[pose]") {
   SyntheticScene scene = room();
   scene.spheres.push_back({{-0.6, 0.1, 2.2}, 0.47, {0, 0.02, 0.01}});
   scene.spheres.push_back({{0.8, -0.3, 2.6}, 0.52, {0.01, -0.03, 0}});
@@ -139,7 +144,8 @@ TEST_CASE("depth samples are inverse depths in the unit of the path", "[pose]") 
   int close = 0, known = 0;
   for (const DepthSample& s : poses.back().depth_samples) {
     if (s.weight < 0.9f) continue;
-    const double depth = scene.cast(truth.back(), 19, static_cast<double>(s.u_px), static_cast<double>(s.v_px)).depth;
+    const double depth =
+        scene.cast(truth.back(), 19, static_cast<double>(s.u_px), static_cast<double>(s.v_px)).depth;
     ++known, close += std::abs(depth / unit * static_cast<double>(s.inverse_depth) - 1) < 0.15;
   }
   REQUIRE(known > 100);
