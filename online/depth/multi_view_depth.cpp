@@ -3,46 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "online/depth/grid_sample.h"
+#include "online/pose/median.h"
+
 namespace hdrcam {
 namespace {
 
-constexpr float kContinuous_px = 1.5f;     // neighbours that differ more lie on two surfaces: not to be interpolated
+// neighbours that differ more lie on two surfaces: not to be interpolated
+constexpr float kContinuous_px = 1.5f;
 constexpr float kContinuousDepth = 0.15f;  // the same for inverse depths, relative
 constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: behind it there is nothing to see
 constexpr float kDisagreement = 9;         // squared sigmas between what was learnt and what is seen
-
-// A place on the grid, between four points.
-struct Place {
-  int x0, y0;
-  float fx, fy;
-  int nearest_x() const { return x0 + (fx > 0.5f); }
-  int nearest_y() const { return y0 + (fy > 0.5f); }
-};
-
-// false: outside
-bool locate(float x, float y, int rows, int cols, Place& place) {
-  if (!(x >= 0 && y >= 0 && x <= static_cast<float>(cols - 1) && y <= static_cast<float>(rows - 1))) return false;
-  place.x0 = std::min(static_cast<int>(x), cols - 2);
-  place.y0 = std::min(static_cast<int>(y), rows - 2);
-  place.fx = x - static_cast<float>(place.x0);
-  place.fy = y - static_cast<float>(place.y0);
-  return true;
-}
-
-struct Corners {
-  float a, b, c, d;
-  float mix(const Place& p) const {
-    return (a + (b - a) * p.fx) * (1 - p.fy) + (c + (d - c) * p.fx) * p.fy;
-  }
-  float least() const { return std::min(std::min(a, b), std::min(c, d)); }
-  float spread() const { return std::max(std::max(a, b), std::max(c, d)) - least(); }
-};
-
-Corners corners(const Image<float>& image, int channel, const Place& p) {
-  const float* upper = image.row(channel, p.y0) + p.x0;
-  const float* lower = image.row(channel, p.y0 + 1) + p.x0;
-  return {upper[0], upper[1], lower[0], lower[1]};
-}
 
 }  // namespace
 
@@ -62,15 +33,17 @@ struct MultiViewDepth::Relative {
   }
 };
 
-MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& lens, int rows, int cols, WorkerPool& pool)
+MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& lens, int rows, int cols,
+                               WorkerPool& pool)
     : options_(options),
       lens_(lens),
       rows_(std::max(2, rows / options.step_px)),
       cols_(std::max(2, cols / options.step_px)),
       pool_(pool) {
-  // the grid's own pixels: point (j, i) is the centre of its cell
-  lens_.fx_px /= options.step_px, lens_.fy_px /= options.step_px;
-  lens_.cx_px /= options.step_px, lens_.cy_px /= options.step_px;
+  // the lens in steps: grid point x is the centre of pixel x * step + step / 2, and lies at x + 0.5
+  const double step = options.step_px, first = options.step_px / 2 + 0.5;
+  lens_.fx_px /= step, lens_.fy_px /= step;
+  lens_.cx_px = (lens_.cx_px - first) / step + 0.5, lens_.cy_px = (lens_.cy_px - first) / step + 0.5;
   for (Keyframe& keyframe : keyframes_) {
     keyframe.seen = Image<float>(3, rows_, cols_);
     keyframe.carried = Image<float>(3, rows_, cols_);
@@ -121,50 +94,65 @@ void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_cam
     }
 }
 
-// Brings all memories from the previous frame's pixels to this frame's. previous: T_camera_previous.
+// Brings all memories from the previous frame's pixels to this frame's. previous: T_previous_camera.
 void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previous) {
   const float per_step = 1 / static_cast<float>(options_.step_px);
-  const float keep = 1 / ((1 + options_.forget) * (1 + options_.forget));
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         for (Keyframe& keyframe : keyframes_) keyframe.carried.at(2, y, x) = 0;
         carried_learnt_.at(0, y, x) = carried_learnt_.at(1, y, x) = 0;
-        const int px = x * options_.step_px + options_.step_px / 2, py = y * options_.step_px + options_.step_px / 2;
+        const int px = x * options_.step_px + options_.step_px / 2;
+        const int py = y * options_.step_px + options_.step_px / 2;
         if (!(to_previous.confidence.at(0, py, px) >= options_.least_confidence)) continue;
-        const float gx = static_cast<float>(x) + to_previous.vectors.at(0, py, px) * per_step;
-        const float gy = static_cast<float>(y) + to_previous.vectors.at(1, py, px) * per_step;
-        Place place;
-        if (!locate(gx, gy, rows_, cols_, place)) continue;
-        const int nx = place.nearest_x(), ny = place.nearest_y();
-        for (Keyframe& keyframe : keyframes_) {
-          const Corners cx = corners(keyframe.seen, 0, place), cy = corners(keyframe.seen, 1, place);
-          const bool all_known = corners(keyframe.seen, 2, place).least() > 0;
-          const bool one_surface = all_known && cx.spread() < 1 + kContinuous_px && cy.spread() < 1 + kContinuous_px;
-          if (!one_surface && !(keyframe.seen.at(2, ny, nx) > 0)) continue;
-          keyframe.carried.at(0, y, x) = one_surface ? cx.mix(place) : keyframe.seen.at(0, ny, nx) + gx - static_cast<float>(nx);
-          keyframe.carried.at(1, y, x) = one_surface ? cy.mix(place) : keyframe.seen.at(1, ny, nx) + gy - static_cast<float>(ny);
-          keyframe.carried.at(2, y, x) = 1;
-        }
-        const Corners depth = corners(learnt_, 0, place), information = corners(learnt_, 1, place);
-        const bool smooth = information.least() > 0 && depth.spread() < kContinuousDepth * depth.mix(place);
-        const float d = smooth ? depth.mix(place) : learnt_.at(0, ny, nx);
-        const float known = smooth ? information.mix(place) : learnt_.at(1, ny, nx);
-        float ray[3];
-        previous.turn((gx + 0.5f - static_cast<float>(lens_.cx_px)) / static_cast<float>(lens_.fx_px),
-                      (gy + 0.5f - static_cast<float>(lens_.cy_px)) / static_cast<float>(lens_.fy_px), ray);
-        const float z = ray[2] + d * previous.t[2];
-        if (!(known > 0) || !(z > kNearestZ)) continue;
-        carried_learnt_.at(0, y, x) = d / z;
-        carried_learnt_.at(1, y, x) = known * z * z * keep;
+        const float from_x = static_cast<float>(x) + to_previous.vectors.at(0, py, px) * per_step;
+        const float from_y = static_cast<float>(y) + to_previous.vectors.at(1, py, px) * per_step;
+        GridPlace from;
+        if (!locate(from_x, from_y, rows_, cols_, from)) continue;
+        for (Keyframe& keyframe : keyframes_) carry_position(keyframe, from, y, x);
+        carry_depth(previous, from, y, x);
       }
   });
   for (Keyframe& keyframe : keyframes_) std::swap(keyframe.seen, keyframe.carried);
   std::swap(learnt_, carried_learnt_);
 }
 
-// The inverse depth that the displacement to a keyframe says. false: nothing, or not a point of the static scene.
-bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x, Estimate& estimate) const {
+// Where the point was in the keyframe: interpolated on one surface, taken from the nearest neighbour across
+// an edge.
+void MultiViewDepth::carry_position(Keyframe& keyframe, const GridPlace& from, int y, int x) {
+  const int near_x = from.nearest_x(), near_y = from.nearest_y();
+  if (!(keyframe.seen.at(2, near_y, near_x) > 0)) return;
+  const Corners u = corners(keyframe.seen, 0, from), v = corners(keyframe.seen, 1, from);
+  const bool all_known = corners(keyframe.seen, 2, from).least() > 0;
+  const bool one_surface = all_known && u.spread() < 1 + kContinuous_px && v.spread() < 1 + kContinuous_px;
+  keyframe.carried.at(0, y, x) =
+      one_surface ? u.mix(from) : keyframe.seen.at(0, near_y, near_x) + from.x() - static_cast<float>(near_x);
+  keyframe.carried.at(1, y, x) =
+      one_surface ? v.mix(from) : keyframe.seen.at(1, near_y, near_x) + from.y() - static_cast<float>(near_y);
+  keyframe.carried.at(2, y, x) = 1;
+}
+
+// What was learnt of the point, in this camera's inverse depth.
+void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from, int y, int x) {
+  const Corners depth = corners(learnt_, 0, from), information = corners(learnt_, 1, from);
+  const bool smooth = information.least() > 0 && depth.spread() < kContinuousDepth * depth.mix(from);
+  const float d = smooth ? depth.mix(from) : learnt_.at(0, from.nearest_y(), from.nearest_x());
+  const float known = smooth ? information.mix(from) : learnt_.at(1, from.nearest_y(), from.nearest_x());
+  if (!(known > 0)) return;
+  float ray[3];
+  previous.turn((from.x() + 0.5f - static_cast<float>(lens_.cx_px)) / static_cast<float>(lens_.fx_px),
+                (from.y() + 0.5f - static_cast<float>(lens_.cy_px)) / static_cast<float>(lens_.fy_px), ray);
+  const float z = ray[2] + d * previous.t[2];
+  if (!(z > kNearestZ)) return;
+  const float keep = 1 / ((1 + options_.forget) * (1 + options_.forget));
+  carried_learnt_.at(0, y, x) = d / z;
+  carried_learnt_.at(1, y, x) = known * z * z * keep;
+}
+
+// The inverse depth that the displacement to a keyframe says. false: nothing, or not a point of the static
+// scene.
+bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
+                             Estimate& estimate) const {
   if (!(keyframe.seen.at(2, y, x) > 0)) return false;
   const auto fx = static_cast<float>(lens_.fx_px), fy = static_cast<float>(lens_.fy_px);
   const auto cx = static_cast<float>(lens_.cx_px), cy = static_cast<float>(lens_.cy_px);
@@ -180,10 +168,12 @@ bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative,
   const float z = a[2] + std::max(d, 0.f) * relative.t[2];
   if (!(z > kNearestZ)) return false;
   const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
-  const float sigma = std::sqrt(options_.noise_px * options_.noise_px + grown) / (fx * static_cast<float>(options_.step_px));
+  const float sigma =
+      std::sqrt(options_.noise_px * options_.noise_px + grown) / (fx * static_cast<float>(options_.step_px));
   const float sigma_d = sigma * z / std::sqrt(BB);
   const float across = (Ax * By - Ay * Bx) / (std::sqrt(BB) * z);
-  if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d) return false;
+  if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d)
+    return false;
   estimate = {std::max(d, 0.f), 1 / (sigma_d * sigma_d)};
   return true;
 }
@@ -214,7 +204,8 @@ void MultiViewDepth::fuse() {
         const float best = options_.best_relative * d;
         const float squared = d * d;
         prior_.inverse_depth.at(0, y, x) = d;
-        prior_.weight.at(0, y, x) = squared > 0 ? squared / (squared + std::max(1 / information, best * best)) : 0;
+        prior_.weight.at(0, y, x) =
+            squared > 0 ? squared / (squared + std::max(1 / information, best * best)) : 0;
       }
   });
 }
@@ -248,14 +239,12 @@ float MultiViewDepth::median_parallax(const Keyframe& keyframe) {
     for (int x = kEvery / 2; x < cols_; x += kEvery) {
       Estimate seen;
       if (!measure(keyframe, relative, y, x, seen)) continue;
-      const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
+      const float grown =
+          static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
       const float sigma_px = std::sqrt(options_.noise_px * options_.noise_px + grown);
       parallaxes_.push_back(seen.inverse_depth * std::sqrt(seen.information) * sigma_px);
     }
-  if (parallaxes_.empty()) return 0;
-  const auto middle = parallaxes_.begin() + static_cast<std::ptrdiff_t>(parallaxes_.size() / 2);
-  std::nth_element(parallaxes_.begin(), middle, parallaxes_.end());
-  return *middle;
+  return median(parallaxes_);
 }
 
 }  // namespace hdrcam

@@ -4,15 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "online/pose/median.h"
+
 namespace hdrcam {
 namespace {
 
-constexpr int kHeadings = 128;                                 // on the half sphere: about 12 degrees apart
-constexpr double kDifferent = 0.94;                            // cosine between two headings that are worth trying both
-constexpr int kRounds = 4;                                     // of reweighting
-constexpr double kKernel_medians = 4;                          // width of the robust kernel
-constexpr double kLeastError = 1e-4;                           // focal lengths: below, all headings are perfect
-constexpr double kShortestEpipolar = 0.03;                     // closer to the epipole its direction says nothing
+constexpr int kHeadings = 128;              // on the half sphere: about 12 degrees apart
+constexpr double kDifferent = 0.94;         // cosine between two headings that are worth trying both
+constexpr int kRounds = 4;                  // of reweighting
+constexpr double kKernel_medians = 4;       // width of the robust kernel
+constexpr double kLeastError = 1e-4;        // focal lengths: below, all headings are perfect
+constexpr double kShortestEpipolar = 0.03;  // closer to the epipole its direction says nothing
 
 // A point's flow once the rotation is taken out, in focal lengths.
 struct Parallax {
@@ -23,14 +25,16 @@ struct Parallax {
   double sigma;
 };
 
-std::vector<Parallax> parallaxes(std::span<const ScenePoint> points, const Intrinsics& lens, const RigidTransform& turned) {
+std::vector<Parallax> parallaxes(std::span<const ScenePoint> points, const Intrinsics& lens,
+                                 const RigidTransform& turned) {
   std::vector<Parallax> all;
   all.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d a = turned.R * points[i].direction_world;
     if (!points[i].seen || a.z() < 0.1) continue;
     Parallax p{.index = i, .x = a.x() / a.z(), .y = a.y() / a.z(), .flow = {}, .per_turn = {}, .sigma = 0};
-    p.flow = {(points[i].seen_px.x() - lens.cx_px) / lens.fx_px - p.x, (points[i].seen_px.y() - lens.cy_px) / lens.fy_px - p.y};
+    p.flow = {(points[i].seen_px.x() - lens.cx_px) / lens.fx_px - p.x,
+              (points[i].seen_px.y() - lens.cy_px) / lens.fy_px - p.y};
     p.per_turn << -p.x * p.y, 1 + p.x * p.x, -p.y, -1 - p.y * p.y, p.x * p.y, p.x;
     p.sigma = points[i].sigma_px / lens.fx_px;
     all.push_back(p);
@@ -53,15 +57,9 @@ struct Candidate {
   double forward = 0;  // how many points are in front rather than behind, softly counted
 };
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The best small rotation for one heading; its cost, and which way along the heading the points are in front.
-Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction, std::vector<double>& errors) {
+Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction,
+                  std::vector<double>& errors) {
   Candidate found{.direction = direction, .turn = Eigen::Vector3d::Zero()};
   double width = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
@@ -95,13 +93,16 @@ Heading as_pose(const Candidate& found, const std::vector<Parallax>& parallax, s
                 const RigidTransform& turned) {
   std::vector<double> depths;  // for a translation of length 1
   for (const Parallax& p : parallax) {
-    const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(), found.direction.y() - p.y * found.direction.z());
-    depths.push_back(std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), 1e-4)));
+    const Eigen::Vector2d line(found.direction.x() - p.x * found.direction.z(),
+                               found.direction.y() - p.y * found.direction.z());
+    depths.push_back(
+        std::max(0.0, line.dot(p.flow - p.per_turn * found.turn) / std::max(line.squaredNorm(), 1e-4)));
   }
   std::vector<double> sorted = depths;
   const double unit = std::max(median(sorted), 1e-6);
   Heading result{.T_camera_world = {}, .inverse_depths = std::vector<double>(points, 1.0)};
-  for (std::size_t k = 0; k < parallax.size(); ++k) result.inverse_depths[parallax[k].index] = depths[k] / unit;
+  for (std::size_t k = 0; k < parallax.size(); ++k)
+    result.inverse_depths[parallax[k].index] = depths[k] / unit;
   const Eigen::Matrix3d turn = rotation(found.turn);
   result.T_camera_world = {turn * turned.R, turn * turned.t + unit * found.direction};
   return result;
@@ -115,7 +116,8 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
   std::vector<Candidate> candidates;
   std::vector<double> errors;
   for (int i = 0; i < kHeadings; ++i) candidates.push_back(explain(parallax, heading(i), errors));
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
 
   std::vector<Candidate> chosen;
   for (const Candidate& candidate : candidates) {
@@ -126,7 +128,8 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
     if (static_cast<int>(chosen.size()) == count) break;
   }
   std::vector<Heading> headings;
-  for (const Candidate& candidate : chosen) headings.push_back(as_pose(candidate, parallax, points.size(), turned));
+  for (const Candidate& candidate : chosen)
+    headings.push_back(as_pose(candidate, parallax, points.size(), turned));
   return headings;
 }
 

@@ -14,8 +14,8 @@ class FixedPose final : public PoseSource {
   CameraPose pose_;
 };
 
-// FrameFacts::T_world_camera relative to the first frame that has one. A frame without a finite pose keeps the last
-// one and is flagged as lost.
+// FrameFacts::T_world_camera relative to the first frame that has one. A frame without a finite pose keeps
+// the last one and is flagged as lost.
 class GivenPose final : public PoseSource {
  public:
   const CameraPose& next(const FrameFacts& facts, const FlowField& to_previous,

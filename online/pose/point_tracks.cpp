@@ -7,9 +7,10 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kSettle = 0.02;        // per frame
-constexpr double kForget = 0.98;        // of the information, per frame: the map stays correctable
-constexpr double kBestRelative = 0.02;  // no inverse depth is claimed to be known better
+constexpr double kTypicalInverseDepth = 1;  // the unit of length is the median depth
+constexpr double kSettle = 0.02;            // per frame
+constexpr double kForget = 0.98;            // of the information, per frame: the map stays correctable
+constexpr double kBestRelative = 0.02;      // no inverse depth is claimed to be known better
 constexpr int kMargin_px = 2;
 
 // 0..1, from a hash of three integers (xxhash's avalanche)
@@ -66,7 +67,8 @@ void PointTracks::follow(const FlowField& from_previous) {
   for (std::size_t i = 0; i < points_.size(); ++i) {
     FlowSample flow;
     ScenePoint& point = points_[i];
-    point.seen = sample_flow(from_previous, point.seen_px, flow) && flow.confidence >= options_.least_confidence &&
+    point.seen = sample_flow(from_previous, point.seen_px, flow) &&
+                 flow.confidence >= options_.least_confidence &&
                  flow.disagreement_px <= options_.flow_disagreement_px;
     if (!point.seen) continue;
     point.seen_px += flow.vector;
@@ -84,13 +86,15 @@ double PointTracks::still_share(double px) const {
 }
 
 int PointTracks::seen() const {
-  return static_cast<int>(std::count_if(points_.begin(), points_.end(), [](const auto& p) { return p.seen; }));
+  return static_cast<int>(
+      std::count_if(points_.begin(), points_.end(), [](const auto& p) { return p.seen; }));
 }
 
 void PointTracks::settle(const Intrinsics& lens, const RigidTransform& T_camera_world) {
   PointResidual r;
   for (ScenePoint& point : points_)
-    if (point.seen && point_residual(point, point.inverse_depth, lens, T_camera_world, r)) point.seen_px += kSettle * r.px;
+    if (point.seen && point_residual(point, point.inverse_depth, lens, T_camera_world, r))
+      point.seen_px += kSettle * r.px;
 }
 
 void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics& lens,
@@ -109,8 +113,10 @@ void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics
     point.inverse_depth = inverse_depths[i];
     point.seen_px += options_.pull * r.px;
     const double gained = r.per_inverse_depth.squaredNorm() / (point.sigma_px * point.sigma_px);
-    const double most = 1 / std::pow(kBestRelative * std::max(point.inverse_depth, 0.1 * typical_inverse_depth_), 2);
-    point.information = std::min(kForget * point.information + gained, std::max(most, histories_[i].seed_information));
+    const double most =
+        1 / std::pow(kBestRelative * std::max(point.inverse_depth, 0.1 * kTypicalInverseDepth), 2);
+    point.information =
+        std::min(kForget * point.information + gained, std::max(most, histories_[i].seed_information));
   }
 }
 
@@ -120,7 +126,8 @@ double PointTracks::sigma_of(const History& history) const {
 
 std::vector<double> PointTracks::inverse_depths() const {
   std::vector<double> depths(points_.size());
-  std::transform(points_.begin(), points_.end(), depths.begin(), [](const auto& p) { return p.inverse_depth; });
+  std::transform(points_.begin(), points_.end(), depths.begin(),
+                 [](const auto& p) { return p.inverse_depth; });
   return depths;
 }
 
@@ -143,7 +150,8 @@ void PointTracks::coast(const Intrinsics& lens, const RigidTransform& T_camera_w
     bool keep = point_residual(point, point.inverse_depth, lens, T_camera_world, r);
     histories_[i].unseen = point.seen ? 0 : histories_[i].unseen + 1;
     if (!point.seen && keep) point.seen_px += r.px;
-    keep = keep && histories_[i].unseen <= options_.longest_coast && histories_[i].age < options_.longest_track;
+    keep =
+        keep && histories_[i].unseen <= options_.longest_coast && histories_[i].age < options_.longest_track;
     keep = keep && point.seen_px.x() >= kMargin_px && point.seen_px.y() >= kMargin_px &&
            point.seen_px.x() <= cols - kMargin_px && point.seen_px.y() <= rows - kMargin_px;
     if (!keep) remove(i);
@@ -156,14 +164,16 @@ void PointTracks::mark_all_unseen() {
 
 double PointTracks::expected_inverse_depth(const Eigen::Vector2d& px, double reach_px,
                                            const RigidTransform& T_camera_world) const {
-  double sum = 1e-3 * typical_inverse_depth_, weights = 1e-3;
+  double sum = 1e-3 * kTypicalInverseDepth, weights = 1e-3;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const double distance = (points_[i].seen_px - px).squaredNorm() / (reach_px * reach_px);
     if (distance > 9 || histories_[i].age == 0 || histories_[i].outlier > 0) continue;
-    const double learnt = 1 - histories_[i].seed_information / std::max(points_[i].information, histories_[i].seed_information);
+    const double learnt =
+        1 - histories_[i].seed_information / std::max(points_[i].information, histories_[i].seed_information);
     const double weight = std::exp(-0.5 * distance) * learnt;
-    const Eigen::Vector3d y = T_camera_world.R * points_[i].direction_world +
-                              points_[i].inverse_depth * (T_camera_world.R * points_[i].origin_world + T_camera_world.t);
+    const Eigen::Vector3d y =
+        T_camera_world.R * points_[i].direction_world +
+        points_[i].inverse_depth * (T_camera_world.R * points_[i].origin_world + T_camera_world.t);
     sum += weight * points_[i].inverse_depth / std::max(y.z(), 0.1), weights += weight;
   }
   return sum / weights;
@@ -172,7 +182,8 @@ double PointTracks::expected_inverse_depth(const Eigen::Vector2d& px, double rea
 void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
                        const RigidTransform& T_camera_world, bool depth_known) {
   const double cell = std::sqrt(static_cast<double>(rows) * cols / options_.points);
-  const int across = std::max(1, static_cast<int>(cols / cell)), down = std::max(1, static_cast<int>(rows / cell));
+  const int across = std::max(1, static_cast<int>(cols / cell)),
+            down = std::max(1, static_cast<int>(rows / cell));
   const double cell_x = static_cast<double>(cols) / across, cell_y = static_cast<double>(rows) / down;
   occupied_.assign(static_cast<std::size_t>(across * down), 0);
   const auto cell_of = [&](const Eigen::Vector2d& px) {
@@ -191,15 +202,18 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
       if (occupied_[index]) continue;
       const Eigen::Vector2d px((x + 0.2 + 0.6 * jitter(index, frame_, 1)) * cell_x,
                                (y + 0.2 + 0.6 * jitter(index, frame_, 2)) * cell_y);
-      if (px.x() < kMargin_px || px.y() < kMargin_px || px.x() > cols - kMargin_px || px.y() > rows - kMargin_px) continue;
-      if (!confidence.empty() &&
-          !(confidence.at(0, static_cast<int>(px.y()), static_cast<int>(px.x())) >= options_.least_confidence))
+      if (px.x() < kMargin_px || px.y() < kMargin_px || px.x() > cols - kMargin_px ||
+          px.y() > rows - kMargin_px)
+        continue;
+      if (!confidence.empty() && !(confidence.at(0, static_cast<int>(px.y()), static_cast<int>(px.x())) >=
+                                   options_.least_confidence))
         continue;
       ScenePoint point;
       point.origin_world = T_world_camera.t;
       point.direction_world = T_world_camera.R * ray(lens, px);
       point.inverse_depth = expected_inverse_depth(px, 2 * cell, T_camera_world);
-      const double spread = (depth_known ? options_.prior_spread : options_.vague_spread) * std::max(point.inverse_depth, 0.3 * typical_inverse_depth_);
+      const double spread = (depth_known ? options_.prior_spread : options_.vague_spread) *
+                            std::max(point.inverse_depth, 0.3 * kTypicalInverseDepth);
       point.information = 1 / (spread * spread);
       point.seen_px = px;
       points_.push_back(point);
@@ -207,7 +221,8 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
     }
 }
 
-void PointTracks::depth_samples(const RigidTransform& T_camera_world, std::vector<DepthSample>& samples) const {
+void PointTracks::depth_samples(const RigidTransform& T_camera_world,
+                                std::vector<DepthSample>& samples) const {
   samples.clear();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const ScenePoint& point = points_[i];
@@ -215,10 +230,12 @@ void PointTracks::depth_samples(const RigidTransform& T_camera_world, std::vecto
     const double measured = std::max(0.0, point.information - histories_[i].seed_information);
     const double squared = point.inverse_depth * point.inverse_depth * measured;
     const double z = (T_camera_world.R * point.direction_world +
-                      point.inverse_depth * (T_camera_world.R * point.origin_world + T_camera_world.t)).z();
+                      point.inverse_depth * (T_camera_world.R * point.origin_world + T_camera_world.t))
+                         .z();
     if (!(z > 0)) continue;
     samples.push_back({static_cast<float>(point.seen_px.x()), static_cast<float>(point.seen_px.y()),
-                       static_cast<float>(point.inverse_depth / z), static_cast<float>(squared / (1 + squared))});
+                       static_cast<float>(point.inverse_depth / z),
+                       static_cast<float>(squared / (1 + squared))});
   }
 }
 

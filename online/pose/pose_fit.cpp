@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "online/pose/median.h"
+
 namespace hdrcam {
 namespace {
 
@@ -12,12 +14,14 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
-constexpr double kNearestZ = 1e-3;      // of the ray's z in the posed camera: behind it there is no pixel
-constexpr double kRobustSigmas = 3;     // the kernel's width at the end
-constexpr double kGaussianMad = 1.4826; // standard deviation / median of the absolute value
-constexpr double kSmallestStep = 1e-9;  // radians and lengths: converged
+constexpr double kNearestZ = 1e-3;       // of the ray's z in the posed camera: behind it there is no pixel
+constexpr double kRobustSigmas = 3;      // the kernel's width at the end
+constexpr double kGaussianMad = 1.4826;  // standard deviation / median of the absolute value
+constexpr double kSmallestStep = 1e-9;   // radians and lengths: converged
 
-double robust_cost(double squared, double width) { return squared * width * width / (width * width + squared); }
+double robust_cost(double squared, double width) {
+  return squared * width * width / (width * width + squared);
+}
 double robust_weight(double squared, double width) {
   const double w = width * width / (width * width + squared);
   return w * w;
@@ -53,12 +57,12 @@ struct PointTerms {
   Matrix26 per_pose;  // d px / d (rotation, translation)
   Eigen::Vector2d per_depth;
   Eigen::Vector2d px;
-  double weight = 0;   // robust / sigma^2
-  double offset = 0;   // d - prior
+  double weight = 0;  // robust / sigma^2
+  double offset = 0;  // d - prior
 };
 
-bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T, double scale,
-               double width, PointTerms& terms) {
+bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
+               double scale, double width, PointTerms& terms) {
   Projection p;
   if (!project(point, d, lens, T, p)) return false;
   terms.px = p.px - point.seen_px;
@@ -95,8 +99,8 @@ Vector6 solve(Linearised& sum, Freedom freedom) {
   return step.allFinite() ? step : Vector6::Zero();
 }
 
-double total_cost(std::span<const ScenePoint> points, std::span<const double> inverse_depths, const Intrinsics& lens,
-                  double scale, PoseFit& fit) {
+double total_cost(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
+                  const Intrinsics& lens, double scale, PoseFit& fit) {
   double cost = 0;
   int inliers = 0;
   fit.seen = 0;
@@ -116,8 +120,8 @@ double total_cost(std::span<const ScenePoint> points, std::span<const double> in
 
 }  // namespace
 
-bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens, const RigidTransform& T,
-                    PointResidual& residual) {
+bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
+                    const RigidTransform& T, PointResidual& residual) {
   Projection p;
   if (!project(point, inverse_depth, lens, T, p)) return false;
   residual.px = p.px - point.seen_px;
@@ -127,8 +131,8 @@ bool point_residual(const ScenePoint& point, double inverse_depth, const Intrins
   return true;
 }
 
-double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths, const Intrinsics& lens,
-                    const RigidTransform& T_camera_world) {
+double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
+                    const Intrinsics& lens, const RigidTransform& T_camera_world) {
   std::vector<double> errors;
   errors.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -138,14 +142,12 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
     const double across = r.per_inverse_depth.x() * r.px.y() - r.per_inverse_depth.y() * r.px.x();
     if (along > 0) errors.push_back(std::abs(across) / (along * points[i].sigma_px));
   }
-  if (errors.empty()) return 0;
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return kGaussianMad * *middle;
+  return kGaussianMad * median(errors);
 }
 
-PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens, const RigidTransform& T_camera_world,
-                 const FitOptions& options, std::span<double> inverse_depths) {
+PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
+                 const RigidTransform& T_camera_world, const FitOptions& options,
+                 std::span<double> inverse_depths) {
   CHECK_EQ(points.size(), inverse_depths.size());
   PoseFit fit;
   fit.T_camera_world = T_camera_world;
@@ -155,11 +157,14 @@ PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens, con
     Linearised sum;
     PointTerms terms;
     for (std::size_t i = 0; i < points.size(); ++i)
-      if (points[i].seen && linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms))
+      if (points[i].seen &&
+          linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms))
         accumulate(points[i], terms, sum);
     const Vector6 move = solve(sum, options.freedom);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!points[i].seen || !linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms)) continue;
+      if (!points[i].seen ||
+          !linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms))
+        continue;
       const double curvature = terms.weight * terms.per_depth.squaredNorm() + points[i].information;
       const double gradient = terms.weight * terms.per_depth.dot(terms.px + terms.per_pose * move) +
                               points[i].information * terms.offset;

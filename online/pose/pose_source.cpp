@@ -17,9 +17,12 @@ constexpr double kAssumedFieldOfView_deg = 55;
 
 const char* name(CameraMotion motion) {
   switch (motion) {
-    case CameraMotion::Still: return "still";
-    case CameraMotion::Rotation: return "rotation";
-    case CameraMotion::General: return "general";
+    case CameraMotion::Still:
+      return "still";
+    case CameraMotion::Rotation:
+      return "rotation";
+    case CameraMotion::General:
+      return "general";
   }
   return "unknown";
 }
@@ -31,9 +34,12 @@ Intrinsics assumed_intrinsics(int rows, int cols) {
 
 std::unique_ptr<PoseSource> make_pose_source(PoseKind kind, const CameraFacts& camera) {
   switch (kind) {
-    case PoseKind::Fixed: return std::make_unique<FixedPose>();
-    case PoseKind::Given: return std::make_unique<GivenPose>();
-    case PoseKind::Tracked: break;
+    case PoseKind::Fixed:
+      return std::make_unique<FixedPose>();
+    case PoseKind::Given:
+      return std::make_unique<GivenPose>();
+    case PoseKind::Tracked:
+      break;
   }
   if (!camera.intrinsics)
     spdlog::warn("{} does not say its focal length; assuming {} degrees horizontally", camera.name,

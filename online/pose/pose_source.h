@@ -1,9 +1,9 @@
-// Where the camera is, per frame: one small interface, three answers. Fixed: a tripod. Given: from the frame's facts.
-// Tracked: from the optical flow alone. The world is the camera of the first frame, so the first pose is always the
-// identity. Unit of length: metres where poses are given, the median depth of the first view where they are tracked
-// (the scale of a single camera is not observable). A pose is never NaN; a frame whose pose could not be found is
-// flagged as lost and continues the motion before it.
-// Thread-bound: one thread owns a source; what next() returns belongs to the source until the next call.
+// Where the camera is, per frame: one small interface, three answers. Fixed: a tripod. Given: from the
+// frame's facts. Tracked: from the optical flow alone. The world is the camera of the first frame, so the
+// first pose is always the identity. Unit of length: metres where poses are given, the median depth of the
+// first view where they are tracked (the scale of a single camera is not observable). A pose is never NaN; a
+// frame whose pose could not be found is flagged as lost and continues the motion before it. Thread-bound:
+// one thread owns a source; what next() returns belongs to the source until the next call.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,8 @@
 
 namespace hdrcam {
 
-// What the camera did since the previous frame. Still and Rotation are exact: the pose or its translation is kept.
+// What the camera did since the previous frame. Still and Rotation are exact: the pose or its translation is
+// kept.
 enum class CameraMotion { Still, Rotation, General };
 const char* name(CameraMotion motion);
 
@@ -36,8 +37,8 @@ struct CameraPose {
 class PoseSource {
  public:
   virtual ~PoseSource() = default;
-  // The pose of the next frame. to_previous: this frame -> the one before; from_previous: the other way round, both
-  // [dx dy, rows, cols] px; empty for the first frame.
+  // The pose of the next frame. to_previous: this frame -> the one before; from_previous: the other way
+  // round, both [dx dy, rows, cols] px; empty for the first frame.
   virtual const CameraPose& next(const FrameFacts& facts, const FlowField& to_previous,
                                  const FlowField& from_previous) = 0;
 };

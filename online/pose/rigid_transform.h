@@ -21,7 +21,8 @@ struct RigidTransform {
 // exp of an axis times an angle in radians
 inline Eigen::Matrix3d rotation(const Eigen::Vector3d& axis_angle) {
   const double angle = axis_angle.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, axis_angle / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+  return angle > 0 ? Eigen::AngleAxisd(angle, axis_angle / angle).toRotationMatrix()
+                   : Eigen::Matrix3d::Identity();
 }
 
 // The nearest rotation: products of many rotations stay rotations.

@@ -4,35 +4,42 @@
 #include <cmath>
 
 #include "online/pose/heading_search.h"
+#include "online/pose/median.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
-constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 200, kDepthSteps = 6;
-constexpr double kSameHeading = 0.9;           // cosine
-constexpr double kUnexplained_px = 0.6;        // off by more than the flow's usual noise
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160,
+              kDepthSteps = 6;
+constexpr double kSameHeading = 0.9;     // cosine
+constexpr double kUnexplained_px = 0.6;  // off by more than the flow's usual noise
 constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
 
 // Share of the seen points that the pose leaves clearly off, whatever the reason.
-double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens, const RigidTransform& T_camera_world) {
+double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens,
+                         const RigidTransform& T_camera_world) {
   int seen = 0, off = 0;
   for (const ScenePoint& point : points) {
     PointResidual r;
     if (!point.seen) continue;
-    const bool near = point_residual(point, point.inverse_depth, lens, T_camera_world, r) && r.px.norm() < kUnexplained_px;
+    const bool near =
+        point_residual(point, point.inverse_depth, lens, T_camera_world, r) && r.px.norm() < kUnexplained_px;
     ++seen, off += !near;
   }
   return seen > 0 ? static_cast<double>(off) / seen : 0;
 }
 
 // Share of the seen points that the translation moves by more than this.
-double parallax_share(std::span<const ScenePoint> points, const Heading& heading, const Intrinsics& lens, double px) {
+double parallax_share(std::span<const ScenePoint> points, const Heading& heading, const Intrinsics& lens,
+                      double px) {
   int seen = 0, clear = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     PointResidual r;
-    if (!points[i].seen || !point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world, r)) continue;
+    if (!points[i].seen ||
+        !point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world, r))
+      continue;
     ++seen, clear += r.per_inverse_depth.norm() * heading.inverse_depths[i] > px;
   }
   return seen > 0 ? static_cast<double>(clear) / seen : 0;
@@ -47,8 +54,10 @@ std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t 
 
 void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
   for (int round = 0; round < rounds; ++round) {
-    const FitOptions options{.steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
-    heading.T_camera_world = fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
+    const FitOptions options{
+        .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
+    heading.T_camera_world =
+        fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
     heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world);
   }
 }
@@ -65,7 +74,8 @@ bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; 
 TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options)
     : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {}
 
-const CameraPose& TrackedPose::next(const FrameFacts&, const FlowField& to_previous, const FlowField& from_previous) {
+const CameraPose& TrackedPose::next(const FrameFacts&, const FlowField& to_previous,
+                                    const FlowField& from_previous) {
   if (from_previous.empty()) return pose_;
   const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
   if (!started_) start(from_previous);
@@ -92,8 +102,8 @@ void TrackedPose::track(const FlowField& from_previous) {
 
   depths_ = tracks_.inverse_depths();
   trial_depths_ = depths_;
-  const PoseFit turned =
-      fit_pose(tracks_.points(), lens_, T_camera_world_, {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
+  const PoseFit turned = fit_pose(tracks_.points(), lens_, T_camera_world_,
+                                  {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
   if (stands_still(turned)) {
     tracks_.settle(lens_, T_camera_world_);
     return accept(T_camera_world_, CameraMotion::Still, tracks_.still_share(options_.still_px));
@@ -106,7 +116,8 @@ void TrackedPose::track(const FlowField& from_previous) {
 
 // The depths hold the scale: the translation is the one that they see.
 void TrackedPose::follow_translation(const PoseFit& turned) {
-  const PoseFit moved = fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
+  const PoseFit moved =
+      fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
   if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
   const bool was_moving = pose_.motion == CameraMotion::General;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
@@ -116,9 +127,9 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
   accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
 }
 
-// No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the flow best,
-// the one that leaves least noise across the epipolar lines wins, once it stands out and the parallax is clear; until
-// then the camera only turns.
+// No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the
+// flow best, the one that leaves least noise across the epipolar lines wins, once it stands out and the
+// parallax is clear; until then the camera only turns.
 void TrackedPose::find_translation(const PoseFit& turned) {
   accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
   const auto points = tracks_.points();
@@ -134,9 +145,11 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   if (!stands_out) return;
 
   Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
-  fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps}, first.inverse_depths);
+  fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps},
+           first.inverse_depths);
   refine(points, lens_, 1, first);
-  const double clear_px = std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());
+  const double clear_px =
+      std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());
   if (parallax_share(points, first, lens_, clear_px) < options_.parallax_share) return;
   tracks_.learn_noise(first.noise, 1);
   choose_unit(first);
@@ -147,11 +160,9 @@ void TrackedPose::find_translation(const PoseFit& turned) {
 // The median depth becomes the unit of length.
 void TrackedPose::choose_unit(Heading& first) {
   std::vector<double> sorted = first.inverse_depths;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = std::max(*middle, 1e-6);
-  first.T_camera_world.t *= median;
-  for (double& depth : first.inverse_depths) depth /= median;
+  const double middle = std::max(median(sorted), 1e-6);
+  first.T_camera_world.t *= middle;
+  for (double& depth : first.inverse_depths) depth /= middle;
   depth_known_ = true;
 }
 
@@ -159,7 +170,8 @@ bool TrackedPose::stands_still(const PoseFit& turned) const {
   if (tracks_.still_share(options_.still_px) < options_.still_share) return false;
   const Eigen::AngleAxisd turn(turned.T_camera_world.R * T_camera_world_.R.transpose());
   const Eigen::Vector3d angle = turn.angle() * turn.axis();
-  const double drift_px = std::max(lens_.fx_px * std::hypot(angle.x(), angle.y()), 0.5 * lens_.cx_px * std::abs(angle.z()));
+  const double drift_px =
+      std::max(lens_.fx_px * std::hypot(angle.x(), angle.y()), 0.5 * lens_.cx_px * std::abs(angle.z()));
   return drift_px < options_.still_drift_px;
 }
 

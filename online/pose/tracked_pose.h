@@ -1,7 +1,7 @@
-// The camera's pose from the optical flow alone. Per frame: the points of the scene are carried along the flow; a
-// rotation about the camera's centre is fitted, then a rotation with a translation; the translation is believed only
-// where it explains clearly more (a camera that stands still or only turns is the normal case, and then its position
-// is kept exactly). The depths learnt from earlier frames hold the scale.
+// The camera's pose from the optical flow alone. Per frame: the points of the scene are carried along the
+// flow; a rotation about the camera's centre is fitted, then a rotation with a translation; the translation
+// is believed only where it explains clearly more (a camera that stands still or only turns is the normal
+// case, and then its position is kept exactly). The depths learnt from earlier frames hold the scale.
 #pragma once
 
 #include <optional>
@@ -19,11 +19,12 @@ struct TrackerOptions {
   double still_drift_px = 0.3;      // the sum of motions too small to see, before it is believed
   double translation_gain = 60;     // squared sigmas that a translation must explain to be believed..
   double translation_gain_on = 15;  // ..and while the camera is moving already
-  double parallax_share = 0.3;      // of the points must show clear parallax before the first translation is believed..
-  double heading_noise_ratio = 0.8; // ..and the best heading leave this much less noise than any other one
-  int fewest_points = 30;           // below this the pose is lost
-  double fewest_inliers = 0.3;      // share
-  double velocity_decay = 0.9;      // per frame, while lost
+  double parallax_share =
+      0.3;  // of the points must show clear parallax before the first translation is believed..
+  double heading_noise_ratio = 0.8;  // ..and the best heading leave this much less noise than any other one
+  int fewest_points = 30;            // below this the pose is lost
+  double fewest_inliers = 0.3;       // share
+  double velocity_decay = 0.9;       // per frame, while lost
 };
 
 class TrackedPose final : public PoseSource {
@@ -48,7 +49,7 @@ class TrackedPose final : public PoseSource {
   Intrinsics lens_;
   PointTracks tracks_;
   RigidTransform T_camera_world_;
-  RigidTransform T_camera_previous_;  // the motion of the last frame
+  RigidTransform T_camera_previous_;           // the motion of the last frame
   std::vector<double> depths_, trial_depths_;  // [points] of one frame
   bool started_ = false, depth_known_ = false;
   CameraPose pose_;

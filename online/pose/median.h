@@ -1,0 +1,19 @@
+// The middle one of some values. Reentrant.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace hdrcam {
+
+// Reorders them; 0 for none.
+template <class T>
+T median(std::vector<T>& values) {
+  if (values.empty()) return T{};
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace hdrcam
