@@ -1,0 +1,128 @@
+// The parts of one frame's way at 320x240, on one thread and on two: where the time goes. Ratios within one run mean
+// something, times from different machines do not.
+#include <benchmark/benchmark.h>
+
+#include "capture/unpack.h"
+#include "online/fit/field_fit.h"
+#include "online/motion/state_motion.h"
+#include "online/response/response_estimator.h"
+#include "online/state/local_statistics.h"
+#include "online/state/state_filter.h"
+#include "online/state/warp.h"
+#include "render/field_renderer.h"
+#include "render/shrinkage.h"
+#include "tests/support/moving_scene.h"
+
+namespace hdrcam {
+namespace {
+
+struct Bench {
+  test::MovingScene scene;
+  WorkerPool pool;
+  Response response = Response::gamma(2.2f);
+  std::vector<ExposedFrame> frames;
+  ExposureTables tables;
+  StateFilter filter;
+  StateMotion motion;
+
+  explicit Bench(int threads)
+      : scene(large()), pool(threads), frames(exposed(scene)), tables(response, {}, frames[1].exposure),
+        filter({}, scene.rows, scene.cols, pool) {
+    filter.fusion().set_white(4);
+    filter.restart(frames[0], ExposureTables(response, {}, frames[0].exposure));
+    MotionEstimator(FlowQuality::Medium, scene.rows, scene.cols, pool).match(filter.state(), frames[1], tables, motion);
+  }
+  static test::MovingScene large() {
+    test::MovingScene scene;
+    scene.rows = 240, scene.cols = 320;
+    return scene;
+  }
+  static std::vector<ExposedFrame> exposed(const test::MovingScene& scene) {
+    UnpackSettings settings;
+    settings.reference_exposure = 0.004;
+    std::vector<ExposedFrame> frames;
+    for (int i = 0; i < 6; ++i) frames.push_back(unpack(scene.frame(i), i, 1 / 30., settings).value());
+    return frames;
+  }
+};
+
+int threads(const benchmark::State& state) { return static_cast<int>(state.range(0)); }
+
+void response_estimate(benchmark::State& state) {
+  Bench bench(1);
+  for (auto _ : state) {
+    ResponseEstimator estimator;
+    for (std::size_t i = 1; i < bench.frames.size(); ++i) estimator.add_pair(bench.frames[i - 1], bench.frames[i]);
+    benchmark::DoNotOptimize(estimator.estimate({}));
+  }
+}
+
+void motion_match(benchmark::State& state) {
+  Bench bench(threads(state));
+  MotionEstimator motion(FlowQuality::Medium, bench.scene.rows, bench.scene.cols, bench.pool);
+  for (auto _ : state) motion.match(bench.filter.state(), bench.frames[1], bench.tables, bench.motion);
+}
+
+void state_advance(benchmark::State& state) {
+  Bench bench(threads(state));
+  for (auto _ : state) bench.filter.advance(bench.frames[1], bench.tables, bench.motion.to_previous);
+}
+
+void warp_cubic_rgb(benchmark::State& state) {
+  Bench bench(threads(state));
+  Image<float> out;
+  for (auto _ : state)
+    warp_cubic(bench.filter.state().radiance, bench.motion.to_previous.vectors, 0.3f, out, bench.pool);
+}
+
+void shrinkage(benchmark::State& state) {
+  Bench bench(threads(state));
+  Shrinkage shrinkage(bench.pool);
+  auto radiance = bench.filter.state().radiance.clone();
+  for (auto _ : state) shrinkage.apply(radiance, bench.filter.state().variance, 1e-3f);
+}
+
+struct FieldBench : Bench {
+  FieldFit fit;
+  FieldBench(int threads)
+      : Bench(threads),
+        fit(FieldOptions::balanced(), *scene.camera().intrinsics, scene.rows, scene.cols, pool) {
+    for (int i = 0; i < 2; ++i) {
+      FieldObservation seen;
+      seen.index = i, seen.time_s = i / 30.;
+      const auto& frame = frames[static_cast<std::size_t>(i)];
+      seen.exposure = frame.exposure, seen.blur_fraction = frame.blur_fraction;
+      seen.codes = &frame.codes;
+      seen.radiance = &filter.state().radiance;
+      seen.variance = &filter.state().variance;
+      if (i > 0) seen.to_previous = &motion.to_previous, seen.from_previous = &motion.from_previous;
+      fit.observe(seen, response).value();
+    }
+  }
+};
+
+void field_step(benchmark::State& state) {
+  FieldBench bench(threads(state));
+  for (auto _ : state) benchmark::DoNotOptimize(bench.fit.step());
+}
+
+void field_render(benchmark::State& state) {
+  FieldBench bench(threads(state));
+  FieldRenderer renderer(bench.pool);
+  FieldView view;
+  FieldViewRequest request;
+  request.time_s = 1 / 30.;
+  request.step = 2;
+  for (auto _ : state) renderer.render(bench.fit.field(), request, view);
+}
+
+BENCHMARK(response_estimate)->Unit(benchmark::kMillisecond);
+BENCHMARK(motion_match)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(warp_cubic_rgb)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(state_advance)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(shrinkage)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(field_step)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(field_render)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace hdrcam
