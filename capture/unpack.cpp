@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "capture/demosaic.h"
+
 namespace hdrcam {
 
 Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings) {
@@ -16,9 +18,15 @@ Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, c
   frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
   if (interval_s > 0) frame.blur_fraction = static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s));
 
+  const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
+  if (is_bayer(settings.layout)) {
+    demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes);
+    for (float& code : frame.codes.samples()) code *= scale;
+    remove_black_level(frame, settings.black_level);
+    return frame;
+  }
   const int channels = raw.codes.channels();
   frame.codes.reshape(3, raw.codes.rows(), raw.codes.cols());
-  const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
   for (int c = 0; c < 3; ++c) {
     const std::uint16_t* in = raw.codes.plane(channels == 3 ? c : 0);
     float* out = frame.codes.plane(c);

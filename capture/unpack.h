@@ -16,9 +16,10 @@ struct UnpackSettings {
   int bits = 8;                   // significant bits of a raw code
   BlackLevel black_level{};
   double reference_exposure = 1;  // E_ref, seconds x gains
+  PixelLayout layout = PixelLayout::Rgb;  // Mono is the same as Rgb with one channel
 };
 
-// Rgb frames only; mono is repeated on the three channels. `interval_s` is the time since the previous frame.
+// A Bayer mosaic is demosaiced (demosaic.h), mono is repeated on the three channels. `interval_s` is the time since the previous frame.
 // Errors: BadExposure naming the frame and the value.
 Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings);
 

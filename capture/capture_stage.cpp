@@ -1,0 +1,230 @@
+#include "capture/capture_stage.h"
+
+#include <algorithm>
+
+#include "capture/delay_calibration.h"
+
+namespace hdrcam {
+namespace {
+
+std::array<Exposure, ExposureSchedule::kMaxSlots> exposures_of(const ExposureSchedule& schedule) {
+  std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
+  for (int i = 0; i < schedule.slots(); ++i) exposures[static_cast<std::size_t>(i)] = schedule.slot(i).exposure;
+  return exposures;
+}
+
+constexpr int kMostDelay = DelayCalibration::kMaxDelay;  // frames
+
+std::span<const Exposure> first(const std::array<Exposure, ExposureSchedule::kMaxSlots>& exposures, int count) {
+  return {exposures.data(), static_cast<std::size_t>(count)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLine* strobe,
+                                                         std::span<const Exposure> cycle, Mains mains,
+                                                         const CaptureOptions& options) {
+  const StreamMode mode = TRY(camera.configure(options.mode, options.buffers));
+  const CameraCapabilities& offers = camera.capabilities();
+  if (!offers.sets_exposure)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' does not let its exposure be set; choose a camera that does", offers.id)};
+  for (const auto& delays : {options.delays, offers.delays})
+    if (delays && (std::min(delays->exposure, delays->gain) < 0 || std::max(delays->exposure, delays->gain) > kMostDelay))
+      return Error{ErrorCode::Invalid, fmt::format("control delays of {} and {} frames cannot be; they are 0 to {}",
+                                                   delays->exposure, delays->gain, kMostDelay)};
+  if (strobe != nullptr && !strobe->capabilities().input)
+    return Error{ErrorCode::Unsupported, "the strobe line is an output; set sync.line to one that sees edges"};
+  const auto schedule = TRY(ExposureSchedule::create(cycle, offers, mode.frame_duration, mains));
+  return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
+}
+
+CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOptions& options, const StreamMode& mode,
+                           const ExposureSchedule& schedule, Mains mains)
+    : camera_(camera), strobe_(strobe), options_(options), mode_(mode), codes_(codes_of(mode.format)),
+      schedule_(schedule), mains_(mains), sensor_(known_sensor(camera.capabilities().model)),
+      photometer_(first_response()) {
+  collect_warnings();
+}
+
+FrameMatcherOptions CaptureStage::matching() const {
+  const CameraCapabilities& offers = camera_.capabilities();
+  FrameMatcherOptions matching;
+  matching.frame_duration = mode_.frame_duration;
+  matching.strobe = strobe_ == nullptr ? StrobePulse::Absent : options_.strobe;
+  matching.strobe_after_timestamp = options_.strobe_after_timestamp;
+  matching.timestamp_mark = options_.timestamp_mark;
+  if (options_.delays) {
+    matching.delays = options_.delays;
+  } else if (offers.exposure_per_request) {
+    matching.delays = ControlDelays{};
+  } else if (offers.delays) {
+    matching.delays = offers.delays;
+  } else if (!offers.reports_exposure && sensor_) {
+    matching.delays = ControlDelays{sensor_->delays.exposure, sensor_->delays.gain};
+  }
+  return matching;
+}
+
+PhotometricResponse CaptureStage::first_response() const {
+  if (!codes_.linear) return PhotometricResponse::unknown();
+  if (options_.black_level) return PhotometricResponse::linear(*options_.black_level);
+  if (sensor_) return PhotometricResponse::linear(sensor_->black_level * 255 / 65536);
+  return PhotometricResponse::linear_unknown_black();
+}
+
+void CaptureStage::collect_warnings() {
+  const CameraCapabilities& offers = camera_.capabilities();
+  for (int i = 0; i < schedule_.slots(); ++i)
+    if (schedule_.slot(i).flickers)
+      warnings_.push_back(fmt::format("shutter {} is shorter than half a mains period and will pulse under lamps",
+                                      describe(schedule_.slot(i).exposure.time)));
+  const FrameMatcherOptions how = matching();
+  if (!how.delays && !offers.reports_exposure)
+    warnings_.push_back(fmt::format("'{}' neither reports exposures nor is its control delay known; frames are labelled by "
+                                    "their pictures alone; run 'hdrcam calibrate delay' once", offers.id));
+}
+
+void CaptureStage::restart_matching() {
+  matcher_.emplace(matching(), schedule_);
+  proof_.forget();
+  proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
+  pending_.reset();
+  under_way_ = lost_since_emitted_ = 0;
+}
+
+Result<void> CaptureStage::start() {
+  restart_matching();
+  TRY(camera_.start());
+  depth_ = options_.buffers;
+  TRY(top_up());
+  depth_ = under_way_;  // a device may have fewer buffers than it was asked for
+  counters_.requests_late = 0;
+  return {};
+}
+
+Result<void> CaptureStage::stop() { return camera_.stop(); }
+
+// Queues requests until the camera has as many as it takes. One that finds no free buffer waits for the next frame.
+Result<void> CaptureStage::top_up() {
+  while (under_way_ < depth_) {
+    if (!pending_) pending_ = matcher_->next_request();
+    const Result<void> queued = camera_.queue(*pending_);
+    if (!queued && queued.error().code == ErrorCode::Busy) {
+      ++counters_.requests_late;
+      break;
+    }
+    if (!queued) return queued;
+    pending_.reset();
+    ++under_way_;
+  }
+  return {};
+}
+
+Result<void> CaptureStage::drain_strobe() {
+  while (strobe_ != nullptr && options_.strobe != StrobePulse::Absent) {
+    const Result<Edge> edge = strobe_->wait_edge(Duration(0));
+    if (edge) {
+      matcher_->strobe(edge.value());
+    } else if (edge.error().code == ErrorCode::Timeout) {
+      break;
+    } else {
+      return edge.error();
+    }
+  }
+  return {};
+}
+
+Result<void> CaptureStage::next(CapturedFrame& frame) {
+  for (;;) {
+    bool emitted = false;
+    {
+      const CapturedBuffer buffer = TRY(camera_.wait(options_.patience));
+      --under_way_;
+      TRY(drain_strobe());
+      emitted = take(buffer, frame);
+    }  // the buffer goes back, so that the next request finds it
+    TRY(top_up());
+    if (emitted) return {};
+  }
+}
+
+bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
+  ++counters_.captured;
+  MatchedFrame matched = matcher_->match(buffer);
+  counters_.lost_by_camera += static_cast<std::uint64_t>(matched.lost_before);
+  counters_.repeated_cookies += matched.cookie_repeated;
+  counters_.unreported += !buffer.exposure;
+  lost_since_emitted_ += matched.lost_before;
+  const bool damaged = buffer.damaged;
+  if (damaged || !unpack_pixels(buffer, options_.unpack, frame.raw.codes)) {
+    ++(damaged ? counters_.damaged : counters_.undecodable);
+    ++lost_since_emitted_;
+    return false;
+  }
+  judge(buffer, matched, frame);
+  ++counters_.emitted;
+  count(frame.proof);
+  return true;
+}
+
+void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
+  photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
+  frame.proof = proof_.judge(matched.evidence, picture_, photometer_);
+  if (frame.proof.unique) matcher_->learn(*frame.proof.unique);
+  counters_.relocks = static_cast<std::uint64_t>(matcher_->relocks());
+
+  const ExposureClaim& label = frame.proof.label;
+  FrameFacts& facts = frame.raw.facts;
+  facts = {};
+  facts.sequence = buffer.sequence;
+  facts.timestamp = matched.centre(label.exposure.time);
+  facts.exposure_s = to_seconds(label.exposure.time);
+  facts.analogue_gain = label.exposure.gain;
+  facts.digital_gain = label.digital_gain;
+  facts.exposure_source = label.source;
+  facts.slot = frame.proof.trusted() ? matcher_->slot_of(label) : -1;
+  if (sensor_ && codes_.linear) facts.black_level = sensor_->black_level / 65536 * static_cast<float>(1 << codes_.bits);
+  if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
+  if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
+  frame.lost_before = lost_since_emitted_;
+  frame.cookie = buffer.cookie;
+  frame.shares = {picture_.clipped_share, picture_.dark_share};
+  lost_since_emitted_ = 0;
+}
+
+void CaptureStage::count(const Judgement& proof) {
+  switch (proof.verdict) {
+    case Verdict::Proved: ++counters_.proved; break;
+    case Verdict::Plausible: ++counters_.plausible; break;
+    case Verdict::Contradicted: ++counters_.contradicted; break;
+    case Verdict::Unknown: ++counters_.unknown; break;
+  }
+  counters_.relabelled += proof.relabelled;
+}
+
+CameraFacts CaptureStage::facts() const {
+  CameraFacts facts;
+  facts.name = camera_.capabilities().id;
+  facts.width = mode_.width;
+  facts.height = mode_.height;
+  facts.framerate_hz = 1 / to_seconds(mode_.frame_duration);
+  facts.bits = codes_.bits;
+  facts.layout = codes_.layout;
+  facts.linear = codes_.linear;
+  return facts;
+}
+
+Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
+  schedule_ = TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
+  proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
+  if (matcher_) matcher_->change_schedule(schedule_);
+  return {};
+}
+
+void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, float black_level) {
+  photometer_.set_response(PhotometricResponse::known(inverse, black_level));
+  proof_.forget();
+}
+
+}  // namespace hdrcam

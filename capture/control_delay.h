@@ -1,0 +1,84 @@
+// The software twin of a sensor whose controls act some frames after they are written, and not all after the same
+// number. The twin holds back the faster ones so that all values of one request meet on one frame, and knows which
+// request that is: libcamera's DelayedControls (src/libcamera/pipeline/rpi/common/delayed_controls.cpp) as a value.
+//
+//   frame start      s        s+1      s+2         exposure acts after 2, gain after 1
+//   request pushed   A        B        C
+//   written          A.time   B.time   C.time      the gain is held back by one frame
+//                    -        A.gain   B.gain
+//   frame shows                        A           get(s + 2) = A, cookie included
+//
+// A frame start that the twin missed makes it disagree with the sensor for a frame or a few; only the pictures tell
+// (exposure_proof.h). Thread-bound; no allocation.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "hal/camera.h"
+
+namespace hdrcam {
+
+// Frames from the one at whose start a control is written to the first that shows it.
+struct SensorDelays {
+  int exposure = 2, gain = 1, vblank = 2;
+
+  int most() const { return std::max({exposure, gain, vblank}); }
+};
+
+struct KnownSensor {
+  SensorDelays delays;
+  float black_level = 0;  // of 65536
+};
+
+// By the sensor's name anywhere in the model text ("imx219", "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a
+// sensor that is not in the table: the caller warns, and takes SensorDelays{}, which is what most sensors do, or
+// measures them (delay_calibration.h). Source: libcamera's camera_sensor_properties.cpp and its tuning files.
+std::optional<KnownSensor> known_sensor(std::string_view model);
+
+class ControlDelay {
+ public:
+  static constexpr int kHistory = 32;  // requests; older ones are forgotten
+
+  // What to write at a frame start: each value when its delay asks for it, the blanking first.
+  struct Writes {
+    Duration exposure{0};
+    double analogue_gain = 1;
+    Duration frame_duration{0};  // vertical blanking, as the frame duration that it makes
+  };
+  struct Latched {
+    std::uint64_t cookie = 0;
+    Duration exposure{0};
+    double analogue_gain = 1;
+  };
+
+  // `now`: what the sensor is set to before the first frame.
+  ControlDelay(const SensorDelays& delays, const ExposureRequest& now, Duration frame_duration);
+
+  // What the next frame start takes. A second push before it replaces the first.
+  void push(const ExposureRequest& request, Duration frame_duration);
+  // Frame `sequence` begins. Frames between the last start and this one were missed and take the last request again.
+  Writes frame_started(std::uint64_t sequence);
+  // What the frame shows, if every frame start was seen; nullopt where it is too old or not decided yet.
+  std::optional<Latched> shown_by(std::uint64_t sequence) const;
+
+  const SensorDelays& delays() const { return delays_; }
+
+ private:
+  struct Entry {
+    ExposureRequest request;
+    Duration frame_duration{0};
+  };
+  Entry& entry(std::uint64_t index) { return ring_[index % kHistory]; }
+  const Entry& entry(std::uint64_t index) const { return ring_[index % kHistory]; }
+
+  SensorDelays delays_;
+  Entry before_;  // what the sensor was set to
+  std::array<Entry, kHistory> ring_{};
+  std::uint64_t write_count_ = 0;  // frame starts so far, which is also where the next push goes
+};
+
+}  // namespace hdrcam

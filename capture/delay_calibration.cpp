@@ -1,0 +1,123 @@
+#include "capture/delay_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hdrcam {
+
+DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& longer, const PhotometricResponse& response)
+    : exposures_{shorter, longer}, log_step_(log_product(longer) - log_product(shorter)), photometer_(response) {
+  CHECK_LE(0.69, log_step_);
+}
+
+// The shift register of x^5 + x^2 + 1.
+Exposure DelayCalibration::next() {
+  const unsigned bit = register_ & 1u;
+  register_ = register_ >> 1 | ((register_ ^ register_ >> 2) & 1u) << 4;
+  return exposures_[bit];
+}
+
+std::optional<int> DelayCalibration::asked_during(std::uint64_t index, int delay) const {
+  const auto back = static_cast<std::uint64_t>(delay);
+  if (index < back || newest_ - (index - back) >= kHistory) return std::nullopt;
+  return asked_[(index - back) % kHistory];
+}
+
+void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& picture, const Exposure& asked) {
+  if (last_picture_ && index > last_index_) {
+    const auto ratio = photometer_.ratio(*last_picture_, picture);
+    const bool tells = ratio && !(ratio->allows(-log_step_) && ratio->allows(0) && ratio->allows(log_step_));
+    for (int delay = 0; tells && delay <= kMaxDelay; ++delay) {
+      const auto now = asked_during(index, delay), before = asked_during(last_index_, delay);
+      if (!now || !before) continue;
+      auto& count = ratio->allows((*now - *before) * log_step_) ? hits_ : misses_;
+      ++count[static_cast<std::size_t>(delay)];
+    }
+  }
+  last_picture_ = picture;
+  last_index_ = index;
+  // The request of a frame keeps its turn while frames are lost.
+  const std::uint64_t during = index + 1;
+  for (std::uint64_t lost = newest_ + 1; lost < during && lost <= newest_ + kHistory; ++lost)
+    asked_[lost % kHistory] = asked_[newest_ % kHistory];
+  asked_[during % kHistory] = asked == exposures_[1] ? 1 : 0;
+  newest_ = during;
+}
+
+DelayEstimate DelayCalibration::estimate() const {
+  // A comparison is wrong by scene change or chance this often; a delay that is not the camera's disagrees with about
+  // half of them.
+  constexpr double kWrong = 0.1, kMostMisses = 0.2, kSure = 0.9999;
+  std::array<double, kMaxDelay + 1> log_likelihood{};
+  for (std::size_t d = 0; d < log_likelihood.size(); ++d) {
+    // A delay too long to have been compared as often is judged by its share.
+    const int compared = hits_[d] + misses_[d];
+    const double share = compared > 0 ? static_cast<double>(misses_[d]) / compared : 1;
+    const double weight = static_cast<double>(hits_[0] + misses_[0]);
+    log_likelihood[d] = weight * (share * std::log(kWrong) + (1 - share) * std::log(1 - kWrong));
+  }
+  const auto best = static_cast<std::size_t>(
+      std::max_element(log_likelihood.begin(), log_likelihood.end()) - log_likelihood.begin());
+  const double evidence = std::accumulate(log_likelihood.begin(), log_likelihood.end(), 0.0, [&](double sum, double l) {
+    return sum + std::exp(l - log_likelihood[best]);
+  });
+
+  DelayEstimate estimate;
+  estimate.comparisons = hits_[best] + misses_[best];
+  estimate.confidence = 1 / evidence;
+  estimate.agreement = estimate.comparisons > 0 ? static_cast<double>(hits_[best]) / estimate.comparisons : 0;
+  if (estimate.comparisons < kEnough) {
+    estimate.reason = fmt::format("only {} of {} comparisons that it takes could be made: the scene is too dark, clipped "
+                                  "or unsteady", estimate.comparisons, int{kEnough});
+  } else if (1 - estimate.agreement > kMostMisses) {
+    estimate.reason = fmt::format("no delay explains more than {:.0f} % of the pictures: the camera may ignore the control, "
+                                  "or adjust itself", 100 * estimate.agreement);
+  } else if (estimate.confidence < kSure) {
+    estimate.reason = "two delays explain the pictures equally well";
+  } else {
+    estimate.delay = static_cast<int>(best);
+  }
+  return estimate;
+}
+
+Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers, const Exposure& shorter, const Exposure& longer,
+                                    const PixelUnpackSettings& unpack, int frames) {
+  constexpr Duration kPatience{2'000'000'000};
+  constexpr std::size_t kAsked = 64;
+  const PixelCodes kind = codes_of(mode.format);
+  DelayCalibration calibration(shorter, longer, kind.linear ? PhotometricResponse::linear_unknown_black()
+                                                            : PhotometricResponse::unknown());
+  std::array<Exposure, kAsked> asked{};  // by cookie
+  PhotometricSignature picture;
+  Image<std::uint16_t> codes;
+  std::uint64_t cookie = 0, index = 0, sequence = 0;
+  const auto queue_next = [&]() -> Result<void> {
+    const Exposure next = asked[cookie % kAsked] = calibration.next();
+    return camera.queue({cookie++, next.time, next.gain});
+  };
+  const auto run = [&]() -> Result<void> {
+    for (int i = 0; i < buffers; ++i) TRY(queue_next());
+    for (int i = 0; i < frames; ++i) {
+      std::optional<std::uint64_t> completed;
+      {
+        const CapturedBuffer buffer = TRY(camera.wait(kPatience));
+        if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
+        sequence = buffer.sequence;
+        if (!buffer.damaged && unpack_pixels(buffer, unpack, codes).ok()) completed = buffer.cookie;
+      }  // the buffer goes back before the next request needs it
+      TRY(queue_next());
+      if (!completed) continue;
+      calibration.photometer().observe(codes, kind.layout, kind.bits, picture);
+      calibration.observe(index, picture, asked[(*completed + 1) % kAsked]);
+    }
+    return {};
+  };
+  TRY(camera.start());
+  const Result<void> ran = run();
+  TRY(camera.stop());
+  TRY(Result<void>(ran));
+  return calibration.estimate();
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,120 @@
+#include "capture/exposure.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  const auto begin = text.find_first_not_of(" \t");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const auto comma = text.find(',');
+    parts.push_back(trimmed(text.substr(0, comma)));
+    if (comma == std::string_view::npos) return parts;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// The number at the head of the text, which then loses it; nullopt where there is none.
+std::optional<double> take_number(std::string_view& text) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || !std::isfinite(number)) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return number;
+}
+
+std::optional<double> seconds_in(std::string_view text) {
+  auto number = take_number(text);
+  if (!number) return std::nullopt;
+  if (text.starts_with('/')) {
+    text.remove_prefix(1);
+    const auto divisor = take_number(text);
+    if (!divisor || *divisor == 0) return std::nullopt;
+    *number /= *divisor;
+  }
+  text = trimmed(text);
+  if (text.empty() || text == "s") return number;
+  if (text == "ms") return *number * 1e-3;
+  if (text == "us") return *number * 1e-6;
+  return std::nullopt;
+}
+
+}  // namespace
+
+double log_product(const Exposure& exposure) { return std::log(exposure.product()); }
+
+Result<Duration> parse_duration(std::string_view text) {
+  constexpr double kLongest_s = 3600;
+  const auto seconds = seconds_in(trimmed(text));
+  if (!seconds || !(*seconds >= 1e-9) || *seconds > kLongest_s)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s", text)};
+  return Duration(std::llround(*seconds * 1e9));
+}
+
+Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain) {
+  std::vector<Exposure> exposures;
+  for (const std::string_view part : split(shutter)) exposures.push_back({TRY(parse_duration(part)), 1});
+  if (trimmed(gain).empty()) return exposures;
+
+  const auto gains = split(gain);
+  if (gains.size() != 1 && gains.size() != exposures.size())
+    return Error{ErrorCode::Invalid, fmt::format("'{}' has {} gains for {} shutter times; give one gain, or one each",
+                                                 gain, gains.size(), exposures.size())};
+  for (std::size_t i = 0; i < exposures.size(); ++i) {
+    std::string_view part = gains[gains.size() == 1 ? 0 : i];
+    const std::string_view whole = part;
+    const auto number = take_number(part);
+    if (!number || !part.empty() || !(*number > 0))
+      return Error{ErrorCode::Invalid, fmt::format("'{}' is not a gain; write a positive number like 1 or 2.5", whole)};
+    exposures[i].gain = *number;
+  }
+  return exposures;
+}
+
+std::string describe(Duration duration) {
+  const double seconds = to_seconds(duration);
+  if (seconds >= 1) return fmt::format("{:.4g} s", seconds);
+  if (seconds >= 1e-3) return fmt::format("{:.4g} ms", seconds * 1e3);
+  return fmt::format("{:.4g} us", seconds * 1e6);
+}
+
+std::string describe(const Exposure& exposure) {
+  if (exposure.gain == 1) return describe(exposure.time);
+  return fmt::format("{} x {:.4g}", describe(exposure.time), exposure.gain);
+}
+
+Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera) {
+  // Half a step beyond the range still rounds into it.
+  const Duration half_line = camera.exposure_step / 2;
+  if (exposure.time < camera.exposure_min - half_line || exposure.time > camera.exposure_max + half_line)
+    return Error{ErrorCode::BadExposure,
+                 fmt::format("shutter {} is outside what '{}' offers, {} to {}; choose one within",
+                             describe(exposure.time), camera.id, describe(camera.exposure_min),
+                             describe(camera.exposure_max))};
+  const double half_code = camera.gain_step / 2 + 1e-9;
+  if (exposure.gain < camera.gain_min - half_code || exposure.gain > camera.gain_max + half_code)
+    return Error{ErrorCode::BadExposure,
+                 fmt::format("gain {:.4g} is outside what '{}' offers, {:.4g} to {:.4g}; choose one within",
+                             exposure.gain, camera.id, camera.gain_min, camera.gain_max)};
+
+  Exposure nearest = exposure;
+  if (camera.exposure_step > Duration(1))
+    nearest.time = (exposure.time + half_line) / camera.exposure_step * camera.exposure_step;
+  nearest.time = std::clamp(nearest.time, camera.exposure_min, camera.exposure_max);
+  if (camera.gain_step > 0)
+    nearest.gain = camera.gain_min + std::round((exposure.gain - camera.gain_min) / camera.gain_step) * camera.gain_step;
+  nearest.gain = std::clamp(nearest.gain, camera.gain_min, camera.gain_max);
+  return nearest;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,241 @@
+#include "capture/exposure_proof.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hdrcam {
+namespace {
+
+constexpr double kOdd = std::numeric_limits<double>::quiet_NaN();  // the assignment of a frame that is left out
+
+// A strobe pulse is as long as the exposure but for the interrupt's latency at its two edges.
+Duration strobe_slack(Duration exposure) { return Duration(60'000) + exposure / 16; }
+
+bool strobe_allows(Duration width, Duration exposure) {
+  return std::chrono::abs(width - exposure) <= strobe_slack(exposure);
+}
+
+// The first claim that says `value`; -1 for none.
+int claim_saying(const FrameEvidence& evidence, double value) {
+  for (int i = 0; i < evidence.claim_count; ++i)
+    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= ExposureProof::kSame) return i;
+  return -1;
+}
+
+}  // namespace
+
+const char* name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::Proved: return "proved";
+    case Verdict::Plausible: return "plausible";
+    case Verdict::Contradicted: return "contradicted";
+    case Verdict::Unknown: break;
+  }
+  return "unknown";
+}
+
+double ExposureClaim::log_value() const { return log_product(exposure) + std::log(digital_gain); }
+
+void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
+  CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 2);
+  const std::array<Exposure, kCandidates> earlier = cycle_;
+  const int earlier_count = current_count_;
+  current_count_ = cycle_count_ = static_cast<int>(cycle.size());
+  std::copy(cycle.begin(), cycle.end(), cycle_.begin());
+  std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + cycle_count_);
+  cycle_count_ += earlier_count;
+  proved_in_current_ = 0;
+  told_apart_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - log_product(cycle.front())) > kSame;
+  });
+}
+
+// The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure beyond the cycle, it
+// is a candidate too, in place of a neighbour that no picture could tell from it.
+void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {
+  constexpr double kIndistinct = 0.15;
+  frame.value_count = 0;
+  const auto add = [&](const Exposure& exposure, double value, double distance) {
+    if (evidence.strobe_width && !strobe_allows(*evidence.strobe_width, exposure.time)) return;
+    for (int i = 0; i < frame.value_count; ++i)
+      if (std::abs(frame.values[static_cast<std::size_t>(i)] - value) <= distance) return;
+    frame.values[static_cast<std::size_t>(frame.value_count++)] = value;
+  };
+  bool beyond = evidence.claim_count > 0;
+  for (int i = 0; i < cycle_count_ && beyond; ++i)
+    beyond = claim_saying(evidence, log_product(cycle_[static_cast<std::size_t>(i)])) != 0;
+  if (beyond) add(evidence.claims[0].exposure, evidence.claims[0].log_value(), 0);
+  for (int i = 0; i < cycle_count_; ++i) {
+    const Exposure& exposure = cycle_[static_cast<std::size_t>(i)];
+    const double value = log_product(exposure);
+    if (beyond && std::abs(value - evidence.claims[0].log_value()) <= kIndistinct) continue;
+    add(exposure, value, kSame);
+  }
+}
+
+// Whether frame `age` may have this exposure, given those of the newer frames.
+bool ExposureProof::fits(int age, double value, const std::array<double, kWindow>& assigned) const {
+  for (int newer = 0; newer < age; ++newer) {
+    const double other = assigned[static_cast<std::size_t>(newer)];
+    if (std::isnan(other)) continue;
+    const auto& ratio = back(newer).ratio_from[static_cast<std::size_t>(age - newer - 1)];
+    if (ratio && !ratio->allows(other - value)) return false;
+  }
+  return true;
+}
+
+// The least number of odd frames among all explanations, newer frames being assigned; kNever if it is not below bound.
+int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kWindow>& assigned) const {
+  if (odd >= bound) return kNever;
+  if (age == count_) return odd;
+  int fewest = kNever;
+  const Frame& frame = back(age);
+  const bool proved = frame.judgement.verdict == Verdict::Proved;
+  for (int i = 0; i < frame.value_count; ++i) {
+    const double value = frame.values[static_cast<std::size_t>(i)];
+    if (proved && std::abs(value - frame.judgement.label.log_value()) > kSame) continue;
+    if (!fits(age, value, assigned)) continue;
+    assigned[static_cast<std::size_t>(age)] = value;
+    fewest = std::min(fewest, fewest_odd(age + 1, odd, std::min(bound, fewest), assigned));
+    if (fewest == odd) return fewest;
+  }
+  assigned[static_cast<std::size_t>(age)] = kOdd;
+  return std::min(fewest, fewest_odd(age + 1, odd + 1, std::min(bound, fewest), assigned));
+}
+
+ExposureProof::Explanations ExposureProof::explain() const {
+  constexpr int kMostOdd = 2, kMargin = 2, kBound = kMostOdd + kMargin + 1;  // what costs more does not matter
+  Explanations result;
+  const Frame& newest = back(0);
+  std::array<double, kWindow> assigned{};
+  int best = -1, second = kNever;
+  const auto odd_if = [&](int i) { return i < 0 ? kNever : result.odd_if[static_cast<std::size_t>(i)]; };
+  for (int i = 0; i < newest.value_count; ++i) {
+    assigned[0] = newest.values[static_cast<std::size_t>(i)];
+    result.odd_if[static_cast<std::size_t>(i)] = fewest_odd(1, 0, kBound, assigned);
+    if (odd_if(i) < odd_if(best)) {
+      second = odd_if(best);
+      best = i;
+    } else {
+      second = std::min(second, odd_if(i));
+    }
+  }
+  assigned[0] = kOdd;
+  result.odd_if_newest_is_odd = fewest_odd(1, 1, kBound, assigned);
+  result.fits_nothing = result.odd_if_newest_is_odd < odd_if(best);
+  if (odd_if(best) <= kMostOdd && odd_if(best) + kMargin <= second && odd_if(best) < result.odd_if_newest_is_odd)
+    result.unique = best;
+  return result;
+}
+
+// How often the ratios to trusted neighbours speak against a claim, and for it.
+ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
+  Votes votes;
+  for (int age = 1; age < count_; ++age) {
+    const Frame& other = back(age);
+    const auto& ratio = back(0).ratio_from[static_cast<std::size_t>(age - 1)];
+    if (!ratio || !other.judgement.trusted()) continue;
+    ++(ratio->allows(claimed - other.judgement.label.log_value()) ? votes.in_favour : votes.against);
+  }
+  return votes;
+}
+
+// How far the truth may be from a label that the neighbours confirm: the best ratio's own width, and through a
+// neighbour of the same exposure no better than that neighbour is known itself.
+double ExposureProof::open_interval_ev(double label) const {
+  double open = std::numeric_limits<double>::infinity();
+  for (int age = 1; age < count_; ++age) {
+    const Judgement& other = back(age).judgement;
+    const auto& ratio = back(0).ratio_from[static_cast<std::size_t>(age - 1)];
+    if (!ratio || !other.trusted()) continue;
+    const double difference = label - other.label.log_value();
+    if (!ratio->allows(difference)) continue;
+    double width = std::max(ratio->high - difference, difference - ratio->low);
+    if (std::abs(difference) <= kSame) {
+      if (other.verdict != Verdict::Proved) continue;
+      width = std::max(width, other.within_ev * std::numbers::ln2);
+    }
+    open = std::min(open, width);
+  }
+  return open / std::numbers::ln2;
+}
+
+// The pictures are unanimous: does a claim say the same?
+Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double value) const {
+  Judgement judgement;
+  judgement.unique = value;
+  const int claim = claim_saying(evidence, value);
+  judgement.verdict = claim == 0 ? Verdict::Proved : Verdict::Plausible;
+  if (claim >= 0) {
+    judgement.label = evidence.claims[static_cast<std::size_t>(claim)];
+  } else {
+    const auto slot = std::find_if(cycle_.begin(), cycle_.begin() + cycle_count_, [&](const Exposure& exposure) {
+      return std::abs(log_product(exposure) - value) <= kSame;
+    });
+    judgement.label = {*slot, 1, ExposureSource::Photometric};
+    judgement.relabelled = evidence.claim_count > 0;
+  }
+  judgement.within_ev = open_interval_ev(judgement.label.log_value());
+  if (evidence.strobe_width) {
+    const Duration time = judgement.label.exposure.time;
+    judgement.within_ev = std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
+  }
+  // Unanimous, but by neighbours that are not trusted themselves.
+  if (std::isinf(judgement.within_ev)) judgement.verdict = Verdict::Plausible;
+  return judgement;
+}
+
+Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations& explanations) const {
+  if (explanations.unique && (told_apart_ || evidence.strobe_width))
+    return unique_judgement(evidence, back(0).values[static_cast<std::size_t>(*explanations.unique)]);
+  Judgement judgement;
+  if (evidence.claim_count == 0) return judgement;
+  judgement.label = evidence.claims[0];
+  const double claimed = judgement.label.log_value();
+  const Votes votes = neighbours_on(claimed);
+  bool claims_agree = true;
+  for (int i = 1; i < evidence.claim_count; ++i)
+    claims_agree &= std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - claimed) <= kSame;
+
+  if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour)) {
+    judgement.verdict = Verdict::Contradicted;
+  } else if (!claims_agree) {
+    judgement.verdict = Verdict::Unknown;
+  } else if (!told_apart_ && judgement.label.source == ExposureSource::Embedded && votes.in_favour >= 2) {
+    judgement.verdict = Verdict::Proved;  // the sensor says so itself, and the light did not change
+    judgement.within_ev = open_interval_ev(claimed);
+  } else {
+    judgement.verdict = Verdict::Plausible;
+  }
+  return judgement;
+}
+
+// Once the new cycle has been seen often enough, the one before it is history.
+void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
+  if (cycle_count_ == current_count_ || judgement.verdict != Verdict::Proved) return;
+  const double value = judgement.label.log_value();
+  const bool current = std::any_of(cycle_.begin(), cycle_.begin() + current_count_, [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - value) <= kSame;
+  });
+  proved_in_current_ = current ? proved_in_current_ + 1 : 0;
+  if (proved_in_current_ >= 2 * kWindow) cycle_count_ = current_count_;
+}
+
+Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricSignature& picture,
+                               Photometer& photometer) {
+  newest_ = (newest_ + 1) % kWindow;
+  count_ = std::min(count_ + 1, kWindow);
+  Frame& frame = back(0);
+  frame.picture = picture;
+  frame.judgement = {};
+  for (int age = 1; age < count_; ++age)
+    frame.ratio_from[static_cast<std::size_t>(age - 1)] = photometer.ratio(back(age).picture, picture);
+  gather_values(evidence, frame);
+  frame.judgement = weigh(evidence, explain());
+  retire_earlier_cycle(frame.judgement);
+  return frame.judgement;
+}
+
+}  // namespace hdrcam

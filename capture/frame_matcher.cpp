@@ -1,0 +1,192 @@
+#include "capture/frame_matcher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace hdrcam {
+namespace {
+
+bool same(double a, double b) { return std::abs(a - b) <= ExposureProof::kSame; }
+
+}  // namespace
+
+Instant MatchedFrame::centre(Duration exposure) const {
+  if (strobe_rise) return *strobe_rise + exposure / 2;
+  return timestamp + (mark == TimestampMark::ExposureBegin ? exposure / 2 : -exposure / 2);
+}
+
+FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule)
+    : options_(options), schedule_(schedule) {
+  if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
+  const Exposure& first = schedule_.exposure_of(0);
+  const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
+  twin_.emplace(delays, ExposureRequest{0, first.time, first.gain}, options_.frame_duration);
+}
+
+ExposureRequest FrameMatcher::next_request() {
+  const std::uint64_t cookie = next_cookie_++;
+  const Exposure& exposure = schedule_.exposure_of(cookie);
+  ExposureRequest request{cookie, exposure.time, exposure.gain};
+  if (twin_) {
+    twin_->push(request, options_.frame_duration);
+    const ControlDelay::Writes writes = twin_->frame_started(cookie);
+    request = {cookie, writes.exposure, writes.analogue_gain};
+  }
+  asked_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true};
+  return request;
+}
+
+void FrameMatcher::strobe(const Edge& edge) {
+  const bool lost_edges = pulse_count_ > 0 && edge.sequence != edge_sequence_ + 1;
+  edge_sequence_ = edge.sequence;
+  if (edge.rising) {
+    pulses_[pulse_count_++ % kPulses] = {edge.at, std::nullopt};
+  } else if (line_high_ && !lost_edges) {
+    Pulse& last = pulses_[(pulse_count_ - 1) % kPulses];
+    last.width = edge.at - last.rise;
+  }
+  line_high_ = edge.rising;
+}
+
+// Frame intervals between the buffer before and this one; at least one.
+int FrameMatcher::frames_since_last(const CapturedBuffer& buffer) const {
+  constexpr double kOffGrid = 0.3, kLongest = 1e6;
+  const double by_time =
+      static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(options_.frame_duration.count());
+  const double by_number =
+      buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
+  const double rounded = std::round(by_time);
+  const bool on_grid = rounded >= 1 && std::abs(by_time - rounded) <= kOffGrid;
+  const double frames = on_grid ? rounded : by_number;
+  return static_cast<int>(std::clamp(frames, 1.0, kLongest));
+}
+
+// The request that was completed had its turn when the frame after the one before began, and kept it while frames
+// were lost.
+void FrameMatcher::note_turns(std::uint64_t cookie, bool repeated, int advance) {
+  for (std::uint64_t back = 0; back < static_cast<std::uint64_t>(std::clamp(advance, 1, int{kFrames})); ++back)
+    turn_[(index_ - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
+}
+
+// The request whose controls were written as that frame began; null where nobody knows.
+const FrameMatcher::Asked* FrameMatcher::written_at(std::int64_t index) const {
+  const auto newest = static_cast<std::int64_t>(index_);
+  if (index < 0 || newest - index >= kFrames) return nullptr;
+  const auto& turn = turn_[static_cast<std::uint64_t>(std::min(index, newest)) % kFrames];
+  if (!turn) return nullptr;
+  const std::uint64_t cookie = *turn + static_cast<std::uint64_t>(std::max<std::int64_t>(0, index - newest));
+  const Asked& asked = asked_[cookie % kRequests];
+  return asked.valid && asked.request.cookie == cookie ? &asked : nullptr;
+}
+
+std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, int shift) const {
+  if (!options_.delays) return std::nullopt;
+  const std::int64_t frame = static_cast<std::int64_t>(index) + shift;
+  const Asked* time = written_at(frame - options_.delays->exposure);
+  const Asked* gain = written_at(frame - options_.delays->gain);
+  if (time == nullptr || gain == nullptr) return std::nullopt;
+  return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
+}
+
+// What the driver says of this frame. A report without gain is completed by the prediction, or by a schedule that has
+// only one gain.
+std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buffer,
+                                                       const std::optional<ExposureClaim>& predicted) const {
+  if (!buffer.exposure || *buffer.exposure <= Duration(0)) return std::nullopt;
+  std::optional<double> gain = buffer.analogue_gain;
+  if (!gain && predicted) gain = predicted->exposure.gain;
+  if (!gain) {
+    gain = schedule_.slot(0).exposure.gain;
+    for (int i = 1; i < schedule_.slots(); ++i)
+      if (schedule_.slot(i).exposure.gain != *gain) return std::nullopt;
+  }
+  const double digital = buffer.digital_gain.value_or(1);
+  if (!(*gain > 0) || !(digital > 0)) return std::nullopt;
+  return ExposureClaim{{*buffer.exposure, *gain}, digital,
+                       buffer.exposure_embedded ? ExposureSource::Embedded : ExposureSource::Reported};
+}
+
+// The pulse whose rising edge lies where this frame's should, within a quarter of a frame.
+const FrameMatcher::Pulse* FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
+  if (options_.strobe == StrobePulse::Absent) return nullptr;
+  const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
+  const Pulse* nearest = nullptr;
+  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(pulse_count_, kPulses); ++i) {
+    const Pulse& pulse = pulses_[(pulse_count_ - 1 - i) % kPulses];
+    const Duration off = std::chrono::abs(pulse.rise - expected);
+    if (off > options_.frame_duration / 4) continue;
+    if (nearest == nullptr || off < std::chrono::abs(nearest->rise - expected)) nearest = &pulse;
+  }
+  return nearest;
+}
+
+MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
+  MatchedFrame frame;
+  const int advance = started_ ? frames_since_last(buffer) : 0;
+  frame.lost_before = std::max(0, advance - 1);
+  frame.cookie_repeated = started_ && buffer.cookie <= highest_cookie_;
+  index_ += static_cast<std::uint64_t>(advance);
+  frame.index = index_;
+  frame.timestamp = buffer.timestamp;
+  frame.mark = options_.timestamp_mark;
+  sequence_ = buffer.sequence;
+  timestamp_ = buffer.timestamp;
+  highest_cookie_ = started_ ? std::max(highest_cookie_, buffer.cookie) : buffer.cookie;
+  started_ = true;
+
+  note_turns(buffer.cookie, frame.cookie_repeated, advance);
+  const auto predicted = predicted_for(index_, shift_);
+  if (const auto reported = reported_in(buffer, predicted)) frame.evidence.add(*reported);
+  if (predicted) frame.evidence.add(*predicted);
+
+  const Pulse* pulse = pulse_of(buffer);
+  if (pulse != nullptr && options_.strobe == StrobePulse::SpansExposure) {
+    frame.strobe_rise = pulse->rise;
+    frame.evidence.strobe_width = pulse->width;
+  }
+  return frame;
+}
+
+bool FrameMatcher::explains_lessons(int shift) const {
+  return std::all_of(lessons_.begin(), lessons_.end(), [&](const Lesson& lesson) {
+    const auto predicted = predicted_for(lesson.index, shift);
+    return predicted && same(predicted->log_value(), lesson.log_value);
+  });
+}
+
+// Shifts the prediction when the last frames, among them at least two exposures, all say that it is late or early by
+// the same number of frames. One frame that was late on its own does not.
+void FrameMatcher::learn(double log_value) {
+  if (!predicted_for(index_, shift_)) return;
+  std::rotate(lessons_.begin(), lessons_.begin() + 1, lessons_.end());
+  lessons_.back() = {index_, log_value};
+  lesson_count_ = std::min(lesson_count_ + 1, kLessons);
+  const bool various = std::any_of(lessons_.begin(), lessons_.end(),
+                                   [&](const Lesson& lesson) { return !same(lesson.log_value, log_value); });
+  if (lesson_count_ < kLessons || !various || explains_lessons(shift_)) return;
+  for (int distance = 1; distance <= kMaxShift; ++distance) {
+    for (const int shift : {shift_ - distance, shift_ + distance}) {
+      if (std::abs(shift) > kMaxShift || !explains_lessons(shift)) continue;
+      shift_ = shift;
+      ++relocks_;
+      return;
+    }
+  }
+}
+
+int FrameMatcher::slot_of(const ExposureClaim& label) const {
+  const double value = label.log_value();
+  const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
+  if (const Asked* asked = written_at(static_cast<std::int64_t>(index_) - delay); asked != nullptr)
+    if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value)) return asked->slot;
+  int slot = -1;
+  for (int i = 0; i < schedule_.slots(); ++i) {
+    if (!same(log_product(schedule_.slot(i).exposure), value)) continue;
+    if (slot >= 0) return -1;  // two slots have this exposure
+    slot = i;
+  }
+  return slot;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,116 @@
+// Joins what belongs to one frame: the buffer, the request that it completed, what the driver reported, the strobe pulse
+// that lay in its exposure. Finds out which frames never came. The result is evidence, not belief: exposure_proof.h
+// judges it, and what the pictures then say unanimously comes back (learn) and corrects the prediction, so that one
+// missed frame start, or a delay that was wrong all along, is made good within a cycle.
+//
+// Frames are counted by two witnesses, the driver's sequence number and its timestamp; where they disagree the time
+// decides if it lies on the grid of the frame duration, else the number (counters restart in standby, and miss drops).
+// Thread-bound; bounded state, no allocation.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "capture/control_delay.h"
+#include "capture/exposure_proof.h"
+#include "capture/exposure_schedule.h"
+#include "hal/sync_line.h"
+
+namespace hdrcam {
+
+// What the strobe line means on this sensor.
+enum class StrobePulse { Absent, MarksFrame, SpansExposure };
+// Where in a frame the driver takes its timestamp.
+enum class TimestampMark { ExposureBegin, ExposureEnd };
+
+struct FrameMatcherOptions {
+  Duration frame_duration{33'333'333};
+  // Controls are written as the frame of their own request begins (hal/camera.h), and show so many frames later; zero
+  // where a request's exposure is that of its own frame. nullopt: nobody knows, nothing is predicted.
+  std::optional<ControlDelays> delays;
+  StrobePulse strobe = StrobePulse::Absent;
+  Duration strobe_after_timestamp{0};        // of the rising edge, as wired
+  TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
+};
+
+struct MatchedFrame {
+  FrameEvidence evidence;
+  std::uint64_t index = 0;       // of the frame at the sensor: 0 for the first, counting those that never came
+  int lost_before = 0;           // frames between the one before and this one
+  bool cookie_repeated = false;  // the request was completed before: the cookie says nothing
+  Instant timestamp;             // the driver's
+  TimestampMark mark = TimestampMark::ExposureBegin;
+  std::optional<Instant> strobe_rise;
+
+  // The middle of an exposure of this length: by the strobe where there was one.
+  Instant centre(Duration exposure) const;
+};
+
+class FrameMatcher {
+ public:
+  FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule);
+
+  // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster one of it
+  // is held back for later requests (control_delay.h), so that both show on one frame.
+  ExposureRequest next_request();
+  // Requests from now on follow another schedule.
+  void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
+
+  // An edge of the strobe line, in order.
+  void strobe(const Edge& edge);
+  // The next completed buffer, in order, after the edges that came before it.
+  MatchedFrame match(const CapturedBuffer& buffer);
+  // What the pictures and the strobe alone say about the frame matched last.
+  void learn(double log_value);
+
+  // The slot of the schedule that the last matched frame was asked for, where its exposure is this one; -1 unknown.
+  int slot_of(const ExposureClaim& label) const;
+  // Frames by which the prediction had to be shifted so far; changes of it are cadences found again.
+  int shift() const { return shift_; }
+  int relocks() const { return relocks_; }
+
+ private:
+  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kLessons = 3, kMaxShift = 4;
+
+  struct Asked {
+    ExposureRequest request;  // as it was queued
+    int slot = -1;            // that it stands for, though part of it may be held back
+    bool valid = false;
+  };
+  struct Pulse {
+    Instant rise;
+    std::optional<Duration> width;
+  };
+  struct Lesson {
+    std::uint64_t index = 0;
+    double log_value = 0;
+  };
+
+  int frames_since_last(const CapturedBuffer& buffer) const;
+  void note_turns(std::uint64_t cookie, bool repeated, int advance);
+  std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer, const std::optional<ExposureClaim>& predicted) const;
+  std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
+  const Asked* written_at(std::int64_t index) const;
+  const Pulse* pulse_of(const CapturedBuffer& buffer) const;
+  bool explains_lessons(int shift) const;
+
+  FrameMatcherOptions options_;
+  ExposureSchedule schedule_;
+  std::optional<ControlDelay> twin_;
+  std::array<Asked, kRequests> asked_{};  // by cookie
+  std::uint64_t next_cookie_ = 0;
+
+  bool started_ = false;
+  std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
+  Instant timestamp_;
+  std::array<std::optional<std::uint64_t>, kFrames> turn_{};  // by frame: the cookie whose controls were written then
+
+  std::array<Pulse, kPulses> pulses_{};
+  std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
+  bool line_high_ = false;
+
+  std::array<Lesson, kLessons> lessons_{};
+  int lesson_count_ = 0, shift_ = 0, relocks_ = 0;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,101 @@
+// The ratio of the exposures of two neighbouring frames, from their pictures alone: the witness that neither the driver
+// nor the sensor can influence. An exposure changes all parts of a picture by one factor, motion changes parts by many:
+// so the factor is measured twice, at the same place (1200 sites, aligned for a panning camera) and at the same rank
+// (quantiles; indifferent to motion), and what the two disagree upon is the uncertainty. Codes become exposures through
+// the response; while that is unknown, through the mean of 201 real cameras, whose spread only stretches a ratio: equal
+// stays equal and brighter stays brighter, whatever the camera. Thread-bound; no allocation; a 320x240 picture and its
+// ratios to the seven before it take 0.13 ms.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "hal/core/image.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+// ln of the relative exposure that gave a code 0..255, and how far it can be trusted.
+class PhotometricResponse {
+ public:
+  using Curve = std::array<float, 256>;
+
+  // The mean of real cameras (Grossberg & Nayar's 201 curves). Their ratios are within a factor of 2.8 of this one's
+  // on the logarithmic scale, all of them, for exposures 1 to 4 stops apart.
+  static PhotometricResponse unknown();
+  // Raw codes; black level in codes of 255.
+  static PhotometricResponse linear(float black_level);
+  // Raw codes whose black level nobody knows: 0..18 of 255. Only bright codes are trusted.
+  static PhotometricResponse linear_unknown_black();
+  // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
+  static PhotometricResponse known(const Curve& inverse, float black_level);
+
+  // ln of relative exposure; -inf for codes too dark to say, +inf for clipped ones.
+  float log_exposure(float code) const;
+  // A measured ln ratio may be off by this factor, either way.
+  double stretch() const { return stretch_; }
+
+  static constexpr float kClipped = 250;  // codes of 255 from here on may be cut off
+
+ private:
+  PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}
+
+  Curve log_{};         // at whole codes
+  float black_ = 0;     // for the linear case, where the logarithm is taken directly
+  bool linear_ = false;
+  float darkest_;       // codes below say nothing
+  double stretch_;
+};
+
+// What is kept of a frame to compare it with later ones.
+struct PhotometricSignature {
+  static constexpr int kSiteCols = 40, kSiteRows = 30, kSites = kSiteCols * kSiteRows;
+
+  std::array<float, kSites> at_site;  // ln exposure of a box of pixels, +-inf where clipped or too dark
+  std::array<float, kSites> by_rank;  // the same, in order
+  int rows = 0, cols = 0;             // of the grid of sites: less for pictures below 160x120
+  int sites = 0;
+  float clipped_share = 0, dark_share = 0;  // of the sites
+};
+
+// What lies at site (y, x) of one frame lies at (y + dy, x + dx) of another.
+struct SiteShift {
+  int dy = 0, dx = 0;
+  double overlap = 1;  // share of the sites that both frames see
+};
+
+struct PhotometricRatio {
+  double log_ratio = 0;      // ln E_b / E_a, the best guess
+  double low = 0, high = 0;  // the truth lies between, short of a change of the light itself
+
+  bool allows(double value) const { return low <= value && value <= high; }
+};
+
+class Photometer {
+ public:
+  explicit Photometer(const PhotometricResponse& response) : response_(response) {}
+
+  const PhotometricResponse& response() const { return response_; }
+  // Signatures made before are of the old response: do not compare them with later ones.
+  void set_response(const PhotometricResponse& response) { response_ = response; }
+
+  // codes: [channels(layout), rows, cols] of `bits` bits. Green is looked at where there are colours.
+  void observe(const Image<std::uint16_t>& codes, PixelLayout layout, int bits, PhotometricSignature& signature) const;
+
+  // nullopt where too little is visible in both, or where the two are not of the same scene.
+  std::optional<PhotometricRatio> ratio(const PhotometricSignature& a, const PhotometricSignature& b);
+
+ private:
+  struct Centre {
+    double median = 0, scatter = 0, sigma = 0;  // of the samples, of the median
+  };
+  std::optional<Centre> ratio_by_site(const PhotometricSignature& a, const PhotometricSignature& b, SiteShift shift);
+  std::optional<Centre> ratio_by_rank(const PhotometricSignature& a, const PhotometricSignature& b);
+  Centre centre(int count, double independent);
+
+  PhotometricResponse response_;
+  std::array<float, PhotometricSignature::kSites> scratch_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,351 @@
+// The proof of exposure, end to end: a sensor that misbehaves in every way that we know of, and a stage that must never
+// call a wrong label proved.
+#include "capture/capture_stage.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "tests/allocations.h"
+#include "tests/capture/sensor_model.h"
+
+namespace hdrcam {
+namespace {
+
+using test::SensorFaults;
+using test::SensorKind;
+using test::SensorModel;
+using test::SensorSettings;
+using test::StrobeModel;
+using namespace std::chrono_literals;
+
+constexpr Exposure kOne[] = {{4ms, 1}};
+constexpr Exposure kTwo[] = {{2ms, 1}, {16ms, 1}};
+constexpr Exposure kThree[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
+constexpr Exposure kFour[] = {{1ms, 1}, {4ms, 1}, {8ms, 1}, {8ms, 4}};
+
+std::span<const Exposure> cycle_of(int slots) {
+  switch (slots) {
+    case 1: return kOne;
+    case 2: return kTwo;
+    case 3: return kThree;
+    default: return kFour;
+  }
+}
+
+struct Tally {
+  int frames = 0, proved = 0, plausible = 0, contradicted = 0, unknown = 0, relabelled = 0;
+  int proved_wrong = 0;          // of another slot, or further off than the proof says
+  int trusted_wrong = 0;         // proved or plausible, and of another slot
+  int trusted_wrong_late = 0;    // of them, after the first three rounds
+  int slots_wrong = 0;
+  CaptureCounters counters;
+};
+
+int nearest_slot(std::span<const Exposure> cycle, double value) {
+  const auto distance = [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value); };
+  return static_cast<int>(std::min_element(cycle.begin(), cycle.end(), [&](const Exposure& a, const Exposure& b) {
+                            return distance(a) < distance(b);
+                          }) - cycle.begin());
+}
+
+void judge(const CapturedFrame& frame, double truth, std::span<const Exposure> cycle, Tally& tally) {
+  const Judgement& proof = frame.proof;
+  ++tally.frames;
+  tally.proved += proof.verdict == Verdict::Proved;
+  tally.plausible += proof.verdict == Verdict::Plausible;
+  tally.contradicted += proof.verdict == Verdict::Contradicted;
+  tally.unknown += proof.verdict == Verdict::Unknown;
+  tally.relabelled += proof.relabelled;
+  REQUIRE(proof.trusted() == ((frame.raw.facts.flags & kFrameExposureUnproved) == 0));
+  if (!proof.trusted()) return;
+
+  const double label = proof.label.log_value();
+  REQUIRE(std::abs(std::log(frame.raw.facts.exposure()) - label) < 1e-6);
+  const bool wrong = nearest_slot(cycle, truth) != nearest_slot(cycle, label);
+  tally.trusted_wrong += wrong;
+  tally.trusted_wrong_late += wrong && tally.frames > 3 * static_cast<int>(cycle.size());
+  tally.slots_wrong += frame.raw.facts.slot >= 0 && frame.raw.facts.slot != nearest_slot(cycle, label);
+  const bool beyond = std::abs(truth - label) > proof.within_ev * std::numbers::ln2 + 1e-9;
+  tally.proved_wrong += proof.verdict == Verdict::Proved && (wrong || beyond);
+}
+
+Tally run(const SensorSettings& settings, const SensorFaults& faults, int slots, int frames,
+          const CaptureOptions& options = {}) {
+  const std::span<const Exposure> cycle = cycle_of(slots);
+  SensorModel sensor(settings, faults);
+  StrobeModel strobe(sensor);
+  auto opened = CaptureStage::open(sensor, &strobe, cycle, Mains::Off, options);
+  REQUIRE(opened.ok());
+  CaptureStage& stage = **opened;
+  REQUIRE(stage.start().ok());
+  CapturedFrame frame;
+  Tally tally;
+  for (int i = 0; i < frames; ++i) {
+    REQUIRE(stage.next(frame).ok());
+    judge(frame, sensor.truth(), cycle, tally);
+    const CaptureCounters& c = stage.counters();
+    REQUIRE(c.captured == c.emitted + c.dropped());
+    REQUIRE(c.emitted == c.proved + c.plausible + c.contradicted + c.unknown);
+  }
+  tally.counters = stage.counters();
+  return tally;
+}
+
+std::string describe(const Tally& t) {
+  return fmt::format("{} frames: {} proved ({} wrong), {} plausible ({} relabelled), {} contradicted, {} unknown; trusted "
+                     "but wrong {}, {} of them late; lost {}, relocks {}", t.frames, t.proved, t.proved_wrong, t.plausible,
+                     t.relabelled, t.contradicted, t.unknown, t.trusted_wrong, t.trusted_wrong_late,
+                     t.counters.lost_by_camera, t.counters.relocks);
+}
+
+constexpr SensorKind kKinds[] = {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8};
+
+TEST_CASE("a well-behaved camera has nearly all its frames proved, whatever its response", "[capture]") {
+  for (const SensorKind kind : kKinds) {
+    for (int slots = 2; slots <= 3; ++slots) {
+      const Tally tally = run({.kind = kind, .pan_px = 1, .light_walk = 0.005}, {}, slots, 500);
+      CAPTURE(static_cast<int>(kind), slots, describe(tally));
+      CHECK(tally.proved_wrong == 0);
+      CHECK(tally.proved >= 485);
+      CHECK(tally.trusted_wrong == 0);
+      CHECK(tally.contradicted + tally.unknown == 0);
+      CHECK(tally.slots_wrong == 0);
+    }
+  }
+}
+
+TEST_CASE("no wrong label is ever proved over 10,000 frames with every fault at once", "[capture]") {
+  const SensorFaults faults{.drop = 0.05, .drop_run = 2, .damage = 0.01, .report_missing = 0.1, .report_late = 0.05,
+                            .cookie_doubled = 0.03, .exposure_late = 0.03, .exposure_early = 0.03,
+                            .exposure_clipped = 0.03, .slip = 0.005};
+  const Tally tally = run({.reports = true, .light_walk = 0.02, .cut = 0.005}, faults, 3, 10'000);
+  CAPTURE(describe(tally));
+  CHECK(tally.proved_wrong == 0);
+  CHECK(tally.proved > 6000);
+  CHECK(tally.counters.damaged > 50);
+  CHECK(tally.counters.lost_by_camera > 500);
+  CHECK(tally.trusted_wrong < 100);
+}
+
+struct Fault {
+  const char* name;
+  SensorFaults faults;
+  bool reports;
+  int least_proved;  // of 300
+};
+
+TEST_CASE("no fault makes a wrong label proved", "[capture]") {
+  const Fault kFaults[] = {
+      {"one frame lost now and then", {.drop = 0.1}, false, 220},
+      {"two frames lost at a time", {.drop = 0.1, .drop_run = 2}, false, 220},
+      {"seven frames lost at a time, uncounted", {.drop = 0.1, .drop_run = 7, .hide_drops = true}, false, 165},
+      {"frames lost that neither number nor time shows", {.drop = 0.1, .hide_drops = true, .freeze_time = true}, false, 190},
+      {"half of all frames lost", {.drop = 0.5}, false, 190},
+      {"reports missing", {.report_missing = 0.5}, true, 220},
+      {"reports late", {.report_late = 0.3}, true, 140},
+      {"requests completed twice", {.cookie_doubled = 0.2}, true, 190},
+      {"exposures a frame late", {.exposure_late = 0.1}, false, 165},
+      {"exposures a frame early", {.exposure_early = 0.1}, false, 165},
+      {"exposures clipped now and then", {.exposure_clipped = 0.2}, false, 165},
+      {"exposures clipped always", {.clips_always = true}, false, 0},
+      {"exposures never applied", {.never_applied = true}, false, 0},
+      {"exposures that slip for good", {.slip = 0.03}, false, 165},
+  };
+  for (const Fault& fault : kFaults) {
+    for (int slots = 2; slots <= 4; ++slots) {
+      const SensorKind kind = kKinds[(slots + (&fault - kFaults)) % 3];
+      const Tally tally = run({.kind = kind, .reports = fault.reports}, fault.faults, slots, 300);
+      CAPTURE(fault.name, slots, static_cast<int>(kind), describe(tally));
+      CHECK(tally.proved_wrong == 0);
+      CHECK(tally.proved >= fault.least_proved);
+      if (fault.faults.never_applied) CHECK(tally.proved == 0);
+      CHECK(tally.trusted_wrong_late <= 30);
+    }
+  }
+}
+
+TEST_CASE("a fast pan, cuts and unsteady light cost proofs, not truth", "[capture]") {
+  for (const SensorSettings& scene : {SensorSettings{.pan_px = 12}, SensorSettings{.pan_px = 5, .cut = 0.05},
+                                      SensorSettings{.light_walk = 0.1}, SensorSettings{.key = 0.02}, SensorSettings{.key = 40}}) {
+    for (int slots = 2; slots <= 4; ++slots) {
+      const Tally tally = run(scene, {.exposure_late = 0.1}, slots, 400);
+      CAPTURE(scene.pan_px, scene.cut, scene.light_walk, scene.key, slots, describe(tally));
+      CHECK(tally.proved_wrong == 0);
+    }
+  }
+}
+
+TEST_CASE("controls that act frames later are predicted and proved, for every delay", "[capture]") {
+  for (int exposure = 0; exposure <= 3; ++exposure) {
+    for (int gain = 0; gain <= 3; ++gain) {
+      const SensorSettings settings{.per_request = false, .latency = exposure, .gain_latency = gain, .pan_px = 1};
+      const Tally tally = run(settings, {}, 4, 120, {.delays = ControlDelays{exposure, gain}});
+      CAPTURE(exposure, gain, describe(tally));
+      CHECK(tally.proved_wrong == 0);
+      CHECK(tally.proved >= 100);
+      CHECK(tally.trusted_wrong == 0);
+    }
+  }
+}
+
+TEST_CASE("a wrong delay is found from the pictures within three rounds", "[capture]") {
+  for (const int believed : {0, 1, 3, 4}) {
+    const SensorSettings settings{.per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1};
+    const Tally tally = run(settings, {.drop = 0.02}, 3, 200, {.delays = ControlDelays{believed, believed}});
+    CAPTURE(believed, describe(tally));
+    CHECK(tally.proved_wrong == 0);
+    CHECK(tally.trusted_wrong_late == 0);
+    CHECK(tally.proved >= 170);
+    CHECK(tally.counters.relocks >= 1);
+  }
+}
+
+TEST_CASE("a camera about which nothing is known has its frames labelled by their pictures", "[capture]") {
+  const SensorSettings settings{.kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1};
+  const Tally tally = run(settings, {}, 3, 200);
+  CAPTURE(describe(tally));
+  CHECK(tally.proved == 0);
+  CHECK(tally.plausible >= 180);
+  CHECK(tally.unknown <= 20);
+  CHECK(tally.trusted_wrong == 0);
+}
+
+TEST_CASE("the strobe proves what pictures cannot: a cycle of one, and a scene in the dark", "[capture]") {
+  const CaptureOptions options{.strobe = StrobePulse::SpansExposure, .strobe_after_timestamp = 2ms};
+  const SensorSettings dark{.strobe_offset = 2ms, .key = 1e-4};
+  const Tally three = run(dark, {.exposure_late = 0.1, .strobe_lost = 0.05}, 3, 300, options);
+  CAPTURE(describe(three));
+  CHECK(three.proved_wrong == 0);
+  CHECK(three.proved >= 230);
+  CHECK(three.relabelled >= 10);
+
+  const Tally one = run({.strobe_offset = 2ms}, {}, 1, 100, options);
+  CHECK(one.proved == 100);
+  const Tally one_without = run({}, {}, 1, 100);
+  CHECK(one_without.proved == 0);
+  CHECK(one_without.plausible == 100);
+  const Tally embedded = run({.reports = true, .embedded = true}, {}, 1, 100);
+  CHECK(embedded.proved >= 95);
+}
+
+TEST_CASE("lost frames are counted, and the frame after them says so", "[capture]") {
+  SensorModel sensor({}, {.drop = 0.1, .drop_run = 3, .damage = 0.05});
+  auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
+  REQUIRE(stage.ok());
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  std::uint64_t gaps = 0;
+  for (int i = 0; i < 300; ++i) {
+    REQUIRE((*stage)->next(frame).ok());
+    gaps += static_cast<std::uint64_t>(frame.lost_before);
+    CHECK((frame.lost_before > 0) == ((frame.raw.facts.flags & kFrameAfterDrop) != 0));
+  }
+  const CaptureCounters& counters = (*stage)->counters();
+  CHECK(counters.captured + counters.lost_by_camera == sensor.frames());
+  CHECK(gaps == counters.lost_by_camera + counters.damaged);
+  REQUIRE((*stage)->stop().ok());
+  const auto after = (*stage)->next(frame);
+  REQUIRE_FALSE(after.ok());
+  CHECK(after.error().code == ErrorCode::Interrupted);
+}
+
+TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
+  constexpr Exposure kBrighter[] = {{2ms, 1}, {8ms, 1}, {30ms, 1}};
+  SensorModel sensor({.pan_px = 1}, {});
+  auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  Tally tally;
+  for (int i = 0; i < 120; ++i) {
+    if (i == 60) REQUIRE((*stage)->change_cycle(kBrighter).ok());
+    REQUIRE((*stage)->next(frame).ok());
+    // Eight requests of the old cycle are under way.
+    judge(frame, sensor.truth(), i < 68 ? std::span<const Exposure>(kThree) : kBrighter, tally);
+  }
+  CAPTURE(describe(tally));
+  CHECK(tally.proved_wrong == 0);
+  CHECK(tally.proved >= 105);
+}
+
+TEST_CASE("the response of the fit makes the proof exact", "[capture]") {
+  SensorModel sensor({.kind = SensorKind::Gamma8, .pan_px = 1}, {});
+  auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  const auto widest_proof = [&] {
+    double widest = 0;
+    for (int i = 0; i < 60; ++i) {
+      REQUIRE((*stage)->next(frame).ok());
+      if (frame.proof.verdict == Verdict::Proved) widest = std::max(widest, frame.proof.within_ev);
+    }
+    return widest;
+  };
+  CHECK(widest_proof() > 1);
+  PhotometricResponse::Curve inverse{};
+  for (std::size_t z = 0; z < inverse.size(); ++z) inverse[z] = std::pow(static_cast<float>(z) / 255, 2.2f);
+  (*stage)->learn_response(inverse, 0);
+  CHECK(widest_proof() < 0.8);
+}
+
+// Counts what the model allocates, so that the rest is what the stage does.
+class CountingCamera : public Camera {
+  template <class Call>
+  auto counted(Call&& call) {
+    const std::uint64_t before = allocations_so_far();
+    auto result = call();
+    inside_ += allocations_so_far() - before;
+    return result;
+  }
+
+ public:
+  explicit CountingCamera(Camera& camera) : camera_(camera) {}
+  const CameraCapabilities& capabilities() const override { return camera_.capabilities(); }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override { return camera_.configure(wanted, buffers); }
+  Result<void> start() override { return camera_.start(); }
+  Result<void> queue(const ExposureRequest& request) override {
+    return counted([&] { return camera_.queue(request); });
+  }
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    return counted([&] { return camera_.wait(timeout); });
+  }
+  Result<void> stop() override { return camera_.stop(); }
+  std::uint64_t inside() const { return inside_; }
+
+ private:
+  Camera& camera_;
+  std::uint64_t inside_ = 0;
+};
+
+TEST_CASE("capture does not allocate once it runs", "[capture]") {
+  SensorModel sensor({.reports = true}, {.drop = 0.05, .exposure_late = 0.05});
+  CountingCamera camera(sensor);
+  StrobeModel strobe(sensor);
+  auto stage = CaptureStage::open(camera, &strobe, kThree, Mains::Off, {});
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  bool ok = (*stage)->next(frame).ok();
+  const std::uint64_t before = allocations_so_far(), before_inside = camera.inside();
+  for (int i = 0; i < 400; ++i) ok &= (*stage)->next(frame).ok();
+  const std::uint64_t by_stage = allocations_so_far() - before - (camera.inside() - before_inside);
+  CHECK(ok);
+  CHECK(by_stage == 0);
+}
+
+TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {
+  SensorModel sensor({}, {});
+  constexpr Exposure kTooLong[] = {{1ms, 1}, {40ms, 1}};
+  const auto late = CaptureStage::open(sensor, nullptr, kTooLong, Mains::Off, {});
+  REQUIRE_FALSE(late.ok());
+  CHECK(late.error().code == ErrorCode::BadExposure);
+  CHECK(late.error().message.find("40 ms") != std::string::npos);
+
+  SensorModel unknown({.kind = SensorKind::Gamma8, .per_request = false}, {});
+  auto stage = CaptureStage::open(unknown, nullptr, kThree, Mains::Hz50, {});
+  REQUIRE(stage.ok());
+  REQUIRE((*stage)->warnings().size() == 3);  // two short exposures, and an unknown delay
+  CHECK((*stage)->warnings()[2].find("calibrate delay") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace hdrcam

@@ -1,0 +1,70 @@
+#include "capture/delay_calibration.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/capture/sensor_model.h"
+
+namespace hdrcam {
+namespace {
+
+using test::SensorFaults;
+using test::SensorKind;
+using test::SensorModel;
+using test::SensorSettings;
+using namespace std::chrono_literals;
+
+constexpr Exposure kShort{3ms, 1}, kLong{12ms, 1}, kLongByGain{3ms, 4};
+
+DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults, const Exposure& longer = kLong) {
+  SensorModel camera(settings, faults);
+  const StreamMode mode = camera.configure({}, 8).value();
+  const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {});
+  REQUIRE(estimate.ok());
+  return estimate.value();
+}
+
+TEST_CASE("every delay from 0 to 6 frames is measured, whatever the response", "[capture]") {
+  for (const SensorKind kind : {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8}) {
+    for (int latency = 0; latency <= 6; ++latency) {
+      const DelayEstimate estimate = measure({.kind = kind, .per_request = false, .latency = latency}, {});
+      CAPTURE(static_cast<int>(kind), latency, estimate.reason, estimate.agreement, estimate.comparisons);
+      CHECK(estimate.delay == latency);
+      CHECK(estimate.confidence > 0.9999);
+    }
+  }
+}
+
+TEST_CASE("the delay of the gain is measured on its own", "[capture]") {
+  const SensorSettings settings{.per_request = false, .latency = 2, .gain_latency = 1};
+  CHECK(measure(settings, {}).delay == 2);
+  CHECK(measure(settings, {}, kLongByGain).delay == 1);
+}
+
+TEST_CASE("a pan, unsteady light, cuts, lost frames and clipping do not mislead the calibration", "[capture]") {
+  for (int latency = 0; latency <= 3; ++latency) {
+    for (const SensorSettings& scene :
+         {SensorSettings{.pan_px = 6}, SensorSettings{.light_walk = 0.08}, SensorSettings{.cut = 0.05}, SensorSettings{.key = 5}}) {
+      SensorSettings settings = scene;
+      settings.per_request = false;
+      settings.latency = latency;
+      const DelayEstimate estimate = measure(settings, {.drop = 0.1});
+      CAPTURE(latency, scene.pan_px, scene.light_walk, scene.cut, scene.key, estimate.reason, estimate.agreement);
+      CHECK((!estimate.delay || *estimate.delay == latency));
+      if (scene.cut == 0) CHECK(estimate.delay == latency);
+    }
+  }
+}
+
+TEST_CASE("pictures that cannot tell are said to be so", "[capture]") {
+  const DelayEstimate dark = measure({.per_request = false, .key = 1e-4}, {});
+  CHECK_FALSE(dark.delay);
+  CHECK(dark.reason.find("too dark") != std::string::npos);
+  const DelayEstimate clipped = measure({.per_request = false, .key = 1e4}, {});
+  CHECK_FALSE(clipped.delay);
+  const DelayEstimate stuck = measure({.per_request = false}, {.never_applied = true});
+  CHECK_FALSE(stuck.delay);
+  CHECK(stuck.reason.find("ignore the control") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace hdrcam

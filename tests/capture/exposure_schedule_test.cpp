@@ -1,0 +1,69 @@
+#include "capture/exposure_schedule.h"
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration k30Hz{33'333'333};
+constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 2}};
+
+CameraCapabilities sensor() {
+  CameraCapabilities camera;
+  camera.id = "sensor";
+  camera.exposure_min = 10us, camera.exposure_max = 60ms, camera.exposure_step = 10us;
+  camera.gain_max = 8;
+  return camera;
+}
+
+TEST_CASE("requests walk through the cycle", "[capture]") {
+  const auto schedule = ExposureSchedule::create(kCycle, sensor(), k30Hz);
+  REQUIRE(schedule.ok());
+  CHECK(schedule.value().slots() == 3);
+  CHECK(schedule.value().slot_of(7) == 1);
+  CHECK(schedule.value().exposure_of(8) == kCycle[2]);
+  CHECK(schedule.value().shortest_frame_duration() == 16ms + 480us);
+  CHECK(schedule.value().reference_exposure() == Approx(std::cbrt(1e-3 * 4e-3 * 32e-3)));
+}
+
+TEST_CASE("an exposure that does not fit the frame is refused with what would do", "[capture]") {
+  constexpr Exposure kLong[] = {{1ms, 1}, {33ms, 1}};
+  const auto schedule = ExposureSchedule::create(kLong, sensor(), k30Hz);
+  REQUIRE_FALSE(schedule.ok());
+  CHECK(schedule.error().code == ErrorCode::BadExposure);
+  CHECK(schedule.error().message.find("--framerate to 29.86") != std::string::npos);
+  CHECK(ExposureSchedule::create(kLong, sensor(), Duration(1'000'000'000 / 29)).ok());
+
+  const Exposure five[5] = {{1ms, 1}, {1ms, 1}, {1ms, 1}, {1ms, 1}, {1ms, 1}};
+  CHECK_FALSE(ExposureSchedule::create(five, sensor(), k30Hz).ok());
+  CHECK_FALSE(ExposureSchedule::create({}, sensor(), k30Hz).ok());
+}
+
+TEST_CASE("a coarse exposure unit is not mistaken for a line", "[capture]") {
+  CameraCapabilities webcam = sensor();
+  webcam.exposure_step = 100us;
+  CHECK(ExposureSchedule::frame_margin(webcam) == 1ms);
+}
+
+TEST_CASE("under mains light exposures become whole half periods, and short ones are flagged", "[capture]") {
+  constexpr Exposure kIndoor[] = {{2ms, 1}, {9900us, 1}, {16ms, 1}, {26ms, 1}};
+  const auto schedule = ExposureSchedule::create(kIndoor, sensor(), k30Hz, Mains::Hz50);
+  REQUIRE(schedule.ok());
+  const auto time = [&](int slot) { return schedule.value().slot(slot).exposure.time; };
+  const auto flickers = [&](int slot) { return schedule.value().slot(slot).flickers; };
+  CHECK((time(0) == 2ms && flickers(0)));
+  CHECK((time(1) == 9900us && flickers(1)));
+  CHECK((time(2) == 20ms && !flickers(2)));
+  CHECK((time(3) == 30ms && !flickers(3)));
+
+  // At 60 Hz, and never longer than the frame.
+  const auto sixty = ExposureSchedule::create(kIndoor, sensor(), Duration(27'000'000), Mains::Hz60);
+  REQUIRE(sixty.ok());
+  CHECK(sixty.value().slot(1).exposure.time == 8330us);
+  CHECK(sixty.value().slot(3).exposure.time == 25000us);
+}
+
+}  // namespace
+}  // namespace hdrcam

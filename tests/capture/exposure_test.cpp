@@ -1,0 +1,62 @@
+#include "capture/exposure.h"
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+using namespace std::chrono_literals;
+
+CameraCapabilities sensor() {
+  CameraCapabilities camera;
+  camera.id = "imx219";
+  camera.exposure_min = 20us, camera.exposure_max = 30ms, camera.exposure_step = 20us;
+  camera.gain_min = 1, camera.gain_max = 10, camera.gain_step = 0.25;
+  return camera;
+}
+
+TEST_CASE("durations are read as photographers write them", "[capture]") {
+  CHECK(parse_duration("4ms").value() == 4ms);
+  CHECK(parse_duration(" 250us ").value() == 250us);
+  CHECK(parse_duration("1/250").value() == 4ms);
+  CHECK(parse_duration("1/250s").value() == 4ms);
+  CHECK(parse_duration("0.004 s").value() == 4ms);
+  CHECK(parse_duration("1.5ms").value() == 1500us);
+  for (const char* wrong : {"", "ms", "-4ms", "0ms", "1/0", "4 parsecs", "nan", "inf", "4ms5", "1e9s", "1/-250"}) {
+    CAPTURE(wrong);
+    const auto duration = parse_duration(wrong);
+    REQUIRE_FALSE(duration.ok());
+    CHECK(duration.error().code == ErrorCode::Invalid);
+    CHECK(duration.error().message.find("write it like") != std::string::npos);
+  }
+}
+
+TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {
+  const auto cycle = parse_exposures("1ms,4ms,16ms", "1, 1, 2");
+  REQUIRE(cycle.ok());
+  CHECK(cycle.value() == std::vector<Exposure>{{1ms, 1}, {4ms, 1}, {16ms, 2}});
+  CHECK(parse_exposures("1ms,4ms", "").value() == std::vector<Exposure>{{1ms, 1}, {4ms, 1}});
+  CHECK(parse_exposures("1ms,4ms", "2.5").value() == std::vector<Exposure>{{1ms, 2.5}, {4ms, 2.5}});
+  CHECK_FALSE(parse_exposures("1ms,4ms", "1,2,3").ok());
+  CHECK_FALSE(parse_exposures("1ms,,4ms", "").ok());
+  CHECK_FALSE(parse_exposures("1ms", "0").ok());
+  CHECK_FALSE(parse_exposures("1ms", "two").ok());
+}
+
+TEST_CASE("exposures are those that the sensor can do", "[capture]") {
+  CHECK(quantised({4009us, 1.1}, sensor()).value() == Exposure{4000us, 1});
+  CHECK(quantised({4011us, 1.13}, sensor()).value() == Exposure{4020us, 1.25});
+  CHECK(quantised({11us, 1}, sensor()).value() == Exposure{20us, 1});
+  for (const Exposure& wrong : {Exposure{9us, 1}, Exposure{31ms, 1}, Exposure{4ms, 0.5}, Exposure{4ms, 11}}) {
+    const auto exposure = quantised(wrong, sensor());
+    REQUIRE_FALSE(exposure.ok());
+    CHECK(exposure.error().code == ErrorCode::BadExposure);
+    CHECK(exposure.error().message.find("imx219") != std::string::npos);
+  }
+  CameraCapabilities continuous = sensor();
+  continuous.exposure_step = Duration(1), continuous.gain_step = 0;
+  CHECK(quantised({4009us, 1.13}, continuous).value() == Exposure{4009us, 1.13});
+}
+
+}  // namespace
+}  // namespace hdrcam
