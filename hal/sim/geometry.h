@@ -23,8 +23,8 @@ inline Vec3 cross(Vec3 a, Vec3 b) {
 }
 
 // Linear radiance, relative; also albedo.
-using Rgb = Vec3;
-inline float luminance(Rgb c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
+using Colour = Vec3;
+inline float luminance(Colour c) { return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z; }  // Rec. 709
 
 // By columns.
 struct Mat3 {

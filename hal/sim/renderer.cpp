@@ -9,7 +9,7 @@ Vec2 place_in_pixel(int sample) {
   return {x - std::floor(x), y - std::floor(y)};
 }
 
-void put(Image<float>& image, int y, int x, Rgb value) {
+void put(Image<float>& image, int y, int x, Colour value) {
   image.at(0, y, x) = value.x, image.at(1, y, x) = value.y, image.at(2, y, x) = value.z;
 }
 
@@ -99,10 +99,10 @@ bool Renderer::is_edge(int y, int x) const {
          (y > 0 && parts_.at(0, y - 1, x) != part) || (y + 1 < rows_ && parts_.at(0, y + 1, x) != part);
 }
 
-Rgb Renderer::mean_radiance(ExposureSpan span, int y, int x, int samples) const {
+Colour Renderer::mean_radiance(ExposureSpan span, int y, int x, int samples) const {
   const float footprint = 0.5f / static_cast<float>(lens_.intrinsics.fx_px);
   const double delay_s = row_delay_s(y), length_s = span.end_s - span.begin_s;
-  Rgb sum;
+  Colour sum;
   for (int k = 0; k < samples; ++k) {
     const View& view = view_at(span.begin_s + delay_s + length_s * MotionBlur::fraction(k, samples));
     const Vec2 place = place_in_pixel(k);

@@ -47,7 +47,7 @@ class Renderer {
   void cast_centres(ExposureSpan span, Image<float>& light);
   void spread_blur();
   bool is_edge(int y, int x) const;
-  Rgb mean_radiance(ExposureSpan span, int y, int x, int samples) const;
+  Colour mean_radiance(ExposureSpan span, int y, int x, int samples) const;
 
   const Scene& scene_;
   Lens lens_;

@@ -35,7 +35,7 @@ struct SceneObject {
   int texture = 0;            // index into Scene::textures; not for Dome and Lamp
   float tiles_per_m = 1;
   float gain = 1;             // of the radiance or albedo
-  Rgb colour{1, 1, 1};
+  Colour colour{1, 1, 1};
 
   bool moves() const;
 };
@@ -52,9 +52,9 @@ struct Scene {
   std::vector<Texture> textures;
   Panorama panorama;                 // painted on Shape::Dome
   CameraPath camera;
-  Rgb ambient{0.5f, 0.5f, 0.5f};     // light on Lit surfaces from everywhere..
-  Rgb from_above{0.5f, 0.5f, 0.5f};  // ..and more from above
-  float radiance_scale = 1;          // the median luminance of the first view becomes 0.18
+  Colour ambient{0.5f, 0.5f, 0.5f};     // light on Lit surfaces from everywhere..
+  Colour from_above{0.5f, 0.5f, 0.5f};  // ..and more from above
+  float radiance_scale = 1;          // sets the median luminance of the first view
 
   bool moves() const;  // anything at all, or the camera
 };

@@ -30,18 +30,18 @@ constexpr Need kPanNeeds[] = {kNoise, kResponse, kDelay, kBlur,
                               {Effect::Distortion, "a wide lens, swept along a skyline"}};
 
 constexpr CatalogScene kCatalog[] = {
-    {"still", "nothing moves: a tripod in a hall", {0, 1, 4, 1, 0, 0, CameraMove::Still}, Environment::Hall, 4, 6000,
+    {"still", "nothing moves: a tripod in a hall", {0, 1, 4, 1, 0, 0, CameraMove::Still}, Environment::Hall, 4, 0.18f, 6000,
      kStillNeeds},
     {"walk", "a street against the sun, hand-held, four things move", {1, 1, 6, 1, 1, 0, CameraMove::Handheld},
-     Environment::Street, 4, 6000, kWalkNeeds},
+     Environment::Street, 4, 0.18f, 6000, kWalkNeeds},
     {"night", "a city at night: lamps, hot pixels, few photons, one ball breathes",
-     {2, 1, 5, 3, 1, 0.2f, CameraMove::Handheld}, Environment::NightCity, 4, 1500, kNightNeeds},
+     {2, 1, 5, 3, 1, 0.2f, CameraMove::Handheld}, Environment::NightCity, 4, 0.06f, 1500, kNightNeeds},
     {"fast", "a quick pan over quick things: long blur, a skewing shutter", {3, 1, 6, 1, 2.5f, 0, CameraMove::Pan},
-     Environment::Street, 4, 6000, kFastNeeds},
+     Environment::Street, 4, 0.18f, 6000, kFastNeeds},
     {"lamps", "an orbit around lamps that light what is near", {4, 1, 6, 4, 0.7f, 0, CameraMove::Orbit},
-     Environment::Hall, 4, 6000, kLampsNeeds},
+     Environment::Hall, 4, 0.18f, 6000, kLampsNeeds},
     {"pan", "a turning camera, no parallax, nothing else moves", {5, 1, 0, 0, 0.6f, 0, CameraMove::Pan},
-     Environment::Street, 4, 6000, kPanNeeds},
+     Environment::Street, 4, 0.18f, 6000, kPanNeeds},
 };
 
 constexpr int kTextures = 6;
@@ -65,7 +65,7 @@ class Draw {
 };
 
 SceneObject floating_object(const SceneSettings& settings, int i, float distance_m) {
-  Draw draw(settings.seed, 0x6f626a, i);
+  Draw draw(settings.seed * 16 + static_cast<std::uint64_t>(settings.scene), 0x6f626a, i);
   constexpr Shape kShapes[] = {Shape::Box, Shape::Ball, Shape::Panel};
   SceneObject object;
   object.shape = kShapes[i % 3];
@@ -92,7 +92,7 @@ SceneObject floating_object(const SceneSettings& settings, int i, float distance
 }
 
 SceneObject lamp(const SceneSettings& settings, int i, float distance_m) {
-  Draw draw(settings.seed, 0x6c616d70, i);
+  Draw draw(settings.seed * 16 + static_cast<std::uint64_t>(settings.scene), 0x6c616d70, i);
   SceneObject object;
   object.surface = Surface::Lamp;
   const float z = distance_m * draw.between(0.75f, 1.2f), size = 0.028f * z;
@@ -164,7 +164,7 @@ Scene make_scene(const SceneSettings& settings, int face_px, WorkerPool& pool) {
       if (object.surface == Surface::Lamp) object.gain *= 0.5f;
     }
   }
-  scene.radiance_scale = 0.18f / median_luminance(scene);
+  scene.radiance_scale = entry.median / median_luminance(scene);
   return scene;
 }
 

@@ -27,6 +27,7 @@ struct CatalogScene {
   SceneSettings settings;            // its defaults
   Environment environment;
   float distance_m;                  // to the middle of the scene
+  float median;                      // luminance of the first view
   float full_well_e;                 // of a sensor that suits it
   struct Need {
     Effect effect;

@@ -20,13 +20,13 @@ class Texture {
   Texture(Pattern pattern, std::uint64_t seed);
 
   // (u, v) in tiles; texels_per_pixel >= 0: how many texels of the finest level one sample covers, for the filter.
-  Rgb at(float u, float v, float texels_per_pixel) const;
+  Colour at(float u, float v, float texels_per_pixel) const;
 
  private:
   static constexpr int kLevels = 8;  // 256 .. 2 texels a side
-  Rgb bilinear(int level, float u, float v) const;
+  Colour bilinear(int level, float u, float v) const;
 
-  std::array<std::vector<Rgb>, kLevels> levels_;  // [side, side]
+  std::array<std::vector<Colour>, kLevels> levels_;  // [side, side]
 };
 
 enum class Environment { Street, Hall, NightCity };
@@ -36,11 +36,11 @@ class Panorama {
  public:
   // face_px: texels a side of a face. direction (y down) need not be normalised.
   Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool& pool);
-  Rgb at(Vec3 direction) const;
+  Colour at(Vec3 direction) const;
 
  private:
   int side_;
-  std::vector<Rgb> texels_;  // [6, side, side]
+  std::vector<Colour> texels_;  // [6, side, side]
 };
 
 }  // namespace hdrcam

@@ -189,7 +189,7 @@ Hit View::cast(Vec2 ray) const {
   return hit;
 }
 
-Rgb View::radiance(const Hit& hit, float footprint) const {
+Colour View::radiance(const Hit& hit, float footprint) const {
   const SceneObject& object = scene_->objects[static_cast<std::size_t>(hit.object)];
   if (object.surface == Surface::Lamp) return object.colour * (object.gain * scene_->radiance_scale);
   if (object.shape == Shape::Dome)
@@ -200,18 +200,18 @@ Rgb View::radiance(const Hit& hit, float footprint) const {
   const float slant = std::sqrt(std::max(0.05f, dot(to_eye, hit.normal)));
   const float texels = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / (seen.size * slant);
   const Texture& texture = scene_->textures[static_cast<std::size_t>(object.texture)];
-  const Rgb colour = texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
+  const Colour colour = texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
   if (object.surface == Surface::Radiant) return colour * (object.gain * scene_->radiance_scale);
   const auto albedo = [](float c) { return c / (c + 0.6f); };
-  return lit(hit, Rgb{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) * scene_->radiance_scale;
+  return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) * scene_->radiance_scale;
 }
 
 // Lambert's law under the ambient light and point lamps; no shadows.
-Rgb View::lit(const Hit& hit, Rgb albedo) const {
+Colour View::lit(const Hit& hit, Colour albedo) const {
   const PosedObject& posed = posed_[static_cast<std::size_t>(hit.object)];
   const Vec3 normal = posed.T_world_object.rotation * hit.normal;
   const Vec3 place = posed.T_world_object.rotation * (hit.point * posed.size) + posed.T_world_object.position;
-  Rgb light = scene_->ambient + scene_->from_above * std::max(0.f, -normal.y);
+  Colour light = scene_->ambient + scene_->from_above * std::max(0.f, -normal.y);
   for (const Light& lamp : lights_) {
     const Vec3 to_lamp = lamp.position - place;
     const float squared = std::max(1e-4f, dot(to_lamp, to_lamp));

@@ -23,7 +23,7 @@ class View {
 
   Hit cast(Vec2 ray) const;
   // footprint: width of the sample, in rays, for the filter of the textures.
-  Rgb radiance(const Hit& hit, float footprint) const;
+  Colour radiance(const Hit& hit, float footprint) const;
   // Where a point of an object is seen: the ray, and its depth (<= 0: behind the camera).
   Vec3 project(int object, Vec3 point) const;
 
@@ -39,10 +39,10 @@ class View {
   };
   struct Light {
     Vec3 position;  // world
-    Rgb power;      // irradiance at one metre
+    Colour power;      // irradiance at one metre
   };
   static void bound(Seen& seen, float radius);
-  Rgb lit(const Hit& hit, Rgb albedo) const;
+  Colour lit(const Hit& hit, Colour albedo) const;
 
   const Scene* scene_ = nullptr;
   Pose camera_;

@@ -9,7 +9,7 @@
 namespace hdrcam {
 
 struct FlareSettings {
-  float strength = 0.03f;  // of the light that is scattered, 0..1
+  float strength = 0.008f;  // of the light that is scattered, 0..1
   float reach = 0.08f;     // radius of the box, of the picture's width
 };
 
