@@ -12,11 +12,11 @@
 namespace hdrcam {
 
 template <class Value>
-class ControlDelay {
+class DelayedControl {
  public:
   static constexpr int kMost = 7;  // frames
 
-  ControlDelay(int delay, Value initial) : delay_(delay), current_(initial) { CHECK(delay >= 0 && delay <= kMost); }
+  DelayedControl(int delay, Value initial) : delay_(delay), current_(initial) { CHECK(delay >= 0 && delay <= kMost); }
 
   // `frame` counts up; `late` more (or, below 0, fewer) frames than usual.
   void write(std::uint64_t frame, Value value, int late = 0) {
