@@ -3,12 +3,6 @@
 namespace hdrcam {
 namespace {
 
-// Sub-pixel places of the samples, evenly spread whatever their number (Roberts 2018, the R2 sequence).
-Vec2 place_in_pixel(int sample) {
-  const float x = 0.5f + 0.7548777f * static_cast<float>(sample), y = 0.5f + 0.5698403f * static_cast<float>(sample);
-  return {x - std::floor(x), y - std::floor(y)};
-}
-
 void put(Image<float>& image, int y, int x, Colour value) {
   image.at(0, y, x) = value.x, image.at(1, y, x) = value.y, image.at(2, y, x) = value.z;
 }
@@ -16,7 +10,7 @@ void put(Image<float>& image, int y, int x, Colour value) {
 }  // namespace
 
 Renderer::Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool)
-    : scene_(scene), lens_(lens), shutter_(shutter), rows_(rows), cols_(cols), pool_(pool), views_(kMostViews), parts_(1, rows, cols) {
+    : scene_(scene), lens_(lens), shutter_(shutter), rows_(rows), cols_(cols), pool_(pool), views_(kMostViews) {
   tile_blur_ = Image<float>(1, (rows + kTile - 1) / kTile, (cols + kTile - 1) / kTile);
   spread_blur_ = Image<float>(1, tile_blur_.rows(), tile_blur_.cols());
   for (View& view : views_) view.pose_at(scene, 0);
@@ -41,38 +35,32 @@ void Renderer::render(ExposureSpan span, Image<float>& light) {
   light.reshape(3, rows_, cols_);
   if (!shutter_.blur) span.begin_s = span.end_s = (span.begin_s + span.end_s) / 2;
   pose_views(span.begin_s, span.end_s + row_delay_s(rows_));
-  cast_centres(span, light);
-  if (shutter_.blur) spread_blur();
+  const bool blurs = shutter_.blur && view_count_ > 1;
+  if (blurs) measure_blur(span), spread_blur();
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
-        const int blurred = shutter_.blur ? shutter_.blur->samples(spread_blur_.at(0, y / kTile, x / kTile)) : 1;
-        const int samples = is_edge(y, x) ? std::max(blurred, kEdgeSamples) : blurred;
-        if (samples > 1) put(light, y, x, mean_radiance(span, y, x, samples));
+        const int along_motion = blurs ? shutter_.blur->samples(spread_blur_.at(0, y / kTile, x / kTile)) : 1;
+        put(light, y, x, mean_radiance(span, y, x, std::max(along_motion, kLeastSamples)));
       }
   });
 }
 
-// One ray through the centre of each pixel in the middle of its exposure: its radiance, what it met, and how far the
-// point that it met travels through the picture.
-void Renderer::cast_centres(ExposureSpan span, Image<float>& light) {
-  const float footprint = 1 / static_cast<float>(lens_.intrinsics.fx_px);
+// How far the points of each tile travel through the picture during the exposure.
+void Renderer::measure_blur(ExposureSpan span) {
+  const float focal_px = static_cast<float>(lens_.intrinsics.fx_px);
   pool_.for_each(tile_blur_.rows(), [&](int tile_y) {
     std::fill_n(tile_blur_.row(0, tile_y), tile_blur_.cols(), 0.f);
-    for (int y = tile_y * kTile; y < std::min(rows_, (tile_y + 1) * kTile); ++y) {
+    for (int y = tile_y * kTile; y < std::min(rows_, (tile_y + 1) * kTile); y += kProbe) {
       const double delay_s = row_delay_s(y);
-      const View& view = view_at((span.begin_s + span.end_s) / 2 + delay_s);
+      const View& middle = view_at((span.begin_s + span.end_s) / 2 + delay_s);
       const View& begin = view_at(span.begin_s + delay_s);
       const View& end = view_at(span.end_s + delay_s);
-      for (int x = 0; x < cols_; ++x) {
-        const Hit hit = view.cast(lens_.ray_of(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f));
-        put(light, y, x, view.radiance(hit, footprint));
-        parts_.at(0, y, x) = static_cast<std::uint16_t>(8 * hit.object + hit.part);
-        if (&begin == &end) continue;
+      for (int x = 0; x < cols_; x += kProbe) {
+        const Hit hit = middle.cast(lens_.ray_of(static_cast<float>(x), static_cast<float>(y)));
         const Vec3 from = begin.project(hit.object, hit.point), to = end.project(hit.object, hit.point);
-        const float way = std::hypot(to.x - from.x, to.y - from.y) / footprint;
         float& most = tile_blur_.at(0, tile_y, x / kTile);
-        most = std::max(most, way);
+        most = std::max(most, focal_px * std::hypot(to.x - from.x, to.y - from.y));
       }
     }
   });
@@ -93,23 +81,26 @@ void Renderer::spread_blur() {
     }
 }
 
-bool Renderer::is_edge(int y, int x) const {
-  const std::uint16_t part = parts_.at(0, y, x);
-  return (x > 0 && parts_.at(0, y, x - 1) != part) || (x + 1 < cols_ && parts_.at(0, y, x + 1) != part) ||
-         (y > 0 && parts_.at(0, y - 1, x) != part) || (y + 1 < rows_ && parts_.at(0, y + 1, x) != part);
-}
-
+// Over the pixel and its exposure. Where the samples fall on more than one surface, they are doubled once.
 Colour Renderer::mean_radiance(ExposureSpan span, int y, int x, int samples) const {
   const float footprint = 0.5f / static_cast<float>(lens_.intrinsics.fx_px);
   const double delay_s = row_delay_s(y), length_s = span.end_s - span.begin_s;
+  const int most = 2 * samples;
   Colour sum;
-  for (int k = 0; k < samples; ++k) {
+  int first_surface = -1;
+  bool outline = false;
+  int taken = 0;
+  for (; taken < (outline ? most : samples); ++taken) {
+    const int k = taken % samples;  // the second half lies at other places at the same instants
     const View& view = view_at(span.begin_s + delay_s + length_s * MotionBlur::fraction(k, samples));
-    const Vec2 place = place_in_pixel(k);
+    const Vec2 place = samples_.place(taken, samples);
     const Hit hit = view.cast(lens_.ray_of(static_cast<float>(x) + place.x, static_cast<float>(y) + place.y));
     sum = sum + view.radiance(hit, footprint);
+    const int surface = 8 * hit.object + hit.part;
+    outline |= taken > 0 && surface != first_surface;
+    if (taken == 0) first_surface = surface;
   }
-  return sum * (1 / static_cast<float>(samples));
+  return sum * (1 / static_cast<float>(taken));
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,6 @@
 // Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its exposure. Work is
-// spent where the picture asks for it: one ray a pixel on smooth surfaces at rest, several at edges, as many as the motion
-// is long under motion blur. Thread-bound; owns its buffers, allocates nothing after the first frame of a size; the
+// spent where the picture asks for it: four rays a pixel on smooth surfaces at rest, twice as many on outlines, as many as
+// the motion is long under motion blur. Thread-bound; owns its buffers, allocates nothing after the first frame of a size; the
 // result does not depend on the number of threads.
 #pragma once
 
@@ -13,6 +13,7 @@
 #include "hal/sim/effects/motion_blur.h"
 #include "hal/sim/effects/rolling_shutter.h"
 #include "hal/sim/lens.h"
+#include "hal/sim/pixel_samples.h"
 #include "hal/sim/view.h"
 
 namespace hdrcam {
@@ -37,16 +38,16 @@ class Renderer {
   void render(ExposureSpan span, Image<float>& light);
 
  private:
-  static constexpr int kTile = 16;        // pixels: the grain of the decision how much blur there is
+  static constexpr int kTile = 16;        // pixels: the grain of the decision how much blur there is..
+  static constexpr int kProbe = 4;        // ..from rays that are so far apart
   static constexpr int kMostViews = 256;  // instants at which the scene is posed for one frame
-  static constexpr int kEdgeSamples = 5;
+  static constexpr int kLeastSamples = 4;
 
   void pose_views(double begin_s, double end_s);
   const View& view_at(double time_s) const;
   double row_delay_s(int row) const { return shutter_.rolling ? shutter_.rolling->delay_s(row) : 0; }
-  void cast_centres(ExposureSpan span, Image<float>& light);
+  void measure_blur(ExposureSpan span);
   void spread_blur();
-  bool is_edge(int y, int x) const;
   Colour mean_radiance(ExposureSpan span, int y, int x, int samples) const;
 
   const Scene& scene_;
@@ -54,10 +55,10 @@ class Renderer {
   Shutter shutter_;
   int rows_, cols_;
   WorkerPool& pool_;
+  const PixelSamples samples_;
   std::vector<View> views_;  // at even steps from first_s_
   double first_s_ = 0, step_s_ = 0;
   int view_count_ = 0;
-  Image<std::uint16_t> parts_;  // [1, rows, cols] object and part of each pixel's centre
   Image<float> tile_blur_, spread_blur_;  // [1, tiles, tiles] pixels
 };
 

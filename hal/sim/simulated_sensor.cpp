@@ -34,12 +34,13 @@ Shutter shutter_of(const Simulation& s) {
 
 }  // namespace
 
-SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool)
+SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool,
+                                 std::shared_ptr<const Scene> scene)
     : simulation_(for_layout(simulation, layout)),
       layout_(layout),
       bits_(bits),
       pool_(pool),
-      scene_(std::make_unique<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
+      scene_(scene ? std::move(scene) : std::make_shared<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
       lens_(lens_of(simulation_)),
       renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool),
       quantiser_(bits, simulation.black_level * static_cast<float>((1 << bits) - 1)) {

@@ -26,12 +26,14 @@ struct Shot {
 
 class SimulatedSensor {
  public:
-  // layout, bits: of the codes. A Bayer layout brings the mosaic and rules out the response curve. The pool outlives it.
-  SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool);
+  // layout: Rgb or a Bayer order, which brings the mosaic and rules out the response curve; bits: of a code, 8..16. The
+  // pool outlives the sensor. `scene`: of another sensor of the same scene settings, to save making it again.
+  SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool,
+                  std::shared_ptr<const Scene> scene = nullptr);
 
-  const Scene& scene() const { return *scene_; }
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  const Simulation& simulation() const { return simulation_; }  // as constructed: without what the layout rules out
   const Lens& lens() const { return lens_; }
-  const EffectPlan& plan() const { return simulation_.plan; }
   CameraFacts facts() const;
 
   // codes: [channels(layout), rows, cols], reshaped
@@ -47,7 +49,7 @@ class SimulatedSensor {
   PixelLayout layout_;
   int bits_;
   WorkerPool& pool_;
-  std::unique_ptr<const Scene> scene_;
+  std::shared_ptr<const Scene> scene_;
   Lens lens_;
   Renderer renderer_;
   Quantiser quantiser_;

@@ -184,7 +184,7 @@ Hit View::cast(Vec2 ray) const {
     }
     case Shape::Panel: hit.normal = {0, 0, direction.z > 0 ? -1.f : 1.f}; break;
     case Shape::Ground: hit.normal = {0, -1, 0}; break;
-    case Shape::Dome: hit.normal = normalized(hit.point * -1); break;
+    case Shape::Dome: break;  // its picture needs none
   }
   return hit;
 }

@@ -14,7 +14,7 @@ struct Hit {
   int object = 0;         // index into Scene::objects; the dome catches every ray
   int part = 0;           // face of a box or of a ball's painting: neighbours of one part share a smooth picture
   Vec3 point;             // in the object's own coordinates, before its pulse
-  Vec3 normal;            // there, facing the ray
+  Vec3 normal;            // there, facing the ray; not of the dome
 };
 
 class View {
