@@ -32,6 +32,7 @@ constexpr ListedVerb kVerbs[] = {
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
     {"Recordings", "info", add_info, "hdrcam info walk.mkv"},
+    {"Recordings", "simulate", add_simulate, "hdrcam simulate walk -o walk.mkv --truth clips/walk"},
 };
 
 std::string exit_code_text() {

@@ -1,0 +1,205 @@
+// hdrcam simulate SCENE -o walk.mkv: a recording of a scene that does not exist, and with --truth everything that is known
+// about it, as a clip that `hdrcam compare` scores against.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "capture/exposure.h"
+#include "firmware_host/commands/command.h"
+#include "firmware_host/progress.h"
+#include "firmware_host/sinks/truth_folder.h"
+#include "hal/recording/image_sequence.h"
+#include "hal/sim/effect_costs.h"
+#include "hal/sim/effects/drops.h"
+
+namespace hdrcam {
+namespace {
+
+struct SimulateFlags {
+  std::string scene, output, truth, shutter = "1ms,4ms,16ms", gain, format = "rgb";
+  int frames = 48, bits = 0, threads = 0;
+  bool list = false, explain = false;
+};
+
+struct Format {
+  PixelLayout layout;
+  int bits;
+};
+
+Result<Format> format_of(const SimulateFlags& flags) {
+  const bool bayer = flags.format == "bayer";
+  const int bits = flags.bits != 0 ? flags.bits : bayer ? 12 : 8;
+  if (!bayer && flags.format != "rgb")
+    return Error{ErrorCode::Invalid, fmt::format("--format {}: give rgb or bayer", flags.format)};
+  if (bits < 8 || bits > 16) return Error{ErrorCode::Invalid, fmt::format("--bits {}: give 8 to 16", bits)};
+  return Format{bayer ? PixelLayout::BayerRggb : PixelLayout::Rgb, bits};
+}
+
+// One line an effect: is it on, what does it cost, why.
+void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double exposure_s) {
+  const Simulation& s = sensor.simulation();
+  fmt::print("{:<16} {:>3} {:>9}  {}\n", "effect", "on", "CPU ms", "why");
+  for (std::size_t i = 0; i < kEffects; ++i) {
+    const auto effect = static_cast<Effect>(i);
+    const auto cost = costs.effect_ms[i];
+    fmt::print("{:<16} {:>3} {:>9}  {}\n", name(effect), s.plan.on(effect) ? "yes" : "no",
+               cost ? fmt::format("{:.2f}", *cost) : "-", s.plan.why(effect));
+  }
+  fmt::print("a frame of {}x{}, {} exposed: {:.1f} ms of processor time; without these effects: {:.1f} ms\n", s.width,
+             s.height, describe(Instant::from_seconds(exposure_s).since_boot), costs.frame_ms, costs.bare_ms);
+}
+
+// Frames of the clip in turn: which moment of the scene, which exposure.
+class Timeline {
+ public:
+  Timeline(const Simulation& simulation, std::vector<Exposure> cycle) : simulation_(simulation), cycle_(std::move(cycle)) {
+    if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
+    if (simulation.plan.on(Effect::ClockJitter)) jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
+  }
+
+  // The sequence number of the next frame that is not lost.
+  std::uint64_t next_kept(std::uint64_t sequence) const {
+    while (drops_ && drops_->lost(sequence)) ++sequence;
+    return sequence;
+  }
+  // Scene time of the middle of the picture and of its exposure.
+  double centre_s(std::uint64_t sequence) const { return static_cast<double>(sequence) / simulation_.framerate_hz; }
+  Shot shot(std::uint64_t sequence) const {
+    const Exposure& exposure = cycle_[sequence % cycle_.size()];
+    const double exposure_s = to_seconds(exposure.time);
+    const double readout_s =
+        simulation_.plan.on(Effect::RollingShutter) ? to_seconds(simulation_.rolling_shutter.readout) : 0;
+    return {sequence, centre_s(sequence) - (exposure_s + readout_s) / 2, exposure_s, exposure.gain};
+  }
+  FrameFacts facts(std::uint64_t sequence, bool after_drop, int bits) const {
+    const Exposure& exposure = cycle_[sequence % cycle_.size()];
+    FrameFacts facts;
+    facts.sequence = sequence;
+    facts.timestamp = Instant::from_seconds(centre_s(sequence));
+    if (jitter_) facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
+    facts.exposure_s = to_seconds(exposure.time);
+    facts.analogue_gain = exposure.gain;
+    facts.slot = static_cast<int>(sequence % cycle_.size());
+    facts.black_level = simulation_.black_level * static_cast<float>((1 << bits) - 1);
+    if (after_drop) facts.flags |= kFrameAfterDrop;
+    return facts;
+  }
+  double longest_s() const {
+    Duration longest{};
+    for (const Exposure& exposure : cycle_) longest = std::max(longest, exposure.time);
+    return to_seconds(longest);
+  }
+
+ private:
+  const Simulation& simulation_;
+  std::vector<Exposure> cycle_;
+  std::optional<Drops> drops_;
+  std::optional<ClockJitter> jitter_;
+};
+
+// Where the frames of a run go; each is there if it was asked for.
+struct Outputs {
+  std::unique_ptr<RecordingWriter> recording;
+  std::optional<ImageSequenceWriter> clip;
+  std::optional<TruthFolder> truth;
+};
+
+Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, const SimulatedSensor& sensor) {
+  Outputs outputs;
+  CameraFacts facts = sensor.facts();
+  if (!flags.output.empty()) outputs.recording = TRY(create_recording(around.storage, flags.output, facts));
+  if (!flags.truth.empty()) {
+    outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts));
+    outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));
+  }
+  return outputs;
+}
+
+Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline, SimulatedSensor& sensor,
+                  WorkerPool& pool, Outputs& outputs) {
+  const Simulation& s = sensor.simulation();
+  std::optional<TruthRenderer> truth_renderer;
+  if (outputs.truth) truth_renderer.emplace(*sensor.scene(), sensor.lens(), s.height, s.width, pool);
+  Progress progress(stderr, flags.frames);
+  SceneTruth truth;
+  RawFrame frame;
+  std::uint64_t sequence = timeline.next_kept(0), before = sequence;
+  for (int i = 0; i < flags.frames; ++i) {
+    if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}", i, flags.frames)};
+    const auto begin = std::chrono::steady_clock::now();
+    sensor.expose(timeline.shot(sequence), frame.codes);
+    frame.facts = timeline.facts(sequence, i > 0 && sequence != before + 1, sensor.facts().bits);
+    const std::uint64_t next = timeline.next_kept(sequence + 1);
+    if (outputs.recording) TRY(outputs.recording->append(frame));
+    if (outputs.truth) {
+      truth_renderer->render(timeline.centre_s(sequence), timeline.centre_s(next), truth);
+      TRY(outputs.clip->append(frame));
+      TRY(outputs.truth->append(truth, frame.facts));
+    }
+    before = sequence, sequence = next;
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+    progress.frame_done(took.count(), std::nullopt);
+  }
+  if (outputs.recording) TRY(outputs.recording->finish());
+  if (outputs.truth) {
+    TRY(outputs.truth->finish());
+    TRY(outputs.clip->finish());
+  }
+  return {};
+}
+
+std::string scene_list() {
+  std::string text = "Scenes:\n";
+  for (const CatalogScene& scene : scene_catalog()) text += fmt::format("  {:<11}{}\n", scene.name, scene.about);
+  text += "Settings, after a question mark, joined by &:\n" + simulation_settings_help();
+  return text + "Effects:\n  " + effect_names() + "\n";
+}
+
+Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
+  if (flags.list) return fmt::print("{}", scene_list()), Result<void>{};
+  if (flags.scene.empty()) return Error{ErrorCode::Invalid, "which scene? 'hdrcam simulate --list' prints them"};
+  if (flags.output.empty() && flags.truth.empty() && !flags.explain)
+    return Error{ErrorCode::Invalid, "nothing to do; give -o FILE, --truth FOLDER or --explain"};
+  const Simulation simulation = TRY(simulation_of(flags.scene));
+  const Format format = TRY(format_of(flags));
+  const Timeline timeline(simulation, TRY(parse_exposures(flags.shutter, flags.gain)));
+  if (timeline.longest_s() * simulation.framerate_hz > 1)
+    return Error{ErrorCode::BadExposure, fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
+                                                     timeline.longest_s() * 1e3, simulation.framerate_hz)};
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  WorkerPool pool(flags.threads > 0 ? flags.threads : cores);
+  SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
+  if (flags.explain) {
+    constexpr int kRounds = 12;
+    const EffectCosts costs = measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kRounds, pool);
+    print_plan(sensor, costs, timeline.longest_s());
+  }
+  if (flags.output.empty() && flags.truth.empty()) return {};
+  Outputs outputs = TRY(open_outputs(around, flags, sensor));
+  return film(around, flags, timeline, sensor, pool, outputs);
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<SimulateFlags>();
+  CLI::App* verb = app.add_subcommand("simulate", "film a simulated scene into a recording, with ground truth");
+  verb->add_option("scene", flags->scene, "name and settings, for instance walk?seed=3&size=320x240&objects=5");
+  verb->add_option("-o,--output", flags->output, "the recording to write (.mkv)");
+  verb->add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it");
+  verb->add_option("--frames", flags->frames, "frames to film")->capture_default_str()->check(CLI::Range(1, 1'000'000));
+  verb->add_option("--shutter", flags->shutter, "the cycle of exposure times")->capture_default_str();
+  verb->add_option("--gain", flags->gain, "analogue gains of the cycle, or one for all");
+  verb->add_option("--format", flags->format, "rgb or bayer")->capture_default_str();
+  verb->add_option("--bits", flags->bits, "of a code: 8 to 16 (default: 8 for rgb, 12 for bayer)");
+  verb->add_option("--threads", flags->threads, "default: one per core");
+  verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
+  verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
+  verb->callback([flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
+}
+
+}  // namespace hdrcam

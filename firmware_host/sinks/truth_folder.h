@@ -1,0 +1,37 @@
+// The gt/ folder of a clip, as `hdrcam compare` reads it (render/scores/ground_truth.h): what a simulated scene knows of
+// itself, frame by frame, and gt.json and crf.csv in the end. Thread-bound.
+//   gt/hdr/NNNN.exr R G B half · gt/depth/NNNN.exr Z metres · gt/flow/NNNN.exr R=dx G=dy B=occluded · gt/id/NNNN.png
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "hal/sim/simulated_sensor.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+class TruthFolder {
+ public:
+  // folder: of the clip; gt/ is made in it. spec: what made the scene, for the record. Errors: Permission, Io.
+  static Result<TruthFolder> create(Storage& storage, const std::string& folder, const SimulatedSensor& sensor,
+                                    const std::string& spec);
+
+  // The next frame: frame 0, 1, 2.. Errors: NoSpace, Permission, Io.
+  Result<void> append(const SceneTruth& truth, const FrameFacts& facts);
+  // gt.json and crf.csv.
+  Result<void> finish();
+
+ private:
+  TruthFolder(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
+  Result<void> write_pictures(const SceneTruth& truth);
+
+  Storage* storage_;
+  std::string folder_;  // gt itself
+  Simulation simulation_;
+  nlohmann::ordered_json json_;
+  double shortest_exposure_ = 0;  // seconds x gain
+  float brightest_ = 0;           // radiance
+};
+
+}  // namespace hdrcam

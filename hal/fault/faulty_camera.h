@@ -1,0 +1,54 @@
+// A camera that fails on request: it wraps a working one, so that what the program makes of the fault can be compared
+// with the truth. Faults are counted in buffers, from 0. For tests. Thread words of the wrapped camera; no allocation per
+// frame of its own.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "hal/camera.h"
+
+namespace hdrcam {
+
+enum class CameraFaultKind {
+  Timeout,         // this buffer's wait() times out at once; the next wait() gets it
+  Unplug,          // from this buffer on everything returns Unplugged
+  Damaged,         // the driver says so, and half of the pixels are missing
+  Short,           // half of the pixels are missing, and nobody says so
+  SequenceJump,    // sequence numbers are larger by one from here on, though no frame is missing
+  SequenceRepeat,  // the number of the buffer before
+  StampBack,       // the stamp lies a second in the past
+  CookieRepeat,    // the cookie of the buffer before
+};
+
+struct CameraFault {
+  std::uint64_t at = 0;  // the buffer
+  CameraFaultKind kind = CameraFaultKind::Timeout;
+};
+
+class FaultyCamera : public Camera {
+ public:
+  FaultyCamera(std::unique_ptr<Camera> inner, std::vector<CameraFault> faults)
+      : inner_(std::move(inner)), faults_(std::move(faults)) {}
+
+  const CameraCapabilities& capabilities() const override { return inner_->capabilities(); }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override { return inner_->configure(wanted, buffers); }
+  Result<void> start() override;
+  Result<void> queue(const ExposureRequest& request) override;
+  Result<CapturedBuffer> wait(Duration timeout) override;
+  Result<void> stop() override { return inner_->stop(); }
+
+  std::uint64_t delivered() const { return delivered_; }
+
+ private:
+  void spoil(CameraFaultKind kind, CapturedBuffer& buffer);
+
+  std::unique_ptr<Camera> inner_;
+  std::vector<CameraFault> faults_;
+  std::uint64_t delivered_ = 0, waits_refused_at_ = UINT64_MAX;
+  std::uint64_t last_sequence_ = 0, last_cookie_ = 0, sequence_offset_ = 0;
+  bool unplugged_ = false;
+};
+
+}  // namespace hdrcam

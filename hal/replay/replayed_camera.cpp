@@ -1,0 +1,176 @@
+#include "hal/replay/replayed_camera.h"
+
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <utility>
+
+#include "hal/pixel_pack.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+namespace {
+
+Instant begin_of(const FrameFacts& facts) { return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot; }
+
+class ReplayedCamera : public Camera, private BufferLease::Owner {
+ public:
+  ReplayedCamera(Storage& storage, std::string path, const CameraFacts& facts, PixelFormat format, ReplayPace pace,
+                 Clock& clock)
+      : storage_(storage), path_(std::move(path)), pace_(pace), clock_(clock) {
+    mode_ = {format, facts.width, facts.height, Duration(static_cast<Duration::rep>(1e9 / facts.framerate_hz + 0.5))};
+    capabilities_.id = "replay:" + path_;
+    capabilities_.model = facts.name;
+    capabilities_.driver = "replay";
+    capabilities_.modes = {mode_};
+    capabilities_.reports_exposure = true;
+  }
+
+  const CameraCapabilities& capabilities() const override { return capabilities_; }
+
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    const std::lock_guard lock(mutex_);
+    if (started_) return Error{ErrorCode::Invalid, fmt::format("'{}' is being replayed; stop it before configuring it", path_)};
+    if (wanted.format != mode_.format)
+      return Error{ErrorCode::Unsupported, fmt::format("'{}' was recorded as {} and cannot be replayed as {}", path_,
+                                                       name(mode_.format), name(wanted.format))};
+    if (buffers < 1) return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
+    const std::size_t bytes = packed_stride(mode_.format, mode_.width) * static_cast<std::size_t>(mode_.height);
+    buffers_.assign(static_cast<std::size_t>(buffers), std::vector<std::byte>(bytes));
+    in_use_.assign(buffers_.size(), false);
+    cookies_.assign(buffers_.size(), 0);
+    return mode_;
+  }
+
+  // From the first frame again.
+  Result<void> start() override {
+    const std::lock_guard lock(mutex_);
+    if (started_) return Error{ErrorCode::Invalid, fmt::format("'{}' is being replayed already", path_)};
+    if (buffers_.empty()) return Error{ErrorCode::Invalid, fmt::format("configure '{}' before starting it", path_)};
+    reader_ = TRY(open_recording(storage_, path_));
+    next_.reset();
+    delivered_ = 0;
+    begin_ = clock_.now();
+    started_ = true;
+    return {};
+  }
+
+  Result<void> queue(const ExposureRequest& request) override {
+    const std::lock_guard lock(mutex_);
+    if (!started_) return Error{ErrorCode::Invalid, fmt::format("start '{}' before queueing requests", path_)};
+    const auto used = static_cast<std::size_t>(std::count(in_use_.begin(), in_use_.end(), true));
+    if (used + queued_ >= buffers_.size())
+      return Error{ErrorCode::Busy, fmt::format("all {} buffers of '{}' are queued or in use; give one back", buffers_.size(), path_)};
+    cookies_[(first_cookie_ + queued_++) % cookies_.size()] = request.cookie;
+    changed_.notify_all();
+    return {};
+  }
+
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    std::unique_lock lock(mutex_);
+    const Instant deadline = clock_.now() + timeout;
+    for (;;) {
+      if (!started_) return Error{ErrorCode::Interrupted, fmt::format("the replay of '{}' was stopped", path_)};
+      if (queued_ > 0) {
+        TRY(read_ahead());
+        if (due() <= clock_.now()) return deliver();
+      }
+      const Instant now = clock_.now();
+      if (now >= deadline)
+        return Error{ErrorCode::Timeout, fmt::format("no frame was due within {:.0f} ms", to_seconds(timeout) * 1e3)};
+      const Instant until = queued_ > 0 ? std::min(due(), deadline) : deadline;
+      changed_.wait_for(lock, until - now);
+    }
+  }
+
+  Result<void> stop() override {
+    {
+      const std::lock_guard lock(mutex_);
+      started_ = false;
+      queued_ = 0;
+    }
+    changed_.notify_all();
+    return {};
+  }
+
+ private:
+  void give_back(int index) override {
+    const std::lock_guard lock(mutex_);
+    in_use_[static_cast<std::size_t>(index)] = false;
+  }
+
+  Result<void> read_ahead() {
+    if (next_) return {};
+    next_ = TRY(reader_->next());
+    if (!next_)
+      return Error{ErrorCode::Unplugged, fmt::format("the recording '{}' ended after {} frames", path_, delivered_)};
+    if (delivered_ == 0) first_ = next_->facts.timestamp;
+    return {};
+  }
+
+  // When the frame read ahead comes, by this replay's clock.
+  Instant due() const {
+    return pace_ == ReplayPace::AsRecorded ? begin_ + (next_->facts.timestamp - first_) : begin_;
+  }
+
+  CapturedBuffer deliver() {
+    const auto free = std::find(in_use_.begin(), in_use_.end(), false) - in_use_.begin();
+    std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(free)];
+    in_use_[static_cast<std::size_t>(free)] = true;
+    pack_codes(next_->codes, mode_.format, bytes);
+    const FrameFacts& facts = next_->facts;
+    CapturedBuffer buffer;
+    buffer.cookie = cookies_[first_cookie_];
+    first_cookie_ = (first_cookie_ + 1) % cookies_.size();
+    --queued_, ++delivered_;
+    buffer.sequence = facts.sequence;
+    buffer.timestamp = begin_of(facts);
+    buffer.damaged = (facts.flags & kFrameDamaged) != 0;
+    if (facts.exposure_source != ExposureSource::Unknown) {
+      buffer.exposure = Instant::from_seconds(facts.exposure_s).since_boot;
+      buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
+    }
+    buffer.exposure_embedded = facts.exposure_source == ExposureSource::Embedded;
+    buffer.mode = mode_;
+    buffer.stride = packed_stride(mode_.format, mode_.width);
+    buffer.pixels = bytes;
+    buffer.lease = BufferLease(*this, static_cast<int>(free));
+    next_.reset();
+    return buffer;
+  }
+
+  Storage& storage_;
+  const std::string path_;
+  const ReplayPace pace_;
+  Clock& clock_;
+  CameraCapabilities capabilities_;
+  StreamMode mode_;
+
+  std::mutex mutex_;  // of everything below
+  std::condition_variable changed_;
+  bool started_ = false;
+  std::unique_ptr<RecordingReader> reader_;
+  std::optional<RawFrame> next_;
+  Instant begin_, first_;            // of this replay; of the recording
+  std::uint64_t delivered_ = 0;      // frames
+  std::vector<std::vector<std::byte>> buffers_;
+  std::vector<bool> in_use_;
+  std::vector<std::uint64_t> cookies_;  // of the queued requests, a ring
+  std::size_t first_cookie_ = 0, queued_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path, ReplayPace pace,
+                                                     Clock& clock) {
+  const auto reader = TRY(open_recording(storage, path));
+  const CameraFacts& facts = reader->camera();
+  const auto format = format_for(facts.layout, facts.bits);
+  if (!format)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'", path,
+                             name(facts.layout), facts.bits)};
+  return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(storage, path, facts, *format, pace, clock));
+}
+
+}  // namespace hdrcam

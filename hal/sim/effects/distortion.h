@@ -1,0 +1,39 @@
+// Radial lens distortion: the ray r is seen at r (1 + k1 |r|^2 + k2 |r|^4) (Brown 1971, radial terms). Value type,
+// reentrant.
+#pragma once
+
+#include "hal/sim/geometry.h"
+
+namespace hdrcam {
+
+struct DistortionSettings {
+  float k1 = -0.12f;  // < 0: barrel, as wide lenses do
+  float k2 = 0.02f;
+};
+
+class Distortion {
+ public:
+  explicit Distortion(DistortionSettings settings) : k1_(settings.k1), k2_(settings.k2) {}
+
+  Vec2 distorted(Vec2 ray) const {
+    const float r2 = ray.x * ray.x + ray.y * ray.y, factor = 1 + r2 * (k1_ + r2 * k2_);
+    return {ray.x * factor, ray.y * factor};
+  }
+
+  // The inverse, by Newton's method on the radius: 1e-6 after five steps within a half field of view of 45 degrees.
+  Vec2 undistorted(Vec2 seen) const {
+    const float wanted = std::sqrt(seen.x * seen.x + seen.y * seen.y);
+    if (wanted == 0) return seen;
+    float r = wanted;
+    for (int step = 0; step < 5; ++step) {
+      const float r2 = r * r;
+      r -= (r * (1 + r2 * (k1_ + r2 * k2_)) - wanted) / (1 + r2 * (3 * k1_ + 5 * r2 * k2_));
+    }
+    return {seen.x * (r / wanted), seen.y * (r / wanted)};
+  }
+
+ private:
+  float k1_, k2_;
+};
+
+}  // namespace hdrcam

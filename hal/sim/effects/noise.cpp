@@ -1,0 +1,45 @@
+#include "hal/sim/effects/noise.h"
+
+#include <algorithm>
+
+namespace hdrcam {
+namespace {
+
+// From here on a Gaussian is as good: the skewness of the Poisson distribution is below 0.23.
+constexpr float kGaussianFrom_e = 20;
+constexpr std::uint64_t kShotStream = 0x73686f74, kReadStream = 0x72656164;
+
+}  // namespace
+
+float poisson(float mean, float u) {
+  float probability = std::exp(-mean), sum = probability;
+  float count = 0;
+  while (u >= sum && count < 100) {
+    ++count;
+    probability *= mean / count;
+    sum += probability;
+  }
+  return count;
+}
+
+void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence, std::uint64_t first_pixel) const {
+  const CounterRandom shot(seed_, kShotStream, sequence), read(seed_, kReadStream, sequence);
+  const auto drawn = [&](float mean, std::uint64_t pixel, float normal) {
+    const float count = mean < kGaussianFrom_e ? poisson(mean, shot.uniform(pixel)) : mean + std::sqrt(mean) * normal;
+    return std::clamp(count, 0.f, full_well_e);
+  };
+  // Normal numbers come in pairs: one pair for the shot noise of two neighbours, one for their reading.
+  for (std::size_t i = 0; i < electrons.size(); i += 2) {
+    const std::uint64_t pixel = first_pixel + i;
+    const bool has_neighbour = i + 1 < electrons.size();
+    float& a = electrons[i];
+    float& b = electrons[has_neighbour ? i + 1 : i];
+    const float mean_a = a, mean_b = b;
+    const auto shots = std::max(mean_a, mean_b) < kGaussianFrom_e ? CounterRandom::Pair{} : shot.normals(pixel);
+    const auto reads = read.normals(pixel);
+    if (has_neighbour) b = drawn(mean_b, pixel + 1, shots.b) + settings_.read_noise_e * reads.b;
+    a = drawn(mean_a, pixel, shots.a) + settings_.read_noise_e * reads.a;
+  }
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,39 @@
+// Where in a pixel, and when in its exposure, N samples lie, N a power of two: even in place, even in time, and centred, so
+// that a picture neither shifts nor blurs when its pixels are sampled more densely. The places are the first points of
+// Sobol's sequence in two dimensions (a (0, 2)-sequence: any 2^m points fill every elementary interval once), moved by half
+// a stratum. Immutable, reentrant.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "hal/core/check.h"
+#include "hal/sim/geometry.h"
+
+namespace hdrcam {
+
+class PixelSamples {
+ public:
+  static constexpr int kMost = 64;
+
+  PixelSamples() {
+    for (std::uint32_t i = 0; i < kMost; ++i) {
+      std::uint32_t x = 0, y = 0, v = 1u << 31;
+      for (std::uint32_t bit = 0, rest = i; rest != 0; ++bit, rest >>= 1, v ^= v >> 1)
+        if ((rest & 1) != 0) x |= 1u << (31 - bit), y ^= v;
+      points_[i] = {static_cast<float>(x) * 0x1p-32f, static_cast<float>(y) * 0x1p-32f};
+    }
+  }
+
+  // In the pixel, 0..1. Samples n .. 2n - 1 are n more, centred for themselves.
+  Vec2 place(int sample, int n) const {
+    const float half_stratum = sample < n ? 0.5f / static_cast<float>(n) : 0;
+    const Vec2 point = points_[static_cast<std::size_t>(sample)];
+    return {point.x + half_stratum, point.y + half_stratum};
+  }
+
+ private:
+  std::array<Vec2, kMost> points_;
+};
+
+}  // namespace hdrcam

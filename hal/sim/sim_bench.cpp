@@ -1,0 +1,40 @@
+#include "hal/sim/sim_bench.h"
+
+namespace hdrcam {
+
+std::optional<TrueExposure> SimBench::true_exposure(std::uint64_t sequence) const {
+  const std::lock_guard lock(camera_.mutex_);
+  const TrueExposure& entry = camera_.harm_->history[sequence % SimulatedCamera::Harm::kHistory];
+  if (sequence >= camera_.next_frame_ || entry.sequence != sequence) return std::nullopt;
+  return entry;
+}
+
+void SimBench::drop_next(int frames) {
+  const std::lock_guard lock(camera_.mutex_);
+  camera_.harm_->drops = frames;
+}
+
+void SimBench::disturb_metadata(MetadataFault fault, int buffers) {
+  const std::lock_guard lock(camera_.mutex_);
+  camera_.harm_->metadata = fault, camera_.harm_->disturbed_buffers = buffers;
+}
+
+void SimBench::disturb_controls(ControlFault fault, int requests) {
+  const std::lock_guard lock(camera_.mutex_);
+  camera_.harm_->control = fault, camera_.harm_->disturbed_requests = requests;
+}
+
+void SimBench::set_delays(ControlDelays delays) {
+  const std::lock_guard lock(camera_.mutex_);
+  camera_.exposure_.set_delay(delays.exposure), camera_.gain_.set_delay(delays.gain);
+}
+
+void SimBench::unplug() {
+  {
+    const std::lock_guard lock(camera_.mutex_);
+    camera_.harm_->unplugged = true;
+  }
+  camera_.changed_.notify_all();
+}
+
+}  // namespace hdrcam

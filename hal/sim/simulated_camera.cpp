@@ -1,0 +1,241 @@
+#include "hal/sim/simulated_camera.h"
+
+#include <algorithm>
+#include <thread>
+
+#include "hal/pixel_pack.h"
+#include "hal/sim/sim_bench.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr Duration kReadout = std::chrono::milliseconds(1);  // of a frame duration in which nothing is exposed
+constexpr Duration kExposureStep = std::chrono::microseconds(10);
+constexpr Duration kFirstExposure = std::chrono::milliseconds(4);  // until a control acts
+constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,  PixelFormat::Bgr24,        PixelFormat::Rggb8,
+                                    PixelFormat::Rggb10, PixelFormat::Rggb12,       PixelFormat::Rggb16,
+                                    PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed};
+
+ControlDelays delays_of(const Simulation& s) {
+  return s.plan.on(Effect::ControlDelay) ? s.control_delay : ControlDelays{};
+}
+
+CameraCapabilities capabilities_of(const Simulation& s) {
+  CameraCapabilities can;
+  const char* scene = scene_catalog()[static_cast<std::size_t>(s.scene.scene)].name;
+  can.id = fmt::format("sim:{}", scene);
+  can.model = "simulated sensor";
+  can.driver = "sim";
+  for (const PixelFormat format : kFormats)
+    can.modes.push_back({format, s.width, s.height, std::chrono::milliseconds(2)});
+  can.exposure_min = kExposureStep, can.exposure_max = s.frame_duration() - kReadout, can.exposure_step = kExposureStep;
+  can.gain_min = 1, can.gain_max = 16;
+  can.sets_exposure = true;
+  can.reports_exposure = s.reports_exposure;
+  can.exposure_per_request = !s.plan.on(Effect::ControlDelay);
+  if (s.reports_exposure) can.delays = delays_of(s);  // a sensor that nobody knows tells neither
+  return can;
+}
+
+Error not_started(const char* what) {
+  return {ErrorCode::Invalid, fmt::format("the simulated camera is not started; start it before {}", what)};
+}
+Error unplugged() { return {ErrorCode::Unplugged, "the simulated camera was unplugged"}; }
+
+// The nearest size that can be rendered and packed.
+int near_size(int wanted, int otherwise, int multiple) {
+  const int size = wanted > 0 ? std::clamp(wanted, 16, 4096) : otherwise;
+  return size / multiple * multiple;
+}
+
+}  // namespace
+
+SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int threads, SimulatedWire* strobe)
+    : simulation_(simulation),
+      time_(time),
+      strobe_(strobe),
+      pool_(threads),
+      capabilities_(capabilities_of(simulation)),
+      exposure_(delays_of(simulation).exposure, kFirstExposure),
+      gain_(delays_of(simulation).gain, 1),
+      harm_(std::make_unique<Harm>()) {
+  if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
+  if (simulation.plan.on(Effect::ClockJitter)) jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
+}
+
+SimulatedCamera::~SimulatedCamera() = default;
+
+Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buffers) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (started_) return Error{ErrorCode::Invalid, "the simulated camera is started; stop it before configuring it"};
+  }
+  if (std::find(std::begin(kFormats), std::end(kFormats), wanted.format) == std::end(kFormats))
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("the simulated camera has no {}; ask for RGB24, BGR24 or a RGGB format", name(wanted.format))};
+  if (buffers < 1) return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
+  const PackedFormat packed = packed_format(wanted.format).value();
+  const int multiple = packed.layout == PixelLayout::Rgb ? 1 : std::max(2, packed.multiple);
+  simulation_.width = near_size(wanted.width, simulation_.width, multiple);
+  simulation_.height = near_size(wanted.height, simulation_.height, packed.layout == PixelLayout::Rgb ? 1 : 2);
+  if (wanted.frame_duration > Duration::zero())
+    simulation_.framerate_hz = 1 / to_seconds(std::max<Duration>(wanted.frame_duration, 2 * kReadout));
+  mode_ = {wanted.format, simulation_.width, simulation_.height, simulation_.frame_duration()};
+  capabilities_ = capabilities_of(simulation_);
+  sensor_ = std::make_unique<SimulatedSensor>(simulation_, packed.layout, packed.bits, pool_);
+  const std::size_t bytes = packed_stride(mode_.format, mode_.width) * static_cast<std::size_t>(mode_.height);
+  const auto count = static_cast<std::size_t>(buffers);
+  buffers_.assign(count, std::vector<std::byte>(bytes));
+  free_.reset(count), requests_.reset(count), frames_.reset(count);
+  for (int i = 0; i < buffers; ++i) free_.push(i);
+  return mode_;
+}
+
+Result<void> SimulatedCamera::start() {
+  const std::lock_guard lock(mutex_);
+  if (started_) return Error{ErrorCode::Invalid, "the simulated camera is started already"};
+  if (!sensor_) return Error{ErrorCode::Invalid, "the simulated camera is not configured; configure it before starting it"};
+  if (harm_->unplugged) return unplugged();
+  started_ = true;
+  epoch_ = time_.now() + mode_.frame_duration;  // the sensor wakes up
+  next_frame_ = 0;
+  exposure_ = DelayedControl<Duration>(delays_of(simulation_).exposure, kFirstExposure);
+  gain_ = DelayedControl<double>(delays_of(simulation_).gain, 1);
+  return {};
+}
+
+Result<void> SimulatedCamera::queue(const ExposureRequest& request) {
+  const std::lock_guard lock(mutex_);
+  if (!started_) return not_started("queueing requests");
+  if (harm_->unplugged) return unplugged();
+  TRY(check_exposure(capabilities_, request));
+  advance(time_.now());
+  if (free_.empty())
+    return Error{ErrorCode::Busy, fmt::format("all {} buffers of the simulated camera are queued or in use; give one back",
+                                              buffers_.size())};
+  requests_.push({request, free_.pop()});
+  changed_.notify_all();
+  return {};
+}
+
+Result<CapturedBuffer> SimulatedCamera::wait(Duration timeout) {
+  std::unique_lock lock(mutex_);
+  const Instant deadline = time_.now() + timeout;
+  for (;;) {
+    if (!started_) return Error{ErrorCode::Interrupted, "the simulated camera was stopped"};
+    if (harm_->unplugged) return unplugged();
+    const Instant now = time_.now();
+    advance(now);
+    if (!frames_.empty() && frames_.front().ready <= now) break;
+    if (now >= deadline)
+      return Error{ErrorCode::Timeout, fmt::format("no frame came within {:.0f} ms", to_seconds(timeout) * 1e3)};
+    const Instant next = frames_.empty() ? begin_of(next_frame_) : frames_.front().ready;
+    time_.wait(lock, changed_, std::min(next, deadline));
+  }
+  const Frame frame = frames_.pop();
+  lock.unlock();
+  return develop(frame);
+}
+
+Result<void> SimulatedCamera::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    started_ = false;
+    while (!requests_.empty()) free_.push(requests_.pop().buffer);
+    while (!frames_.empty()) free_.push(frames_.pop().buffer);
+  }
+  changed_.notify_all();
+  return {};
+}
+
+void SimulatedCamera::give_back(int buffer) {
+  const std::lock_guard lock(mutex_);
+  free_.push(buffer);
+}
+
+Instant SimulatedCamera::begin_of(std::uint64_t frame) const {
+  const Duration since_start = mode_.frame_duration * static_cast<Duration::rep>(frame);
+  return epoch_ + (jitter_ ? jitter_->stretched(since_start) : since_start);
+}
+
+// Opens every frame whose time has come.
+void SimulatedCamera::advance(Instant now) {
+  while (started_ && begin_of(next_frame_) <= now) {
+    begin_frame(next_frame_);
+    ++next_frame_;
+  }
+}
+
+void SimulatedCamera::begin_frame(std::uint64_t sequence) {
+  const bool delivered = !is_lost(sequence) && !requests_.empty();
+  Request request;
+  if (delivered) request = requests_.pop(), write_controls(sequence, request.asked);
+  Frame frame;
+  frame.sequence = sequence;
+  frame.exposure = exposure_.latch(sequence), frame.gain = gain_.latch(sequence);
+  frame.begin = begin_of(sequence);
+  frame.stamp = jitter_ ? frame.begin + jitter_->latency(sequence) : frame.begin;
+  frame.ready = begin_of(sequence + 1);
+  harm_->history[sequence % Harm::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
+  if (strobe_ != nullptr) strobe_->strobe(frame.begin, frame.exposure);
+  if (!delivered) return;
+  frame.buffer = request.buffer;
+  tell(frame, request.asked.cookie);
+  frames_.push(frame);
+}
+
+bool SimulatedCamera::is_lost(std::uint64_t frame) {
+  if (harm_->drops > 0) return --harm_->drops, true;
+  return drops_ && drops_->lost(frame);
+}
+
+void SimulatedCamera::write_controls(std::uint64_t frame, const ExposureRequest& asked) {
+  const ControlFault fault = harm_->disturbed_requests > 0 ? harm_->control : ControlFault::None;
+  if (harm_->disturbed_requests > 0) --harm_->disturbed_requests;
+  if (fault == ControlFault::Ignored) return;
+  const Duration steps = asked.exposure / kExposureStep * kExposureStep;
+  const bool clipped = fault == ControlFault::Clipped;
+  const int late = fault == ControlFault::Early ? -1 : fault == ControlFault::Late ? 1 : 0;
+  exposure_.write(frame, clipped ? std::min(steps, Harm::kClippedExposure) : steps, late);
+  gain_.write(frame, clipped ? 1 : asked.analogue_gain, late);
+}
+
+// Fills in what the buffer will say of itself.
+void SimulatedCamera::tell(Frame& frame, std::uint64_t cookie) {
+  const Report truth{cookie, frame.exposure, frame.gain};
+  const MetadataFault fault = harm_->disturbed_buffers > 0 ? harm_->metadata : MetadataFault::None;
+  if (harm_->disturbed_buffers > 0) --harm_->disturbed_buffers;
+  frame.report = truth;
+  frame.reported = simulation_.reports_exposure && fault != MetadataFault::Missing;
+  if (fault == MetadataFault::Late) frame.report.exposure = last_report_.exposure, frame.report.gain = last_report_.gain;
+  if (fault == MetadataFault::Doubled) frame.report = last_report_;
+  last_report_ = truth;
+}
+
+CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
+  const double begin_s = to_seconds(mode_.frame_duration) * static_cast<double>(frame.sequence);
+  sensor_->expose({frame.sequence, begin_s, to_seconds(frame.exposure), frame.gain}, codes_);
+  std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(frame.buffer)];
+  pack_codes(codes_, mode_.format, bytes);
+  CapturedBuffer buffer;
+  buffer.cookie = frame.report.cookie;
+  buffer.sequence = frame.sequence;
+  buffer.timestamp = frame.stamp;
+  if (frame.reported) {
+    buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain, buffer.digital_gain = 1;
+    buffer.exposure_embedded = true;
+  }
+  buffer.mode = mode_;
+  buffer.stride = packed_stride(mode_.format, mode_.width);
+  buffer.pixels = bytes;
+  buffer.lease = BufferLease(*this, frame.buffer);
+  return buffer;
+}
+
+Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene) {
+  const Simulation simulation = TRY(simulation_of(scene));
+  const int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 4u));
+  return std::unique_ptr<Camera>(std::make_unique<SimulatedCamera>(simulation, SimTime(), threads));
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,124 @@
+// A camera that renders a scene (simulated_sensor.h) as a sensor with delayed controls would deliver it. The sensor runs
+// freely: frame n opens at n frame durations after the start, whoever listens; the request at the head of the queue is
+// latched then, its controls show some frames later, and its buffer is that frame's. A frame that finds no request is
+// lost, which the sequence number shows. Stamps are the begin of the exposure. Pixels are computed when they are waited
+// for, on the waiting thread and a pool, so that no thread is left running in between.
+//
+// A test sees the truth and does harm through sim_bench.h. Thread-bound, except stop() and the return of buffers; no
+// allocation per frame after the first.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "hal/camera.h"
+#include "hal/sim/effects/delayed_control.h"
+#include "hal/sim/simulated_sensor.h"
+#include "hal/sim/simulated_sync_line.h"
+
+namespace hdrcam {
+
+class SimBench;
+
+class SimulatedCamera : public Camera, private BufferLease::Owner {
+ public:
+  // threads: for rendering, 1.. ; strobe: high while a frame is exposed, may be null, outlives the camera.
+  SimulatedCamera(const Simulation& simulation, SimTime time, int threads, SimulatedWire* strobe = nullptr);
+  ~SimulatedCamera() override;
+
+  const CameraCapabilities& capabilities() const override { return capabilities_; }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override;
+  Result<void> start() override;
+  Result<void> queue(const ExposureRequest& request) override;
+  Result<CapturedBuffer> wait(Duration timeout) override;
+  Result<void> stop() override;
+
+  // What the scene and its effects are, once configured.
+  const SimulatedSensor* sensor() const { return sensor_.get(); }
+
+ private:
+  friend class SimBench;
+  struct Request {
+    ExposureRequest asked;
+    int buffer = -1;
+  };
+  // What a completed buffer says of itself.
+  struct Report {
+    std::uint64_t cookie = 0;
+    Duration exposure{0};
+    double gain = 1;
+  };
+  struct Frame {
+    std::uint64_t sequence = 0;
+    int buffer = -1;
+    Duration exposure{0};
+    double gain = 1;
+    Instant begin, stamp, ready;
+    Report report;
+    bool reported = true;
+  };
+  // First in, first out, of a size that is known at configure().
+  template <class T>
+  class Ring {
+   public:
+    void reset(std::size_t capacity) { slots_.assign(capacity, T{}), begin_ = size_ = 0; }
+    bool empty() const { return size_ == 0; }
+    void push(const T& item) {
+      CHECK_LT(size_, slots_.size());
+      slots_[(begin_ + size_++) % slots_.size()] = item;
+    }
+    T pop() {
+      CHECK_GT(size_, 0u);
+      T item = slots_[begin_];
+      begin_ = (begin_ + 1) % slots_.size(), --size_;
+      return item;
+    }
+    const T& front() const { return slots_[begin_]; }
+
+   private:
+    std::vector<T> slots_;
+    std::size_t begin_ = 0, size_ = 0;
+  };
+  struct Harm;  // what a test has ordered, see sim_bench.h
+
+  void give_back(int buffer) override;
+  Instant begin_of(std::uint64_t frame) const;
+  void advance(Instant now);
+  void begin_frame(std::uint64_t frame);
+  bool is_lost(std::uint64_t frame);
+  void write_controls(std::uint64_t frame, const ExposureRequest& asked);
+  void tell(Frame& frame, std::uint64_t cookie);
+  CapturedBuffer develop(const Frame& frame);
+
+  Simulation simulation_;
+  const SimTime time_;
+  SimulatedWire* strobe_;
+  WorkerPool pool_;
+  CameraCapabilities capabilities_;
+  StreamMode mode_;
+  std::unique_ptr<SimulatedSensor> sensor_;
+  Image<std::uint16_t> codes_;
+  std::vector<std::vector<std::byte>> buffers_;
+  std::optional<Drops> drops_;
+  std::optional<ClockJitter> jitter_;
+
+  mutable std::mutex mutex_;  // of everything below
+  std::condition_variable changed_;
+  bool started_ = false;
+  Instant epoch_;                 // frame 0 opens
+  std::uint64_t next_frame_ = 0;  // to open
+  Ring<int> free_;
+  Ring<Request> requests_;
+  Ring<Frame> frames_;            // exposed, not waited for yet
+  DelayedControl<Duration> exposure_;
+  DelayedControl<double> gain_;
+  Report last_report_;
+  std::unique_ptr<Harm> harm_;
+};
+
+// `scene`: what follows "sim:", see simulation.h. In real time, on as many threads as the machine has, at most 4.
+Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene);
+
+}  // namespace hdrcam

@@ -1,0 +1,46 @@
+// Procedural HDR pictures that scenes are painted with: radiance or albedo patterns spanning many stops, made from a seed,
+// filtered for distance. Immutable after construction, so reentrant.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "hal/core/worker_pool.h"
+#include "hal/sim/geometry.h"
+
+namespace hdrcam {
+
+enum class Pattern { Stone, Tiles, Facade, Stripes };
+
+// A tile that repeats in both directions without a seam, with a mip pyramid. Its mean luminance is about 1.
+class Texture {
+ public:
+  static constexpr int kSide = 256;  // texels
+  Texture(Pattern pattern, std::uint64_t seed);
+
+  // (u, v) in tiles; texels_per_pixel >= 0: how many texels of the finest level one sample covers, for the filter.
+  Colour at(float u, float v, float texels_per_pixel) const;
+
+ private:
+  static constexpr int kLevels = 8;  // 256 .. 2 texels a side
+  Colour bilinear(int level, float u, float v) const;
+
+  std::array<std::vector<Colour>, kLevels> levels_;  // [side, side]
+};
+
+enum class Environment { Street, Hall, NightCity };
+
+// What is seen in every direction, as the six faces of a cube: face = 2 * axis + (negative direction).
+class Panorama {
+ public:
+  // face_px: texels a side of a face. direction (y down) need not be normalised.
+  Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool& pool);
+  Colour at(Vec3 direction) const;
+
+ private:
+  int side_;
+  std::vector<Colour> texels_;  // [6, side, side]
+};
+
+}  // namespace hdrcam

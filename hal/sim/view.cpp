@@ -1,0 +1,231 @@
+#include "hal/sim/view.h"
+
+#include <limits>
+
+namespace hdrcam {
+namespace {
+
+constexpr float kNever = std::numeric_limits<float>::infinity();
+constexpr float kNearest_m = 1e-3f;
+
+// Each returns the parameter of the first hit of eye + t d in front of the camera, or kNever.
+float meet_ball(Vec3 eye, Vec3 d, float radius) {
+  const float a = dot(d, d), b = dot(eye, d), c = dot(eye, eye) - radius * radius;
+  const float discriminant = b * b - a * c;
+  if (discriminant < 0) return kNever;
+  const float t = (-b - std::sqrt(discriminant)) / a;
+  return t > kNearest_m ? t : kNever;
+}
+
+float meet_dome(Vec3 eye, Vec3 d, float radius) {  // from inside
+  const float a = dot(d, d), b = dot(eye, d), c = dot(eye, eye) - radius * radius;
+  return (-b + std::sqrt(std::max(0.f, b * b - a * c))) / a;
+}
+
+struct BoxHit {
+  float t = kNever;
+  int axis = 0;
+};
+BoxHit meet_box(Vec3 eye, Vec3 d, Vec3 half) {
+  const float o[3] = {eye.x, eye.y, eye.z}, w[3] = {d.x, d.y, d.z}, h[3] = {half.x, half.y, half.z};
+  float enter = -kNever, leave = kNever;
+  BoxHit hit;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float inverse = 1 / w[axis];  // infinite for a parallel ray: the slab then holds all or nothing
+    float t0 = (-h[axis] - o[axis]) * inverse, t1 = (h[axis] - o[axis]) * inverse;
+    if (t0 > t1) std::swap(t0, t1);
+    if (t0 > enter) enter = t0, hit.axis = axis;
+    leave = std::min(leave, t1);
+  }
+  if (enter <= leave && enter > kNearest_m) hit.t = enter;
+  return hit;
+}
+
+float meet_panel(Vec3 eye, Vec3 d, Vec3 half) {
+  const float t = -eye.z / d.z;
+  if (!(t > kNearest_m) || std::abs(eye.x + t * d.x) > half.x || std::abs(eye.y + t * d.y) > half.y) return kNever;
+  return t;
+}
+
+float meet_ground(Vec3 eye, Vec3 d, float radius) {
+  const float t = -eye.y / d.y;
+  if (!(t > kNearest_m)) return kNever;
+  const float x = eye.x + t * d.x, z = eye.z + t * d.z;
+  return x * x + z * z < radius * radius ? t : kNever;
+}
+
+float bounding_radius(const SceneObject& object) {
+  switch (object.shape) {
+    case Shape::Ball: return object.half_size_m.x;
+    case Shape::Box: return length(object.half_size_m);
+    case Shape::Panel: return std::hypot(object.half_size_m.x, object.half_size_m.y);
+    case Shape::Ground:
+    case Shape::Dome: break;
+  }
+  return kNever;
+}
+
+// Interval of rays x = X / Z that meet a circle of `radius` around (x, z), seen from the origin.
+struct Interval {
+  float begin = -kNever, end = kNever;
+};
+Interval seen_interval(float x, float z, float radius) {
+  const float beyond = z * z - radius * radius;
+  if (z < 0 || beyond <= 0) return {};
+  const float root = radius * std::sqrt(std::max(0.f, x * x + beyond));
+  return {(x * z - root) / beyond, (x * z + root) / beyond};
+}
+
+float along(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+// The axis along which a point lies farthest out: a ball is painted like a cube that was blown up.
+int dominant_axis(Vec3 p) {
+  const float x = std::abs(p.x), y = std::abs(p.y), z = std::abs(p.z);
+  return z >= x && z >= y ? 2 : x >= y ? 0 : 1;
+}
+
+// The place on a texture, in metres over the surface.
+Vec2 unrolled(const SceneObject& object, const Hit& hit) {
+  constexpr float kFaceShift_m = 0.37f;  // faces differ
+  Vec3 p = hit.point;
+  switch (object.shape) {
+    case Shape::Panel: return {p.x, p.y};
+    case Shape::Ground: return {p.x, p.z};
+    case Shape::Ball: p = p * (0.785f * object.half_size_m.x / std::abs(along(p, hit.part / 2))); break;
+    case Shape::Box:
+    case Shape::Dome: break;
+  }
+  const float shift = kFaceShift_m * static_cast<float>(hit.part);
+  const int axis = hit.part / 2;
+  return axis == 0 ? Vec2{p.z + shift, p.y} : axis == 1 ? Vec2{p.x, p.z + shift} : Vec2{p.x + shift, p.y};
+}
+
+}  // namespace
+
+void View::bound(Seen& seen, float radius) {
+  if (radius == kNever) {
+    seen.x0 = seen.y0 = -kNever, seen.x1 = seen.y1 = kNever;
+    return;
+  }
+  const float r = radius * seen.size;
+  if (seen.centre.z < -r) {  // behind
+    seen.x0 = seen.y0 = kNever, seen.x1 = seen.y1 = -kNever;
+    return;
+  }
+  const Interval across = seen_interval(seen.centre.x, seen.centre.z, r);
+  const Interval down = seen_interval(seen.centre.y, seen.centre.z, r);
+  seen.x0 = across.begin, seen.x1 = across.end, seen.y0 = down.begin, seen.y1 = down.end;
+}
+
+void View::pose_at(const Scene& scene, double time_s) {
+  scene_ = &scene;
+  camera_ = scene.camera.at(time_s);
+  seen_.resize(scene.objects.size());
+  posed_.resize(scene.objects.size());
+  lights_.reserve(scene.objects.size());
+  lights_.clear();
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
+    const PosedObject posed = posed_[i] = pose_of(object, time_s);
+    Seen& seen = seen_[i];
+    const Mat3& R_world_object = posed.T_world_object.rotation;
+    const Vec3 offset = camera_.position - posed.T_world_object.position;
+    seen.R_object_camera = transposed_times(R_world_object, camera_.rotation);
+    seen.eye = transposed_times(R_world_object, offset);
+    seen.centre = transposed_times(camera_.rotation, offset * -1);
+    seen.size = posed.size;
+    bound(seen, bounding_radius(object));
+    if (object.surface == Surface::Lamp) {
+      const float radius = object.half_size_m.x;
+      lights_.push_back({posed.T_world_object.position, object.colour * (object.gain * radius * radius)});
+    }
+  }
+}
+
+Hit View::cast(Vec2 ray) const {
+  Hit hit;
+  hit.depth_m = kNever;
+  Vec3 eye, direction;  // of the nearest hit, in its object's coordinates
+  int axis = 0;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    const Seen& seen = seen_[i];
+    if (ray.x < seen.x0 || ray.x > seen.x1 || ray.y < seen.y0 || ray.y > seen.y1) continue;
+    const SceneObject& object = scene_->objects[i];
+    const float shrink = 1 / seen.size;
+    const Vec3 o = seen.eye * shrink, d = seen.R_object_camera * Vec3{ray.x, ray.y, 1} * shrink;
+    float t = kNever;
+    BoxHit box;
+    switch (object.shape) {
+      case Shape::Ball: t = meet_ball(o, d, object.half_size_m.x); break;
+      case Shape::Box: box = meet_box(o, d, object.half_size_m), t = box.t; break;
+      case Shape::Panel: t = meet_panel(o, d, object.half_size_m); break;
+      case Shape::Ground: t = meet_ground(o, d, object.half_size_m.x); break;
+      case Shape::Dome: t = meet_dome(o, d, object.half_size_m.x); break;
+    }
+    if (t >= hit.depth_m) continue;
+    hit.depth_m = t, hit.object = static_cast<int>(i);
+    eye = o, direction = d, axis = box.axis;
+  }
+  hit.point = eye + direction * hit.depth_m;
+  const SceneObject& object = scene_->objects[static_cast<std::size_t>(hit.object)];
+  switch (object.shape) {
+    case Shape::Ball: {
+      hit.normal = normalized(hit.point);
+      const int facing = dominant_axis(hit.point);
+      hit.part = 2 * facing + (along(hit.point, facing) < 0);
+      break;
+    }
+    case Shape::Box: {
+      const bool upper = along(direction, axis) < 0;  // the ray enters through the face at +half
+      const float out = upper ? 1.f : -1.f;
+      hit.normal = axis == 0 ? Vec3{out, 0, 0} : axis == 1 ? Vec3{0, out, 0} : Vec3{0, 0, out};
+      hit.part = 2 * axis + !upper;
+      break;
+    }
+    case Shape::Panel: hit.normal = {0, 0, direction.z > 0 ? -1.f : 1.f}; break;
+    case Shape::Ground: hit.normal = {0, -1, 0}; break;
+    case Shape::Dome: break;  // its picture needs none
+  }
+  return hit;
+}
+
+Colour View::radiance(const Hit& hit, float footprint) const {
+  const SceneObject& object = scene_->objects[static_cast<std::size_t>(hit.object)];
+  if (object.surface == Surface::Lamp) return object.colour * (object.gain * scene_->radiance_scale);
+  if (object.shape == Shape::Dome)
+    return scene_->panorama.at(hit.point) * (object.gain * scene_->radiance_scale);
+  const Vec2 place = unrolled(object, hit);
+  const Seen& seen = seen_[static_cast<std::size_t>(hit.object)];
+  const Vec3 to_eye = normalized(seen.eye * (1 / seen.size) - hit.point);
+  const float slant = std::sqrt(std::max(0.05f, dot(to_eye, hit.normal)));
+  const float texels = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / (seen.size * slant);
+  const Texture& texture = scene_->textures[static_cast<std::size_t>(object.texture)];
+  const Colour colour = texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
+  if (object.surface == Surface::Radiant) return colour * (object.gain * scene_->radiance_scale);
+  const auto albedo = [](float c) { return c / (c + 0.6f); };
+  return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) * scene_->radiance_scale;
+}
+
+// Lambert's law under the ambient light and point lamps; no shadows.
+Colour View::lit(const Hit& hit, Colour albedo) const {
+  const PosedObject& posed = posed_[static_cast<std::size_t>(hit.object)];
+  const Vec3 normal = posed.T_world_object.rotation * hit.normal;
+  const Vec3 place = posed.T_world_object.rotation * (hit.point * posed.size) + posed.T_world_object.position;
+  Colour light = scene_->ambient + scene_->from_above * std::max(0.f, -normal.y);
+  for (const Light& lamp : lights_) {
+    const Vec3 to_lamp = lamp.position - place;
+    const float squared = std::max(1e-4f, dot(to_lamp, to_lamp));
+    const float cosine = dot(to_lamp, normal) / std::sqrt(squared);
+    if (cosine > 0) light = light + lamp.power * (cosine / squared);
+  }
+  return albedo * light;
+}
+
+Vec3 View::project(int object, Vec3 point) const {
+  const PosedObject& posed = posed_[static_cast<std::size_t>(object)];
+  const Vec3 world = posed.T_world_object.rotation * (point * posed.size) + posed.T_world_object.position;
+  const Vec3 p = transposed_times(camera_.rotation, world - camera_.position);
+  return {p.x / p.z, p.y / p.z, p.z};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,117 @@
+// The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is explained.
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <string>
+
+#include "hal/recording/image_sequence.h"
+#include "hal/recording/recording.h"
+#include "render/scores/scores.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/contracts/expect.h"
+
+using namespace hdrcam;
+
+namespace {
+
+struct Run {
+  int exit_code = -1;
+  std::string output;  // both streams
+};
+
+Run run_simulate(const std::string& arguments) {
+  FILE* pipe = popen((std::string(HDRCAM_BINARY) + " simulate " + arguments + " 2>&1").c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  Run run;
+  char buffer[512];
+  while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) run.output.append(buffer, n);
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+  return run;
+}
+
+void require_success(const std::string& arguments) {
+  const Run run = run_simulate(arguments);
+  INFO(run.output);
+  REQUIRE(run.exit_code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("simulate writes a recording with the exposures of its cycle") {
+  const std::string path = sample::scratch_folder("simulate_recording") + "/walk.mkv";
+  require_success(fmt::format("'walk?size=64x48' -o {} --frames 7 --shutter 1ms,8ms --gain 1,2", path));
+  auto reader = value_of(open_recording(posix_storage(), path));
+  CHECK(reader->camera().name == "walk");
+  CHECK(reader->camera().width == 64);
+  for (int i = 0; i < 7; ++i) {
+    const auto frame = value_of(reader->next());
+    REQUIRE(frame);
+    CHECK(frame->facts.exposure() == Approx(i % 2 == 0 ? 0.001 : 0.016));
+    CHECK(frame->facts.slot == i % 2);
+    CHECK(frame->facts.timestamp.seconds() == Approx(i / 30.0));
+  }
+  CHECK_FALSE(value_of(reader->next()));
+}
+
+TEST_CASE("the same command writes the same bytes") {
+  const std::string folder = sample::scratch_folder("simulate_same");
+  for (const int threads : {1, 2})
+    require_success(fmt::format("'night?size=64x48&seed=5' -o {}/{}.mkv --frames 5 --threads {}", folder, threads, threads));
+  const auto bytes = [&](int threads) { return value_of(read_whole(posix_storage(), fmt::format("{}/{}.mkv", folder, threads))); };
+  CHECK(bytes(1) == bytes(2));
+}
+
+TEST_CASE("a clip with truth is one that compare reads, and its truth is perfect") {
+  const std::string folder = sample::scratch_folder("simulate_truth");
+  require_success(fmt::format("'walk?size=64x48' --truth {}/clip --frames 6", folder));
+  const ClipScores scores = value_of(score_clip(posix_storage(), folder + "/clip", folder + "/clip/gt/hdr", {0, nullptr}));
+  CHECK(scores.frames.size() == 6);
+  CHECK(scores.mean.psnr_mu_db > 100);
+  REQUIRE(scores.flicker_stops);
+  CHECK(*scores.flicker_stops < 1e-6);
+  CHECK(scores.mean.psnr_mu_moving_db.has_value());
+  CHECK(value_of(ImageSequence::open(posix_storage(), folder + "/clip")).frame_count() == 6);
+}
+
+TEST_CASE("dropped frames are gaps in the recording, flagged behind the gap") {
+  const std::string path = sample::scratch_folder("simulate_drops") + "/d.mkv";
+  require_success(fmt::format("'still?size=32x32&drops=0.4' -o {} --frames 20", path));
+  auto reader = value_of(open_recording(posix_storage(), path));
+  std::uint64_t before = 0;
+  int gaps = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto frame = value_of(reader->next());
+    REQUIRE(frame);
+    const bool gap = i > 0 && frame->facts.sequence != before + 1;
+    CHECK(((frame->facts.flags & kFrameAfterDrop) != 0) == gap);
+    gaps += gap, before = frame->facts.sequence;
+  }
+  CHECK(gaps > 2);
+}
+
+TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
+  const Run run = run_simulate("'night?size=64x48' --explain");
+  INFO(run.output);
+  REQUIRE(run.exit_code == 0);
+  for (const char* words : {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains", "the scene does not call for it", "CPU ms"})
+    CHECK(run.output.find(words) != std::string::npos);
+}
+
+TEST_CASE("a raw recording is Bayer, linear and explained as such") {
+  const std::string path = sample::scratch_folder("simulate_raw") + "/r.mkv";
+  require_success(fmt::format("'still?size=32x32&black=0.0625' -o {} --frames 2 --format bayer --bits 12", path));
+  auto reader = value_of(open_recording(posix_storage(), path));
+  CHECK(reader->camera().layout == PixelLayout::BayerRggb);
+  CHECK(reader->camera().bits == 12);
+  CHECK(reader->camera().linear);
+  CHECK(value_of(reader->next())->facts.black_level == Approx(0.0625 * 4095));
+}
+
+TEST_CASE("simulate refuses in a sentence what it cannot do") {
+  CHECK(run_simulate("walk").output.find("--truth") != std::string::npos);
+  CHECK(run_simulate("").output.find("--list") != std::string::npos);
+  CHECK(run_simulate("walk -o /tmp/x.mkv --shutter 50ms").output.find("does not fit") != std::string::npos);
+  CHECK(run_simulate("nowhere --explain").exit_code != 0);
+  CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
+}

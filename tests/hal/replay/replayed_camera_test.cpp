@@ -1,0 +1,97 @@
+#include "hal/replay/replayed_camera.h"
+
+#include <chrono>
+
+#include "hal/pixel_pack.h"
+#include "hal/recording/recording.h"
+#include "hal/sim/virtual_clock.h"
+#include "tests/contracts/camera_contract.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/contracts/expect.h"
+
+using namespace hdrcam;
+using std::chrono::milliseconds;
+
+namespace {
+
+constexpr int kFrames = 100;
+
+RawFrame frame_of(const CameraFacts& camera, int i) {
+  std::mt19937 random(static_cast<unsigned>(i));
+  RawFrame frame{{}, sample::picture(camera, random)};
+  frame.facts.sequence = static_cast<std::uint64_t>(i);
+  frame.facts.exposure_s = i % 2 == 0 ? 0.001 : 0.008;
+  frame.facts.analogue_gain = 1 + i % 3;
+  frame.facts.timestamp = Instant::from_seconds(5 + 0.01 * i + frame.facts.exposure_s / 2);
+  frame.facts.exposure_source = ExposureSource::Embedded;
+  return frame;
+}
+
+std::string write_recording(const std::string& name, PixelLayout layout, int bits) {
+  const CameraFacts camera = sample::camera(layout, bits, 32, 16);
+  const std::string path = sample::scratch_folder(name) + "/r.mkv";
+  auto writer = value_of(create_recording(posix_storage(), path, camera));
+  for (int i = 0; i < kFrames; ++i) require_done(writer->append(frame_of(camera, i)));
+  require_done(writer->finish());
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("the replayed camera keeps the camera contract") {
+  const std::string path = write_recording("replay_contract", PixelLayout::Rgb, 8);
+  keeps_camera_contract(
+      {.name = "replayed",
+       .open = [&] { return open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()); },
+       .mode = {PixelFormat::Rgb24, 32, 16, milliseconds(33)},
+       .allocations_per_frame = 40});  // the reader's: decoding FFV1 and JSON makes a fresh frame each time
+}
+
+TEST_CASE("a replay hands over the pixels and facts that were recorded") {
+  for (const auto& [layout, bits] : {std::pair{PixelLayout::Rgb, 8}, {PixelLayout::BayerGrbg, 12}}) {
+    const std::string path = write_recording("replay_pixels", layout, bits);
+    auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+    const StreamMode mode = value_of(camera->configure(camera->capabilities().modes.front(), 3));
+    require_done(camera->start());
+    const CameraFacts facts = sample::camera(layout, bits, 32, 16);
+    for (int i = 0; i < kFrames; ++i) {
+      require_done(camera->queue({static_cast<std::uint64_t>(7 + i), milliseconds(1), 1}));
+      const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(2)));
+      const RawFrame truth = frame_of(facts, i);
+      std::vector<std::byte> expected(packed_stride(mode.format, 32) * 16);
+      pack_codes(truth.codes, mode.format, expected);
+      REQUIRE(std::equal(expected.begin(), expected.end(), buffer.pixels.begin(), buffer.pixels.end()));
+      REQUIRE(buffer.cookie == static_cast<std::uint64_t>(7 + i));
+      REQUIRE(buffer.sequence == truth.facts.sequence);
+      REQUIRE(buffer.exposure == Instant::from_seconds(truth.facts.exposure_s).since_boot);
+      REQUIRE(buffer.analogue_gain == truth.facts.analogue_gain);
+      REQUIRE(buffer.exposure_embedded);
+      REQUIRE(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
+    }
+    require_done(camera->queue({0, milliseconds(1), 1}));
+    const auto end = camera->wait(std::chrono::seconds(2));
+    require_error(end, ErrorCode::Unplugged);
+    CHECK(end.error().message.find("100 frames") != std::string::npos);
+  }
+}
+
+TEST_CASE("a paced replay takes as long as the recording did") {
+  const std::string path = write_recording("replay_pace", PixelLayout::Rgb, 8);
+  auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()));
+  value_of(camera->configure(camera->capabilities().modes.front(), 2));
+  require_done(camera->start());
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 21; ++i) {
+    require_done(camera->queue({0, milliseconds(1), 1}));
+    value_of(camera->wait(std::chrono::seconds(2)));
+  }
+  CHECK(std::chrono::steady_clock::now() - begin >= milliseconds(199));
+  require_done(camera->queue({0, milliseconds(1), 1}));
+  require_error(camera->wait(Duration::zero()), ErrorCode::Timeout);  // the next is 10 ms away
+}
+
+TEST_CASE("what cannot be replayed is refused in a sentence") {
+  const std::string path = write_recording("replay_refused", PixelLayout::Rgb, 12);
+  require_error(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()), ErrorCode::Unsupported);
+  require_error(open_replayed_camera(posix_storage(), path + "x", ReplayPace::AsRecorded, posix_clock()), ErrorCode::NotFound);
+}

@@ -1,0 +1,101 @@
+// The renderer against brute force: blur is the mean of instants, a rolling shutter is a different instant in each row.
+#include <cmath>
+#include <numbers>
+
+#include "hal/sim/renderer.h"
+#include "hal/sim/simulation.h"
+#include "tests/allocations.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr int kRows = 60, kCols = 80;
+
+struct Stage {
+  explicit Stage(const char* spec) : scene(make_scene(simulation_of(spec).value().scene, 64, pool)) {}
+  Renderer renderer(Shutter shutter) { return Renderer(scene, lens, shutter, kRows, kCols, pool); }
+
+  WorkerPool pool{2};
+  Scene scene;
+  Lens lens{centred_intrinsics(kCols, kRows, std::numbers::pi / 3), std::nullopt};
+};
+
+Shutter blurring() { return {MotionBlur({}), std::nullopt}; }
+
+// Mean over the picture of |a - b| / (a + b), of the green channel.
+double difference(const Image<float>& a, const Image<float>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.plane_size(); ++i)
+    sum += static_cast<double>(std::abs(a.plane(1)[i] - b.plane(1)[i]) / (a.plane(1)[i] + b.plane(1)[i]));
+  return sum / static_cast<double>(a.plane_size());
+}
+
+}  // namespace
+
+TEST_CASE("motion blur is the mean of the instants of the exposure") {
+  Stage stage("fast");
+  Renderer blurred = stage.renderer(blurring()), sharp = stage.renderer({});
+  Image<float> picture, instant, mean(3, kRows, kCols);
+  blurred.render({1.0, 1.016}, picture);
+  constexpr int kInstants = 64;
+  for (int i = 0; i < kInstants; ++i) {
+    const double time_s = 1.0 + 0.016 * (i + 0.5) / kInstants;
+    sharp.render({time_s, time_s}, instant);
+    for (std::size_t k = 0; k < mean.size(); ++k) mean.samples()[k] += instant.samples()[k] / kInstants;
+  }
+  sharp.render({1.008, 1.008}, instant);
+  CHECK(difference(picture, mean) < 0.02);
+  CHECK(difference(picture, mean) < 0.35 * difference(instant, mean));
+}
+
+TEST_CASE("a long exposure of a scene at rest is the sharp picture") {
+  Stage stage("still");
+  Renderer blurred = stage.renderer(blurring()), sharp = stage.renderer({});
+  Image<float> open, closed;
+  blurred.render({1.0, 1.03}, open);
+  sharp.render({1.0, 1.0}, closed);
+  CHECK(std::equal(open.samples().begin(), open.samples().end(), closed.samples().begin()));
+}
+
+TEST_CASE("a row under a rolling shutter is that row of the picture taken when it was read") {
+  Stage stage("pan");
+  const RollingShutter shutter({.readout = std::chrono::milliseconds(30)}, kRows);
+  Renderer rolling = stage.renderer({std::nullopt, shutter}), global = stage.renderer({});
+  Image<float> skewed, straight;
+  rolling.render({0.2, 0.2}, skewed);
+  double own_row = 0, first_row = 0;
+  for (const int y : {10, 30, 50}) {
+    const auto distance = [&](double time_s) {
+      global.render({time_s, time_s}, straight);
+      double sum = 0;
+      for (int x = 0; x < kCols; ++x) sum += static_cast<double>(std::abs(std::log2(skewed.at(1, y, x) / straight.at(1, y, x))));
+      return sum / kCols;
+    };
+    own_row += distance(0.2 + shutter.delay_s(y));
+    first_row += distance(0.2);
+  }
+  CHECK(own_row < 0.15 * first_row);
+}
+
+TEST_CASE("a picture does not depend on the number of threads") {
+  Stage one("walk"), two("walk");
+  WorkerPool single(1);
+  Renderer alone(one.scene, one.lens, blurring(), kRows, kCols, single), together = two.renderer(blurring());
+  Image<float> a, b;
+  alone.render({0.7, 0.716}, a);
+  together.render({0.7, 0.716}, b);
+  CHECK(std::equal(a.samples().begin(), a.samples().end(), b.samples().begin()));
+}
+
+TEST_CASE("rendering allocates nothing after the first frame") {
+  Stage stage("night");
+  Renderer renderer = stage.renderer(blurring());
+  Image<float> picture;
+  renderer.render({0.1, 0.116}, picture);
+  const std::uint64_t before = allocations_so_far();
+  for (int i = 0; i < 5; ++i) renderer.render({0.1 * i, 0.1 * i + 0.016}, picture);
+  CHECK(allocations_so_far() == before);
+}
