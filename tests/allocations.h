@@ -1,0 +1,11 @@
+// Counts every call of operator new in the process, whichever thread makes it: what a path that must not
+// allocate is checked with. allocations.cpp replaces the operators of the whole test program. Thread-safe.
+#pragma once
+
+#include <cstdint>
+
+namespace hdrcam {
+
+std::uint64_t allocations_so_far();
+
+}  // namespace hdrcam
