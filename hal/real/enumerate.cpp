@@ -59,7 +59,7 @@ FoundDevice described(const CameraCapabilities& camera, const std::string& id) {
 }
 
 void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
-  const auto cameras = list_libcamera_cameras();
+  auto cameras = list_libcamera_cameras();
   if (!cameras) {
     devices.push_back({DeviceKind::Camera, "", "libcamera", {}, {cameras.error().message}});
     return;
@@ -69,7 +69,7 @@ void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
 
 void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
   for (const std::string& node : nodes_named("video")) {
-    const auto camera = open_v4l2_camera(node);
+    auto camera = open_v4l2_camera(node);
     if (!camera && camera.error().code == ErrorCode::Unsupported) continue;  // a decoder, a metadata node
     if (!camera) {
       devices.push_back({DeviceKind::Camera, "", node, {}, {camera.error().message}});
@@ -86,7 +86,7 @@ void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
 
 void add_gpio_chips(std::vector<FoundDevice>& devices) {
   for (const std::string& node : gpio_chip_nodes()) {
-    const auto chip = inspect_gpio_chip(node);
+    auto chip = inspect_gpio_chip(node);
     if (!chip) {
       devices.push_back({DeviceKind::GpioChip, "", node, {}, {chip.error().message}});
       continue;
