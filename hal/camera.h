@@ -112,7 +112,8 @@ class Camera {
   // A device may have fewer buffers than asked; queue() then says Busy earlier.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
-  // One request, one frame. Busy when as many requests are queued as there are buffers.
+  // One request, one frame. Busy when as many requests are queued as there are buffers. Some devices begin only when two or
+  // three requests are queued.
   virtual Result<void> queue(const ExposureRequest& request) = 0;
   // The next completed buffer, in order. Timeout, Unplugged, Interrupted (stop() was called).
   virtual Result<CapturedBuffer> wait(Duration timeout) = 0;

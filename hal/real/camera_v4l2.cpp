@@ -52,7 +52,6 @@ Result<Nodes> open_nodes(const std::string& path) {
 Result<void> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& mode) {
   if (bus_code_of(mode.format) == 0) return {};
   for (const SubdevicePad& pad : path) {
-    if (pad.node.empty()) continue;
     const auto node = TRY(DeviceNode::open(pad.node));
     v4l2_subdev_format format{};
     format.which = V4L2_SUBDEV_FORMAT_ACTIVE, format.pad = pad.index;
@@ -132,7 +131,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Busy, fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
                                                 slots_.size(), capabilities_.id)};
     const int index = static_cast<int>(free - slots_.begin());
-    if (capabilities_.exposure_per_request) TRY(control_.write(request, stream_.request_fd(index)));
+    if (capabilities_.exposure_per_request) {
+      TRY(stream_.renew(index));
+      TRY(control_.write(request, stream_.request_fd(index)));
+    }
     TRY(stream_.queue(index));
     *free = {State::Queued, request.cookie};
     ++queued_;

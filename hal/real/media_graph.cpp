@@ -35,6 +35,10 @@ Result<Topology> topology_of(const DeviceNode& media) {
   return found;
 }
 
+bool carries_light(const media_v2_link& link) {
+  return (link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_DATA_LINK && (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
+}
+
 const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
   for (const media_v2_interface& interface : graph.interfaces) {
     if (interface.devnode.major != major(number) || interface.devnode.minor != minor(number)) continue;
@@ -61,6 +65,20 @@ std::string node_of(const Topology& graph, std::uint32_t entity) {
   return {};
 }
 
+// A source pad and whatever it feeds: a receiver starts only if all of these agree, branches that nobody reads included.
+void note_pads(const Topology& graph, const media_v2_pad& source, std::vector<SubdevicePad>& path) {
+  const auto note = [&](const media_v2_pad& pad) {
+    const std::string node = node_of(graph, pad.entity_id);
+    if (node.starts_with("/dev/v4l-subdev")) path.push_back({node, pad.index});
+  };
+  note(source);
+  for (const media_v2_link& link : graph.links) {
+    if (link.source_id != source.id || !carries_light(link)) continue;
+    for (const media_v2_pad& sink : graph.pads)
+      if (sink.id == link.sink_id) note(sink);
+  }
+}
+
 // Walks against the light, from an entity to a sensor, and notes the pads in the order of the light.
 bool find_sensor(const Topology& graph, const media_v2_entity& from, MediaGraph& found, int depth = 0) {
   if (from.function == MEDIA_ENT_F_CAM_SENSOR) {
@@ -72,16 +90,14 @@ bool find_sensor(const Topology& graph, const media_v2_entity& from, MediaGraph&
   for (const media_v2_pad& sink : graph.pads) {
     if (sink.entity_id != from.id || (sink.flags & MEDIA_PAD_FL_SINK) == 0) continue;
     for (const media_v2_link& link : graph.links) {
-      const bool data = (link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_DATA_LINK;
-      if (!data || link.sink_id != sink.id || (link.flags & MEDIA_LNK_FL_ENABLED) == 0) continue;
+      if (link.sink_id != sink.id || !carries_light(link)) continue;
       const auto source = std::find_if(graph.pads.begin(), graph.pads.end(),
                                        [&](const media_v2_pad& pad) { return pad.id == link.source_id; });
       if (source == graph.pads.end()) continue;
       const auto above = std::find_if(graph.entities.begin(), graph.entities.end(),
                                       [&](const media_v2_entity& e) { return e.id == source->entity_id; });
       if (above == graph.entities.end() || !find_sensor(graph, *above, found, depth + 1)) continue;
-      found.path.push_back({node_of(graph, above->id), source->index});
-      if (const std::string node = node_of(graph, from.id); depth > 0) found.path.push_back({node, sink.index});
+      note_pads(graph, *source, found.path);
       return true;
     }
   }

@@ -10,7 +10,7 @@
 
 namespace hdrcam {
 
-// One pad of a sub-device on the way from the sensor to the capture node.
+// One pad of a sub-device on the way from the sensor to the capture node, or fed from it.
 struct SubdevicePad {
   std::string node;  // "/dev/v4l-subdev0"
   std::uint32_t index = 0;

@@ -80,7 +80,7 @@ Result<void> V4l2Stream::map(int index) {
 }
 
 // A request that a stopped stream left behind cannot be trusted: new ones at every start.
-Result<void> V4l2Stream::renew_requests() {
+Result<void> V4l2Stream::make_requests() {
   for (Buffer& buffer : buffers_) {
     close_if_open(buffer.request_fd);
     if (media_ != nullptr) TRY(media_->demand(MEDIA_IOC_REQUEST_ALLOC, &buffer.request_fd, "make media requests"));
@@ -89,7 +89,7 @@ Result<void> V4l2Stream::renew_requests() {
 }
 
 Result<void> V4l2Stream::start() {
-  TRY(renew_requests());
+  TRY(make_requests());
   int type = static_cast<int>(queue_type_);
   return video_.demand(VIDIOC_STREAMON, &type, "start its stream");
 }
@@ -97,6 +97,12 @@ Result<void> V4l2Stream::start() {
 Result<void> V4l2Stream::stop() {
   int type = static_cast<int>(queue_type_);
   return video_.demand(VIDIOC_STREAMOFF, &type, "stop its stream");
+}
+
+Result<void> V4l2Stream::renew(int index) {
+  if (::ioctl(request_fd(index), MEDIA_REQUEST_IOC_REINIT, nullptr) != 0)
+    return device_error(errno, video_.path(), "use a media request again");
+  return {};
 }
 
 Result<void> V4l2Stream::queue(int index) {

@@ -28,11 +28,13 @@ class V4l2Stream {
   int buffers() const { return static_cast<int>(buffers_.size()); }
   std::span<const std::byte> memory(int index) const { return buffers_[static_cast<std::size_t>(index)].memory; }
   int dmabuf_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].dmabuf_fd; }
-  // Of this buffer's media request, to set and read controls in; -1 where there is none.
+  // Of this buffer's media request; -1 where there is none. Holds the controls of its last frame until renew().
   int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request_fd; }
 
   Result<void> start();
   Result<void> stop();
+  // Empties the buffer's media request, so that controls can be set in it.
+  Result<void> renew(int index);
   Result<void> queue(int index);
 
   struct Filled {
@@ -50,7 +52,7 @@ class V4l2Stream {
     int dmabuf_fd = -1, request_fd = -1;
   };
   Result<void> map(int index);
-  Result<void> renew_requests();
+  Result<void> make_requests();
   void release();
 
   const DeviceNode& video_;

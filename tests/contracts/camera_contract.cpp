@@ -49,7 +49,7 @@ void delivers_what_it_says(const CameraUnderTest& facts) {
   CHECK(session.mode.height == facts.mode.height);
   CHECK(session.mode.frame_duration > Duration::zero());
   require_done(session.camera->start());
-  session.queue_one();
+  session.queue_all();
   const CapturedBuffer buffer = session.next();
   CHECK(buffer.mode.format == session.mode.format);
   CHECK(buffer.mode.width == session.mode.width);
@@ -149,7 +149,7 @@ void times_out_without_a_request(const CameraUnderTest& facts) {
   Session session{facts};
   require_done(session.camera->start());
   require_error(session.camera->wait(milliseconds(30)), ErrorCode::Timeout);
-  session.queue_one();  // and goes on afterwards
+  session.queue_all();  // and goes on afterwards
   session.next();
 }
 
@@ -159,7 +159,7 @@ void refuses_out_of_order_calls(const CameraUnderTest& facts) {
   require_done(session.camera->start());
   require_error(session.camera->configure(facts.mode, facts.buffers), ErrorCode::Invalid);
   require_error(session.camera->start(), ErrorCode::Invalid);
-  session.queue_one();
+  session.queue_all();
   session.next();  // none of which did any harm
   require_done(session.camera->stop());
   value_of(session.camera->configure(facts.mode, facts.buffers));

@@ -36,8 +36,21 @@ std::string find_node(std::string_view part) {
   return {};
 }
 
+pid_t start_program(const char* const* arguments) {
+  const pid_t process = ::fork();
+  REQUIRE(process >= 0);
+  if (process > 0) return process;
+  ::execvp(arguments[0], const_cast<char**>(arguments));
+  ::_exit(127);
+}
+
 // Until all events of udev are dealt with: libcamera sees no device before.
-void settle() { REQUIRE(std::system("udevadm settle") == 0); }
+void settle() {
+  const char* arguments[] = {"udevadm", "settle", nullptr};
+  int status = -1;
+  ::waitpid(start_program(arguments), &status, 0);
+  REQUIRE(status == 0);
+}
 
 }  // namespace
 
@@ -73,12 +86,7 @@ UsbCamera::UsbCamera(int latency_frames, std::string_view strobe_file) {
   const std::string strobe(strobe_file);
   const char* arguments[] = {"./hdrcam_usb_camera", "--port",      port.c_str(),  "--latency", latency.c_str(),
                              "--name",              name_.c_str(), "--strobe", strobe.c_str(), nullptr};
-  process_ = ::fork();
-  REQUIRE(process_ >= 0);
-  if (process_ == 0) {
-    ::execv(arguments[0], const_cast<char**>(arguments));
-    ::_exit(127);
-  }
+  process_ = start_program(arguments);
   (void)node();
   settle();
 }

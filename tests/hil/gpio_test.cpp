@@ -21,7 +21,7 @@ TEST_CASE("a GPIO output keeps the sync line contract") {
       {.name = "gpio",
        .open = [] { return open_gpio_line({.line = "gpiochip0:0", .direction = LineDirection::Output}); },
        .level = [&] { return pin.level(); },
-       .overshoot = std::chrono::milliseconds(60)});
+       .overshoot = std::chrono::milliseconds(500)});
 }
 
 TEST_CASE("a GPIO line that is held by another is refused with the holder's name") {

@@ -35,10 +35,8 @@ TEST_CASE("exposure and gain of a sensor sub-device act on the raw picture") {
   require_done(camera->start());
   const auto settled_mean = [&](Duration exposure, double gain) {
     double mean = 0;
-    for (int i = 0; i < 4; ++i) {
-      require_done(camera->queue({.cookie = 0, .exposure = exposure, .analogue_gain = gain}));
-      mean = mean_code(value_of(camera->wait(std::chrono::seconds(5))));
-    }
+    for (int i = 0; i < 4; ++i) require_done(camera->queue({.cookie = 0, .exposure = exposure, .analogue_gain = gain}));
+    for (int i = 0; i < 4; ++i) mean = mean_code(value_of(camera->wait(std::chrono::seconds(5))));
     return mean;
   };
   const double dark = settled_mean(100 * has.exposure_step, 1);

@@ -18,7 +18,9 @@ enum Request : std::uint8_t {  // [A.8]
 };
 
 std::uint8_t byte(std::uint64_t value, int index) { return static_cast<std::uint8_t>(value >> (8 * index)); }
-void put(Bytes& bytes, std::initializer_list<std::uint8_t> more) { bytes.insert(bytes.end(), more); }
+void put(Bytes& bytes, std::initializer_list<std::uint8_t> more) {
+  for (const std::uint8_t each : more) bytes.push_back(each);
+}
 void put_16(Bytes& bytes, std::size_t value) { put(bytes, {byte(value, 0), byte(value, 1)}); }
 void put_32(Bytes& bytes, std::size_t value) { put(bytes, {byte(value, 0), byte(value, 1), byte(value, 2), byte(value, 3)}); }
 
