@@ -19,14 +19,15 @@ struct ListFlags {
 
 struct Section {
   DeviceKind kind;
-  const char* word;     // in --json
+  const char* word;  // in --json
   const char* heading;
   const char* none;
 };
 constexpr Section kSections[] = {
     {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or use --camera sim:SCENE"},
     {DeviceKind::GpioChip, "gpio", "GPIO chips", "none; a sync line needs one"},
-    {DeviceKind::Graphics, "graphics", "Graphics devices", "none used; this hdrcam is built without Vulkan and computes on the CPU"},
+    {DeviceKind::Graphics, "graphics", "Graphics devices",
+     "none used; this hdrcam is built without Vulkan and computes on the CPU"},
 };
 
 void print_text(const std::vector<FoundDevice>& devices) {

@@ -6,7 +6,8 @@ namespace hdrcam {
 namespace {
 Error not_built() {
   return {ErrorCode::Unsupported,
-          "this hdrcam was built without libcamera; install libcamera-dev and build again, or use a /dev/video node"};
+          "this hdrcam was built without libcamera; install libcamera-dev and build again, or use a "
+          "/dev/video node"};
 }
 }  // namespace
 
@@ -64,14 +65,20 @@ Result<std::shared_ptr<lc::CameraManager>> camera_manager() {
 Error libcamera_error(int code, const std::string& id, const char* doing) {
   switch (-code) {
     case EBUSY:
-      return {ErrorCode::Busy, fmt::format("camera '{}' is in use by another program; stop it or choose another camera", id),
+      return {ErrorCode::Busy,
+              fmt::format("camera '{}' is in use by another program; stop it or choose another camera", id),
               EBUSY};
     case EACCES:
     case EPERM:
       return {ErrorCode::Permission,
-              fmt::format("no permission for camera '{}'; add this user to the group 'video' and log in again", id), -code};
-    case ENODEV: return {ErrorCode::Unplugged, fmt::format("camera '{}' was unplugged", id), ENODEV};
-    default: return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, std::strerror(-code)), -code};
+              fmt::format(
+                  "no permission for camera '{}'; add this user to the group 'video' and log in again", id),
+              -code};
+    case ENODEV:
+      return {ErrorCode::Unplugged, fmt::format("camera '{}' was unplugged", id), ENODEV};
+    default:
+      return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, std::strerror(-code)),
+              -code};
   }
 }
 
@@ -100,12 +107,14 @@ void add_modes(lc::Camera& camera, lc::StreamRole role, CameraCapabilities& capa
   if (configuration == nullptr || configuration->empty()) return;
   Duration shortest = kUsualFrame;
   if (has_algorithms(camera))
-    shortest = microseconds(camera.controls().at(lc::controls::FrameDurationLimits.id()).min().get<std::int64_t>());
+    shortest =
+        microseconds(camera.controls().at(lc::controls::FrameDurationLimits.id()).min().get<std::int64_t>());
   const auto& formats = configuration->at(0).formats();
   for (const lc::PixelFormat& theirs : formats.pixelformats())
     if (const auto format = format_of(theirs))
       for (const lc::Size& size : formats.sizes(theirs))
-        capabilities.modes.push_back({*format, static_cast<int>(size.width), static_cast<int>(size.height), shortest});
+        capabilities.modes.push_back(
+            {*format, static_cast<int>(size.width), static_cast<int>(size.height), shortest});
 }
 
 CameraCapabilities capabilities_of(lc::Camera& camera) {
@@ -120,7 +129,8 @@ CameraCapabilities capabilities_of(lc::Camera& camera) {
 
 class LibcameraCamera : public Camera, private BufferLease::Owner {
  public:
-  LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera, Clock& clock)
+  LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera,
+                  Clock& clock)
       : manager_(std::move(manager)),
         camera_(std::move(camera)),
         clock_(clock),
@@ -143,8 +153,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     const std::lock_guard lock(mutex_);
     TRY(check_configurable(wanted, buffers));
     slots_.clear(), buffers_.reset();
-    auto configuration = camera_->generateConfiguration({is_bayer(wanted.format) ? lc::StreamRole::Raw
-                                                                                 : lc::StreamRole::Viewfinder});
+    auto configuration = camera_->generateConfiguration(
+        {is_bayer(wanted.format) ? lc::StreamRole::Raw : lc::StreamRole::Viewfinder});
     if (configuration == nullptr || configuration->empty()) return does_not_offer(wanted.format);
     lc::StreamConfiguration& stream = configuration->at(0);
     stream.pixelFormat = libcamera_format_of(wanted.format);
@@ -170,8 +180,10 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   Result<void> start() override {
     const std::lock_guard lock(mutex_);
-    if (started_) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
-    if (slots_.empty()) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    if (started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
+    if (slots_.empty())
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
     for (Slot& slot : slots_)
       if (slot.state == State::Queued) slot.state = State::Free;
     pacer_.restart();
@@ -190,12 +202,15 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   Result<void> queue(const ExposureRequest& wanted) override {
     const std::lock_guard lock(mutex_);
-    if (!started_) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    if (!started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
     TRY(check_exposure(capabilities_, wanted));
-    const auto free = std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
+    const auto free =
+        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
     if (free == slots_.end())
-      return Error{ErrorCode::Busy, fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
-                                                slots_.size(), capabilities_.id)};
+      return Error{ErrorCode::Busy,
+                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
+                               slots_.size(), capabilities_.id)};
     lc::Request& request = *free->request;
     request.reuse(lc::Request::ReuseBuffers);
     if (std::exchange(first_request_, false)) take_over(request.controls());
@@ -213,11 +228,13 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     {
       std::unique_lock completions(completions_mutex_);
       changed_.wait_for(completions, timeout, [&] { return count_ > 0 || gone_ || !started_; });
-      if (!started_) return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+      if (!started_)
+        return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
       if (count_ == 0 && gone_) return libcamera_error(-ENODEV, capabilities_.id, "deliver a frame");
       if (count_ == 0)
-        return Error{ErrorCode::Timeout, fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
-                                                     std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+        return Error{ErrorCode::Timeout,
+                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
+                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
       index = completed_[first_];
       first_ = (first_ + 1) % completed_.size(), --count_;
     }
@@ -253,13 +270,18 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
     if (started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
     if (buffers < 1 || buffers > ControlPacer::kDepth)
-      return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, ControlPacer::kDepth)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, ControlPacer::kDepth)};
     if (wanted.width <= 0 || wanted.height <= 0)
-      return Error{ErrorCode::Invalid, fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
-    if (std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::Leased; }))
-      return Error{ErrorCode::Busy, fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+    if (std::any_of(slots_.begin(), slots_.end(),
+                    [](const Slot& slot) { return slot.state == State::Leased; }))
+      return Error{ErrorCode::Busy,
+                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
     return {};
   }
 
@@ -269,8 +291,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     for (const StreamMode& mode : capabilities_.modes)
       if (std::strcmp(last, name(mode.format)) != 0)
         list += (list.empty() ? "" : ", ") + std::string(last = name(mode.format));
-    return {ErrorCode::Unsupported, fmt::format("camera '{}' does not offer {}; it offers {}", capabilities_.id,
-                                                name(format), list.empty() ? "none that hdrcam knows" : list)};
+    return {ErrorCode::Unsupported,
+            fmt::format("camera '{}' does not offer {}; it offers {}", capabilities_.id, name(format),
+                        list.empty() ? "none that hdrcam knows" : list)};
   }
 
   Duration constant_frame_duration(Duration wanted) const {
@@ -280,7 +303,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
                                 microseconds(limits.max().get<std::int64_t>()));
   }
 
-  // Automatics off, frame duration constant: with the start of the stream, or (pipelines that ignore that) the first frame.
+  // Automatics off, frame duration constant: with the start of the stream, or (pipelines that ignore that)
+  // the first frame.
   void take_over(lc::ControlList& controls) const {
     if (offers(*camera_, lc::controls::AeEnable)) controls.set(lc::controls::AeEnable, false);
     if (offers(*camera_, lc::controls::AwbEnable)) controls.set(lc::controls::AwbEnable, false);
@@ -313,16 +337,19 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     buffer.lease = BufferLease(*this, static_cast<int>(index));
     buffer.cookie = slot.cookie;
     buffer.sequence = frame.sequence;
-    const std::int64_t stamp_ns = metadata.get(lc::controls::SensorTimestamp).value_or(static_cast<std::int64_t>(frame.timestamp));
+    const std::int64_t stamp_ns =
+        metadata.get(lc::controls::SensorTimestamp).value_or(static_cast<std::int64_t>(frame.timestamp));
     buffer.timestamp = instant_of_recent_stamp(clock_, Duration(stamp_ns));
     buffer.damaged = frame.status != lc::FrameMetadata::FrameSuccess;
-    if (const auto exposure_us = metadata.get(lc::controls::ExposureTime)) buffer.exposure = microseconds(*exposure_us);
+    if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
+      buffer.exposure = microseconds(*exposure_us);
     if (const auto gain = metadata.get(lc::controls::AnalogueGain)) buffer.analogue_gain = *gain;
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
     buffer.mode = mode_, buffer.stride = stride_;
     buffer.pixels = buffers_->memory(index);
     if (stride_ == 0 && !frame.planes().empty())
-      buffer.pixels = buffer.pixels.first(std::min<std::size_t>(buffer.pixels.size(), frame.planes()[0].bytesused));
+      buffer.pixels =
+          buffer.pixels.first(std::min<std::size_t>(buffer.pixels.size(), frame.planes()[0].bytesused));
     buffer.dmabuf_fd = buffers_->buffer(index).planes()[0].fd.get();
     return buffer;
   }
@@ -364,7 +391,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   std::mutex completions_mutex_;  // of what libcamera's thread writes; taken inside mutex_, never around it
   std::condition_variable changed_;
-  bool started_ = false;          // written under both
+  bool started_ = false;  // written under both
   bool gone_ = false;
   std::array<std::size_t, ControlPacer::kDepth> completed_{};  // slots, a ring
   std::size_t first_ = 0, count_ = 0;
@@ -384,8 +411,8 @@ Result<std::shared_ptr<lc::Camera>> find_camera(const lc::CameraManager& manager
   }
   if (matches.size() == 1) return matches.front();
   if (matches.size() > 1)
-    return Error{ErrorCode::Invalid, fmt::format("'{}' could be any of {} cameras; use a whole id: {}", wanted,
-                                                 matches.size(), all)};
+    return Error{ErrorCode::Invalid, fmt::format("'{}' could be any of {} cameras; use a whole id: {}",
+                                                 wanted, matches.size(), all)};
   return Error{ErrorCode::NotFound, fmt::format("libcamera knows no camera '{}'; it knows {}", wanted,
                                                 all.empty() ? "none" : all)};
 }
@@ -405,7 +432,8 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id, Clo
   auto manager = TRY(camera_manager());
   auto camera = TRY(find_camera(*manager, id));
   if (const int code = camera->acquire(); code != 0) return libcamera_error(code, camera->id(), "open it");
-  return std::unique_ptr<Camera>(std::make_unique<LibcameraCamera>(std::move(manager), std::move(camera), clock));
+  return std::unique_ptr<Camera>(
+      std::make_unique<LibcameraCamera>(std::move(manager), std::move(camera), clock));
 }
 
 }  // namespace hdrcam

@@ -37,18 +37,20 @@ Result<Nodes> open_nodes(const std::string& path) {
   auto identity = TRY(identify(video));
   if (identity.queue_type == 0)
     return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' ({}) is not a camera that streams; 'hdrcam list' shows those that are", path,
-                             identity.card)};
+                 fmt::format("'{}' ({}) is not a camera that streams; 'hdrcam list' shows those that are",
+                             path, identity.card)};
   Nodes nodes{std::move(video), std::move(identity), {}, {}, {}};
   auto graph = media_graph_of(path);
-  if (!graph || !graph->has_value()) return nodes;  // no controller, or not for us: the capture node alone will do
+  if (!graph || !graph->has_value())
+    return nodes;  // no controller, or not for us: the capture node alone will do
   nodes.graph = std::move(**graph);
   if (auto media = DeviceNode::open(nodes.graph->node); media.ok()) nodes.media = std::move(*media);
   if (!nodes.graph->sensor_node.empty()) nodes.sensor = TRY(DeviceNode::open(nodes.graph->sensor_node));
   return nodes;
 }
 
-// Gives every pad between the sensor and the receiver the picture's format: the receiver starts only if they agree.
+// Gives every pad between the sensor and the receiver the picture's format: the receiver starts only if they
+// agree.
 Result<void> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& mode) {
   if (bus_code_of(mode.format) == 0) return {};
   for (const SubdevicePad& pad : path) {
@@ -76,7 +78,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       : nodes_(std::move(nodes)),
         clock_(clock),
         stream_(nodes_.video, nodes_.media ? &*nodes_.media : nullptr, nodes_.identity.queue_type),
-        control_(options.exposure_control ? ExposureControl::of_private(nodes_.video, *options.exposure_control)
+        control_(options.exposure_control
+                     ? ExposureControl::of_private(nodes_.video, *options.exposure_control)
                  : nodes_.sensor ? ExposureControl::of_sensor(*nodes_.sensor, nodes_.graph->sensor_name)
                                  : ExposureControl::of_video_node(nodes_.video)),
         per_request_(options.exposure_control.has_value() || !nodes_.sensor) {
@@ -109,8 +112,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<void> start() override {
     const std::lock_guard lock(mutex_);
-    if (started_) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
-    if (slots_.empty()) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    if (started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
+    if (slots_.empty())
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
     for (Slot& slot : slots_)
       if (slot.state == State::Queued) slot.state = State::Free;
     pacer_.restart(), queued_ = 0, last_write_ = {}, wake_.clear();
@@ -123,13 +128,16 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<void> queue(const ExposureRequest& request) override {
     const std::lock_guard lock(mutex_);
-    if (!started_) return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    if (!started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
     TRY(std::exchange(last_write_, {}));
     TRY(check_exposure(capabilities_, request));
-    const auto free = std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
+    const auto free =
+        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
     if (free == slots_.end())
-      return Error{ErrorCode::Busy, fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
-                                                slots_.size(), capabilities_.id)};
+      return Error{ErrorCode::Busy,
+                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
+                               slots_.size(), capabilities_.id)};
     const int index = static_cast<int>(free - slots_.begin());
     if (capabilities_.exposure_per_request) {
       TRY(stream_.renew(index));
@@ -147,14 +155,16 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     for (;;) {
       {
         const std::lock_guard lock(mutex_);
-        if (!started_) return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+        if (!started_)
+          return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
         if (queued_ > 0)
           if (const auto filled = TRY(stream_.dequeue())) return completed(*filled);
       }
       const auto left = deadline - SteadyClock::now();
       if (left <= Duration::zero())
-        return Error{ErrorCode::Timeout, fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
-                                                     std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+        return Error{ErrorCode::Timeout,
+                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
+                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
       TRY(sleep_until_ready(left));
     }
   }
@@ -183,11 +193,15 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<void> check_configurable(int buffers) const {
     if (started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
     if (buffers < 1 || buffers > VIDEO_MAX_FRAME)
-      return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
-    if (std::any_of(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.state == State::Leased; }))
-      return Error{ErrorCode::Busy, fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
+    if (std::any_of(slots_.begin(), slots_.end(),
+                    [](const Slot& slot) { return slot.state == State::Leased; }))
+      return Error{ErrorCode::Busy,
+                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
     return {};
   }
 
@@ -204,7 +218,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       const std::lock_guard lock(mutex_);
       waits_for_frame = queued_ > 0;
     }
-    std::array<pollfd, 2> fds{{{wake_.fd(), POLLIN, 0}, {waits_for_frame ? nodes_.video.fd() : -1, POLLIN, 0}}};
+    std::array<pollfd, 2> fds{
+        {{wake_.fd(), POLLIN, 0}, {waits_for_frame ? nodes_.video.fd() : -1, POLLIN, 0}}};
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
     const timespec patience{seconds.count(), (left - seconds).count()};
     (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
@@ -227,7 +242,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     buffer.mode = picture_.mode, buffer.stride = picture_.stride;
     const auto memory = stream_.memory(filled.index);
     const bool compressed = picture_.stride == 0;
-    buffer.damaged = (filled.flags & V4L2_BUF_FLAG_ERROR) != 0 || (!compressed && filled.bytes < picture_.bytes);
+    buffer.damaged =
+        (filled.flags & V4L2_BUF_FLAG_ERROR) != 0 || (!compressed && filled.bytes < picture_.bytes);
     buffer.pixels = memory.first(std::min(memory.size(), compressed ? filled.bytes : picture_.bytes));
     buffer.dmabuf_fd = stream_.dmabuf_fd(filled.index);
     if (capabilities_.reports_exposure)
@@ -256,7 +272,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& node, const V4l2Options& options, Clock& clock) {
+Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& node, const V4l2Options& options,
+                                                 Clock& clock) {
   auto nodes = TRY(open_nodes(node));
   return std::unique_ptr<Camera>(std::make_unique<V4l2Camera>(std::move(nodes), options, clock));
 }

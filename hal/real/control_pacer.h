@@ -1,7 +1,7 @@
-// When to write a control that acts "now" and not with a frame of its own (a sensor sub-device, a USB camera): one
-// request's exposure per frame, as soon as the frame before it is complete. So a request written at frame k shows at
-// frame k + delay, with the delay of the device and nothing else, however many requests wait in the queue.
-// No allocation. Thread-compatible.
+// When to write a control that acts "now" and not with a frame of its own (a sensor sub-device, a USB
+// camera): one request's exposure per frame, as soon as the frame before it is complete. So a request written
+// at frame k shows at frame k + delay, with the delay of the device and nothing else, however many requests
+// wait in the queue. No allocation. Thread-compatible.
 #pragma once
 
 #include <array>

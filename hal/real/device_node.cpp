@@ -41,11 +41,12 @@ Result<void> DeviceNode::demand(unsigned long request, void* argument, const cha
 Error device_error(int code, const std::string& path, const std::string& doing) {
   switch (code) {
     case ENOENT:
-      return {ErrorCode::NotFound, fmt::format("there is no device '{}'; 'hdrcam list' shows those that there are", path),
-              code};
+      return {ErrorCode::NotFound,
+              fmt::format("there is no device '{}'; 'hdrcam list' shows those that there are", path), code};
     case EACCES:
     case EPERM:
-      return {ErrorCode::Permission, fmt::format("no permission for '{}': {}", path, how_to_get_permission(path)), code};
+      return {ErrorCode::Permission,
+              fmt::format("no permission for '{}': {}", path, how_to_get_permission(path)), code};
     case EBUSY: {
       const std::string holder = holder_of(path);
       return {ErrorCode::Busy,
@@ -58,14 +59,16 @@ Error device_error(int code, const std::string& path, const std::string& doing) 
       return {ErrorCode::Unplugged, fmt::format("'{}' was unplugged, or its driver went away", path), code};
     case ENOTTY:
     case EINVAL:
-      return {ErrorCode::Unsupported, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
+      return {ErrorCode::Unsupported, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)),
+              code};
     case EPIPE:
       return {ErrorCode::Invalid,
               fmt::format("'{}' cannot {}: the formats along its media pipeline do not match; "
                           "set them with 'media-ctl' or use the camera through libcamera",
                           path, doing),
               code};
-    default: return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
+    default:
+      return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
   }
 }
 
@@ -86,10 +89,12 @@ std::string holder_of(const std::string& path) {
 
 std::string how_to_get_permission(const std::string& path) {
   struct stat status {};
-  if (::stat(path.c_str(), &status) == 0 && (status.st_mode & S_IRGRP) != 0 && (status.st_mode & S_IWGRP) != 0) {
+  if (::stat(path.c_str(), &status) == 0 && (status.st_mode & S_IRGRP) != 0 &&
+      (status.st_mode & S_IWGRP) != 0) {
     const group* owners = ::getgrgid(status.st_gid);
     if (owners != nullptr && status.st_gid != 0)
-      return fmt::format("add this user to the group '{0}' (sudo usermod -aG {0} $USER) and log in again", owners->gr_name);
+      return fmt::format("add this user to the group '{0}' (sudo usermod -aG {0} $USER) and log in again",
+                         owners->gr_name);
   }
   return "only root may open it; a udev rule can give it to a group";
 }

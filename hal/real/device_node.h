@@ -1,5 +1,5 @@
-// An open node under /dev, and the sentences for what the kernel may answer: who holds a busy device, which group may
-// open one, that it was unplugged. Thread-compatible.
+// An open node under /dev, and the sentences for what the kernel may answer: who holds a busy device, which
+// group may open one, that it was unplugged. Thread-compatible.
 #pragma once
 
 #include <string>
@@ -14,7 +14,8 @@ class DeviceNode {
   // Opens for reading and writing, never blocking. NotFound, Permission, Busy, Unplugged.
   static Result<DeviceNode> open(const std::string& path);
 
-  DeviceNode(DeviceNode&& other) noexcept : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
+  DeviceNode(DeviceNode&& other) noexcept
+      : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
   DeviceNode& operator=(DeviceNode&& other) noexcept {
     std::swap(fd_, other.fd_), std::swap(path_, other.path_);
     return *this;

@@ -64,7 +64,8 @@ void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
     devices.push_back({DeviceKind::Camera, "", "libcamera", {}, {cameras.error().message}});
     return;
   }
-  for (const CameraCapabilities& camera : *cameras) devices.push_back(described(camera, kLibcameraPrefix + camera.id));
+  for (const CameraCapabilities& camera : *cameras)
+    devices.push_back(described(camera, kLibcameraPrefix + camera.id));
 }
 
 void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
@@ -78,7 +79,8 @@ void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
     FoundDevice found = described((*camera)->capabilities(), node);
     if (const auto graph = media_graph_of(node); !graph)
       found.missing.push_back("its sensor's controls cannot be found: " + graph.error().message);
-    if (const std::string holder = holder_of(node); !holder.empty() && holder.find("hdrcam") == std::string::npos)
+    if (const std::string holder = holder_of(node);
+        !holder.empty() && holder.find("hdrcam") == std::string::npos)
       found.facts.push_back("open in " + holder);
     devices.push_back(std::move(found));
   }
@@ -91,13 +93,18 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
       devices.push_back({DeviceKind::GpioChip, "", node, {}, {chip.error().message}});
       continue;
     }
-    FoundDevice found{DeviceKind::GpioChip, chip->name, fmt::format("{} ({} lines)", chip->label, chip->lines.size()), {}, {}};
+    FoundDevice found{DeviceKind::GpioChip,
+                      chip->name,
+                      fmt::format("{} ({} lines)", chip->label, chip->lines.size()),
+                      {},
+                      {}};
     for (std::size_t i = 0; i < chip->lines.size(); ++i) {
       const GpioLineState& line = chip->lines[i];
       if (line.name.empty() && line.consumer.empty()) continue;
-      found.facts.push_back(fmt::format("{}:{} {}{}{}", chip->name, i, line.name.empty() ? "unnamed" : line.name,
-                                        line.output ? ", output" : "",
-                                        line.consumer.empty() ? "" : fmt::format(", held by '{}'", line.consumer)));
+      found.facts.push_back(
+          fmt::format("{}:{} {}{}{}", chip->name, i, line.name.empty() ? "unnamed" : line.name,
+                      line.output ? ", output" : "",
+                      line.consumer.empty() ? "" : fmt::format(", held by '{}'", line.consumer)));
     }
     devices.push_back(std::move(found));
   }
@@ -105,7 +112,11 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
 
 void add_graphics(std::vector<FoundDevice>& devices) {
   for (const std::string& node : nodes_named("dri"))
-    devices.push_back({DeviceKind::Graphics, "", node, {}, {"this hdrcam is built without Vulkan and computes on the CPU"}});
+    devices.push_back({DeviceKind::Graphics,
+                       "",
+                       node,
+                       {},
+                       {"this hdrcam is built without Vulkan and computes on the CPU"}});
 }
 
 // For the case that there is no camera: the nodes that exist and may not be opened.
@@ -124,11 +135,11 @@ Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
   if (usable.empty())
     return Error{ErrorCode::NotFound, fmt::format("there is no camera; {}", what_stands_in_the_way())};
   // The same camera may be known to libcamera and as a node: libcamera's comes first and wins.
-  const auto of_libcamera = std::count_if(usable.begin(), usable.end(),
-                                          [](const std::string& id) { return id.starts_with(kLibcameraPrefix); });
+  const auto of_libcamera = std::count_if(
+      usable.begin(), usable.end(), [](const std::string& id) { return id.starts_with(kLibcameraPrefix); });
   if (of_libcamera > 1 || (of_libcamera == 0 && usable.size() > 1))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("there are several cameras; choose one with --camera: {}", fmt::join(usable, ", "))};
+    return Error{ErrorCode::Invalid, fmt::format("there are several cameras; choose one with --camera: {}",
+                                                 fmt::join(usable, ", "))};
   return open_real_camera(usable.front(), clock);
 }
 
@@ -146,10 +157,13 @@ std::vector<FoundDevice> list_devices() {
 Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock) {
   if (id.empty()) return open_only_camera(clock);
   if (id.starts_with("/dev/")) return open_v4l2_camera(id, {}, clock);
-  if (id.starts_with(kLibcameraPrefix)) return open_libcamera_camera(id.substr(std::string(kLibcameraPrefix).size()), clock);
+  if (id.starts_with(kLibcameraPrefix))
+    return open_libcamera_camera(id.substr(std::string(kLibcameraPrefix).size()), clock);
   auto camera = open_libcamera_camera(id, clock);
-  if (!camera && camera.error().code == ErrorCode::NotFound && nodes_named("video").empty() && nodes_named("media").empty())
-    return Error{ErrorCode::NotFound, fmt::format("there is no camera '{}', nor any other; {}", id, what_stands_in_the_way())};
+  if (!camera && camera.error().code == ErrorCode::NotFound && nodes_named("video").empty() &&
+      nodes_named("media").empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("there is no camera '{}', nor any other; {}", id, what_stands_in_the_way())};
   return camera;
 }
 

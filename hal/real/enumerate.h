@@ -1,5 +1,5 @@
-// What devices this machine has, what they can do, and what is missing for those that cannot be used: a permission, a
-// library, another program that holds them. Opens devices briefly; changes nothing. Reentrant.
+// What devices this machine has, what they can do, and what is missing for those that cannot be used: a
+// permission, a library, another program that holds them. Opens devices briefly; changes nothing. Reentrant.
 #pragma once
 
 #include <memory>
@@ -24,8 +24,8 @@ struct FoundDevice {
 // Cameras (libcamera's, then V4L2 nodes), GPIO chips, graphics devices.
 std::vector<FoundDevice> list_devices();
 
-// id: "/dev/video0", "libcamera:ID", or an id that libcamera knows, whole or in part. Empty: the only camera there is.
-// NotFound says in a sentence that there is no camera and what may stand in the way.
+// id: "/dev/video0", "libcamera:ID", or an id that libcamera knows, whole or in part. Empty: the only camera
+// there is. NotFound says in a sentence that there is no camera and what may stand in the way.
 Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock = posix_clock());
 
 }  // namespace hdrcam

@@ -12,8 +12,10 @@ namespace hdrcam {
 ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
   v4l2_query_ext_ctrl answer{};
   answer.id = id;
-  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return {};
-  return {id, answer.minimum, answer.maximum, std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
+  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+    return {};
+  return {id, answer.minimum, answer.maximum,
+          std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
 }
 
 std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
@@ -40,10 +42,11 @@ ExposureControl ExposureControl::of_video_node(const DeviceNode& video) {
   control.exposure_ = control.query(V4L2_CID_EXPOSURE_ABSOLUTE);
   control.unit_ns_ = 1e5;
   control.gain_ = control.query(V4L2_CID_GAIN);
-  // The gain of a USB camera has no unit. From a positive lowest code it is taken as proportional; a range from 0 says
-  // nothing about factors, and the gain is left alone.
+  // The gain of a USB camera has no unit. From a positive lowest code it is taken as proportional; a range
+  // from 0 says nothing about factors, and the gain is left alone.
   if (control.gain_.min <= 0) control.gain_ = {};
-  control.gain_codes_ = {GainCodes::Law::Proportional, static_cast<double>(std::max<std::int64_t>(1, control.gain_.min))};
+  control.gain_codes_ = {GainCodes::Law::Proportional,
+                         static_cast<double>(std::max<std::int64_t>(1, control.gain_.min))};
   return control;
 }
 
@@ -56,8 +59,10 @@ ExposureControl ExposureControl::of_private(const DeviceNode& video, const Priva
 
 Result<void> ExposureControl::take_over() const {
   constexpr std::pair<std::uint32_t, std::int32_t> kManual[] = {
-      {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL}, {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0},
-      {V4L2_CID_AUTOGAIN, 0},                         {V4L2_CID_AUTO_WHITE_BALANCE, 0},
+      {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL},
+      {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0},
+      {V4L2_CID_AUTOGAIN, 0},
+      {V4L2_CID_AUTO_WHITE_BALANCE, 0},
   };
   for (const auto& [id, manual] : kManual) {
     if (query(id).id == 0) continue;
@@ -71,10 +76,12 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
   if (!sensor_ || !exists()) return std::optional<Duration>();
   const auto pixel_rate = value(V4L2_CID_PIXEL_RATE), hblank = value(V4L2_CID_HBLANK);
   if (!pixel_rate || !hblank || *pixel_rate <= 0)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("sensor '{}' does not say how long a line lasts (no pixel rate or blanking control), so its "
-                             "exposure has no unit",
-                             node_->path())};
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format(
+            "sensor '{}' does not say how long a line lasts (no pixel rate or blanking control), so its "
+            "exposure has no unit",
+            node_->path())};
   unit_ns_ = static_cast<double>(width + *hblank) / static_cast<double>(*pixel_rate) * 1e9;
   const Control vblank = query(V4L2_CID_VBLANK);
   std::int64_t blank_lines = value(V4L2_CID_VBLANK).value_or(0);
@@ -92,7 +99,9 @@ void ExposureControl::describe(CameraCapabilities& camera) const {
   camera.sets_exposure = exists();
   if (!exists()) return;
   const auto lowest = std::max<std::int64_t>(exposure_.min, exposure_.step);
-  const auto duration = [&](std::int64_t code) { return Duration(std::llround(static_cast<double>(code) * unit_ns_)); };
+  const auto duration = [&](std::int64_t code) {
+    return Duration(std::llround(static_cast<double>(code) * unit_ns_));
+  };
   camera.exposure_min = duration(lowest);
   camera.exposure_max = duration(exposure_.max);
   camera.exposure_step = duration(exposure_.step);
@@ -105,7 +114,8 @@ void ExposureControl::describe(CameraCapabilities& camera) const {
 
 Result<void> ExposureControl::write(const ExposureRequest& wanted, int request_fd) const {
   const auto code_of = [](double exact, const Control& control) {
-    const double steps = std::round((exact - static_cast<double>(control.min)) / static_cast<double>(control.step));
+    const double steps =
+        std::round((exact - static_cast<double>(control.min)) / static_cast<double>(control.step));
     const auto code = control.min + static_cast<std::int64_t>(steps) * control.step;
     return static_cast<std::int32_t>(std::clamp(code, control.min, control.max));
   };
@@ -127,7 +137,8 @@ std::optional<ExposureControl::Applied> ExposureControl::read(int request_fd) co
   controls.which = V4L2_CTRL_WHICH_REQUEST_VAL, controls.request_fd = request_fd;
   controls.count = gain_.id != 0 ? 2 : 1, controls.controls = both.data();
   if (node_->ask(VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
-  return Applied{Duration(std::llround(both[0].value * unit_ns_)), gain_.id != 0 ? gain_codes_.gain_of(both[1].value) : 1};
+  return Applied{Duration(std::llround(both[0].value * unit_ns_)),
+                 gain_.id != 0 ? gain_codes_.gain_of(both[1].value) : 1};
 }
 
 }  // namespace hdrcam

@@ -1,7 +1,7 @@
 // How an exposure reaches a V4L2 device: which controls, on which node, and what one step of them is.
-//   sensor sub-device   V4L2_CID_EXPOSURE in lines, V4L2_CID_ANALOGUE_GAIN in the sensor's codes, V4L2_CID_VBLANK
-//   USB camera          V4L2_CID_EXPOSURE_ABSOLUTE in 100 us, V4L2_CID_GAIN
-//   named by the user   any integer control of the capture node, with a unit
+//   sensor sub-device   V4L2_CID_EXPOSURE in lines, V4L2_CID_ANALOGUE_GAIN in the sensor's codes,
+//   V4L2_CID_VBLANK USB camera          V4L2_CID_EXPOSURE_ABSOLUTE in 100 us, V4L2_CID_GAIN named by the user
+//   any integer control of the capture node, with a unit
 // Thread-compatible.
 #pragma once
 
@@ -31,7 +31,8 @@ class ExposureControl {
   bool exists() const { return exposure_.id != 0; }
   // Automatic exposure, gain, white balance and frame rate off.
   Result<void> take_over() const;
-  // A constant frame duration, of a sensor; the picture is `width` x `height` pixels. Answers the duration that it became.
+  // A constant frame duration, of a sensor; the picture is `width` x `height` pixels. Answers the duration
+  // that it became.
   Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
   // The limits and steps as they are now.
   void describe(CameraCapabilities& camera) const;

@@ -38,7 +38,8 @@ Error line_error(int code, const std::string& name, const std::string& consumer)
               code};
     case ENOENT:
       return {ErrorCode::NotFound,
-              fmt::format("there is no GPIO line '{}'; 'hdrcam list' shows those that there are", name), code};
+              fmt::format("there is no GPIO line '{}'; 'hdrcam list' shows those that there are", name),
+              code};
     case EACCES:
     case EPERM: {
       const auto nodes = gpio_chip_nodes();
@@ -47,23 +48,29 @@ Error line_error(int code, const std::string& name, const std::string& consumer)
                           how_to_get_permission(nodes.empty() ? "/dev/gpiochip0" : nodes.front())),
               code};
     }
-    case ENODEV: return {ErrorCode::Unplugged, fmt::format("the chip of GPIO line '{}' was unplugged", name), code};
+    case ENODEV:
+      return {ErrorCode::Unplugged, fmt::format("the chip of GPIO line '{}' was unplugged", name), code};
     case EINVAL:
     case ENXIO:
     case ENOTSUP:
-      return {ErrorCode::Unsupported, fmt::format("GPIO line '{}' cannot do this: {}", name, std::strerror(code)), code};
-    default: return {ErrorCode::Io, fmt::format("GPIO line '{}': {}", name, std::strerror(code)), code};
+      return {ErrorCode::Unsupported,
+              fmt::format("GPIO line '{}' cannot do this: {}", name, std::strerror(code)), code};
+    default:
+      return {ErrorCode::Io, fmt::format("GPIO line '{}': {}", name, std::strerror(code)), code};
   }
 }
 
 #ifndef HDRCAM_HAVE_GPIOD
 namespace {
 Error not_built() {
-  return {ErrorCode::Unsupported, "this hdrcam was built without libgpiod; install libgpiod-dev and build again"};
+  return {ErrorCode::Unsupported,
+          "this hdrcam was built without libgpiod; install libgpiod-dev and build again"};
 }
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string&, LineDirection, bool) { return not_built(); }
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string&, LineDirection, bool) {
+  return not_built();
+}
 Result<GpioChipState> inspect_gpio_chip(const std::string&) { return not_built(); }
 #endif
 

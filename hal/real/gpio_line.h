@@ -1,4 +1,5 @@
-// One GPIO line as libgpiod gives it; version 1 and 2 of that library each have their implementation. Thread-bound.
+// One GPIO line as libgpiod gives it; version 1 and 2 of that library each have their implementation.
+// Thread-bound.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +34,10 @@ struct GpioLineName {
   unsigned offset = 0;  // on the chip
 };
 
-// name: "gpiochip0:17", or the line's own name ("STROBE"). NotFound, Permission, Busy (names the holder), Unsupported.
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction, bool active_low);
+// name: "gpiochip0:17", or the line's own name ("STROBE"). NotFound, Permission, Busy (names the holder),
+// Unsupported.
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
+                                                    bool active_low);
 
 struct GpioLineState {
   std::string name, consumer;  // empty: unnamed, free

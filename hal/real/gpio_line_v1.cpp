@@ -19,7 +19,8 @@ using Chip = std::unique_ptr<gpiod_chip, CloseChip>;
 
 class LineV1 : public GpioLine {
  public:
-  LineV1(Chip chip, gpiod_line* line, std::string name) : chip_(std::move(chip)), line_(line), name_(std::move(name)) {}
+  LineV1(Chip chip, gpiod_line* line, std::string name)
+      : chip_(std::move(chip)), line_(line), name_(std::move(name)) {}
   ~LineV1() override { gpiod_line_release(line_); }
 
   Result<void> set(bool active) override {
@@ -70,7 +71,8 @@ Result<FoundLine> find_line(const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction, bool active_low) {
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
+                                                    bool active_low) {
   auto found = TRY(find_line(name));
   const int flags = active_low ? GPIOD_LINE_REQUEST_FLAG_ACTIVE_LOW : 0;
   const int code = direction == LineDirection::Output

@@ -28,19 +28,25 @@ using EventBuffer = std::unique_ptr<gpiod_edge_event_buffer, Free<gpiod_edge_eve
 class LineV2 : public GpioLine {
  public:
   LineV2(LineRequest request, unsigned offset, std::string name)
-      : request_(std::move(request)), events_(gpiod_edge_event_buffer_new(1)), offset_(offset), name_(std::move(name)) {}
+      : request_(std::move(request)),
+        events_(gpiod_edge_event_buffer_new(1)),
+        offset_(offset),
+        name_(std::move(name)) {}
 
   Result<void> set(bool active) override {
     const auto value = active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
-    if (gpiod_line_request_set_value(request_.get(), offset_, value) != 0) return line_error(errno, name_, "");
+    if (gpiod_line_request_set_value(request_.get(), offset_, value) != 0)
+      return line_error(errno, name_, "");
     return {};
   }
   int event_fd() const override { return gpiod_line_request_get_fd(request_.get()); }
   Result<GpioEvent> read_event() override {
-    if (gpiod_line_request_read_edge_events(request_.get(), events_.get(), 1) != 1) return line_error(errno, name_, "");
+    if (gpiod_line_request_read_edge_events(request_.get(), events_.get(), 1) != 1)
+      return line_error(errno, name_, "");
     gpiod_edge_event* event = gpiod_edge_event_buffer_get_event(events_.get(), 0);
     return GpioEvent{gpiod_edge_event_get_event_type(event) == GPIOD_EDGE_EVENT_RISING_EDGE,
-                     Duration(gpiod_edge_event_get_timestamp_ns(event)), gpiod_edge_event_get_line_seqno(event)};
+                     Duration(gpiod_edge_event_get_timestamp_ns(event)),
+                     gpiod_edge_event_get_line_seqno(event)};
   }
 
  private:
@@ -78,7 +84,8 @@ Result<FoundLine> find_line(const std::string& name) {
 
 }  // namespace
 
-Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction, bool active_low) {
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
+                                                    bool active_low) {
   const auto found = TRY(find_line(name));
   const LineInfo info(gpiod_chip_get_line_info(found.chip.get(), found.offset));
   if (!info) return line_error(ENOENT, name, "");
@@ -116,9 +123,10 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node) {
     const LineInfo line(gpiod_chip_get_line_info(chip.get(), i));
     if (!line) continue;
     const auto text = [](const char* maybe) { return std::string(maybe == nullptr ? "" : maybe); };
-    state.lines.push_back({text(gpiod_line_info_get_name(line.get())),
-                           gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
-                           gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT});
+    state.lines.push_back(
+        {text(gpiod_line_info_get_name(line.get())),
+         gpiod_line_info_is_used(line.get()) ? text(gpiod_line_info_get_consumer(line.get())) : "",
+         gpiod_line_info_get_direction(line.get()) == GPIOD_LINE_DIRECTION_OUTPUT});
   }
   return state;
 }

@@ -18,12 +18,14 @@ LibcameraBuffers::~LibcameraBuffers() {
   (void)allocator_.free(&stream_);
 }
 
-Result<std::unique_ptr<LibcameraBuffers>> LibcameraBuffers::allocate(const std::shared_ptr<libcamera::Camera>& camera,
-                                                                     libcamera::Stream& stream, int wanted) {
+Result<std::unique_ptr<LibcameraBuffers>> LibcameraBuffers::allocate(
+    const std::shared_ptr<libcamera::Camera>& camera, libcamera::Stream& stream, int wanted) {
   std::unique_ptr<LibcameraBuffers> buffers(new LibcameraBuffers(camera, stream));
   if (const int code = buffers->allocator_.allocate(&stream); code < 0)
-    return Error{ErrorCode::Io, fmt::format("camera '{}' has no memory for its buffers: {}", camera->id(),
-                                            std::strerror(-code)), -code};
+    return Error{
+        ErrorCode::Io,
+        fmt::format("camera '{}' has no memory for its buffers: {}", camera->id(), std::strerror(-code)),
+        -code};
   const auto& all = buffers->allocator_.buffers(&stream);
   for (std::size_t i = 0; i < std::min(all.size(), static_cast<std::size_t>(wanted)); ++i)
     TRY(buffers->map(*all[i]));
@@ -36,12 +38,15 @@ Result<void> LibcameraBuffers::map(libcamera::FrameBuffer& buffer) {
   std::size_t begin = planes[0].offset, end = begin;
   for (const auto& plane : planes) {
     if (plane.fd.get() != planes[0].fd.get())
-      return Error{ErrorCode::Unsupported, "the planes of a picture lie in different buffers; ask for another format"};
-    begin = std::min<std::size_t>(begin, plane.offset), end = std::max<std::size_t>(end, plane.offset + plane.length);
+      return Error{ErrorCode::Unsupported,
+                   "the planes of a picture lie in different buffers; ask for another format"};
+    begin = std::min<std::size_t>(begin, plane.offset),
+    end = std::max<std::size_t>(end, plane.offset + plane.length);
   }
   void* memory = ::mmap(nullptr, end, PROT_READ, MAP_SHARED, planes[0].fd.get(), 0);
   if (memory == MAP_FAILED)
-    return Error{ErrorCode::Io, fmt::format("a camera buffer cannot be mapped: {}", std::strerror(errno)), errno};
+    return Error{ErrorCode::Io, fmt::format("a camera buffer cannot be mapped: {}", std::strerror(errno)),
+                 errno};
   mapped_.push_back({&buffer, memory, end, {static_cast<const std::byte*>(memory) + begin, end - begin}});
   return {};
 }

@@ -48,11 +48,14 @@ constexpr Row kRows[] = {
 }  // namespace
 
 libcamera::PixelFormat libcamera_format_of(PixelFormat format) {
-  return std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& row) { return row.format == format; })->theirs;
+  return std::find_if(std::begin(kRows), std::end(kRows),
+                      [&](const Row& row) { return row.format == format; })
+      ->theirs;
 }
 
 std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format) {
-  const auto* row = std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& r) { return r.theirs == format; });
+  const auto* row =
+      std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& r) { return r.theirs == format; });
   if (row == std::end(kRows)) return std::nullopt;
   return row->format;
 }

@@ -36,14 +36,16 @@ Result<Topology> topology_of(const DeviceNode& media) {
 }
 
 bool carries_light(const media_v2_link& link) {
-  return (link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_DATA_LINK && (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
+  return (link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_DATA_LINK &&
+         (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
 }
 
 const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
   for (const media_v2_interface& interface : graph.interfaces) {
     if (interface.devnode.major != major(number) || interface.devnode.minor != minor(number)) continue;
     for (const media_v2_link& link : graph.links)
-      if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_INTERFACE_LINK && link.source_id == interface.id)
+      if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_INTERFACE_LINK &&
+          link.source_id == interface.id)
         for (const media_v2_entity& entity : graph.entities)
           if (entity.id == link.sink_id) return &entity;
   }
@@ -53,7 +55,8 @@ const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
 // "/dev/v4l-subdev0"; empty for an entity without a node.
 std::string node_of(const Topology& graph, std::uint32_t entity) {
   for (const media_v2_link& link : graph.links) {
-    if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity) continue;
+    if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity)
+      continue;
     for (const media_v2_interface& interface : graph.interfaces) {
       if (interface.id != link.source_id) continue;
       std::error_code missing;
@@ -65,7 +68,8 @@ std::string node_of(const Topology& graph, std::uint32_t entity) {
   return {};
 }
 
-// A source pad and whatever it feeds: a receiver starts only if all of these agree, branches that nobody reads included.
+// A source pad and whatever it feeds: a receiver starts only if all of these agree, branches that nobody
+// reads included.
 void note_pads(const Topology& graph, const media_v2_pad& source, std::vector<SubdevicePad>& path) {
   const auto note = [&](const media_v2_pad& pad) {
     const std::string node = node_of(graph, pad.entity_id);

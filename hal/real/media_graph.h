@@ -1,4 +1,5 @@
-// The media controller's graph around one capture node: which sensor feeds it, through which sub-devices. Reentrant.
+// The media controller's graph around one capture node: which sensor feeds it, through which sub-devices.
+// Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -17,9 +18,10 @@ struct SubdevicePad {
 };
 
 struct MediaGraph {
-  std::string node;                         // "/dev/media0"
-  std::string sensor_name, sensor_node;     // empty: the sensor is inside the driver (USB cameras) or there is none
-  std::vector<SubdevicePad> path;           // in the order in which light travels: sensor first
+  std::string node;  // "/dev/media0"
+  std::string sensor_name,
+      sensor_node;                 // empty: the sensor is inside the driver (USB cameras) or there is none
+  std::vector<SubdevicePad> path;  // in the order in which light travels: sensor first
 };
 
 // nullopt where no media device knows the capture node. Permission where one exists that may not be opened.

@@ -32,18 +32,24 @@ constexpr Listed kListed[] = {
 
 double GainCodes::gain_of(double code) const {
   switch (law) {
-    case Law::Reciprocal: return scale / (scale - code);
-    case Law::Decibel: return std::pow(10, code * scale / 20);
-    case Law::Proportional: break;
+    case Law::Reciprocal:
+      return scale / (scale - code);
+    case Law::Decibel:
+      return std::pow(10, code * scale / 20);
+    case Law::Proportional:
+      break;
   }
   return code / scale;
 }
 
 double GainCodes::code_of(double gain) const {
   switch (law) {
-    case Law::Reciprocal: return scale - scale / gain;
-    case Law::Decibel: return 20 * std::log10(gain) / scale;
-    case Law::Proportional: break;
+    case Law::Reciprocal:
+      return scale - scale / gain;
+    case Law::Decibel:
+      return 20 * std::log10(gain) / scale;
+    case Law::Proportional:
+      break;
   }
   return gain * scale;
 }

@@ -24,9 +24,11 @@ class GpioSyncLine : public SyncLine {
 
   Result<void> pulse(Duration width) override {
     if (!output())
-      return Error{ErrorCode::Unsupported, fmt::format("GPIO line '{}' is an input and drives no pulse", settings_.line)};
+      return Error{ErrorCode::Unsupported,
+                   fmt::format("GPIO line '{}' is an input and drives no pulse", settings_.line)};
     if (width <= Duration::zero())
-      return Error{ErrorCode::Invalid, fmt::format("a pulse of {} ns on GPIO line '{}' cannot be", width.count(), settings_.line)};
+      return Error{ErrorCode::Invalid, fmt::format("a pulse of {} ns on GPIO line '{}' cannot be",
+                                                   width.count(), settings_.line)};
     if (closed_) return closed();
     TRY(line_->set(true));
     clock_.sleep_until(clock_.now() + width);  // from after the line went active, so that no pulse is short
@@ -35,7 +37,8 @@ class GpioSyncLine : public SyncLine {
 
   Result<Edge> wait_edge(Duration timeout) override {
     if (output())
-      return Error{ErrorCode::Unsupported, fmt::format("GPIO line '{}' is an output and sees no edges", settings_.line)};
+      return Error{ErrorCode::Unsupported,
+                   fmt::format("GPIO line '{}' is an output and sees no edges", settings_.line)};
     const auto deadline = SteadyClock::now() + timeout;
     for (;;) {
       if (closed_) return closed();
@@ -47,8 +50,9 @@ class GpioSyncLine : public SyncLine {
       if (closed_) return closed();
       if (fds[1].revents != 0) return next_edge();
       if (SteadyClock::now() >= deadline)
-        return Error{ErrorCode::Timeout, fmt::format("no edge on GPIO line '{}' within {} ms", settings_.line,
-                                                     std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+        return Error{ErrorCode::Timeout,
+                     fmt::format("no edge on GPIO line '{}' within {} ms", settings_.line,
+                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
     }
   }
 
@@ -59,13 +63,18 @@ class GpioSyncLine : public SyncLine {
 
  private:
   bool output() const { return settings_.direction == LineDirection::Output; }
-  Error closed() const { return {ErrorCode::Interrupted, fmt::format("GPIO line '{}' is closed", settings_.line)}; }
+  Error closed() const {
+    return {ErrorCode::Interrupted, fmt::format("GPIO line '{}' is closed", settings_.line)};
+  }
 
-  // Edges alternate. Where the kernel does not count them, two of a kind in a row show that one between them was lost.
+  // Edges alternate. Where the kernel does not count them, two of a kind in a row show that one between them
+  // was lost.
   Result<Edge> next_edge() {
     const GpioEvent event = TRY(line_->read_event());
-    if (event.line_sequence) sequence_ = *event.line_sequence;
-    else sequence_ += sequence_ > 0 && event.rising == last_rising_ ? 2 : 1;
+    if (event.line_sequence)
+      sequence_ = *event.line_sequence;
+    else
+      sequence_ += sequence_ > 0 && event.rising == last_rising_ ? 2 : 1;
     last_rising_ = event.rising;
     return Edge{instant_of_recent_stamp(clock_, event.stamp), event.rising, sequence_};
   }

@@ -48,7 +48,8 @@ constexpr Row kRows[] = {
 };
 
 const Row& row_of(PixelFormat format) {
-  return *std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& row) { return row.format == format; });
+  return *std::find_if(std::begin(kRows), std::end(kRows),
+                       [&](const Row& row) { return row.format == format; });
 }
 
 }  // namespace
@@ -57,7 +58,8 @@ std::uint32_t fourcc_of(PixelFormat format) { return row_of(format).fourcc; }
 std::uint32_t bus_code_of(PixelFormat format) { return row_of(format).bus_code; }
 
 std::optional<PixelFormat> format_of(std::uint32_t fourcc) {
-  const auto* row = std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& r) { return r.fourcc == fourcc; });
+  const auto* row =
+      std::find_if(std::begin(kRows), std::end(kRows), [&](const Row& r) { return r.fourcc == fourcc; });
   if (row == std::end(kRows)) return std::nullopt;
   return row->format;
 }

@@ -1,4 +1,5 @@
-// PixelFormat in the kernel's words: the four characters of a capture queue and the code of a sensor's bus. Reentrant.
+// PixelFormat in the kernel's words: the four characters of a capture queue and the code of a sensor's bus.
+// Reentrant.
 #pragma once
 
 #include <cstdint>

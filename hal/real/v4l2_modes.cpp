@@ -16,7 +16,8 @@ Duration duration_of(const v4l2_fract& seconds) {
   return Duration(static_cast<Duration::rep>(1e9 * seconds.numerator / seconds.denominator + 0.5));
 }
 
-Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint32_t width, std::uint32_t height) {
+Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint32_t width,
+                        std::uint32_t height) {
   Duration shortest = Duration::max();
   v4l2_frmivalenum interval{};
   interval.pixel_format = fourcc, interval.width = width, interval.height = height;
@@ -28,7 +29,8 @@ Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint
   return shortest == Duration::max() ? kUsualFrame : shortest;
 }
 
-void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc, std::vector<StreamMode>& modes) {
+void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc,
+               std::vector<StreamMode>& modes) {
   const auto add = [&](std::uint32_t width, std::uint32_t height) {
     modes.push_back({format, static_cast<int>(width), static_cast<int>(height),
                      shortest_frame(video, fourcc, width, height)});
@@ -36,7 +38,8 @@ void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc
   v4l2_frmsizeenum size{};
   size.pixel_format = fourcc;
   for (; video.ask(VIDIOC_ENUM_FRAMESIZES, &size) == 0; ++size.index) {
-    if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) return add(size.stepwise.max_width, size.stepwise.max_height);
+    if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE)
+      return add(size.stepwise.max_width, size.stepwise.max_height);
     add(size.discrete.width, size.discrete.height);
   }
   if (size.index > 0) return;
@@ -51,7 +54,8 @@ std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
   format.type = queue_type;
   for (; video.ask(VIDIOC_ENUM_FMT, &format) == 0; ++format.index) {
     const auto known = format_of(format.pixelformat);
-    list += (list.empty() ? "" : ", ") + (known ? std::string(name(*known)) : fourcc_text(format.pixelformat));
+    list +=
+        (list.empty() ? "" : ", ") + (known ? std::string(name(*known)) : fourcc_text(format.pixelformat));
   }
   return list.empty() ? "none" : list;
 }
@@ -77,14 +81,16 @@ void write_format(const StreamMode& mode, v4l2_format& format) {
     return;
   }
   auto& pix = format.fmt.pix;
-  pix.width = width, pix.height = height, pix.pixelformat = fourcc_of(mode.format), pix.field = V4L2_FIELD_NONE;
+  pix.width = width, pix.height = height, pix.pixelformat = fourcc_of(mode.format),
+  pix.field = V4L2_FIELD_NONE;
 }
 
 Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, Duration wanted) {
   v4l2_streamparm parameters{};
   parameters.type = queue_type;
   auto& capture = parameters.parm.capture;
-  if (video.ask(VIDIOC_G_PARM, &parameters) != 0 || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) return wanted;
+  if (video.ask(VIDIOC_G_PARM, &parameters) != 0 || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
+    return wanted;
   capture.timeperframe.numerator = static_cast<std::uint32_t>((wanted.count() + 50) / 100);
   capture.timeperframe.denominator = 10'000'000;
   if (video.ask(VIDIOC_S_PARM, &parameters) != 0 || capture.timeperframe.numerator == 0) return wanted;
@@ -102,8 +108,10 @@ Result<V4l2Identity> identify(const DeviceNode& video) {
   const auto text = [](const auto& field) { return std::string(reinterpret_cast<const char*>(field)); };
   identity.card = text(capability.card), identity.driver = text(capability.driver);
   identity.bus = text(capability.bus_info);
-  if ((can & V4L2_CAP_VIDEO_CAPTURE) != 0) identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  else if ((can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0) identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) != 0)
+    identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  else if ((can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0)
+    identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
   if ((can & V4L2_CAP_STREAMING) == 0) identity.queue_type = 0;
   identity.media_controlled = (can & V4L2_CAP_IO_MC) != 0;
   return identity;
@@ -120,7 +128,8 @@ std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_ty
 
 Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted) {
   if (wanted.width <= 0 || wanted.height <= 0)
-    return Error{ErrorCode::Invalid, fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
   v4l2_format format{};
   format.type = queue_type;
   write_format(wanted, format);
@@ -129,8 +138,9 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
   const Face agreed = read_format(format);
   const bool one_piece = queue_type == V4L2_BUF_TYPE_VIDEO_CAPTURE || format.fmt.pix_mp.num_planes == 1;
   if (agreed.fourcc != fourcc_of(wanted.format) || !one_piece || agreed.width == 0)
-    return Error{ErrorCode::Unsupported, fmt::format("'{}' does not offer {}; it offers {}", video.path(),
-                                                     name(wanted.format), offered_formats(video, queue_type))};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' does not offer {}; it offers {}", video.path(), name(wanted.format),
+                             offered_formats(video, queue_type))};
   V4l2Picture picture;
   picture.mode = wanted;
   picture.mode.width = static_cast<int>(agreed.width), picture.mode.height = static_cast<int>(agreed.height);

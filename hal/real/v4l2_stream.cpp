@@ -21,8 +21,10 @@ struct BufferCall {
   std::array<v4l2_plane, VIDEO_MAX_PLANES> planes{};
 
   BufferCall(std::uint32_t queue_type, int index) {
-    buffer.type = queue_type, buffer.memory = V4L2_MEMORY_MMAP, buffer.index = static_cast<std::uint32_t>(index);
-    if (multi_planar()) buffer.m.planes = planes.data(), buffer.length = static_cast<std::uint32_t>(planes.size());
+    buffer.type = queue_type, buffer.memory = V4L2_MEMORY_MMAP,
+    buffer.index = static_cast<std::uint32_t>(index);
+    if (multi_planar())
+      buffer.m.planes = planes.data(), buffer.length = static_cast<std::uint32_t>(planes.size());
   }
   BufferCall(const BufferCall&) = delete;
   BufferCall& operator=(const BufferCall&) = delete;
@@ -69,12 +71,14 @@ Result<void> V4l2Stream::allocate(int buffers) {
 Result<void> V4l2Stream::map(int index) {
   BufferCall call(queue_type_, index);
   TRY(video_.demand(VIDIOC_QUERYBUF, &call.buffer, "describe its buffers"));
-  void* memory = ::mmap(nullptr, call.length(), PROT_READ | PROT_WRITE, MAP_SHARED, video_.fd(), call.offset());
+  void* memory =
+      ::mmap(nullptr, call.length(), PROT_READ | PROT_WRITE, MAP_SHARED, video_.fd(), call.offset());
   if (memory == MAP_FAILED) return device_error(errno, video_.path(), "map its buffers");
   Buffer& buffer = buffers_[static_cast<std::size_t>(index)];
   buffer.memory = {static_cast<std::byte*>(memory), call.length()};
   v4l2_exportbuffer exported{};
-  exported.type = queue_type_, exported.index = static_cast<std::uint32_t>(index), exported.flags = O_CLOEXEC | O_RDONLY;
+  exported.type = queue_type_, exported.index = static_cast<std::uint32_t>(index),
+  exported.flags = O_CLOEXEC | O_RDONLY;
   if (video_.ask(VIDIOC_EXPBUF, &exported) == 0) buffer.dmabuf_fd = exported.fd;
   return {};
 }
@@ -83,7 +87,8 @@ Result<void> V4l2Stream::map(int index) {
 Result<void> V4l2Stream::make_requests() {
   for (Buffer& buffer : buffers_) {
     close_if_open(buffer.request_fd);
-    if (media_ != nullptr) TRY(media_->demand(MEDIA_IOC_REQUEST_ALLOC, &buffer.request_fd, "make media requests"));
+    if (media_ != nullptr)
+      TRY(media_->demand(MEDIA_IOC_REQUEST_ALLOC, &buffer.request_fd, "make media requests"));
   }
   return {};
 }

@@ -1,6 +1,6 @@
-// The buffers of a V4L2 capture queue: memory of the driver mapped here (MMAP) and exported where the driver can
-// (DMABUF), and one media request per buffer where the driver takes controls with its frames (request API).
-// Thread-compatible.
+// The buffers of a V4L2 capture queue: memory of the driver mapped here (MMAP) and exported where the driver
+// can (DMABUF), and one media request per buffer where the driver takes controls with its frames (request
+// API). Thread-compatible.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +26,12 @@ class V4l2Stream {
   // Replaces all buffers; not while started. Busy where another program streams.
   Result<void> allocate(int buffers);
   int buffers() const { return static_cast<int>(buffers_.size()); }
-  std::span<const std::byte> memory(int index) const { return buffers_[static_cast<std::size_t>(index)].memory; }
+  std::span<const std::byte> memory(int index) const {
+    return buffers_[static_cast<std::size_t>(index)].memory;
+  }
   int dmabuf_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].dmabuf_fd; }
-  // Of this buffer's media request; -1 where there is none. Holds the controls of its last frame until renew().
+  // Of this buffer's media request; -1 where there is none. Holds the controls of its last frame until
+  // renew().
   int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request_fd; }
 
   Result<void> start();

@@ -24,6 +24,7 @@ struct CameraUnderTest {
   Duration patience = std::chrono::seconds(2);  // within which a queued frame comes
   int frames = 60;                              // of the longer runs; a replayed camera must hold as many
   bool drops_frames = false;                    // sequence numbers may have gaps (they still increase)
+  bool repeats_sequence = false;     // the driver counts by a timer that may be late (the kernel's vivid)
   double allocations_per_frame = 0;  // at most, of a library below ours; 0 for all code of this project
 };
 

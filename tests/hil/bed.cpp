@@ -56,7 +56,8 @@ void settle() {
 
 std::string video_node(std::string_view part) {
   for (int i = 0; i < 100; ++i) {
-    if (const std::string node = find_node(part); !node.empty() && ::access(node.c_str(), R_OK) == 0) return node;
+    if (const std::string node = find_node(part); !node.empty() && ::access(node.c_str(), R_OK) == 0)
+      return node;
     std::this_thread::sleep_for(milliseconds(100));
   }
   FAIL("no video node '" << part << "'");
@@ -78,14 +79,14 @@ void SimulatedPin::drive(bool high) const {
 
 bool SimulatedPin::level() const { return first_line(value_) == "1"; }
 
-UsbCamera::UsbCamera(int latency_frames, std::string_view strobe_file) {
-  static int next_port = 0;
-  constexpr int kPorts = 8;
-  const std::string port = std::to_string(next_port++ % kPorts), latency = std::to_string(latency_frames);
-  name_ = "hdrcam camera " + port;
-  const std::string strobe(strobe_file);
-  const char* arguments[] = {"./hdrcam_usb_camera", "--port",      port.c_str(),  "--latency", latency.c_str(),
-                             "--name",              name_.c_str(), "--strobe", strobe.c_str(), nullptr};
+UsbCamera::UsbCamera(int latency_frames, int rate_hz, std::string_view strobe_file) {
+  static int plugged_in = 0;
+  name_ = "hdrcam camera " + std::to_string(++plugged_in) + ".";
+  const std::string latency = std::to_string(latency_frames), rate = std::to_string(rate_hz),
+                    strobe(strobe_file);
+  const char* arguments[] = {"./hdrcam_usb_camera", "--name", name_.c_str(), "--latency",
+                             latency.c_str(),       "--rate", rate.c_str(),  "--strobe",
+                             strobe.c_str(),        nullptr};
   process_ = start_program(arguments);
   (void)node();
   settle();
@@ -108,7 +109,8 @@ double mean_code(const CapturedBuffer& buffer) {
   const std::size_t step = wide || buffer.mode.format == PixelFormat::Yuyv ? 2 : 1;
   double sum = 0;
   std::size_t count = 0;
-  for (std::size_t i = buffer.stride; i + step <= buffer.pixels.size(); i += step, ++count) {
+  for (std::size_t i = buffer.stride * static_cast<std::size_t>(buffer.mode.height / 2);
+       i + step <= buffer.pixels.size(); i += step, ++count) {
     const auto low = std::to_integer<unsigned>(buffer.pixels[i]);
     sum += wide ? low + 256U * std::to_integer<unsigned>(buffer.pixels[i + 1]) : low;
   }

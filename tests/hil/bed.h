@@ -1,4 +1,5 @@
-// The devices of the guest: nodes by name, GPIO lines from their other end, USB cameras that are plugged in and out.
+// The devices of the guest: nodes by name, GPIO lines from their other end, USB cameras that are plugged in
+// and out.
 #pragma once
 
 #include <sys/types.h>
@@ -10,7 +11,8 @@
 
 namespace hdrcam::hil {
 
-// "/dev/video2" of the first capture node whose name contains `part`; fails the test where none comes within seconds.
+// "/dev/video2" of the first capture node whose name contains `part`; fails the test where none comes within
+// seconds.
 std::string video_node(std::string_view part);
 
 // A line of the simulated GPIO chip, as the world outside the processor sees it.
@@ -28,7 +30,8 @@ class SimulatedPin {
 // A simulated USB camera in a process of its own; the plug is pulled when it goes out of scope.
 class UsbCamera {
  public:
-  explicit UsbCamera(int latency_frames, std::string_view strobe_file = "");
+  // latency: frames from a setting to the picture that shows it. rate: unless the host asks for another.
+  explicit UsbCamera(int latency_frames, int rate_hz = 30, std::string_view strobe_file = "");
   ~UsbCamera();
   UsbCamera(const UsbCamera&) = delete;
   UsbCamera& operator=(const UsbCamera&) = delete;
@@ -42,7 +45,8 @@ class UsbCamera {
   pid_t process_ = -1;
 };
 
-// Mean of the luma (YUYV) or of the 16-bit words (unpacked Bayer) or of the bytes (all else), first row left out.
+// Mean of the luma (YUYV) or of the 16-bit words (unpacked Bayer) or of the bytes (all else), below the
+// middle of the picture: drivers write text above, at full brightness whatever the exposure.
 double mean_code(const CapturedBuffer& buffer);
 
 }  // namespace hdrcam::hil

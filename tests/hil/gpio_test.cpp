@@ -1,9 +1,9 @@
 // Lines of the kernel's simulated GPIO chip.
 #include "hal/real/enumerate.h"
 #include "hal/real/sync_line_gpiod.h"
+#include "tests/contracts/expect.h"
 #include "tests/contracts/sync_line_contract.h"
 #include "tests/hil/bed.h"
-#include "tests/contracts/expect.h"
 
 namespace hdrcam::hil {
 namespace {
@@ -47,8 +47,8 @@ TEST_CASE("the list of devices names cameras of both kinds and GPIO lines") {
     for (const auto& missing : device.missing) text += "  ! " + missing + "\n";
   }
   INFO(text);
-  for (const char* part : {"libcamera:\\_SB_.HIL0", "vimc", "vivid", "/dev/video", "gpiochip0:1 STROBE", "held by 'pwm-fan'",
-                           "exposure 100.0 to 1000000.0 us", "YUYV: 320x240@60"})
+  for (const char* part : {"libcamera:\\_SB_.HIL0", "vimc", "vivid", "/dev/video", "gpiochip0:1 STROBE",
+                           "held by 'pwm-fan'", "exposure 100.0 to 1000000.0 us", "YUYV: 320x240@60"})
     CHECK(text.find(part) != std::string::npos);
 }
 

@@ -7,9 +7,9 @@
 #include "hal/real/camera_v4l2.h"
 #include "hal/real/sync_line_gpiod.h"
 #include "tests/contracts/camera_contract.h"
+#include "tests/contracts/expect.h"
 #include "tests/hil/bed.h"
 #include "tests/hil/usb_camera/picture_stamp.h"
-#include "tests/contracts/expect.h"
 
 namespace hdrcam::hil {
 namespace {
@@ -17,6 +17,9 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr StreamMode kMode{PixelFormat::Yuyv, 320, 240, Duration(33'333'300)};
+constexpr StreamMode kSlowMode{PixelFormat::Yuyv, 320, 240, Duration(66'666'600)};
+
+constexpr std::chrono::seconds kPatience(5);
 
 // What was asked of each request, and what its picture says that it was taken with.
 struct Exposures {
@@ -24,9 +27,10 @@ struct Exposures {
 };
 
 Exposures alternate(Camera& camera, int frames, int buffers) {
-  constexpr std::array kCycle{milliseconds(1), milliseconds(4), milliseconds(16), milliseconds(2), milliseconds(8)};
+  constexpr std::array kCycle{milliseconds(1), milliseconds(4), milliseconds(16), milliseconds(2),
+                              milliseconds(8)};
   Exposures exposures;
-  value_of(camera.configure(kMode, buffers));
+  value_of(camera.configure(kSlowMode, buffers));
   require_done(camera.start());
   const auto queue = [&] {
     const auto k = exposures.asked.size();
@@ -36,7 +40,7 @@ Exposures alternate(Camera& camera, int frames, int buffers) {
   for (int i = 0; i < buffers; ++i) queue();
   for (int i = 0; i < frames; ++i) {
     {
-      const CapturedBuffer buffer = value_of(camera.wait(std::chrono::seconds(5)));
+      const CapturedBuffer buffer = value_of(camera.wait(kPatience));
       const auto stamp = read_stamp(buffer.pixels);
       REQUIRE(stamp.has_value());
       REQUIRE(buffer.cookie == exposures.shown.size());
@@ -48,48 +52,61 @@ Exposures alternate(Camera& camera, int frames, int buffers) {
   return exposures;
 }
 
-// Frames that show what was asked `delay` frames before, of those that can be judged.
-double agreement(const Exposures& exposures, int delay) {
-  int agree = 0, judged = 0;
-  for (std::size_t i = 10; i < exposures.shown.size(); ++i, ++judged)
-    agree += exposures.shown[i] == exposures.asked[i - static_cast<std::size_t>(delay)] ? 1 : 0;
-  return static_cast<double>(agree) / judged;
+// The delay, 0 to 4 frames, at which most frames show what was asked; more than half must. Not all: an
+// emulated machine now and then writes a control a frame late, which is no fault of the camera's.
+int delay_of(const Exposures& exposures) {
+  constexpr std::size_t kCycle = 5, kSettled = 10;
+  int best = 0, most = 0;
+  for (std::size_t delay = 0; delay < kCycle; ++delay) {
+    int agree = 0;
+    for (std::size_t i = kSettled; i < exposures.shown.size(); ++i)
+      agree += exposures.shown[i] == exposures.asked[i - delay] ? 1 : 0;
+    if (agree > most) most = agree, best = static_cast<int>(delay);
+  }
+  CHECK(most > static_cast<int>(exposures.shown.size() - kSettled) / 2);
+  return best;
+}
+
+// For the tests that leave it plugged in.
+const UsbCamera& standing_camera() {
+  static const UsbCamera camera(1);
+  return camera;
 }
 
 TEST_CASE("a USB camera keeps the camera contract") {
-  const UsbCamera plugged(1);
   keeps_camera_contract({.name = "usb",
-                         .open = [&] { return open_v4l2_camera(plugged.node()); },
+                         .open = [] { return open_v4l2_camera(standing_camera().node()); },
                          .mode = kMode,
-                         .frames = 20});
+                         .frames = 20,
+                         .drops_frames = true});
 }
 
 TEST_CASE("libcamera's USB camera keeps the camera contract") {
-  const UsbCamera plugged(1);
   keeps_camera_contract({.name = "usb, libcamera",
-                         .open = [&] { return open_libcamera_camera(plugged.name()); },
+                         .open = [] { return open_libcamera_camera(standing_camera().name()); },
                          .mode = kMode,
                          .frames = 20,
+                         .drops_frames = true,
                          .allocations_per_frame = 60});
 }
 
 TEST_CASE("a USB camera shows an exposure as many frames after its request as the device is slow") {
   for (int latency = 0; latency <= 3; ++latency) {
-    const UsbCamera plugged(latency);
+    const UsbCamera plugged(latency, 15);
     auto camera = value_of(open_v4l2_camera(plugged.node()));
-    const Exposures exposures = alternate(*camera, 60, 8);
+    const Exposures exposures = alternate(*camera, 45, 8);
     INFO("latency " << latency);
-    CHECK(agreement(exposures, latency) > 0.9);  // a write that came a frame late in an emulated machine is no bug
+    CHECK(delay_of(exposures) == latency);
   }
 }
 
 TEST_CASE("libcamera's USB camera has the delay of its device, however many requests are queued") {
   for (int latency = 0; latency <= 3; ++latency) {
-    const UsbCamera plugged(latency);
+    const UsbCamera plugged(latency, 15);
     auto camera = value_of(open_libcamera_camera(plugged.name()));
-    const Exposures exposures = alternate(*camera, 60, 4);
+    const Exposures exposures = alternate(*camera, 45, 4);
     INFO("latency " << latency);
-    CHECK(agreement(exposures, latency) > 0.9);
+    CHECK(delay_of(exposures) == latency);
   }
 }
 
@@ -98,13 +115,13 @@ void survives_unplugging(UsbCamera& plugged, std::unique_ptr<Camera> camera) {
   require_done(camera->start());
   for (int i = 0; i < 4; ++i) require_done(camera->queue({.exposure = milliseconds(5)}));
   for (int i = 0; i < 3; ++i) {
-    { const auto buffer = value_of(camera->wait(std::chrono::seconds(5))); }
+    { const auto buffer = value_of(camera->wait(kPatience)); }
     require_done(camera->queue({.exposure = milliseconds(5)}));
   }
   plugged.unplug();
   Result<void> end;
   for (int i = 0; i < 20 && end.ok(); ++i) {
-    if (const auto buffer = camera->wait(std::chrono::seconds(5)); !buffer.ok()) end = buffer.error();
+    if (const auto buffer = camera->wait(kPatience); !buffer.ok()) end = buffer.error();
   }
   require_error(end, ErrorCode::Unplugged);
   require_done(camera->stop());
@@ -122,16 +139,16 @@ TEST_CASE("libcamera's USB camera that is unplugged in mid-stream says so and st
 }
 
 TEST_CASE("a camera that libcamera streams from is busy for a second user") {
-  const UsbCamera plugged(1);
-  auto first = value_of(open_libcamera_camera(plugged.name()));
-  require_error(open_libcamera_camera(plugged.name()), ErrorCode::Busy);
+  const std::string name = standing_camera().name();
+  auto first = value_of(open_libcamera_camera(name));
+  require_error(open_libcamera_camera(name), ErrorCode::Busy);
 }
 
 TEST_CASE("strobe edges lie between the frames that they belong to") {
   const SimulatedPin pin(1);
   pin.drive(false);
   auto strobe = value_of(open_gpio_line({.line = "STROBE"}));
-  const UsbCamera plugged(1, pin.pull_file());
+  const UsbCamera plugged(1, 15, pin.pull_file());
   auto camera = value_of(open_v4l2_camera(plugged.node()));
   value_of(camera->configure(kMode, 4));
   require_done(camera->start());
@@ -139,15 +156,17 @@ TEST_CASE("strobe edges lie between the frames that they belong to") {
   int matched = 0;
   for (int i = 0; i < 20; ++i) {
     Edge edge{};
-    do edge = value_of(strobe->wait_edge(std::chrono::seconds(5)));
+    do edge = value_of(strobe->wait_edge(kPatience));
     while (!edge.rising);
-    const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(5)));
-    // The driver stamps the first bytes of a frame, the strobe rises just before they leave.
-    const double after_s = to_seconds(buffer.timestamp - edge.at);
-    matched += after_s > 0 && after_s < 0.03 ? 1 : 0;
-    camera->queue({.exposure = milliseconds(5)}).value();
+    {
+      const CapturedBuffer buffer = value_of(camera->wait(kPatience));
+      // The driver stamps the first bytes of a frame, the strobe rises just before they leave.
+      const double after_s = to_seconds(buffer.timestamp - edge.at);
+      matched += after_s > 0 && after_s < 0.03 ? 1 : 0;
+    }
+    require_done(camera->queue({.exposure = milliseconds(5)}));
   }
-  CHECK(matched >= 18);
+  CHECK(matched >= 15);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// A USB camera in user space. The kernel's own uvcvideo driver binds to it; exposure and gain really change the picture,
-// `latency` frames after they were set, and every picture says what it was taken with (picture_stamp.h).
-// usage: hdrcam_usb_camera [--port N] [--latency FRAMES] [--name TEXT] [--strobe PULL_FILE]
+// A USB camera in user space. The kernel's own uvcvideo driver binds to it; exposure and gain really change
+// the picture, `latency` frames after they were set, and every picture says what it was taken with
+// (picture_stamp.h). usage: hdrcam_usb_camera [--port N] [--latency FRAMES] [--name TEXT] [--strobe
+// PULL_FILE]
 //   PULL_FILE is the `pull` attribute of a gpio-sim line, which is raised while a frame is transferred.
 #include <fcntl.h>
 #include <poll.h>
@@ -24,7 +25,7 @@ namespace hdrcam::hil {
 namespace {
 
 struct Options {
-  int port = 0, latency = 1;
+  int latency = 1, rate_hz = 30;
   std::string name = "hdrcam test camera", strobe;
 };
 
@@ -39,7 +40,8 @@ class Scene {
  public:
   void paint(PictureSize size, std::uint32_t frame, const CameraSettings& settings, std::uint8_t* yuyv) {
     prepare(size);
-    const float amplify = static_cast<float>(settings.exposure_100us) * 0.1F * static_cast<float>(settings.gain_16ths) / 16.F;
+    const float amplify =
+        static_cast<float>(settings.exposure_100us) * 0.1F * static_cast<float>(settings.gain_16ths) / 16.F;
     const float offset = static_cast<float>(settings.brightness) + 0.5F;
     for (std::size_t i = 0; i < light_.size(); ++i) {
       yuyv[2 * i] = static_cast<std::uint8_t>(std::clamp(light_[i] * amplify + offset, 0.F, 255.F));
@@ -68,7 +70,7 @@ class Scene {
 class UsbCamera {
  public:
   UsbCamera(UsbIpLink link, Options options)
-      : link_(std::move(link)), options_(std::move(options)), device_(options_.name) {}
+      : link_(std::move(link)), options_(std::move(options)), device_(options_.name, options_.rate_hz) {}
 
   void run() {
     for (;;) {
@@ -101,7 +103,8 @@ class UsbCamera {
     if (transfer.endpoint == 0) {
       const auto answer = device_.control(transfer);
       const std::size_t length = !answer ? 0 : transfer.to_host ? answer->size() : transfer.data.size();
-      link_.answer(transfer.sequence, answer ? 0 : kStall, length, answer ? *answer : std::vector<std::uint8_t>());
+      link_.answer(transfer.sequence, answer ? 0 : kStall, length,
+                   answer ? *answer : std::vector<std::uint8_t>());
       if (!device_.committed()) streaming_ = false;
       return;
     }
@@ -118,15 +121,17 @@ class UsbCamera {
   void expose() {
     const std::uint64_t period = device_.frame_period_ns();
     next_frame_ns_ += period;
-    if (next_frame_ns_ + 5 * period < now_ns()) next_frame_ns_ = now_ns() + period;  // after a long pause, no catching up
-    if (sent_ < payload_.size()) return;  // the last frame is still on the wire: this one is lost
+    if (next_frame_ns_ + 5 * period < now_ns())
+      next_frame_ns_ = now_ns() + period;  // after a long pause, no catching up
+    if (sent_ < payload_.size()) return;   // the last frame is still on the wire: this one is lost
     history_.push_back(device_.settings());
     while (history_.size() > static_cast<std::size_t>(options_.latency) + 1) history_.pop_front();
     const CameraSettings& applied = history_.front();
     const PictureSize size = device_.size();
     payload_.resize(2 + static_cast<std::size_t>(size.width * size.height) * 2);
     toggle_ ^= 1;
-    payload_[0] = 2, payload_[1] = static_cast<std::uint8_t>(0x80 | 0x02 | toggle_);  // header, end of frame [2.4.3.3]
+    payload_[0] = 2,
+    payload_[1] = static_cast<std::uint8_t>(0x80 | 0x02 | toggle_);  // header, end of frame [2.4.3.3]
     scene_.paint(size, frame_, applied, payload_.data() + 2);
     PictureStamp stamp;
     stamp.frame = frame_++, stamp.exposure_100us = applied.exposure_100us;
@@ -166,7 +171,7 @@ class UsbCamera {
   std::vector<std::uint8_t> payload_;   // of the frame on the wire
   std::size_t sent_ = 0;
   bool streaming_ = false;
-  std::uint8_t toggle_ = 0;             // changes with every frame
+  std::uint8_t toggle_ = 0;  // changes with every frame
   std::uint32_t frame_ = 0;
   std::uint64_t next_frame_ns_ = 0;
 };
@@ -178,14 +183,15 @@ int main(int argc, char** argv) {
   hdrcam::hil::Options options;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string_view flag = argv[i];
-    if (flag == "--port") options.port = std::atoi(argv[i + 1]);
+    if (flag == "--rate") options.rate_hz = std::atoi(argv[i + 1]);
     if (flag == "--latency") options.latency = std::atoi(argv[i + 1]);
     if (flag == "--name") options.name = argv[i + 1];
     if (flag == "--strobe") options.strobe = argv[i + 1];
   }
-  auto link = hdrcam::hil::UsbIpLink::plug_in(options.port);
+  auto link = hdrcam::hil::UsbIpLink::plug_in();
   if (!link) {
-    std::perror("hdrcam_usb_camera: the virtual host controller does not take a device (modprobe vhci-hcd; be root)");
+    std::perror(
+        "hdrcam_usb_camera: the virtual host controller does not take a device (modprobe vhci-hcd; be root)");
     return 1;
   }
   hdrcam::hil::UsbCamera(std::move(*link), options).run();

@@ -1,5 +1,5 @@
-// What the simulated USB camera writes into the first pixels of every picture: the truth that a test compares with.
-// Value type.
+// What the simulated USB camera writes into the first pixels of every picture: the truth that a test compares
+// with. Value type.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,6 @@
 
 #include <cstdio>
 #include <cstring>
-#include <string>
 #include <utility>
 
 namespace hdrcam::hil {
@@ -15,7 +14,7 @@ namespace {
 
 constexpr const char* kAttach = "/sys/devices/platform/vhci_hcd.0/attach";
 constexpr std::uint32_t kSubmit = 1, kUnlink = 2, kSubmitted = 3, kUnlinked = 4;
-constexpr int kSpeedHigh = 3, kDeviceId = 0x10002;
+constexpr int kSpeedHigh = 3, kDeviceId = 0x10002, kHighSpeedPorts = 8;
 constexpr std::int32_t kConnectionReset = -104;
 using Header = std::array<std::uint32_t, 12>;  // in network order on the wire
 
@@ -40,15 +39,19 @@ void send_all(int fd, const void* memory, std::size_t length) {
 
 }  // namespace
 
-std::optional<UsbIpLink> UsbIpLink::plug_in(int port) {
+std::optional<UsbIpLink> UsbIpLink::plug_in() {
   int ends[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) return std::nullopt;
   const int room = 4 << 20;
   ::setsockopt(ends[0], SOL_SOCKET, SO_SNDBUF, &room, sizeof room);
-  const std::string words =
-      std::to_string(port) + " " + std::to_string(ends[1]) + " " + std::to_string(kDeviceId) + " " + std::to_string(kSpeedHigh);
+  bool plugged = false;
   const int attach = ::open(kAttach, O_WRONLY | O_CLOEXEC);
-  const bool plugged = attach >= 0 && ::write(attach, words.data(), words.size()) == static_cast<ssize_t>(words.size());
+  for (int port = 0; attach >= 0 && port < kHighSpeedPorts && !plugged; ++port) {
+    std::array<char, 64> words{};
+    const int length =
+        std::snprintf(words.data(), words.size(), "%d %d %d %d", port, ends[1], kDeviceId, kSpeedHigh);
+    plugged = ::write(attach, words.data(), static_cast<std::size_t>(length)) == length;
+  }
   if (attach >= 0) ::close(attach);
   ::close(ends[1]);  // the kernel holds its own reference
   if (plugged) return UsbIpLink(ends[0]);
@@ -84,10 +87,12 @@ std::optional<Message> UsbIpLink::receive() {
   return message;
 }
 
-void UsbIpLink::answer(std::uint32_t sequence, int status, std::size_t length, std::span<const std::uint8_t> data) {
+void UsbIpLink::answer(std::uint32_t sequence, int status, std::size_t length,
+                       std::span<const std::uint8_t> data) {
   Header header{};
   header[0] = htonl(kSubmitted), header[1] = htonl(sequence);
-  header[5] = htonl(static_cast<std::uint32_t>(status)), header[6] = htonl(static_cast<std::uint32_t>(length));
+  header[5] = htonl(static_cast<std::uint32_t>(status)),
+  header[6] = htonl(static_cast<std::uint32_t>(length));
   send_all(fd_, header.data(), sizeof header);
   send_all(fd_, data.data(), data.size());
 }

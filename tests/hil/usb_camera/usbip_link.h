@@ -1,5 +1,6 @@
-// The wire of a simulated USB device: the kernel's virtual host controller (vhci_hcd) speaks USB/IP over a socket, and we
-// hold the other end of it. Structures as in the kernel's Documentation/usb/usbip_protocol.rst. Thread-bound.
+// The wire of a simulated USB device: the kernel's virtual host controller (vhci_hcd) speaks USB/IP over a
+// socket, and we hold the other end of it. Structures as in the kernel's
+// Documentation/usb/usbip_protocol.rst. Thread-bound.
 #pragma once
 
 #include <array>
@@ -28,8 +29,9 @@ constexpr int kStall = -32;  // EPIPE: the device does not know such a request
 
 class UsbIpLink {
  public:
-  // Plugs a high-speed device into `port` of the virtual host controller; nullopt where there is none.
-  static std::optional<UsbIpLink> plug_in(int port);
+  // Plugs a high-speed device into the first free port of the virtual host controller; nullopt where there is
+  // none.
+  static std::optional<UsbIpLink> plug_in();
   UsbIpLink(UsbIpLink&& other) noexcept;
   ~UsbIpLink();
 
