@@ -29,8 +29,7 @@ struct CameraSettings {
 
 class UvcDevice {
  public:
-  explicit UvcDevice(std::string product)
-      : product_(std::move(product)), configuration_(make_configuration()) {}
+  UvcDevice(std::string product, int usual_rate_hz);
 
   // Answers a transfer of endpoint 0: the bytes for the host (none for a write); nullopt: stall.
   std::optional<std::vector<std::uint8_t>> control(const Transfer& transfer);
