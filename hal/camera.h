@@ -61,6 +61,9 @@ struct ExposureRequest {
   double analogue_gain = 1;
 };
 
+// Invalid, with the limits in the sentence, where the camera sets exposures but not this one.
+Result<void> check_exposure(const CameraCapabilities& camera, const ExposureRequest& request);
+
 // Gives a buffer back to the camera that owns it when it goes out of scope. The camera outlives its leases.
 class BufferLease {
  public:
@@ -97,6 +100,7 @@ struct CapturedBuffer {
   StreamMode mode;
   std::size_t stride = 0;                  // bytes a row (of the first plane)
   std::span<const std::byte> pixels;       // all planes, one after the other; valid as long as the lease
+  int dmabuf_fd = -1;                      // the same memory for other devices, where the driver exports it; the camera's
   BufferLease lease;
 };
 
@@ -105,9 +109,11 @@ class Camera {
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
   // Takes the nearest mode that it has and answers which. Unsupported where none of the format is near. Not while started.
+  // A device may have fewer buffers than asked; queue() then says Busy earlier.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
-  // One request, one frame. Busy when as many requests are queued as there are buffers.
+  // One request, one frame. Busy when as many requests are queued as there are buffers. Some devices begin only when two or
+  // three requests are queued.
   virtual Result<void> queue(const ExposureRequest& request) = 0;
   // The next completed buffer, in order. Timeout, Unplugged, Interrupted (stop() was called).
   virtual Result<CapturedBuffer> wait(Duration timeout) = 0;

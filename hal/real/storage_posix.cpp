@@ -17,18 +17,21 @@ namespace {
 Error error_of(int code, const std::string& what, const std::string& path) {
   const std::string reason = std::strerror(code);
   switch (code) {
-    case ENOENT: return {ErrorCode::NotFound, fmt::format("'{}' does not exist", path), code};
+    case ENOENT:
+      return {ErrorCode::NotFound, fmt::format("'{}' does not exist", path), code};
     case EACCES:
     case EPERM:
     case EROFS:
     case EISDIR:
-    case ENOTDIR: return {ErrorCode::Permission, fmt::format("cannot {} '{}': {}", what, path, reason), code};
+    case ENOTDIR:
+      return {ErrorCode::Permission, fmt::format("cannot {} '{}': {}", what, path, reason), code};
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
-      return {ErrorCode::NoSpace, fmt::format("no space left to {} '{}': {}; free some and run again", what, path, reason),
-              code};
-    default: return {ErrorCode::Io, fmt::format("cannot {} '{}': {}", what, path, reason), code};
+      return {ErrorCode::NoSpace,
+              fmt::format("no space left to {} '{}': {}; free some and run again", what, path, reason), code};
+    default:
+      return {ErrorCode::Io, fmt::format("cannot {} '{}': {}", what, path, reason), code};
   }
 }
 
@@ -40,7 +43,8 @@ class PosixFile : public StorageFile {
   Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
     std::size_t done = 0;
     while (done < bytes.size()) {
-      const ssize_t n = ::pread(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+      const ssize_t n =
+          ::pread(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return error_of(errno, "read", path_);
       if (n == 0) break;
@@ -52,7 +56,8 @@ class PosixFile : public StorageFile {
   Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) override {
     std::size_t done = 0;
     while (done < bytes.size()) {
-      const ssize_t n = ::pwrite(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+      const ssize_t n =
+          ::pwrite(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return error_of(errno, "write", path_);
       done += static_cast<std::size_t>(n);
@@ -105,7 +110,8 @@ class PosixStorage : public Storage {
     const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0644);
     if (fd < 0) {
       if (errno == ENOENT && (flags & O_CREAT) != 0)
-        return Error{ErrorCode::Permission, fmt::format("cannot write '{}': its folder does not exist", path), ENOENT};
+        return Error{ErrorCode::Permission, fmt::format("cannot write '{}': its folder does not exist", path),
+                     ENOENT};
       return error_of(errno, what, path);
     }
     return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(fd, path));

@@ -1,0 +1,79 @@
+// hdrcam list: what devices there are, what they can do and what is missing for each.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "firmware_host/commands/command.h"
+#include "hal/real/camera_libcamera.h"
+#include "hal/real/enumerate.h"
+
+namespace hdrcam {
+namespace {
+
+struct ListFlags {
+  bool json = false, verbose = false;
+};
+
+struct Section {
+  DeviceKind kind;
+  const char* word;  // in --json
+  const char* heading;
+  const char* none;
+};
+constexpr Section kSections[] = {
+    {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or use --camera sim:SCENE"},
+    {DeviceKind::GpioChip, "gpio", "GPIO chips", "none; a sync line needs one"},
+    {DeviceKind::Graphics, "graphics", "Graphics devices",
+     "none used; this hdrcam is built without Vulkan and computes on the CPU"},
+};
+
+void print_text(const std::vector<FoundDevice>& devices) {
+  for (const Section& section : kSections) {
+    fmt::print("{}:\n", section.heading);
+    bool any = false;
+    for (const FoundDevice& device : devices) {
+      if (device.kind != section.kind) continue;
+      any = true;
+      fmt::print("  {}\n", device.id.empty() ? device.title : fmt::format("{}  {}", device.id, device.title));
+      for (const std::string& fact : device.facts) fmt::print("      {}\n", fact);
+      for (const std::string& missing : device.missing) fmt::print("    ! {}\n", missing);
+    }
+    if (!any) fmt::print("  {}\n", section.none);
+  }
+}
+
+void print_json(const std::vector<FoundDevice>& devices) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const FoundDevice& device : devices) {
+    const auto* section = std::find_if(std::begin(kSections), std::end(kSections),
+                                       [&](const Section& s) { return s.kind == device.kind; });
+    list.push_back({{"kind", section->word},
+                    {"id", device.id},
+                    {"title", device.title},
+                    {"facts", device.facts},
+                    {"missing", device.missing}});
+  }
+  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void add_list(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<ListFlags>();
+  CLI::App* verb = app.add_subcommand("list", "show cameras and sync lines, and what is missing for each");
+  verb->add_flag("--json", flags->json, "for programs");
+  verb->add_flag("--verbose", flags->verbose, "let libcamera tell what it does");
+  verb->callback([flags, &chosen] {
+    chosen = [flags](Surroundings&) -> Result<void> {
+      if (flags->verbose) show_libcamera_log();
+      const auto devices = list_devices();
+      flags->json ? print_json(devices) : print_text(devices);
+      return {};
+    };
+  });
+}
+
+}  // namespace hdrcam

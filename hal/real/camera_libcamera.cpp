@@ -1,0 +1,441 @@
+#include "hal/real/camera_libcamera.h"
+
+#ifndef HDRCAM_HAVE_LIBCAMERA
+
+namespace hdrcam {
+namespace {
+Error not_built() {
+  return {ErrorCode::Unsupported,
+          "this hdrcam was built without libcamera; install libcamera-dev and build again, or use a "
+          "/dev/video node"};
+}
+}  // namespace
+
+void show_libcamera_log() {}
+Result<std::vector<CameraCapabilities>> list_libcamera_cameras() { return not_built(); }
+Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&) { return not_built(); }
+
+}  // namespace hdrcam
+
+#else
+
+#include <libcamera/libcamera.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <condition_variable>
+#include <cstdlib>
+#include <cstring>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "hal/real/control_pacer.h"
+#include "hal/real/libcamera_buffers.h"
+#include "hal/real/libcamera_formats.h"
+#include "hal/real/recent_stamp.h"
+
+namespace hdrcam {
+namespace {
+
+namespace lc = libcamera;
+using std::chrono::microseconds;
+
+constexpr Duration kUsualFrame{33'333'333};
+bool log_shown = false;
+
+// libcamera allows one manager in a process: whoever needs it shares it, the last one ends it.
+Result<std::shared_ptr<lc::CameraManager>> camera_manager() {
+  static std::mutex mutex;
+  static std::weak_ptr<lc::CameraManager> running;
+  const std::lock_guard lock(mutex);
+  if (auto manager = running.lock()) return manager;
+  if (!log_shown && std::getenv("LIBCAMERA_LOG_LEVELS") == nullptr) lc::logSetTarget(lc::LoggingTargetNone);
+  std::shared_ptr<lc::CameraManager> manager(new lc::CameraManager, [](lc::CameraManager* ending) {
+    ending->stop();
+    delete ending;
+  });
+  if (const int code = manager->start(); code != 0)
+    return Error{ErrorCode::Io, fmt::format("libcamera does not start: {}", std::strerror(-code)), -code};
+  running = manager;
+  return manager;
+}
+
+Error libcamera_error(int code, const std::string& id, const char* doing) {
+  switch (-code) {
+    case EBUSY:
+      return {ErrorCode::Busy,
+              fmt::format("camera '{}' is in use by another program; stop it or choose another camera", id),
+              EBUSY};
+    case EACCES:
+    case EPERM:
+      return {ErrorCode::Permission,
+              fmt::format(
+                  "no permission for camera '{}'; add this user to the group 'video' and log in again", id),
+              -code};
+    case ENODEV:
+      return {ErrorCode::Unplugged, fmt::format("camera '{}' was unplugged", id), ENODEV};
+    default:
+      return {ErrorCode::Io, fmt::format("camera '{}' cannot {}: {}", id, doing, std::strerror(-code)),
+              -code};
+  }
+}
+
+bool offers(const lc::Camera& camera, const lc::ControlId& id) {
+  return camera.controls().find(id.id()) != camera.controls().end();
+}
+// Pipelines with image processing algorithms on the host schedule frames, and only they have frame durations.
+bool has_algorithms(const lc::Camera& camera) { return offers(camera, lc::controls::FrameDurationLimits); }
+
+void describe_exposure(const lc::Camera& camera, CameraCapabilities& capabilities) {
+  capabilities.sets_exposure = offers(camera, lc::controls::ExposureTime);
+  capabilities.reports_exposure = capabilities.sets_exposure && has_algorithms(camera);
+  if (!capabilities.sets_exposure) return;
+  const auto& exposure = camera.controls().at(lc::controls::ExposureTime.id());
+  capabilities.exposure_min = microseconds(std::max(1, exposure.min().get<std::int32_t>()));
+  capabilities.exposure_max = microseconds(exposure.max().get<std::int32_t>());
+  capabilities.exposure_step = has_algorithms(camera) ? microseconds(1) : microseconds(100);
+  // Without algorithms "AnalogueGain" is the position of a slider, not a factor, and is left at 1.
+  if (!has_algorithms(camera) || !offers(camera, lc::controls::AnalogueGain)) return;
+  const auto& gain = camera.controls().at(lc::controls::AnalogueGain.id());
+  capabilities.gain_min = gain.min().get<float>(), capabilities.gain_max = gain.max().get<float>();
+}
+
+void add_modes(lc::Camera& camera, lc::StreamRole role, CameraCapabilities& capabilities) {
+  const auto configuration = camera.generateConfiguration({role});
+  if (configuration == nullptr || configuration->empty()) return;
+  Duration shortest = kUsualFrame;
+  if (has_algorithms(camera))
+    shortest =
+        microseconds(camera.controls().at(lc::controls::FrameDurationLimits.id()).min().get<std::int64_t>());
+  const auto& formats = configuration->at(0).formats();
+  for (const lc::PixelFormat& theirs : formats.pixelformats())
+    if (const auto format = format_of(theirs))
+      for (const lc::Size& size : formats.sizes(theirs))
+        capabilities.modes.push_back(
+            {*format, static_cast<int>(size.width), static_cast<int>(size.height), shortest});
+}
+
+CameraCapabilities capabilities_of(lc::Camera& camera) {
+  CameraCapabilities capabilities;
+  capabilities.id = camera.id(), capabilities.driver = "libcamera " + lc::CameraManager::version();
+  capabilities.model = camera.properties().get(lc::properties::Model).value_or(camera.id());
+  describe_exposure(camera, capabilities);
+  add_modes(camera, lc::StreamRole::Viewfinder, capabilities);
+  add_modes(camera, lc::StreamRole::Raw, capabilities);
+  return capabilities;
+}
+
+class LibcameraCamera : public Camera, private BufferLease::Owner {
+ public:
+  LibcameraCamera(std::shared_ptr<lc::CameraManager> manager, std::shared_ptr<lc::Camera> camera,
+                  Clock& clock)
+      : manager_(std::move(manager)),
+        camera_(std::move(camera)),
+        clock_(clock),
+        capabilities_(capabilities_of(*camera_)),
+        paced_(!has_algorithms(*camera_)) {
+    camera_->requestCompleted.connect(this, &LibcameraCamera::on_completed);
+    camera_->disconnected.connect(this, &LibcameraCamera::on_disconnected);
+  }
+  ~LibcameraCamera() override {
+    (void)stop();
+    camera_->requestCompleted.disconnect(this);
+    camera_->disconnected.disconnect(this);
+    slots_.clear(), buffers_.reset();
+    camera_->release();
+  }
+
+  const CameraCapabilities& capabilities() const override { return capabilities_; }
+
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    const std::lock_guard lock(mutex_);
+    TRY(check_configurable(wanted, buffers));
+    slots_.clear(), buffers_.reset();
+    auto configuration = camera_->generateConfiguration(
+        {is_bayer(wanted.format) ? lc::StreamRole::Raw : lc::StreamRole::Viewfinder});
+    if (configuration == nullptr || configuration->empty()) return does_not_offer(wanted.format);
+    lc::StreamConfiguration& stream = configuration->at(0);
+    stream.pixelFormat = libcamera_format_of(wanted.format);
+    stream.size = {static_cast<unsigned>(wanted.width), static_cast<unsigned>(wanted.height)};
+    stream.bufferCount = static_cast<unsigned>(buffers);
+    if (configuration->validate() == lc::CameraConfiguration::Invalid ||
+        stream.pixelFormat != libcamera_format_of(wanted.format))
+      return does_not_offer(wanted.format);
+    if (const int code = camera_->configure(configuration.get()); code != 0)
+      return libcamera_error(code, capabilities_.id, "take the picture format");
+    mode_ = wanted;
+    mode_.width = static_cast<int>(stream.size.width), mode_.height = static_cast<int>(stream.size.height);
+    mode_.frame_duration = constant_frame_duration(wanted.frame_duration);
+    stride_ = wanted.format == PixelFormat::Mjpeg ? 0 : stream.stride;
+    buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
+    slots_.resize(buffers_->size());
+    for (std::size_t i = 0; i < slots_.size(); ++i) {
+      slots_[i].request = camera_->createRequest(i);
+      slots_[i].request->addBuffer(stream.stream(), &buffers_->buffer(i));
+    }
+    return mode_;
+  }
+
+  Result<void> start() override {
+    const std::lock_guard lock(mutex_);
+    if (started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
+    if (slots_.empty())
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    for (Slot& slot : slots_)
+      if (slot.state == State::Queued) slot.state = State::Free;
+    pacer_.restart();
+    {
+      const std::lock_guard completions(completions_mutex_);
+      if (gone_) return libcamera_error(-ENODEV, capabilities_.id, "start");
+      first_ = count_ = 0;
+    }
+    lc::ControlList controls(camera_->controls());
+    take_over(controls);
+    if (const int code = camera_->start(&controls); code != 0)
+      return libcamera_error(code, capabilities_.id, "start its stream");
+    started_ = first_request_ = true;
+    return {};
+  }
+
+  Result<void> queue(const ExposureRequest& wanted) override {
+    const std::lock_guard lock(mutex_);
+    if (!started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    TRY(check_exposure(capabilities_, wanted));
+    const auto free =
+        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
+    if (free == slots_.end())
+      return Error{ErrorCode::Busy,
+                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
+                               slots_.size(), capabilities_.id)};
+    lc::Request& request = *free->request;
+    request.reuse(lc::Request::ReuseBuffers);
+    if (std::exchange(first_request_, false)) take_over(request.controls());
+    set_exposure(request.controls(), wanted);
+    free->state = State::Queued, free->cookie = wanted.cookie;
+    if (const int code = camera_->queueRequest(&request); code != 0) {
+      free->state = State::Free;
+      return libcamera_error(unplugged() ? -ENODEV : code, capabilities_.id, "queue a request");
+    }
+    return {};
+  }
+
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    std::size_t index = 0;
+    {
+      std::unique_lock completions(completions_mutex_);
+      changed_.wait_for(completions, timeout, [&] { return count_ > 0 || gone_ || !started_; });
+      if (!started_)
+        return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+      if (count_ == 0 && gone_) return libcamera_error(-ENODEV, capabilities_.id, "deliver a frame");
+      if (count_ == 0)
+        return Error{ErrorCode::Timeout,
+                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
+                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+      index = completed_[first_];
+      first_ = (first_ + 1) % completed_.size(), --count_;
+    }
+    const std::lock_guard lock(mutex_);
+    return delivered(index);
+  }
+
+  Result<void> stop() override {
+    const std::lock_guard lock(mutex_);
+    if (!started_) return {};
+    {
+      const std::lock_guard completions(completions_mutex_);
+      started_ = false;
+    }
+    changed_.notify_all();
+    const int code = camera_->stop();  // completes every queued request as cancelled
+    if (code != 0 && !unplugged()) return libcamera_error(code, capabilities_.id, "stop its stream");
+    return {};
+  }
+
+ private:
+  enum class State { Free, Queued, Leased };
+  struct Slot {
+    std::unique_ptr<lc::Request> request;
+    State state = State::Free;
+    std::uint64_t cookie = 0;
+  };
+
+  void give_back(int index) override {
+    const std::lock_guard lock(mutex_);
+    slots_[static_cast<std::size_t>(index)].state = State::Free;
+  }
+
+  Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
+    if (started_)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
+    if (buffers < 1 || buffers > ControlPacer::kDepth)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, ControlPacer::kDepth)};
+    if (wanted.width <= 0 || wanted.height <= 0)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+    if (std::any_of(slots_.begin(), slots_.end(),
+                    [](const Slot& slot) { return slot.state == State::Leased; }))
+      return Error{ErrorCode::Busy,
+                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
+    return {};
+  }
+
+  Error does_not_offer(PixelFormat format) const {
+    std::string list;
+    const char* last = "";
+    for (const StreamMode& mode : capabilities_.modes)
+      if (std::strcmp(last, name(mode.format)) != 0)
+        list += (list.empty() ? "" : ", ") + std::string(last = name(mode.format));
+    return {ErrorCode::Unsupported,
+            fmt::format("camera '{}' does not offer {}; it offers {}", capabilities_.id, name(format),
+                        list.empty() ? "none that hdrcam knows" : list)};
+  }
+
+  Duration constant_frame_duration(Duration wanted) const {
+    if (!has_algorithms(*camera_)) return kUsualFrame;
+    const auto& limits = camera_->controls().at(lc::controls::FrameDurationLimits.id());
+    return std::clamp<Duration>(wanted, microseconds(limits.min().get<std::int64_t>()),
+                                microseconds(limits.max().get<std::int64_t>()));
+  }
+
+  // Automatics off, frame duration constant: with the start of the stream, or (pipelines that ignore that)
+  // the first frame.
+  void take_over(lc::ControlList& controls) const {
+    if (offers(*camera_, lc::controls::AeEnable)) controls.set(lc::controls::AeEnable, false);
+    if (offers(*camera_, lc::controls::AwbEnable)) controls.set(lc::controls::AwbEnable, false);
+    if (!has_algorithms(*camera_)) return;
+    const std::int64_t duration_us = std::chrono::duration_cast<microseconds>(mode_.frame_duration).count();
+    const std::array limits{duration_us, duration_us};
+    controls.set(lc::controls::FrameDurationLimits, lc::Span<const std::int64_t, 2>(limits));
+  }
+
+  void set_exposure(lc::ControlList& controls, const ExposureRequest& wanted) {
+    if (!capabilities_.sets_exposure) return;
+    ExposureRequest now = wanted;
+    if (paced_) {
+      const std::lock_guard completions(completions_mutex_);
+      pacer_.queued(wanted);
+      now = pacer_.current();
+    }
+    controls.set(lc::controls::ExposureTime,
+                 static_cast<std::int32_t>(std::chrono::duration_cast<microseconds>(now.exposure).count()));
+    if (!paced_ && offers(*camera_, lc::controls::AnalogueGain))
+      controls.set(lc::controls::AnalogueGain, static_cast<float>(now.analogue_gain));
+  }
+
+  CapturedBuffer delivered(std::size_t index) {
+    Slot& slot = slots_[index];
+    slot.state = State::Leased;
+    const lc::FrameMetadata& frame = buffers_->buffer(index).metadata();
+    const lc::ControlList& metadata = slot.request->metadata();
+    CapturedBuffer buffer;
+    buffer.lease = BufferLease(*this, static_cast<int>(index));
+    buffer.cookie = slot.cookie;
+    buffer.sequence = frame.sequence;
+    const std::int64_t stamp_ns =
+        metadata.get(lc::controls::SensorTimestamp).value_or(static_cast<std::int64_t>(frame.timestamp));
+    buffer.timestamp = instant_of_recent_stamp(clock_, Duration(stamp_ns));
+    buffer.damaged = frame.status != lc::FrameMetadata::FrameSuccess;
+    if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
+      buffer.exposure = microseconds(*exposure_us);
+    if (const auto gain = metadata.get(lc::controls::AnalogueGain)) buffer.analogue_gain = *gain;
+    if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
+    buffer.mode = mode_, buffer.stride = stride_;
+    buffer.pixels = buffers_->memory(index);
+    if (stride_ == 0 && !frame.planes().empty())
+      buffer.pixels =
+          buffer.pixels.first(std::min<std::size_t>(buffer.pixels.size(), frame.planes()[0].bytesused));
+    buffer.dmabuf_fd = buffers_->buffer(index).planes()[0].fd.get();
+    return buffer;
+  }
+
+  // Both are called by libcamera's own thread.
+  void on_completed(lc::Request* request) {
+    if (request->status() == lc::Request::RequestCancelled) return;
+    {
+      const std::lock_guard completions(completions_mutex_);
+      completed_[(first_ + count_++) % completed_.size()] = static_cast<std::size_t>(request->cookie());
+      pacer_.completed();
+    }
+    changed_.notify_one();
+  }
+  void on_disconnected() {
+    {
+      const std::lock_guard completions(completions_mutex_);
+      gone_ = true;
+    }
+    changed_.notify_all();
+  }
+  bool unplugged() {
+    const std::lock_guard completions(completions_mutex_);
+    return gone_;
+  }
+
+  std::shared_ptr<lc::CameraManager> manager_;
+  std::shared_ptr<lc::Camera> camera_;
+  Clock& clock_;
+  CameraCapabilities capabilities_;
+  bool paced_;
+  StreamMode mode_;
+  std::size_t stride_ = 0;
+  std::unique_ptr<LibcameraBuffers> buffers_;
+
+  std::mutex mutex_;  // of the slots and of calls into the camera, against stop() and leases given back
+  std::vector<Slot> slots_;
+  bool first_request_ = false;
+
+  std::mutex completions_mutex_;  // of what libcamera's thread writes; taken inside mutex_, never around it
+  std::condition_variable changed_;
+  bool started_ = false;  // written under both
+  bool gone_ = false;
+  std::array<std::size_t, ControlPacer::kDepth> completed_{};  // slots, a ring
+  std::size_t first_ = 0, count_ = 0;
+  ControlPacer pacer_;
+};
+
+// The camera that is named, or the only one whose id or model contains the name.
+Result<std::shared_ptr<lc::Camera>> find_camera(const lc::CameraManager& manager, const std::string& wanted) {
+  std::vector<std::shared_ptr<lc::Camera>> matches;
+  std::string all;
+  for (const auto& camera : manager.cameras()) {
+    if (camera->id() == wanted) return camera;
+    const std::string model = camera->properties().get(lc::properties::Model).value_or("");
+    if (camera->id().find(wanted) != std::string::npos || model.find(wanted) != std::string::npos)
+      matches.push_back(camera);
+    all += fmt::format("{}'{}'", all.empty() ? "" : ", ", camera->id());
+  }
+  if (matches.size() == 1) return matches.front();
+  if (matches.size() > 1)
+    return Error{ErrorCode::Invalid, fmt::format("'{}' could be any of {} cameras; use a whole id: {}",
+                                                 wanted, matches.size(), all)};
+  return Error{ErrorCode::NotFound, fmt::format("libcamera knows no camera '{}'; it knows {}", wanted,
+                                                all.empty() ? "none" : all)};
+}
+
+}  // namespace
+
+void show_libcamera_log() { log_shown = true; }
+
+Result<std::vector<CameraCapabilities>> list_libcamera_cameras() {
+  const auto manager = TRY(camera_manager());
+  std::vector<CameraCapabilities> list;
+  for (const auto& camera : manager->cameras()) list.push_back(capabilities_of(*camera));
+  return list;
+}
+
+Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string& id, Clock& clock) {
+  auto manager = TRY(camera_manager());
+  auto camera = TRY(find_camera(*manager, id));
+  if (const int code = camera->acquire(); code != 0) return libcamera_error(code, camera->id(), "open it");
+  return std::unique_ptr<Camera>(
+      std::make_unique<LibcameraCamera>(std::move(manager), std::move(camera), clock));
+}
+
+}  // namespace hdrcam
+
+#endif

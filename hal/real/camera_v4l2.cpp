@@ -1,0 +1,281 @@
+#include "hal/real/camera_v4l2.h"
+
+#include <linux/media-bus-format.h>
+#include <linux/v4l2-subdev.h>
+#include <linux/videodev2.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "hal/real/control_pacer.h"
+#include "hal/real/media_graph.h"
+#include "hal/real/recent_stamp.h"
+#include "hal/real/v4l2_formats.h"
+#include "hal/real/v4l2_modes.h"
+#include "hal/real/v4l2_stream.h"
+
+namespace hdrcam {
+namespace {
+
+using SteadyClock = std::chrono::steady_clock;
+
+// The nodes of one camera: the capture node, and around it what the media graph knows.
+struct Nodes {
+  DeviceNode video;
+  V4l2Identity identity;
+  std::optional<MediaGraph> graph;
+  std::optional<DeviceNode> media, sensor;
+};
+
+Result<Nodes> open_nodes(const std::string& path) {
+  auto video = TRY(DeviceNode::open(path));
+  auto identity = TRY(identify(video));
+  if (identity.queue_type == 0)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' ({}) is not a camera that streams; 'hdrcam list' shows those that are",
+                             path, identity.card)};
+  Nodes nodes{std::move(video), std::move(identity), {}, {}, {}};
+  auto graph = media_graph_of(path);
+  if (!graph || !graph->has_value())
+    return nodes;  // no controller, or not for us: the capture node alone will do
+  nodes.graph = std::move(**graph);
+  if (auto media = DeviceNode::open(nodes.graph->node); media.ok()) nodes.media = std::move(*media);
+  if (!nodes.graph->sensor_node.empty()) nodes.sensor = TRY(DeviceNode::open(nodes.graph->sensor_node));
+  return nodes;
+}
+
+// Gives every pad between the sensor and the receiver the picture's format: the receiver starts only if they
+// agree.
+Result<void> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& mode) {
+  if (bus_code_of(mode.format) == 0) return {};
+  for (const SubdevicePad& pad : path) {
+    const auto node = TRY(DeviceNode::open(pad.node));
+    v4l2_subdev_format format{};
+    format.which = V4L2_SUBDEV_FORMAT_ACTIVE, format.pad = pad.index;
+    format.format.width = static_cast<std::uint32_t>(mode.width);
+    format.format.height = static_cast<std::uint32_t>(mode.height);
+    format.format.code = bus_code_of(mode.format), format.format.field = V4L2_FIELD_NONE;
+    TRY(node.demand(VIDIOC_SUBDEV_S_FMT, &format, "take the picture format"));
+  }
+  return {};
+}
+
+// The buffer's flags say "monotonic", or (old drivers) nothing.
+Instant instant_of_stamp(Clock& clock, std::uint32_t buffer_flags, Duration stamp) {
+  if ((buffer_flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
+    return clock.instant_of(ClockDomain::Monotonic, stamp);
+  return instant_of_recent_stamp(clock, stamp);
+}
+
+class V4l2Camera : public Camera, private BufferLease::Owner {
+ public:
+  V4l2Camera(Nodes nodes, const V4l2Options& options, Clock& clock)
+      : nodes_(std::move(nodes)),
+        clock_(clock),
+        stream_(nodes_.video, nodes_.media ? &*nodes_.media : nullptr, nodes_.identity.queue_type),
+        control_(options.exposure_control
+                     ? ExposureControl::of_private(nodes_.video, *options.exposure_control)
+                 : nodes_.sensor ? ExposureControl::of_sensor(*nodes_.sensor, nodes_.graph->sensor_name)
+                                 : ExposureControl::of_video_node(nodes_.video)),
+        per_request_(options.exposure_control.has_value() || !nodes_.sensor) {
+    capabilities_.id = nodes_.video.path();
+    capabilities_.model = nodes_.sensor ? nodes_.graph->sensor_name : nodes_.identity.card;
+    capabilities_.driver = nodes_.identity.driver;
+    capabilities_.modes = modes_of(nodes_.video, nodes_.identity.queue_type);
+    control_.describe(capabilities_);
+  }
+  ~V4l2Camera() override { (void)stop(); }
+
+  const CameraCapabilities& capabilities() const override { return capabilities_; }
+
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    const std::lock_guard lock(mutex_);
+    TRY(check_configurable(buffers));
+    slots_.clear();
+    TRY(stream_.allocate(0));  // a queue with buffers keeps its format
+    if (nodes_.graph) TRY(set_format_along(nodes_.graph->path, wanted));
+    picture_ = TRY(set_mode(nodes_.video, nodes_.identity.queue_type, wanted));
+    StreamMode& mode = picture_.mode;
+    TRY(control_.take_over());
+    if (const auto fixed = TRY(control_.fix_frame_duration(mode.width, mode.height, wanted.frame_duration)))
+      mode.frame_duration = *fixed;
+    control_.describe(capabilities_);
+    TRY(stream_.allocate(buffers));
+    slots_.resize(static_cast<std::size_t>(stream_.buffers()));
+    return mode;
+  }
+
+  Result<void> start() override {
+    const std::lock_guard lock(mutex_);
+    if (started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
+    if (slots_.empty())
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    for (Slot& slot : slots_)
+      if (slot.state == State::Queued) slot.state = State::Free;
+    pacer_.restart(), queued_ = 0, last_write_ = {}, wake_.clear();
+    TRY(stream_.start());
+    const bool requests = per_request_ && control_.exists() && stream_.request_fd(0) >= 0;
+    capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
+    started_ = true;
+    return {};
+  }
+
+  Result<void> queue(const ExposureRequest& request) override {
+    const std::lock_guard lock(mutex_);
+    if (!started_)
+      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    TRY(std::exchange(last_write_, {}));
+    TRY(check_exposure(capabilities_, request));
+    const auto free =
+        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
+    if (free == slots_.end())
+      return Error{ErrorCode::Busy,
+                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
+                               slots_.size(), capabilities_.id)};
+    const int index = static_cast<int>(free - slots_.begin());
+    if (capabilities_.exposure_per_request) {
+      TRY(stream_.renew(index));
+      TRY(control_.write(request, stream_.request_fd(index)));
+    }
+    TRY(stream_.queue(index));
+    *free = {State::Queued, request.cookie};
+    ++queued_;
+    pacer_.queued(request);
+    return write_due_exposure();
+  }
+
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    const auto deadline = SteadyClock::now() + timeout;
+    for (;;) {
+      {
+        const std::lock_guard lock(mutex_);
+        if (!started_)
+          return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+        if (queued_ > 0)
+          if (const auto filled = TRY(stream_.dequeue())) return completed(*filled);
+      }
+      const auto left = deadline - SteadyClock::now();
+      if (left <= Duration::zero())
+        return Error{ErrorCode::Timeout,
+                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
+                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+      TRY(sleep_until_ready(left));
+    }
+  }
+
+  Result<void> stop() override {
+    const std::lock_guard lock(mutex_);
+    if (!started_) return {};
+    started_ = false;
+    wake_.set();
+    const auto stopped = stream_.stop();
+    if (!stopped && stopped.error().code != ErrorCode::Unplugged) return stopped;
+    return {};
+  }
+
+ private:
+  enum class State { Free, Queued, Leased };
+  struct Slot {
+    State state = State::Free;
+    std::uint64_t cookie = 0;
+  };
+
+  void give_back(int index) override {
+    const std::lock_guard lock(mutex_);
+    slots_[static_cast<std::size_t>(index)].state = State::Free;
+  }
+
+  Result<void> check_configurable(int buffers) const {
+    if (started_)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
+    if (buffers < 1 || buffers > VIDEO_MAX_FRAME)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
+    if (std::any_of(slots_.begin(), slots_.end(),
+                    [](const Slot& slot) { return slot.state == State::Leased; }))
+      return Error{ErrorCode::Busy,
+                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
+    return {};
+  }
+
+  // Where exposures do not travel with their frames: the next frame's, once the frame before it is complete.
+  Result<void> write_due_exposure() {
+    if (!control_.exists() || capabilities_.exposure_per_request) return {};
+    const auto due = pacer_.due();
+    return due ? control_.write(*due) : Result<void>();
+  }
+
+  Result<void> sleep_until_ready(Duration left) {
+    bool waits_for_frame = false;
+    {
+      const std::lock_guard lock(mutex_);
+      waits_for_frame = queued_ > 0;
+    }
+    std::array<pollfd, 2> fds{
+        {{wake_.fd(), POLLIN, 0}, {waits_for_frame ? nodes_.video.fd() : -1, POLLIN, 0}}};
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
+    const timespec patience{seconds.count(), (left - seconds).count()};
+    (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
+    if ((fds[1].revents & (POLLERR | POLLHUP)) == 0 || (fds[0].revents & POLLIN) != 0) return {};
+    const std::lock_guard lock(mutex_);  // an error that dequeue() will name, unless stop() was faster
+    if (!started_) return {};
+    v4l2_capability any{};
+    return nodes_.video.demand(VIDIOC_QUERYCAP, &any, "deliver frames");
+  }
+
+  CapturedBuffer completed(const V4l2Stream::Filled& filled) {
+    Slot& slot = slots_[static_cast<std::size_t>(filled.index)];
+    slot.state = State::Leased;
+    --queued_;
+    CapturedBuffer buffer;
+    buffer.lease = BufferLease(*this, filled.index);
+    buffer.cookie = slot.cookie;
+    buffer.sequence = filled.sequence;
+    buffer.timestamp = instant_of_stamp(clock_, filled.flags, filled.stamp);
+    buffer.mode = picture_.mode, buffer.stride = picture_.stride;
+    const auto memory = stream_.memory(filled.index);
+    const bool compressed = picture_.stride == 0;
+    buffer.damaged =
+        (filled.flags & V4L2_BUF_FLAG_ERROR) != 0 || (!compressed && filled.bytes < picture_.bytes);
+    buffer.pixels = memory.first(std::min(memory.size(), compressed ? filled.bytes : picture_.bytes));
+    buffer.dmabuf_fd = stream_.dmabuf_fd(filled.index);
+    if (capabilities_.reports_exposure)
+      if (const auto applied = control_.read(stream_.request_fd(filled.index)))
+        buffer.exposure = applied->exposure, buffer.analogue_gain = applied->analogue_gain;
+    pacer_.completed();
+    last_write_ = write_due_exposure();  // this frame is whole all the same: the next queue() tells
+    return buffer;
+  }
+
+  Nodes nodes_;
+  Clock& clock_;
+  V4l2Stream stream_;
+  ExposureControl control_;
+  bool per_request_;  // the exposure control sits on the capture node, where requests reach it
+  CameraCapabilities capabilities_;
+  V4l2Picture picture_;
+  WakeUp wake_;
+  std::mutex mutex_;  // of all below, against stop() and leases given back by other threads
+  bool started_ = false;
+  std::vector<Slot> slots_;
+  int queued_ = 0;
+  ControlPacer pacer_;
+  Result<void> last_write_;  // of an exposure, from within wait()
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Camera>> open_v4l2_camera(const std::string& node, const V4l2Options& options,
+                                                 Clock& clock) {
+  auto nodes = TRY(open_nodes(node));
+  return std::unique_ptr<Camera>(std::make_unique<V4l2Camera>(std::move(nodes), options, clock));
+}
+
+}  // namespace hdrcam

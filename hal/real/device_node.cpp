@@ -1,0 +1,115 @@
+#include "hal/real/device_node.h"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace hdrcam {
+
+namespace fs = std::filesystem;
+
+Result<DeviceNode> DeviceNode::open(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return device_error(errno, path, "open it");
+  return DeviceNode(fd, path);
+}
+
+DeviceNode::~DeviceNode() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+int DeviceNode::ask(unsigned long request, void* argument) const {
+  while (::ioctl(fd_, request, argument) < 0)
+    if (errno != EINTR) return errno;
+  return 0;
+}
+
+Result<void> DeviceNode::demand(unsigned long request, void* argument, const char* doing) const {
+  if (const int code = ask(request, argument); code != 0) return device_error(code, path_, doing);
+  return {};
+}
+
+Error device_error(int code, const std::string& path, const std::string& doing) {
+  switch (code) {
+    case ENOENT:
+      return {ErrorCode::NotFound,
+              fmt::format("there is no device '{}'; 'hdrcam list' shows those that there are", path), code};
+    case EACCES:
+    case EPERM:
+      return {ErrorCode::Permission,
+              fmt::format("no permission for '{}': {}", path, how_to_get_permission(path)), code};
+    case EBUSY: {
+      const std::string holder = holder_of(path);
+      return {ErrorCode::Busy,
+              fmt::format("'{}' is in use by {}; stop it or choose another device", path,
+                          holder.empty() ? "another program" : holder),
+              code};
+    }
+    case ENODEV:
+    case ENXIO:
+      return {ErrorCode::Unplugged, fmt::format("'{}' was unplugged, or its driver went away", path), code};
+    case ENOTTY:
+    case EINVAL:
+      return {ErrorCode::Unsupported, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)),
+              code};
+    case EPIPE:
+      return {ErrorCode::Invalid,
+              fmt::format("'{}' cannot {}: the formats along its media pipeline do not match; "
+                          "set them with 'media-ctl' or use the camera through libcamera",
+                          path, doing),
+              code};
+    default:
+      return {ErrorCode::Io, fmt::format("'{}' cannot {}: {}", path, doing, std::strerror(code)), code};
+  }
+}
+
+std::string holder_of(const std::string& path) {
+  std::error_code ignored;
+  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
+    const std::string pid = process.path().filename();
+    if (pid.find_first_not_of("0123456789") != std::string::npos) continue;
+    for (const auto& file : fs::directory_iterator(process.path() / "fd", ignored)) {
+      if (fs::read_symlink(file, ignored) != path) continue;
+      std::string program;
+      std::getline(std::ifstream(process.path() / "comm"), program);
+      return fmt::format("'{}' (process {})", program, pid);
+    }
+  }
+  return {};
+}
+
+std::string how_to_get_permission(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0 && (status.st_mode & S_IRGRP) != 0 &&
+      (status.st_mode & S_IWGRP) != 0) {
+    const group* owners = ::getgrgid(status.st_gid);
+    if (owners != nullptr && status.st_gid != 0)
+      return fmt::format("add this user to the group '{0}' (sudo usermod -aG {0} $USER) and log in again",
+                         owners->gr_name);
+  }
+  return "only root may open it; a udev rule can give it to a group";
+}
+
+WakeUp::WakeUp() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { CHECK(fd_ >= 0); }
+WakeUp::~WakeUp() { ::close(fd_); }
+
+void WakeUp::set() {
+  const std::uint64_t one = 1;
+  (void)!::write(fd_, &one, sizeof one);  // a full counter is set already
+}
+
+void WakeUp::clear() {
+  std::uint64_t count = 0;
+  (void)!::read(fd_, &count, sizeof count);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,65 @@
+// An open node under /dev, and the sentences for what the kernel may answer: who holds a busy device, which
+// group may open one, that it was unplugged. Thread-compatible.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+class DeviceNode {
+ public:
+  // Opens for reading and writing, never blocking. NotFound, Permission, Busy, Unplugged.
+  static Result<DeviceNode> open(const std::string& path);
+
+  DeviceNode(DeviceNode&& other) noexcept
+      : fd_(std::exchange(other.fd_, -1)), path_(std::move(other.path_)) {}
+  DeviceNode& operator=(DeviceNode&& other) noexcept {
+    std::swap(fd_, other.fd_), std::swap(path_, other.path_);
+    return *this;
+  }
+  ~DeviceNode();
+
+  int fd() const { return fd_; }
+  const std::string& path() const { return path_; }
+
+  // ioctl() until it is not interrupted: 0, or the errno.
+  int ask(unsigned long request, void* argument) const;
+  // The same as a Result; `doing` completes "cannot ... ": "start the stream".
+  Result<void> demand(unsigned long request, void* argument, const char* doing) const;
+
+ private:
+  DeviceNode(int fd, std::string path) : fd_(fd), path_(std::move(path)) {}
+
+  int fd_ = -1;
+  std::string path_;
+};
+
+// The Error for an errno that the device answered while `doing` something with it.
+Error device_error(int code, const std::string& path, const std::string& doing);
+
+// "'name' (process 123)" of a process of this user that has the node open; empty where none can be seen.
+std::string holder_of(const std::string& path);
+
+// Like "add this user to the group 'video' and log in again", from the owner and mode of the node.
+std::string how_to_get_permission(const std::string& path);
+
+// An event that one thread sets and another finds in a poll(). Thread-safe.
+class WakeUp {
+ public:
+  WakeUp();
+  ~WakeUp();
+  WakeUp(const WakeUp&) = delete;
+  WakeUp& operator=(const WakeUp&) = delete;
+
+  void set();
+  void clear();
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,170 @@
+#include "hal/real/enumerate.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include "hal/real/camera_libcamera.h"
+#include "hal/real/camera_v4l2.h"
+#include "hal/real/device_node.h"
+#include "hal/real/gpio_line.h"
+#include "hal/real/media_graph.h"
+#include "hal/real/v4l2_modes.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr const char* kLibcameraPrefix = "libcamera:";
+
+std::vector<std::string> nodes_named(const char* beginning) {
+  std::vector<std::string> nodes;
+  std::error_code ignored;
+  for (const auto& file : std::filesystem::directory_iterator("/dev", ignored))
+    if (file.path().filename().string().starts_with(beginning)) nodes.push_back(file.path());
+  std::sort(nodes.begin(), nodes.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;  // video2 before video10
+  });
+  return nodes;
+}
+
+std::string exposure_fact(const CameraCapabilities& camera) {
+  if (!camera.sets_exposure) return "exposure: fixed by the device";
+  const auto microseconds = [](Duration d) { return static_cast<double>(d.count()) * 1e-3; };
+  std::string fact = fmt::format("exposure {:.1f} to {:.1f} us in steps of {:.1f} us, gain {:.2f} to {:.2f}",
+                                 microseconds(camera.exposure_min), microseconds(camera.exposure_max),
+                                 microseconds(camera.exposure_step), camera.gain_min, camera.gain_max);
+  if (camera.reports_exposure) fact += ", reported with each frame";
+  return fact;
+}
+
+// One line per format: its sizes, largest frame rate of each.
+std::vector<std::string> mode_facts(const CameraCapabilities& camera) {
+  std::vector<std::string> facts;
+  std::map<PixelFormat, std::string> sizes;
+  for (const StreamMode& mode : camera.modes) {
+    std::string& list = sizes[mode.format];
+    list += fmt::format("{}{}x{}@{:.0f}", list.empty() ? "" : " ", mode.width, mode.height,
+                        1 / to_seconds(mode.frame_duration));
+  }
+  for (const auto& [format, list] : sizes) facts.push_back(fmt::format("{}: {}", name(format), list));
+  if (facts.empty()) facts.emplace_back("no picture format that hdrcam knows");
+  return facts;
+}
+
+FoundDevice described(const CameraCapabilities& camera, const std::string& id) {
+  FoundDevice found{DeviceKind::Camera, id, fmt::format("{} ({})", camera.model, camera.driver), {}, {}};
+  found.facts = mode_facts(camera);
+  found.facts.insert(found.facts.begin(), exposure_fact(camera));
+  return found;
+}
+
+void add_libcamera_cameras(std::vector<FoundDevice>& devices) {
+  auto cameras = list_libcamera_cameras();
+  if (!cameras) {
+    devices.push_back({DeviceKind::Camera, "", "libcamera", {}, {cameras.error().message}});
+    return;
+  }
+  for (const CameraCapabilities& camera : *cameras)
+    devices.push_back(described(camera, kLibcameraPrefix + camera.id));
+}
+
+void add_v4l2_cameras(std::vector<FoundDevice>& devices) {
+  for (const std::string& node : nodes_named("video")) {
+    auto camera = open_v4l2_camera(node);
+    if (!camera && camera.error().code == ErrorCode::Unsupported) continue;  // a decoder, a metadata node
+    if (!camera) {
+      devices.push_back({DeviceKind::Camera, "", node, {}, {camera.error().message}});
+      continue;
+    }
+    FoundDevice found = described((*camera)->capabilities(), node);
+    if (const auto graph = media_graph_of(node); !graph)
+      found.missing.push_back("its sensor's controls cannot be found: " + graph.error().message);
+    if (const std::string holder = holder_of(node);
+        !holder.empty() && holder.find("hdrcam") == std::string::npos)
+      found.facts.push_back("open in " + holder);
+    devices.push_back(std::move(found));
+  }
+}
+
+void add_gpio_chips(std::vector<FoundDevice>& devices) {
+  for (const std::string& node : gpio_chip_nodes()) {
+    auto chip = inspect_gpio_chip(node);
+    if (!chip) {
+      devices.push_back({DeviceKind::GpioChip, "", node, {}, {chip.error().message}});
+      continue;
+    }
+    FoundDevice found{DeviceKind::GpioChip,
+                      chip->name,
+                      fmt::format("{} ({} lines)", chip->label, chip->lines.size()),
+                      {},
+                      {}};
+    for (std::size_t i = 0; i < chip->lines.size(); ++i) {
+      const GpioLineState& line = chip->lines[i];
+      if (line.name.empty() && line.consumer.empty()) continue;
+      found.facts.push_back(
+          fmt::format("{}:{} {}{}{}", chip->name, i, line.name.empty() ? "unnamed" : line.name,
+                      line.output ? ", output" : "",
+                      line.consumer.empty() ? "" : fmt::format(", held by '{}'", line.consumer)));
+    }
+    devices.push_back(std::move(found));
+  }
+}
+
+void add_graphics(std::vector<FoundDevice>& devices) {
+  for (const std::string& node : nodes_named("dri"))
+    devices.push_back({DeviceKind::Graphics,
+                       "",
+                       node,
+                       {},
+                       {"this hdrcam is built without Vulkan and computes on the CPU"}});
+}
+
+// For the case that there is no camera: the nodes that exist and may not be opened.
+std::string what_stands_in_the_way() {
+  for (const char* beginning : {"video", "media"})
+    for (const std::string& node : nodes_named(beginning))
+      if (const auto opened = DeviceNode::open(node); !opened && opened.error().code == ErrorCode::Permission)
+        return opened.error().message;
+  return "connect one and see 'hdrcam list', or use --camera sim:SCENE";
+}
+
+Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
+  std::vector<std::string> usable;
+  for (const FoundDevice& device : list_devices())
+    if (device.kind == DeviceKind::Camera && !device.id.empty()) usable.push_back(device.id);
+  if (usable.empty())
+    return Error{ErrorCode::NotFound, fmt::format("there is no camera; {}", what_stands_in_the_way())};
+  // The same camera may be known to libcamera and as a node: libcamera's comes first and wins.
+  const auto of_libcamera = std::count_if(
+      usable.begin(), usable.end(), [](const std::string& id) { return id.starts_with(kLibcameraPrefix); });
+  if (of_libcamera > 1 || (of_libcamera == 0 && usable.size() > 1))
+    return Error{ErrorCode::Invalid, fmt::format("there are several cameras; choose one with --camera: {}",
+                                                 fmt::join(usable, ", "))};
+  return open_real_camera(usable.front(), clock);
+}
+
+}  // namespace
+
+std::vector<FoundDevice> list_devices() {
+  std::vector<FoundDevice> devices;
+  add_libcamera_cameras(devices);
+  add_v4l2_cameras(devices);
+  add_gpio_chips(devices);
+  add_graphics(devices);
+  return devices;
+}
+
+Result<std::unique_ptr<Camera>> open_real_camera(const std::string& id, Clock& clock) {
+  if (id.empty()) return open_only_camera(clock);
+  if (id.starts_with("/dev/")) return open_v4l2_camera(id, {}, clock);
+  if (id.starts_with(kLibcameraPrefix))
+    return open_libcamera_camera(id.substr(std::string(kLibcameraPrefix).size()), clock);
+  auto camera = open_libcamera_camera(id, clock);
+  if (!camera && camera.error().code == ErrorCode::NotFound && nodes_named("video").empty() &&
+      nodes_named("media").empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("there is no camera '{}', nor any other; {}", id, what_stands_in_the_way())};
+  return camera;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,144 @@
+#include "hal/real/exposure_control.h"
+
+#include <linux/v4l2-controls.h>
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hdrcam {
+
+ExposureControl::Control ExposureControl::query(std::uint32_t id) const {
+  v4l2_query_ext_ctrl answer{};
+  answer.id = id;
+  if (node_->ask(VIDIOC_QUERY_EXT_CTRL, &answer) != 0 || (answer.flags & V4L2_CTRL_FLAG_DISABLED) != 0)
+    return {};
+  return {id, answer.minimum, answer.maximum,
+          std::max<std::int64_t>(1, static_cast<std::int64_t>(answer.step))};
+}
+
+std::optional<std::int64_t> ExposureControl::value(std::uint32_t id) const {
+  const bool wide = id == V4L2_CID_PIXEL_RATE;  // the one control here that has 64 bits
+  v4l2_ext_control control{};
+  control.id = id;
+  v4l2_ext_controls controls{};
+  controls.which = V4L2_CTRL_WHICH_CUR_VAL, controls.count = 1, controls.controls = &control;
+  if (node_->ask(VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
+  return wide ? control.value64 : control.value;
+}
+
+ExposureControl ExposureControl::of_sensor(const DeviceNode& sensor, const std::string& name) {
+  ExposureControl control(sensor);
+  control.sensor_ = true;
+  control.exposure_ = control.query(V4L2_CID_EXPOSURE);
+  control.gain_ = control.query(V4L2_CID_ANALOGUE_GAIN);
+  control.gain_codes_ = gain_codes_of(name, static_cast<double>(control.gain_.min));
+  return control;
+}
+
+ExposureControl ExposureControl::of_video_node(const DeviceNode& video) {
+  ExposureControl control(video);
+  control.exposure_ = control.query(V4L2_CID_EXPOSURE_ABSOLUTE);
+  control.unit_ns_ = 1e5;
+  control.gain_ = control.query(V4L2_CID_GAIN);
+  // The gain of a USB camera has no unit. From a positive lowest code it is taken as proportional; a range
+  // from 0 says nothing about factors, and the gain is left alone.
+  if (control.gain_.min <= 0) control.gain_ = {};
+  control.gain_codes_ = {GainCodes::Law::Proportional,
+                         static_cast<double>(std::max<std::int64_t>(1, control.gain_.min))};
+  return control;
+}
+
+ExposureControl ExposureControl::of_private(const DeviceNode& video, const PrivateExposureControl& wanted) {
+  ExposureControl control(video);
+  control.exposure_ = control.query(wanted.id);
+  control.unit_ns_ = static_cast<double>(wanted.unit.count());
+  return control;
+}
+
+Result<void> ExposureControl::take_over() const {
+  constexpr std::pair<std::uint32_t, std::int32_t> kManual[] = {
+      {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL},
+      {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0},
+      {V4L2_CID_AUTOGAIN, 0},
+      {V4L2_CID_AUTO_WHITE_BALANCE, 0},
+  };
+  for (const auto& [id, manual] : kManual) {
+    if (query(id).id == 0) continue;
+    v4l2_control control{id, manual};
+    TRY(node_->demand(VIDIOC_S_CTRL, &control, "switch its automatic exposure off"));
+  }
+  return {};
+}
+
+Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, int height, Duration wanted) {
+  if (!sensor_ || !exists()) return std::optional<Duration>();
+  const auto pixel_rate = value(V4L2_CID_PIXEL_RATE), hblank = value(V4L2_CID_HBLANK);
+  if (!pixel_rate || !hblank || *pixel_rate <= 0)
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format(
+            "sensor '{}' does not say how long a line lasts (no pixel rate or blanking control), so its "
+            "exposure has no unit",
+            node_->path())};
+  unit_ns_ = static_cast<double>(width + *hblank) / static_cast<double>(*pixel_rate) * 1e9;
+  const Control vblank = query(V4L2_CID_VBLANK);
+  std::int64_t blank_lines = value(V4L2_CID_VBLANK).value_or(0);
+  if (vblank.id != 0) {
+    blank_lines = std::llround(static_cast<double>(wanted.count()) / unit_ns_) - height;
+    blank_lines = std::clamp(blank_lines, vblank.min, vblank.max);
+    v4l2_control control{V4L2_CID_VBLANK, static_cast<std::int32_t>(blank_lines)};
+    TRY(node_->demand(VIDIOC_S_CTRL, &control, "fix its frame duration"));
+  }
+  exposure_ = query(V4L2_CID_EXPOSURE);  // its maximum follows the blanking
+  return std::optional(Duration(std::llround(static_cast<double>(height + blank_lines) * unit_ns_)));
+}
+
+void ExposureControl::describe(CameraCapabilities& camera) const {
+  camera.sets_exposure = exists();
+  if (!exists()) return;
+  const auto lowest = std::max<std::int64_t>(exposure_.min, exposure_.step);
+  const auto duration = [&](std::int64_t code) {
+    return Duration(std::llround(static_cast<double>(code) * unit_ns_));
+  };
+  camera.exposure_min = duration(lowest);
+  camera.exposure_max = duration(exposure_.max);
+  camera.exposure_step = duration(exposure_.step);
+  camera.gain_min = camera.gain_max = 1, camera.gain_step = 0;
+  if (gain_.id == 0) return;
+  camera.gain_min = gain_codes_.gain_of(static_cast<double>(gain_.min));
+  camera.gain_max = gain_codes_.gain_of(static_cast<double>(gain_.max));
+  camera.gain_step = gain_codes_.gain_of(static_cast<double>(gain_.min + gain_.step)) - camera.gain_min;
+}
+
+Result<void> ExposureControl::write(const ExposureRequest& wanted, int request_fd) const {
+  const auto code_of = [](double exact, const Control& control) {
+    const double steps =
+        std::round((exact - static_cast<double>(control.min)) / static_cast<double>(control.step));
+    const auto code = control.min + static_cast<std::int64_t>(steps) * control.step;
+    return static_cast<std::int32_t>(std::clamp(code, control.min, control.max));
+  };
+  std::array<v4l2_ext_control, 2> both{};
+  both[0].id = exposure_.id;
+  both[0].value = code_of(static_cast<double>(wanted.exposure.count()) / unit_ns_, exposure_);
+  both[1].id = gain_.id;
+  if (gain_.id != 0) both[1].value = code_of(gain_codes_.code_of(wanted.analogue_gain), gain_);
+  v4l2_ext_controls controls{};
+  controls.which = request_fd >= 0 ? V4L2_CTRL_WHICH_REQUEST_VAL : V4L2_CTRL_WHICH_CUR_VAL;
+  controls.request_fd = request_fd, controls.count = gain_.id != 0 ? 2 : 1, controls.controls = both.data();
+  return node_->demand(VIDIOC_S_EXT_CTRLS, &controls, "set its exposure");
+}
+
+std::optional<ExposureControl::Applied> ExposureControl::read(int request_fd) const {
+  std::array<v4l2_ext_control, 2> both{};
+  both[0].id = exposure_.id, both[1].id = gain_.id;
+  v4l2_ext_controls controls{};
+  controls.which = V4L2_CTRL_WHICH_REQUEST_VAL, controls.request_fd = request_fd;
+  controls.count = gain_.id != 0 ? 2 : 1, controls.controls = both.data();
+  if (node_->ask(VIDIOC_G_EXT_CTRLS, &controls) != 0) return std::nullopt;
+  return Applied{Duration(std::llround(both[0].value * unit_ns_)),
+                 gain_.id != 0 ? gain_codes_.gain_of(both[1].value) : 1};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,64 @@
+// How an exposure reaches a V4L2 device: which controls, on which node, and what one step of them is.
+//   sensor sub-device   V4L2_CID_EXPOSURE in lines, V4L2_CID_ANALOGUE_GAIN in the sensor's codes,
+//   V4L2_CID_VBLANK USB camera          V4L2_CID_EXPOSURE_ABSOLUTE in 100 us, V4L2_CID_GAIN named by the user
+//   any integer control of the capture node, with a unit
+// Thread-compatible.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "hal/camera.h"
+#include "hal/real/device_node.h"
+#include "hal/real/sensor_gain.h"
+
+namespace hdrcam {
+
+// For a driver whose exposure is a control of its own.
+struct PrivateExposureControl {
+  std::uint32_t id = 0;
+  Duration unit = std::chrono::microseconds(100);
+};
+
+class ExposureControl {
+ public:
+  // Of a sensor behind a media graph. `sensor` outlives this.
+  static ExposureControl of_sensor(const DeviceNode& sensor, const std::string& name);
+  // Of the capture node itself. `video` outlives this.
+  static ExposureControl of_video_node(const DeviceNode& video);
+  static ExposureControl of_private(const DeviceNode& video, const PrivateExposureControl& control);
+
+  bool exists() const { return exposure_.id != 0; }
+  // Automatic exposure, gain, white balance and frame rate off.
+  Result<void> take_over() const;
+  // A constant frame duration, of a sensor; the picture is `width` x `height` pixels. Answers the duration
+  // that it became.
+  Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
+  // The limits and steps as they are now.
+  void describe(CameraCapabilities& camera) const;
+  // Writes now, or into a media request. No allocation unless it fails.
+  Result<void> write(const ExposureRequest& wanted, int request_fd = -1) const;
+  struct Applied {
+    Duration exposure{0};
+    double analogue_gain = 1;
+  };
+  // What a completed media request was exposed with; nullopt where the driver does not say.
+  std::optional<Applied> read(int request_fd) const;
+
+ private:
+  struct Control {
+    std::uint32_t id = 0;  // 0: the device has none
+    std::int64_t min = 0, max = 0, step = 1;
+  };
+  explicit ExposureControl(const DeviceNode& node) : node_(&node) {}
+  Control query(std::uint32_t id) const;
+  std::optional<std::int64_t> value(std::uint32_t id) const;
+
+  const DeviceNode* node_;
+  Control exposure_, gain_;
+  double unit_ns_ = 1;  // of one step of the exposure control
+  GainCodes gain_codes_;
+  bool sensor_ = false;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,77 @@
+#include "hal/real/gpio_line.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <filesystem>
+
+#include "hal/real/device_node.h"
+
+namespace hdrcam {
+
+std::optional<GpioLineName> parse_line_name(const std::string& name) {
+  const auto colon = name.find(':');
+  if (!name.starts_with("gpiochip") || colon == std::string::npos) return std::nullopt;
+  GpioLineName parsed{name.substr(0, colon), 0};
+  const char* end = name.data() + name.size();
+  const auto [rest, code] = std::from_chars(name.data() + colon + 1, end, parsed.offset);
+  if (code != std::errc() || rest != end) return std::nullopt;
+  return parsed;
+}
+
+std::vector<std::string> gpio_chip_nodes() {
+  std::vector<std::string> nodes;
+  std::error_code ignored;
+  for (const auto& file : std::filesystem::directory_iterator("/dev", ignored))
+    if (file.path().filename().string().starts_with("gpiochip")) nodes.push_back(file.path());
+  std::sort(nodes.begin(), nodes.end());
+  return nodes;
+}
+
+Error line_error(int code, const std::string& name, const std::string& consumer) {
+  switch (code) {
+    case EBUSY:
+      return {ErrorCode::Busy,
+              fmt::format("GPIO line '{}' is held by '{}'; free it or choose another line", name,
+                          consumer.empty() ? "another program" : consumer),
+              code};
+    case ENOENT:
+      return {ErrorCode::NotFound,
+              fmt::format("there is no GPIO line '{}'; 'hdrcam list' shows those that there are", name),
+              code};
+    case EACCES:
+    case EPERM: {
+      const auto nodes = gpio_chip_nodes();
+      return {ErrorCode::Permission,
+              fmt::format("no permission for GPIO line '{}': {}", name,
+                          how_to_get_permission(nodes.empty() ? "/dev/gpiochip0" : nodes.front())),
+              code};
+    }
+    case ENODEV:
+      return {ErrorCode::Unplugged, fmt::format("the chip of GPIO line '{}' was unplugged", name), code};
+    case EINVAL:
+    case ENXIO:
+    case ENOTSUP:
+      return {ErrorCode::Unsupported,
+              fmt::format("GPIO line '{}' cannot do this: {}", name, std::strerror(code)), code};
+    default:
+      return {ErrorCode::Io, fmt::format("GPIO line '{}': {}", name, std::strerror(code)), code};
+  }
+}
+
+#ifndef HDRCAM_HAVE_GPIOD
+namespace {
+Error not_built() {
+  return {ErrorCode::Unsupported,
+          "this hdrcam was built without libgpiod; install libgpiod-dev and build again"};
+}
+}  // namespace
+
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string&, LineDirection, bool) {
+  return not_built();
+}
+Result<GpioChipState> inspect_gpio_chip(const std::string&) { return not_built(); }
+#endif
+
+}  // namespace hdrcam

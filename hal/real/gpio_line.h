@@ -1,0 +1,58 @@
+// One GPIO line as libgpiod gives it; version 1 and 2 of that library each have their implementation.
+// Thread-bound.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/core/instant.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+enum class LineDirection { Input, Output };
+
+struct GpioEvent {
+  bool rising = true;
+  Duration stamp{0};                           // of the monotonic clock; real time with kernels before 5.7
+  std::optional<std::uint64_t> line_sequence;  // the kernel's counter, where it has one
+};
+
+class GpioLine {
+ public:
+  virtual ~GpioLine() = default;
+  virtual Result<void> set(bool active) = 0;
+  virtual int event_fd() const = 0;  // readable when an edge is there
+  virtual Result<GpioEvent> read_event() = 0;
+};
+
+struct GpioLineName {
+  std::string chip;     // "gpiochip0"
+  unsigned offset = 0;  // on the chip
+};
+
+// name: "gpiochip0:17", or the line's own name ("STROBE"). NotFound, Permission, Busy (names the holder),
+// Unsupported.
+Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, LineDirection direction,
+                                                    bool active_low);
+
+struct GpioLineState {
+  std::string name, consumer;  // empty: unnamed, free
+  bool output = false;
+};
+struct GpioChipState {
+  std::string name, label;
+  std::vector<GpioLineState> lines;
+};
+Result<GpioChipState> inspect_gpio_chip(const std::string& node);
+
+// For both versions: "gpiochip0:17" in its parts; nullopt for anything else.
+std::optional<GpioLineName> parse_line_name(const std::string& name);
+// The nodes of all GPIO chips, "/dev/gpiochip0" first.
+std::vector<std::string> gpio_chip_nodes();
+Error line_error(int code, const std::string& name, const std::string& consumer);
+
+}  // namespace hdrcam

@@ -1,0 +1,17 @@
+// PixelFormat in libcamera's words. Reentrant.
+#pragma once
+
+#include <libcamera/formats.h>
+#include <libcamera/pixel_format.h>
+
+#include <optional>
+
+#include "hal/camera.h"
+
+namespace hdrcam {
+
+libcamera::PixelFormat libcamera_format_of(PixelFormat format);
+std::optional<PixelFormat> format_of(const libcamera::PixelFormat& format);
+bool is_bayer(PixelFormat format);
+
+}  // namespace hdrcam

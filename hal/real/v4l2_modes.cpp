@@ -1,0 +1,153 @@
+#include "hal/real/v4l2_modes.h"
+
+#include <linux/videodev2.h>
+
+#include <algorithm>
+
+#include "hal/real/v4l2_formats.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr Duration kUsualFrame{33'333'333};
+
+Duration duration_of(const v4l2_fract& seconds) {
+  if (seconds.denominator == 0) return kUsualFrame;
+  return Duration(static_cast<Duration::rep>(1e9 * seconds.numerator / seconds.denominator + 0.5));
+}
+
+Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint32_t width,
+                        std::uint32_t height) {
+  Duration shortest = Duration::max();
+  v4l2_frmivalenum interval{};
+  interval.pixel_format = fourcc, interval.width = width, interval.height = height;
+  for (; video.ask(VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0; ++interval.index) {
+    const bool discrete = interval.type == V4L2_FRMIVAL_TYPE_DISCRETE;
+    shortest = std::min(shortest, duration_of(discrete ? interval.discrete : interval.stepwise.min));
+    if (!discrete) break;
+  }
+  return shortest == Duration::max() ? kUsualFrame : shortest;
+}
+
+void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc,
+               std::vector<StreamMode>& modes) {
+  const auto add = [&](std::uint32_t width, std::uint32_t height) {
+    modes.push_back({format, static_cast<int>(width), static_cast<int>(height),
+                     shortest_frame(video, fourcc, width, height)});
+  };
+  v4l2_frmsizeenum size{};
+  size.pixel_format = fourcc;
+  for (; video.ask(VIDIOC_ENUM_FRAMESIZES, &size) == 0; ++size.index) {
+    if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE)
+      return add(size.stepwise.max_width, size.stepwise.max_height);
+    add(size.discrete.width, size.discrete.height);
+  }
+  if (size.index > 0) return;
+  v4l2_format current{};  // a driver that lists no sizes has one
+  current.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (video.ask(VIDIOC_G_FMT, &current) == 0) add(current.fmt.pix.width, current.fmt.pix.height);
+}
+
+std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
+  std::string list;
+  v4l2_fmtdesc format{};
+  format.type = queue_type;
+  for (; video.ask(VIDIOC_ENUM_FMT, &format) == 0; ++format.index) {
+    const auto known = format_of(format.pixelformat);
+    list +=
+        (list.empty() ? "" : ", ") + (known ? std::string(name(*known)) : fourcc_text(format.pixelformat));
+  }
+  return list.empty() ? "none" : list;
+}
+
+// The two faces of a format: one plane in `pix`, or the first plane of `pix_mp`.
+struct Face {
+  std::uint32_t width, height, fourcc, stride, bytes;
+};
+Face read_format(const v4l2_format& format) {
+  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    const auto& mp = format.fmt.pix_mp;
+    return {mp.width, mp.height, mp.pixelformat, mp.plane_fmt[0].bytesperline, mp.plane_fmt[0].sizeimage};
+  }
+  const auto& pix = format.fmt.pix;
+  return {pix.width, pix.height, pix.pixelformat, pix.bytesperline, pix.sizeimage};
+}
+void write_format(const StreamMode& mode, v4l2_format& format) {
+  const auto width = static_cast<std::uint32_t>(mode.width), height = static_cast<std::uint32_t>(mode.height);
+  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    auto& mp = format.fmt.pix_mp;
+    mp.width = width, mp.height = height, mp.pixelformat = fourcc_of(mode.format), mp.field = V4L2_FIELD_NONE;
+    mp.num_planes = 1;
+    return;
+  }
+  auto& pix = format.fmt.pix;
+  pix.width = width, pix.height = height, pix.pixelformat = fourcc_of(mode.format),
+  pix.field = V4L2_FIELD_NONE;
+}
+
+Duration set_frame_duration(const DeviceNode& video, std::uint32_t queue_type, Duration wanted) {
+  v4l2_streamparm parameters{};
+  parameters.type = queue_type;
+  auto& capture = parameters.parm.capture;
+  if (video.ask(VIDIOC_G_PARM, &parameters) != 0 || (capture.capability & V4L2_CAP_TIMEPERFRAME) == 0)
+    return wanted;
+  capture.timeperframe.numerator = static_cast<std::uint32_t>((wanted.count() + 50) / 100);
+  capture.timeperframe.denominator = 10'000'000;
+  if (video.ask(VIDIOC_S_PARM, &parameters) != 0 || capture.timeperframe.numerator == 0) return wanted;
+  return duration_of(capture.timeperframe);
+}
+
+}  // namespace
+
+Result<V4l2Identity> identify(const DeviceNode& video) {
+  v4l2_capability capability{};
+  TRY(video.demand(VIDIOC_QUERYCAP, &capability, "say what it is"));
+  const std::uint32_t can = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps
+                                                                                  : capability.capabilities;
+  V4l2Identity identity;
+  const auto text = [](const auto& field) { return std::string(reinterpret_cast<const char*>(field)); };
+  identity.card = text(capability.card), identity.driver = text(capability.driver);
+  identity.bus = text(capability.bus_info);
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) != 0)
+    identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  else if ((can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0)
+    identity.queue_type = V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE;
+  if ((can & V4L2_CAP_STREAMING) == 0) identity.queue_type = 0;
+  identity.media_controlled = (can & V4L2_CAP_IO_MC) != 0;
+  return identity;
+}
+
+std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type) {
+  std::vector<StreamMode> modes;
+  v4l2_fmtdesc format{};
+  format.type = queue_type;
+  for (; video.ask(VIDIOC_ENUM_FMT, &format) == 0; ++format.index)
+    if (const auto known = format_of(format.pixelformat)) add_sizes(video, *known, format.pixelformat, modes);
+  return modes;
+}
+
+Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted) {
+  if (wanted.width <= 0 || wanted.height <= 0)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+  v4l2_format format{};
+  format.type = queue_type;
+  write_format(wanted, format);
+  if (const int code = video.ask(VIDIOC_S_FMT, &format); code != 0 && code != EINVAL)
+    return device_error(code, video.path(), "take the picture format");
+  const Face agreed = read_format(format);
+  const bool one_piece = queue_type == V4L2_BUF_TYPE_VIDEO_CAPTURE || format.fmt.pix_mp.num_planes == 1;
+  if (agreed.fourcc != fourcc_of(wanted.format) || !one_piece || agreed.width == 0)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' does not offer {}; it offers {}", video.path(), name(wanted.format),
+                             offered_formats(video, queue_type))};
+  V4l2Picture picture;
+  picture.mode = wanted;
+  picture.mode.width = static_cast<int>(agreed.width), picture.mode.height = static_cast<int>(agreed.height);
+  picture.mode.frame_duration = set_frame_duration(video, queue_type, wanted.frame_duration);
+  picture.stride = wanted.format == PixelFormat::Mjpeg ? 0 : agreed.stride;
+  picture.bytes = agreed.bytes;
+  return picture;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,31 @@
+// What a V4L2 capture node offers, and the choice of one of it. Single-planar and multi-planar queues alike,
+// as long as a picture lies in one piece of memory. Reentrant.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "hal/camera.h"
+#include "hal/real/device_node.h"
+
+namespace hdrcam {
+
+struct V4l2Identity {
+  std::string card, driver, bus;
+  std::uint32_t queue_type = 0;   // V4L2_BUF_TYPE_VIDEO_CAPTURE or _MPLANE; 0: not a camera
+  bool media_controlled = false;  // formats are set along a media graph (V4L2_CAP_IO_MC)
+};
+Result<V4l2Identity> identify(const DeviceNode& video);
+
+// All modes in formats that we know, each with its shortest frame duration (33.3 ms where the driver names
+// none).
+std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type);
+
+struct V4l2Picture {
+  StreamMode mode;
+  std::size_t stride = 0, bytes = 0;  // of a row (0: compressed), of a whole picture
+};
+// The nearest to `wanted` that the driver agrees to. Unsupported, naming what it offers, for another format.
+Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted);
+
+}  // namespace hdrcam

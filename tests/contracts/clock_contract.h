@@ -1,0 +1,21 @@
+// What every Clock keeps: the machine's, the virtual and the replayed one. See camera_contract.h.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "hal/clock.h"
+
+namespace hdrcam {
+
+struct ClockUnderTest {
+  std::string name;
+  Clock& clock;
+  // What the other clocks show now, as a driver would stamp it.
+  std::function<Duration(ClockDomain)> stamp;
+  Duration tolerance = std::chrono::milliseconds(2);  // of a conversion
+};
+
+void keeps_clock_contract(const ClockUnderTest& clock);
+
+}  // namespace hdrcam

@@ -1,0 +1,95 @@
+#include "tests/contracts/storage_contract.h"
+
+#include <array>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+
+void write(const StorageUnderTest& facts, const std::string& path, std::string_view text) {
+  auto file = value_of(facts.storage.create(path));
+  require_done(file->write_at(0, bytes_of(text)));
+  require_done(file->sync());
+}
+
+void reads_back_what_was_written(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/written";
+  write(facts, path, "hello world");
+  {
+    auto file = value_of(facts.storage.create(path));  // what was there is gone
+    CHECK(value_of(file->size()) == 0);
+    require_done(file->write_at(6, bytes_of("again")));
+    require_done(file->write_at(0, bytes_of("light,")));
+  }
+  CHECK(value_of(read_whole(facts.storage, path)) == "light,again");
+}
+
+void reads_short_at_the_end(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/short";
+  write(facts, path, "12345");
+  auto file = value_of(facts.storage.open(path));
+  std::array<std::byte, 8> bytes{};
+  CHECK(value_of(file->size()) == 5);
+  CHECK(value_of(file->read_at(3, bytes)) == 2);
+  CHECK(bytes[0] == std::byte{'4'});
+  CHECK(value_of(file->read_at(5, bytes)) == 0);
+  CHECK(value_of(file->read_at(500, bytes)) == 0);
+}
+
+void names_what_is_missing(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/missing";
+  const auto opened = facts.storage.open(path);
+  REQUIRE_FALSE(opened.ok());
+  CHECK(opened.error().code == ErrorCode::NotFound);
+  CHECK(opened.error().message.find(path) != std::string::npos);
+  CHECK_FALSE(facts.storage.remove(path).ok());
+  CHECK_FALSE(facts.storage.rename(path, path + "2").ok());
+  CHECK_FALSE(facts.storage.create(facts.folder + "/no/such/folder/file").ok());
+}
+
+void replaces_by_rename(const StorageUnderTest& facts) {
+  const std::string from = facts.folder + "/from", to = facts.folder + "/to";
+  write(facts, to, "old");
+  write(facts, from, "new");
+  require_done(facts.storage.rename(from, to));
+  CHECK(value_of(read_whole(facts.storage, to)) == "new");
+  CHECK_FALSE(facts.storage.open(from).ok());
+  require_done(facts.storage.remove(to));
+  CHECK_FALSE(facts.storage.open(to).ok());
+}
+
+void makes_folders(const StorageUnderTest& facts) {
+  const std::string folder = facts.folder + "/a/b/c";
+  require_done(facts.storage.make_directories(folder));
+  require_done(facts.storage.make_directories(folder));
+  write(facts, folder + "/file", "deep");
+  CHECK(value_of(read_whole(facts.storage, folder + "/file")) == "deep");
+}
+
+struct Clause {
+  const char* sentence;
+  void (*holds)(const StorageUnderTest&);
+};
+constexpr Clause kClauses[] = {
+    {"reads back what was written", reads_back_what_was_written},
+    {"reads short at the end of a file", reads_short_at_the_end},
+    {"names the file that is missing", names_what_is_missing},
+    {"replaces a file by rename", replaces_by_rename},
+    {"makes folders and their parents", makes_folders},
+};
+
+}  // namespace
+
+void keeps_storage_contract(const StorageUnderTest& storage) {
+  for (const Clause& clause : kClauses) DYNAMIC_SECTION(storage.name << " " << clause.sentence) {
+      clause.holds(storage);
+    }
+}
+
+}  // namespace hdrcam

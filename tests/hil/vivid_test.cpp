@@ -1,0 +1,119 @@
+// The kernel's virtual camera: it takes a control with each frame (request API) and has every pixel format.
+#include <linux/v4l2-controls.h>
+
+#include <optional>
+
+#include "hal/real/camera_v4l2.h"
+#include "tests/contracts/camera_contract.h"
+#include "tests/contracts/expect.h"
+#include "tests/hil/bed.h"
+
+namespace hdrcam::hil {
+namespace {
+
+using std::chrono::milliseconds;
+
+// It has no exposure; its brightness changes the picture alike.
+const V4l2Options kBrightnessIsExposure{
+    .exposure_control = PrivateExposureControl{V4L2_CID_BRIGHTNESS, std::chrono::microseconds(100)}};
+constexpr StreamMode kMode{PixelFormat::Yuyv, 640, 360, milliseconds(33)};
+
+std::unique_ptr<Camera> vivid(const V4l2Options& options = {}) {
+  return value_of(open_v4l2_camera(video_node("vivid-000-vid-cap"), options));
+}
+
+TEST_CASE("vivid keeps the camera contract") {
+  keeps_camera_contract(
+      {.name = "vivid",
+       .open = [] { return open_v4l2_camera(video_node("vivid-000-vid-cap"), kBrightnessIsExposure); },
+       .mode = kMode,
+       .frames = 20,
+       .drops_frames = true,
+       .repeats_sequence = true});
+}
+
+TEST_CASE("vivid's multi-planar queue keeps the camera contract") {
+  keeps_camera_contract(
+      {.name = "vivid, multi-planar",
+       .open = [] { return open_v4l2_camera(video_node("vivid-001-vid-cap"), kBrightnessIsExposure); },
+       .mode = kMode,
+       .frames = 20,
+       .drops_frames = true,
+       .repeats_sequence = true});
+}
+
+TEST_CASE("a frame of vivid carries the control of its own request") {
+  auto camera = vivid(kBrightnessIsExposure);
+  value_of(camera->configure(kMode, 8));
+  require_done(camera->start());
+  REQUIRE(camera->capabilities().exposure_per_request);
+  const auto exposure_of = [](std::uint64_t cookie) { return milliseconds(cookie % 3 == 0 ? 20 : 5); };
+  std::uint64_t queued = 0;
+  const auto queue = [&] {
+    ExposureRequest request{.cookie = queued, .exposure = exposure_of(queued)};
+    require_done(camera->queue(request));
+    ++queued;
+  };
+  while (queued < 8) queue();
+  std::optional<double> dark, bright;
+  for (int i = 0; i < 60; ++i) {
+    {
+      const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(5)));
+      const Duration wanted = exposure_of(buffer.cookie);
+      INFO("frame " << i);
+      REQUIRE(buffer.exposure.has_value());
+      REQUIRE(*buffer.exposure == wanted);
+      auto& mean = wanted == milliseconds(20) ? bright : dark;
+      const double shown = mean_code(buffer);
+      if (mean) REQUIRE(shown == Approx(*mean).margin(8));
+      mean = shown;
+    }
+    queue();
+  }
+  CHECK(*bright > *dark + 30);
+}
+
+TEST_CASE("vivid delivers every format that it agrees to") {
+  auto camera = vivid();
+  int tried = 0;
+  PixelFormat last = PixelFormat::Mjpeg;
+  for (const StreamMode& mode : std::vector<StreamMode>(camera->capabilities().modes)) {
+    if (mode.format == last || mode.width > 640) continue;
+    last = mode.format;
+    INFO(name(mode.format) << " " << mode.width << " x " << mode.height);
+    const StreamMode agreed = value_of(camera->configure(mode, 3));
+    CHECK(agreed.format == mode.format);
+    require_done(camera->start());
+    require_done(camera->queue({}));
+    {
+      const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(5)));
+      CHECK_FALSE(buffer.damaged);
+      CHECK(buffer.pixels.size() >= buffer.stride * static_cast<std::size_t>(agreed.height));
+      CHECK(buffer.dmabuf_fd >= 0);
+      CHECK(mean_code(buffer) > 1);
+    }
+    require_done(camera->stop());
+    ++tried;
+  }
+  CHECK(tried >= 20);  // RGB, BGR, YUYV, NV12, grey, and Bayer of 8, 10, 12 and 16 bits in four orders
+}
+
+TEST_CASE("a format that vivid does not have is refused with those that it has") {
+  auto camera = vivid();
+  const auto refused = camera->configure({PixelFormat::Mjpeg, 640, 360}, 4);
+  require_error(refused, ErrorCode::Unsupported);
+  CHECK(refused.error().message.find("YUYV") != std::string::npos);
+}
+
+TEST_CASE("a camera that somebody streams from is busy, and who it is is said") {
+  auto first = vivid();
+  value_of(first->configure(kMode, 4));
+  require_done(first->start());
+  auto second = vivid();
+  const auto refused = second->configure(kMode, 4);
+  require_error(refused, ErrorCode::Busy);
+  CHECK(refused.error().message.find("hdrcam_hil") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace hdrcam::hil
