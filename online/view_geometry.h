@@ -1,8 +1,8 @@
-// Window space and the cameras that look into it. Window space is the anchor camera's frustum, widened by a margin for
-// its neighbours' views: u, v across the widened picture and d along inverse depth, all in [0, 1]. A camera is given by
-// its transform to the anchor. Inverse depth q is near / z, dimensionless, 0 at infinity and 1 at the near plane; where
-// poses are unknown all cameras coincide with the anchor, and depth only orders what is seen. Scalar type T as in
-// field/hash_grid.h. Value types, reentrant.
+// Window space and the cameras that look into it. Window space is the anchor camera's frustum, widened by a
+// margin for its neighbours' views: u, v across the widened picture and d along inverse depth, all in [0, 1].
+// A camera is given by its transform to the anchor. Inverse depth q is near / z, dimensionless, 0 at infinity
+// and 1 at the near plane; where poses are unknown all cameras coincide with the anchor, and depth only
+// orders what is seen. Scalar type T as in field/hash_grid.h. Value types, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -68,7 +68,8 @@ class ViewGeometry {
     const T q = inverse_depth(x[2]);
     T p[3];
     for (int i = 0; i < 3; ++i)
-      p[i] = from_anchor_[i][0] * ray[0] + from_anchor_[i][1] * ray[1] + from_anchor_[i][2] + from_anchor_[i][3] * q;
+      p[i] = from_anchor_[i][0] * ray[0] + from_anchor_[i][1] * ray[1] + from_anchor_[i][2] +
+             from_anchor_[i][3] * q;
     const bool behind = p[2] < kNearest;
     const T z = behind ? kNearest : p[2];
     for (int i = 0; i < 2; ++i) seen[i] = focal_[i] * p[i] / z + centre_[i];

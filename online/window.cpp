@@ -6,14 +6,16 @@ namespace hdrcam {
 namespace {
 
 constexpr float kMaxCodeValue = 255;
-constexpr float kDarkest = 1e-5f, kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
+constexpr float kDarkest = 1e-5f,
+                kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
 constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;
 
 float log_radiance(float radiance) {
   return std::isfinite(radiance) ? std::log(std::clamp(radiance, kDarkest, kBrightest)) : std::log(kDarkest);
 }
 
-// How much the networks may move what the state says: all where nobody saw the pixel, nothing where the state is sure.
+// How much the networks may move what the state says: all where nobody saw the pixel, nothing where the state
+// is sure.
 float gate(float radiance, float variance, float trusted_sigma) {
   if (!std::isfinite(radiance) || !std::isfinite(variance) || variance >= kUnseenVariance) return 1;
   const float trusted = trusted_sigma * std::clamp(radiance, kDarkest, kBrightest);
@@ -26,7 +28,8 @@ bool has_shape(const Image<float>* image, int channels, int rows, int cols) {
 }
 
 bool usable(const FlowField* flow, int rows, int cols) {
-  return flow != nullptr && has_shape(&flow->vectors, 2, rows, cols) && has_shape(&flow->confidence, 1, rows, cols);
+  return flow != nullptr && has_shape(&flow->vectors, 2, rows, cols) &&
+         has_shape(&flow->confidence, 1, rows, cols);
 }
 
 float guide_at(const Image<float>& guide, int y, int x) {
@@ -67,10 +70,12 @@ bool is_rigid(const PoseMatrix& T) {
   return true;
 }
 
-Window::Window(const WindowFrustum& frustum, const WindowOptions& options) : frustum_(frustum), options_(options) {
+Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
+    : frustum_(frustum), options_(options) {
   CHECK(options.frames >= 2 && options.frames <= 14);
   CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
-  const int guide_rows = std::max(frustum.rows / kGuideStep, 1), guide_cols = std::max(frustum.cols / kGuideStep, 1);
+  const int guide_rows = std::max(frustum.rows / kGuideStep, 1),
+            guide_cols = std::max(frustum.cols / kGuideStep, 1);
   for (int i = 0; i <= options.frames; ++i) {
     auto frame = std::make_unique<WindowFrame>();
     frame->slot = i;
@@ -86,11 +91,14 @@ Result<void> Window::advance(const FieldObservation& seen) {
   const int rows = frustum_.rows, cols = frustum_.cols;
   if (!has_shape(seen.codes, 3, rows, cols) || !has_shape(seen.radiance, 3, rows, cols) ||
       !has_shape(seen.variance, 3, rows, cols))
-    return Error{ErrorCode::Invalid, fmt::format("frame {} gives the field pictures that are not 3 x {} x {}; start a "
-                                                 "new field for another size", seen.index, rows, cols)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("frame {} gives the field pictures that are not 3 x {} x {}; start a "
+                             "new field for another size",
+                             seen.index, rows, cols)};
   if (!std::isfinite(seen.exposure) || seen.exposure <= 0)
-    return Error{ErrorCode::BadExposure, fmt::format("frame {} has the relative exposure {}; it must be positive",
-                                                     seen.index, seen.exposure)};
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("frame {} has the relative exposure {}; it must be positive", seen.index, seen.exposure)};
   if (static_cast<int>(order_.size()) == options_.frames) order_.erase(order_.begin());
   WindowFrame& frame = *frames_[static_cast<std::size_t>(arrived_++ % static_cast<long>(frames_.size()))];
   WindowFrame* previous = order_.empty() ? nullptr : order_.back();
@@ -113,8 +121,10 @@ Result<void> Window::advance(const FieldObservation& seen) {
   guide_by_prior(frame);
   take_surface(frame);
   if (previous != nullptr) {
-    if (usable(seen.to_previous, rows, cols)) take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
-    if (usable(seen.from_previous, rows, cols)) take_flow(*seen.from_previous, *previous, frame, Neighbour::Next);
+    if (usable(seen.to_previous, rows, cols))
+      take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
+    if (usable(seen.from_previous, rows, cols))
+      take_flow(*seen.from_previous, *previous, frame, Neighbour::Next);
   }
   order_.push_back(&frame);
   return {};
@@ -128,7 +138,8 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
       base.fill(0);
       for (int c = 0; c < 3; ++c) {
         const float code = seen.codes->at(c, y, x), radiance = seen.radiance->at(c, y, x);
-        frame.values.at(c, y, x) = std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
+        frame.values.at(c, y, x) =
+            std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
         base[static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance(radiance);
         base[static_cast<std::size_t>(kBaseGate + c)] =
             gate(radiance, seen.variance->at(c, y, x), options_.trusted_sigma);
@@ -140,9 +151,10 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
   if (has_shape(seen.inverse_depth, 1, rows, cols)) frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
-// Lifts a flow of pixels to a displacement in window space, both ends at the depth that is known best. The flow the other way
-// starts as its opposite until it is measured: motion is nearly uniform over two frames.
-void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const {
+// Lifts a flow of pixels to a displacement in window space, both ends at the depth that is known best. The
+// flow the other way starts as its opposite until it is measured: motion is nearly uniform over two frames.
+void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to,
+                       Neighbour which) const {
   const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
@@ -165,9 +177,11 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
         if (!from.has_flow[other]) base[kBaseFlow + 2 * other + a] = -moved;
       }
       base[kBaseConfidence + k] = std::clamp(sure, 0.f, 1.f);
-      if (std::abs(base[kBaseFlow + 2 * k]) > kStill_px || std::abs(base[kBaseFlow + 2 * k + 1]) > kStill_px) ++moving;
+      if (std::abs(base[kBaseFlow + 2 * k]) > kStill_px || std::abs(base[kBaseFlow + 2 * k + 1]) > kStill_px)
+        ++moving;
     }
-  from.moving_share = std::max(from.moving_share, static_cast<float>(moving) / static_cast<float>(from.base.size()));
+  from.moving_share =
+      std::max(from.moving_share, static_cast<float>(moving) / static_cast<float>(from.base.size()));
   from.has_flow[k] = true;
 }
 
@@ -179,7 +193,11 @@ void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, 
       const int py = std::min(y * kGuideStep + kGuideStep / 2, frustum_.rows - 1);
       const auto moved = [&](int axis, int at, int size) {
         const float flow = to_previous.vectors.at(axis, py, px);
-        return std::isfinite(flow) ? std::clamp(at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px))), 0, size - 1) : at;
+        return std::isfinite(flow)
+                   ? std::clamp(
+                         at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px))), 0,
+                         size - 1)
+                   : at;
       };
       to.guide.at(0, y, x) = guide_at(from.guide, moved(1, py, frustum_.rows), moved(0, px, frustum_.cols));
     }
@@ -220,7 +238,8 @@ PoseMatrix Window::move_anchor() {
     for (std::size_t k = 0; k < 2; ++k) {
       const int j = i + (k == 0 ? 1 : -1);
       if (j < 0 || j >= size()) continue;
-      const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera), there(frustum_, frame(j).T_anchor_camera);
+      const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera),
+          there(frustum_, frame(j).T_anchor_camera);
       const ViewGeometry<double> here_new(frustum_, compose(T_new_old, frame(i).T_anchor_camera));
       const ViewGeometry<double> there_new(frustum_, compose(T_new_old, frame(j).T_anchor_camera));
       for (int y = 0; y < frustum_.rows; ++y)
@@ -229,7 +248,8 @@ PoseMatrix Window::move_anchor() {
           const double q = static_cast<double>(base[kBaseSurface]), start[2] = {x + 0.5, y + 0.5};
           double point[3], end[3], x_end[3];
           here.place(start, q, point);
-          for (std::size_t a = 0; a < 2; ++a) point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];
+          for (std::size_t a = 0; a < 2; ++a)
+            point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];
           there.project(point, end, nullptr);
           here_new.place(start, q, point);
           there_new.place(end, q, x_end);
@@ -238,7 +258,8 @@ PoseMatrix Window::move_anchor() {
         }
     }
   T_world_anchor_ = T_world_new;
-  for (WindowFrame* frame : order_) frame->T_anchor_camera = compose(inverse(T_world_new), frame->T_world_camera);
+  for (WindowFrame* frame : order_)
+    frame->T_anchor_camera = compose(inverse(T_world_new), frame->T_world_camera);
   return T_new_old;
 }
 

@@ -1,8 +1,8 @@
-// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base is what the
-// state already knows about a frame, as planes: log radiance, how far the networks may move it (the gate), and the flow
-// to both neighbours. The networks of the field add a residual to the base, so that a field of zero steps renders the
-// state's picture. Frames are ordered by arrival; neighbours are neighbours in that order. All buffers are allocated by
-// the constructor. Thread-bound to write, reentrant to read.
+// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base is what
+// the state already knows about a frame, as planes: log radiance, how far the networks may move it (the
+// gate), and the flow to both neighbours. The networks of the field add a residual to the base, so that a
+// field of zero steps renders the state's picture. Frames are ordered by arrival; neighbours are neighbours
+// in that order. All buffers are allocated by the constructor. Thread-bound to write, reentrant to read.
 #pragma once
 
 #include <array>
@@ -17,20 +17,21 @@
 
 namespace hdrcam {
 
-// One frame as the state sees it. Pictures are [rgb, rows, cols], borrowed for the call; what is not finite in them is
-// treated as unseen. Flow may be empty or null at the first frame and after a cut.
+// One frame as the state sees it. Pictures are [rgb, rows, cols], borrowed for the call; what is not finite
+// in them is treated as unseen. Flow may be empty or null at the first frame and after a cut.
 struct FieldObservation {
-  int index = 0;                               // increasing; gaps are dropped frames
-  double time_s = 0;                           // centre of the exposure
-  float exposure = 1;                          // E / E_ref, known, never fitted
-  float blur_fraction = 0;                     // exposure time over frame interval
-  const Image<float>* codes = nullptr;         // 0..255
-  const Image<float>* radiance = nullptr;      // state
-  const Image<float>* variance = nullptr;      // of radiance; >= kUnseenVariance: nobody saw the pixel
-  const FlowField* to_previous = nullptr;      // this frame -> previous
-  const FlowField* from_previous = nullptr;    // previous frame -> this one
-  const Image<float>* inverse_depth = nullptr; // [1, rows, cols] prior: near / z, NaN where unknown; null: none
-  PoseMatrix T_world_camera = kIdentityPose;   // identity where the camera is fixed or unknown
+  int index = 0;                             // increasing; gaps are dropped frames
+  double time_s = 0;                         // centre of the exposure
+  float exposure = 1;                        // E / E_ref, known, never fitted
+  float blur_fraction = 0;                   // exposure time over frame interval
+  const Image<float>* codes = nullptr;       // 0..255
+  const Image<float>* radiance = nullptr;    // state
+  const Image<float>* variance = nullptr;    // of radiance; >= kUnseenVariance: nobody saw the pixel
+  const FlowField* to_previous = nullptr;    // this frame -> previous
+  const FlowField* from_previous = nullptr;  // previous frame -> this one
+  const Image<float>* inverse_depth =
+      nullptr;  // [1, rows, cols] prior: near / z, NaN where unknown; null: none
+  PoseMatrix T_world_camera = kIdentityPose;  // identity where the camera is fixed or unknown
 };
 
 // The base of one pixel, interleaved because the field reads all of it at a fractional position.
@@ -52,10 +53,11 @@ struct WindowFrame {
   double time_s = 0;
   float exposure = 1, blur_fraction = 0;
   PoseMatrix T_world_camera = kIdentityPose, T_anchor_camera = kIdentityPose;
-  Image<float> values;     // [rgb, rows, cols] codes / 255; kNoValue where the code is no measurement
-  Image<BasePixel> base;   // [1, rows, cols]
-  Image<float> guide;      // [1, rows / kGuideStep, cols / kGuideStep] inverse depth where the last field saw surfaces
-  Image<float> depth_prior;  // [1, rows, cols], empty without one
+  Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is no measurement
+  Image<BasePixel> base;  // [1, rows, cols]
+  Image<float>
+      guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth where the last field saw surfaces
+  Image<float> depth_prior;           // [1, rows, cols], empty without one
   bool has_flow[2] = {false, false};  // by Neighbour
   float moving_share = 0;             // of the pixels, whose flow prior exceeds a quarter of a pixel
 };
@@ -64,8 +66,9 @@ constexpr float kNoValue = -1;
 constexpr int kGuideStep = 8;
 
 struct WindowOptions {
-  int frames = 6;               // 2..14; longer windows cost memory and, where things move, quality
-  float trusted_sigma = 0.1f;   // of log radiance, 0.01..1: where the state is this sure, networks and state share
+  int frames = 6;  // 2..14; longer windows cost memory and, where things move, quality
+  float trusted_sigma =
+      0.1f;  // of log radiance, 0.01..1: where the state is this sure, networks and state share
   float default_inverse_depth = 0.3f;  // 0..1, where nothing is known about depth
 };
 
@@ -73,8 +76,8 @@ class Window {
  public:
   Window(const WindowFrustum& frustum, const WindowOptions& options);
 
-  // Takes the frame in and drops the oldest. Invalid for a picture of another size or a missing one; BadExposure for an
-  // exposure that is not a positive number.
+  // Takes the frame in and drops the oldest. Invalid for a picture of another size or a missing one;
+  // BadExposure for an exposure that is not a positive number.
   Result<void> advance(const FieldObservation& seen);
   // Makes the newest frame the anchor; bases are lifted anew. Returns T_new_old of the anchors.
   PoseMatrix move_anchor();
@@ -91,9 +94,10 @@ class Window {
   PoseMatrix T_anchor_camera(const PoseMatrix& T_world_camera) const;
   int slots() const { return static_cast<int>(frames_.size()); }
 
-  bool anchor_is_stale() const;   // a corner of the newest view leaves the window at mid depth
-  bool has_parallax() const;      // poses differ by a translation that shifts the near plane by half a pixel or more
-  bool has_motion() const;        // more than a thousandth of the pixels of some frame move
+  bool anchor_is_stale() const;  // a corner of the newest view leaves the window at mid depth
+  bool has_parallax()
+      const;  // poses differ by a translation that shifts the near plane by half a pixel or more
+  bool has_motion() const;  // more than a thousandth of the pixels of some frame move
 
  private:
   void take_base(const FieldObservation& seen, WindowFrame& frame) const;
@@ -105,18 +109,19 @@ class Window {
   WindowFrustum frustum_;
   WindowOptions options_;
   PoseMatrix T_world_anchor_ = kIdentityPose;
-  std::vector<std::unique_ptr<WindowFrame>> frames_;  // storage, one more than the window so that slots do not clash
+  std::vector<std::unique_ptr<WindowFrame>>
+      frames_;  // storage, one more than the window so that slots do not clash
   std::vector<WindowFrame*> order_;
   long arrived_ = 0;
 };
 
-// The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes along x and y where
-// asked for. Pixel centres at +0.5.
+// The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes
+// along x and y where asked for. Pixel centres at +0.5.
 template <class T>
 void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
   const T last_x = T(base.cols() - 1), last_y = T(base.rows() - 1);
-  const bool inside_x = x > 0 && x < last_x, inside_y = y > 0 && y < last_y;
+  const bool inside_x = x > 0 && x<last_x, inside_y = y> 0 && y < last_y;
   x = std::clamp(x, T(0), last_x), y = std::clamp(y, T(0), last_y);
   const int i = std::min(static_cast<int>(x), std::max(base.cols() - 2, 0));
   const int j = std::min(static_cast<int>(y), std::max(base.rows() - 2, 0));
@@ -125,7 +130,8 @@ void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x
   const BasePixel &c = base.at(0, j + below, i), &d = base.at(0, j + below, i + right);
   const T fx = x - T(i), fy = y - T(j);
   const T wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
-  for (std::size_t k = 0; k < a.size(); ++k) value[k] = wa * T(a[k]) + wb * T(b[k]) + wc * T(c[k]) + wd * T(d[k]);
+  for (std::size_t k = 0; k < a.size(); ++k)
+    value[k] = wa * T(a[k]) + wb * T(b[k]) + wc * T(c[k]) + wd * T(d[k]);
   if (d_x == nullptr) return;
   for (std::size_t k = 0; k < a.size(); ++k) {
     d_x[k] = inside_x ? (1 - fy) * (T(b[k]) - T(a[k])) + fy * (T(d[k]) - T(c[k])) : T(0);

@@ -25,8 +25,9 @@ float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(
 
 }  // namespace
 
-// The surface of a frame, seen from elsewhere: each of its pixels is carried to where the view sees it, nearer ones win.
-// What nothing falls on is a disoccluded background: it continues the farther of its neighbours.
+// The surface of a frame, seen from elsewhere: each of its pixels is carried to where the view sees it,
+// nearer ones win. What nothing falls on is a disoccluded background: it continues the farther of its
+// neighbours.
 void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& from) {
   const WindowFrustum& frustum = field.window.frustum();
   const WindowFrame& frame = field.window.frame(from.frame);
@@ -40,7 +41,8 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
       float point[3], seen[3];
       here.place(centre, frame.base.at(0, y, x)[kBaseSurface], point);
       there.project(point, seen, nullptr);
-      const int tx = static_cast<int>(std::floor(seen[0] / kSplat)), ty = static_cast<int>(std::floor(seen[1] / kSplat));
+      const int tx = static_cast<int>(std::floor(seen[0] / kSplat)),
+                ty = static_cast<int>(std::floor(seen[1] / kSplat));
       if (tx < 0 || ty < 0 || tx >= cols || ty >= rows) continue;
       guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
     }
@@ -62,9 +64,11 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
 void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& request, FieldView& view) {
   CHECK(field.window.size() > 0 && request.step >= 1);
   const WindowFrustum& frustum = field.window.frustum();
-  const int rows = (frustum.rows + request.step - 1) / request.step, cols = (frustum.cols + request.step - 1) / request.step;
+  const int rows = (frustum.rows + request.step - 1) / request.step,
+            cols = (frustum.cols + request.step - 1) / request.step;
   view.radiance.reshape(3, rows, cols);
-  for (Image<float>* plane : {&view.depth, &view.dynamic_share, &view.confidence}) plane->reshape(1, rows, cols);
+  for (Image<float>* plane : {&view.depth, &view.dynamic_share, &view.confidence})
+    plane->reshape(1, rows, cols);
   for (Image<float>& flow : view.flow) flow.reshape(2, rows, cols);
   while (probes_.size() < kStripes) probes_.emplace_back(field, kMaxSamples);
   const ProbeView from = probe_view(field.window, request);
@@ -72,7 +76,8 @@ void FieldRenderer::render(const RadianceField& field, const FieldViewRequest& r
 
   const auto store = [&view](int y, int x, const ProbeAnswer& answer) {
     for (int c = 0; c < 3; ++c) view.radiance.at(c, y, x) = presentable(answer.radiance[c]);
-    view.depth.at(0, y, x) = 1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
+    view.depth.at(0, y, x) =
+        1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
     view.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
     view.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
     for (int n = 0; n < 2; ++n)

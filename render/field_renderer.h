@@ -1,5 +1,5 @@
-// The field as pictures: from any pose, at any time in the window, at any resolution. What it shows is finite and
-// positive whatever the fit has done. Thread-bound; deterministic whatever the number of threads.
+// The field as pictures: from any pose, at any time in the window, at any resolution. What it shows is finite
+// and positive whatever the fit has done. Thread-bound; deterministic whatever the number of threads.
 #pragma once
 
 #include "hal/core/worker_pool.h"
@@ -15,11 +15,12 @@ struct FieldViewRequest {
 
 // All [n, ceil(rows / step), ceil(cols / step)].
 struct FieldView {
-  Image<float> radiance;       // [rgb]
-  Image<float> depth;          // [1] in units of the near plane
-  Image<float> flow[2];        // [dx dy] by Neighbour: pixels of the full picture, to the next and previous frame's view
+  Image<float> radiance;  // [rgb]
+  Image<float> depth;     // [1] in units of the near plane
+  Image<float>
+      flow[2];  // [dx dy] by Neighbour: pixels of the full picture, to the next and previous frame's view
   Image<float> dynamic_share;  // [1] 0..1
-  Image<float> confidence;     // [1] 0..1: how much is the state's knowledge, 0 where the networks answer alone
+  Image<float> confidence;  // [1] 0..1: how much is the state's knowledge, 0 where the networks answer alone
 };
 
 class FieldRenderer {
@@ -35,7 +36,8 @@ class FieldRenderer {
 
   WorkerPool& pool_;
   std::vector<FieldProbe> probes_;
-  Image<float> guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view sees it
+  Image<float>
+      guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view sees it
 };
 
 }  // namespace hdrcam

@@ -1,7 +1,9 @@
-// Volume rendering along one ray (paper eq. "combine_static"): samples near to far, each with a static and a dynamic
-// density. What the ray shows of any quantity is sum_k w_k ((1 - s_k) static_k + s_k dynamic_k), with
-//   alpha_k = 1 - exp(-(sigma_s + sigma_d) delta),  w_k = alpha_k prod_{m<k} (1 - alpha_m),  s_k = sigma_d / sigma.
-// The last sample is opaque: there is always something at the end of a ray, so the weights sum to 1. Reentrant.
+// Volume rendering along one ray (paper eq. "combine_static"): samples near to far, each with a static and a
+// dynamic density. What the ray shows of any quantity is sum_k w_k ((1 - s_k) static_k + s_k dynamic_k), with
+//   alpha_k = 1 - exp(-(sigma_s + sigma_d) delta),  w_k = alpha_k prod_{m<k} (1 - alpha_m),  s_k = sigma_d /
+//   sigma.
+// The last sample is opaque: there is always something at the end of a ray, so the weights sum to 1.
+// Reentrant.
 #pragma once
 
 #include <cmath>
@@ -13,9 +15,9 @@ constexpr int kMaxSamples = 16;  // per ray
 template <class T>
 struct Composite {
   int count = 0;
-  T density[2][kMaxSamples];  // static, dynamic, per unit of spacing
-  T weight[kMaxSamples];      // w
-  T share[kMaxSamples];       // s
+  T density[2][kMaxSamples];                          // static, dynamic, per unit of spacing
+  T weight[kMaxSamples];                              // w
+  T share[kMaxSamples];                               // s
   T transmittance[kMaxSamples], passed[kMaxSamples];  // before the sample; 1 - alpha of the sample
 };
 

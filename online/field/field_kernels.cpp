@@ -1,6 +1,6 @@
-// Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt). The matrix
-// products use the compilers' vector type, whose width is this target's register; all other loops are plain and
-// vectorised by the compiler (-fopt-info-vec names them).
+// Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
+// The matrix products use the compilers' vector type, whose width is this target's register; all other loops
+// are plain and vectorised by the compiler (-fopt-info-vec names them).
 #include "online/field/field_kernels.h"
 
 namespace hdrcam::HDRCAM_TARGET {
@@ -75,21 +75,22 @@ inline void corner_weights(const Corners& corners, int corner, float* weight) {
   }
 }
 
+// The two features of an entry are read together.
+typedef float Pair __attribute__((vector_size(8), aligned(4), may_alias));
+inline Pair load_pair(const float* p) { return *reinterpret_cast<const Pair*>(p); }
+
 void encode(const HashLevel& level, const float* table, const GridQuery& at, float* feature0, float* feature1) {
   Corners corners;
-  alignas(64) float weight[kBlock], sum0[kBlock], sum1[kBlock];
+  alignas(64) float weight[8][kBlock];
   for (int first = 0; first < at.n; first += kBlock) {
     find_corners(level, at, first, corners);
-    for (int s = 0; s < kBlock; ++s) sum0[s] = sum1[s] = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      corner_weights(corners, corner, weight);
-      const std::uint32_t* index = corners.index[corner];
-      for (int s = 0; s < kBlock; ++s) {
-        sum0[s] += weight[s] * table[2 * index[s]];
-        sum1[s] += weight[s] * table[2 * index[s] + 1];
-      }
+    for (int corner = 0; corner < 8; ++corner) corner_weights(corners, corner, weight[corner]);
+    for (int s = 0; s < kBlock; ++s) {
+      Pair sum{};
+      for (int corner = 0; corner < 8; ++corner)
+        sum += load_pair(table + 2 * corners.index[corner][s]) * (Pair{} + weight[corner][s]);
+      feature0[first + s] = sum[0], feature1[first + s] = sum[1];
     }
-    for (int s = 0; s < kBlock; ++s) feature0[first + s] = sum0[s], feature1[first + s] = sum1[s];
   }
 }
 
@@ -140,9 +141,11 @@ void pull_back(const HashLevel& level, const float* table, const GridQuery& at, 
   }
 }
 
-// ---- matrix products: a tile of 4 outputs x 2 registers of samples stays in registers over the whole inner sum
+// ---- matrix products: a tile of 4 outputs x 2 registers of samples stays in registers over the whole inner
+// sum
 
-void affine(const float* w, const float* b, const float* x, int ld, int n, int in, int out, bool relu, float* y) {
+void affine(const float* w, const float* b, const float* x, int ld, int n, int in, int out, bool relu,
+            float* y) {
   for (int s = 0; s < n; s += 2 * kLanes)
     for (int o = 0; o < out; o += 4) {
       Lanes a0 = splat(b[o]), a1 = splat(b[o + 1]), a2 = splat(b[o + 2]), a3 = splat(b[o + 3]);
@@ -157,8 +160,10 @@ void affine(const float* w, const float* b, const float* x, int ld, int n, int i
       }
       const Lanes zero{};
       if (relu) {
-        a0 = a0 > zero ? a0 : zero, a1 = a1 > zero ? a1 : zero, a2 = a2 > zero ? a2 : zero, a3 = a3 > zero ? a3 : zero;
-        c0 = c0 > zero ? c0 : zero, c1 = c1 > zero ? c1 : zero, c2 = c2 > zero ? c2 : zero, c3 = c3 > zero ? c3 : zero;
+        a0 = a0 > zero ? a0 : zero, a1 = a1 > zero ? a1 : zero, a2 = a2 > zero ? a2 : zero,
+        a3 = a3 > zero ? a3 : zero;
+        c0 = c0 > zero ? c0 : zero, c1 = c1 > zero ? c1 : zero, c2 = c2 > zero ? c2 : zero,
+        c3 = c3 > zero ? c3 : zero;
       }
       float* row = y + o * ld + s;
       store(row, a0), store(row + ld, a1), store(row + 2 * ld, a2), store(row + 3 * ld, a3);
@@ -175,7 +180,8 @@ void affine_transposed(const float* w, const float* dy, int ld, int n, int in, i
       for (int o = 0; o < out; ++o) {
         const float* weight = w + o * in + i;
         const Lanes p = load(dy + o * ld + s), q = load(dy + o * ld + s + kLanes);
-        const Lanes w0 = splat(weight[0]), w1 = splat(weight[1]), w2 = splat(weight[2]), w3 = splat(weight[3]);
+        const Lanes w0 = splat(weight[0]), w1 = splat(weight[1]), w2 = splat(weight[2]),
+                    w3 = splat(weight[3]);
         a0 += w0 * p, a1 += w1 * p, a2 += w2 * p, a3 += w3 * p;
         c0 += w0 * q, c1 += w1 * q, c2 += w2 * q, c3 += w3 * q;
       }
@@ -212,7 +218,8 @@ void outer(const float* dy, const float* x, int ld, int n, int in, int out, floa
       row[1] += sum(c0), row[in + 1] += sum(c1), row[2 * in + 1] += sum(c2), row[3 * in + 1] += sum(c3);
     }
     Lanes b0{}, b1{}, b2{}, b3{};
-    for (int s = 0; s < n; s += kLanes) b0 += load(g0 + s), b1 += load(g1 + s), b2 += load(g2 + s), b3 += load(g3 + s);
+    for (int s = 0; s < n; s += kLanes)
+      b0 += load(g0 + s), b1 += load(g1 + s), b2 += load(g2 + s), b3 += load(g3 + s);
     db[o] += sum(b0), db[o + 1] += sum(b1), db[o + 2] += sum(b2), db[o + 3] += sum(b3);
   }
 }
@@ -234,13 +241,15 @@ void adam_block(const AdamStep& step, int n, float* __restrict parameter, float*
   }
 }
 
-void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient, float* mean, float* variance) {
+void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient, float* mean,
+          float* variance) {
   constexpr std::size_t kRun = 128;
   for (std::size_t i = 0; i < n; i += kRun) {
     const std::size_t run = n - i < kRun ? n - i : kRun;
     int touched = 0;
     for (std::size_t j = 0; j < run; ++j) touched |= gradient[i + j] != 0;
-    if (touched != 0) adam_block(step, static_cast<int>(run), parameter + i, gradient + i, mean + i, variance + i);
+    if (touched != 0)
+      adam_block(step, static_cast<int>(run), parameter + i, gradient + i, mean + i, variance + i);
   }
 }
 

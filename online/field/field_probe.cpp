@@ -7,12 +7,14 @@ namespace {
 
 using View = ViewGeometry<float>;
 
-// The base where a frame sees a window point; outside its picture nothing is known. Returns the density prior there.
+// The base where a frame sees a window point; outside its picture nothing is known. Returns the density prior
+// there.
 float base_at(const View& frame_view, const WindowFrame& frame, const float* point, float* base) {
   float pixel[3];
   frame_view.project(point, pixel, nullptr);
   fetch_base(frame.base, pixel, base, static_cast<float*>(nullptr), static_cast<float*>(nullptr));
-  const bool outside = pixel[0] < -0.5f || pixel[1] < -0.5f || pixel[0] > static_cast<float>(frame.base.cols()) + 0.5f ||
+  const bool outside = pixel[0] < -0.5f || pixel[1] < -0.5f ||
+                       pixel[0] > static_cast<float>(frame.base.cols()) + 0.5f ||
                        pixel[1] > static_cast<float>(frame.base.rows()) + 0.5f;
   if (outside)
     for (int c = 0; c < 3; ++c) base[kBaseGate + c] = 1;
@@ -40,7 +42,8 @@ void FieldProbe::look(const RadianceField& field, const ProbeView& view, std::sp
       moving_.forward(field.networks.moving);
     }
   }
-  for (std::size_t r = 0; r < rays.size(); ++r) answers[r] = answer(field, view, rays[r], static_cast<int>(r));
+  for (std::size_t r = 0; r < rays.size(); ++r)
+    answers[r] = answer(field, view, rays[r], static_cast<int>(r));
 }
 
 void FieldProbe::place(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays) {
@@ -53,11 +56,13 @@ void FieldProbe::place(const RadianceField& field, const ProbeView& view, std::s
     RaySamples<float>& ray = ray_[r];
     ray.count = count;
     ray.has_dynamic = field.has_dynamic;
-    place_samples(rays[r].guide, count, [] { return 0.5f; }, ray.inverse_depth, ray.spacing);
+    place_samples(
+        rays[r].guide, count, [] { return 0.5f; }, ray.inverse_depth, ray.spacing);
     for (int k = 0; k < count; ++k) {
       const int s = static_cast<int>(r) * count + k;
       camera.place(rays[r].pixel, ray.inverse_depth[k], ray.position[k]);
-      for (int a = 0; a < 3; ++a) still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
+      for (int a = 0; a < 3; ++a)
+        still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
     }
   }
 }
@@ -82,13 +87,15 @@ void FieldProbe::move_to_frame(const RadianceField& field, const ProbeView& view
     }
 }
 
-ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view, const ProbeRay& probe, int r) {
+ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view, const ProbeRay& probe,
+                               int r) {
   const Window& window = field.window;
   const WindowFrustum& frustum = window.frustum();
   const WindowFrame& frame = window.frame(view.frame);
   const View frame_view(frustum, frame.T_anchor_camera);
   const View neighbour_view[2] = {
-      View(frustum, view.frame + 1 < window.size() ? window.frame(view.frame + 1).T_anchor_camera : view.T_anchor_camera),
+      View(frustum, view.frame + 1 < window.size() ? window.frame(view.frame + 1).T_anchor_camera
+                                                   : view.T_anchor_camera),
       View(frustum, view.frame > 0 ? window.frame(view.frame - 1).T_anchor_camera : view.T_anchor_camera)};
   const float unit[3] = {static_cast<float>(frustum.u_per_px()), static_cast<float>(frustum.v_per_px()),
                          static_cast<float>(WindowFrustum::kDepthUnit)};
@@ -102,7 +109,8 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
     known[0][k] = 1 - (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
     if (!ray.has_dynamic) continue;
     if (view.offset != 0) {
-      const float point[3] = {moving_.position.plane(0)[s], moving_.position.plane(1)[s], moving_.position.plane(2)[s]};
+      const float point[3] = {moving_.position.plane(0)[s], moving_.position.plane(1)[s],
+                              moving_.position.plane(2)[s]};
       prior = base_at(frame_view, frame, point, base);
     }
     ray.moving[k] = decode_dynamic(moving_.raw, s, base, prior);
@@ -111,7 +119,10 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
   RayTrace<float> trace;
   const RayPicture<float> picture = render_ray(ray, field.networks.blend, trace);
   ProbeAnswer answer{{picture.radiance[0], picture.radiance[1], picture.radiance[2]},
-                     picture.inverse_depth, picture.share, 0, {{0, 0}, {0, 0}}};
+                     picture.inverse_depth,
+                     picture.share,
+                     0,
+                     {{0, 0}, {0, 0}}};
   for (int k = 0; k < ray.count; ++k) {
     const float moving = trace.combined.weight[k] * trace.combined.share[k];
     const float still = trace.combined.weight[k] - moving;

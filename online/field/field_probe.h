@@ -1,5 +1,5 @@
-// Asks the field what rays see, without gradients: the inside of every renderer and of the depth guide. A probe owns the
-// buffers of one batch, so each thread has its own; the field is only read.
+// Asks the field what rays see, without gradients: the inside of every renderer and of the depth guide. A
+// probe owns the buffers of one batch, so each thread has its own; the field is only read.
 #pragma once
 
 #include <span>
@@ -25,7 +25,8 @@ struct ProbeAnswer {
   float radiance[3];
   float inverse_depth;
   float dynamic_share;
-  float confidence;  // 0..1: how much of the radiance is the state's rather than the networks', 0 outside its picture
+  float confidence;  // 0..1: how much of the radiance is the state's rather than the networks', 0 outside its
+                     // picture
   float flow[2][2];  // by Neighbour: pixels, to the view of the next and of the previous frame
 };
 

@@ -1,8 +1,9 @@
-// Multiresolution hash grid (Müller et al. 2022) over the window's unit cube (u, v, inverse depth), two features a
-// level. A grid may hold several tables per level, its slots: the dynamic branch has one slot per frame of the window,
-// which makes (u, v, d, t) a four-dimensional grid that is exact in t, costs 8 look-ups instead of 16, and lets a new
-// frame start from the previous one by copying its slot. Scalar type T: float in the product (kernels), double in the
-// gradient tests (the loops below). Thread-compatible; distinct levels may be scattered into by distinct threads.
+// Multiresolution hash grid (Müller et al. 2022) over the window's unit cube (u, v, inverse depth), two
+// features a level. A grid may hold several tables per level, its slots: the dynamic branch has one slot per
+// frame of the window, which makes (u, v, d, t) a four-dimensional grid that is exact in t, costs 8 look-ups
+// instead of 16, and lets a new frame start from the previous one by copying its slot. Scalar type T: float
+// in the product (kernels), double in the gradient tests (the loops below). Thread-compatible; distinct
+// levels may be scattered into by distinct threads.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +25,8 @@ struct HashGridShape {
   int coarsest_cells = 16;  // along u at the first level
   int finest_cells = 320;   // along u at the last level; geometric in between
   float v_ratio = 0.75f;    // cells along v per cell along u
-  float d_ratio = 0.25f;    // cells along inverse depth per cell along u: depth varies more slowly than the picture
+  float d_ratio =
+      0.25f;  // cells along inverse depth per cell along u: depth varies more slowly than the picture
 };
 
 std::vector<HashLevel> hash_levels(const HashGridShape& shape);
@@ -76,7 +78,8 @@ class HashGrid {
  public:
   static constexpr int kFeatures = 2;
 
-  HashGrid(const HashGridShape& shape, float spread, Pcg32& random) : shape_(shape), levels_(hash_levels(shape)) {
+  HashGrid(const HashGridShape& shape, float spread, Pcg32& random)
+      : shape_(shape), levels_(hash_levels(shape)) {
     level_size_ = static_cast<std::size_t>(shape.slots) * levels_[0].entries * kFeatures;
     table_.reshape(shape.levels, 1, static_cast<int>(level_size_));
     for (T& value : table_.samples()) value = static_cast<T>(random.uniform(-spread, spread));
@@ -93,7 +96,8 @@ class HashGrid {
 
   // features [2 * levels, 1, ld] <- table
   void encode(const GridSamples<T>& at, Image<T>& features) const {
-    for (int l = 0; l < shape_.levels; ++l) encode_level(l, at, features.plane(2 * l), features.plane(2 * l + 1));
+    for (int l = 0; l < shape_.levels; ++l)
+      encode_level(l, at, features.plane(2 * l), features.plane(2 * l + 1));
   }
   // gradient of table l += d_features; samples in order
   void scatter(int l, const GridSamples<T>& at, const Image<T>& d_features);
@@ -142,7 +146,8 @@ void encode(const HashLevel& level, const T* table, const GridSamples<T>& at, T*
 }
 
 template <class T>
-void scatter(const HashLevel& level, T* d_table, const GridSamples<T>& at, const T* d_feature0, const T* d_feature1) {
+void scatter(const HashLevel& level, T* d_table, const GridSamples<T>& at, const T* d_feature0,
+             const T* d_feature1) {
   for (int s = 0; s < at.n; ++s) {
     const T position[3] = {at.position.plane(0)[s], at.position.plane(1)[s], at.position.plane(2)[s]};
     const auto corners = grid_corners(level, position, at.slot[static_cast<std::size_t>(s)]);
@@ -165,8 +170,10 @@ void pull_back(const HashLevel& level, const T* table, const GridSamples<T>& at,
       for (unsigned c = 0; c < 8; ++c) {
         T weight = (c >> axis) & 1 ? T(1) : T(-1);
         for (unsigned other = 0; other < 3; ++other)
-          if (other != axis) weight *= (c >> other) & 1 ? corners.fraction[other] : 1 - corners.fraction[other];
-        slope += weight * (d_feature0[s] * table[2 * corners.entry[c]] + d_feature1[s] * table[2 * corners.entry[c] + 1]);
+          if (other != axis)
+            weight *= (c >> other) & 1 ? corners.fraction[other] : 1 - corners.fraction[other];
+        slope += weight * (d_feature0[s] * table[2 * corners.entry[c]] +
+                           d_feature1[s] * table[2 * corners.entry[c] + 1]);
       }
       d_position.plane(static_cast<int>(axis))[s] += slope * static_cast<T>(level.cells[axis]);
     }

@@ -1,7 +1,8 @@
-// A small fully connected network, inputs -> hidden -> hidden -> outputs with rectified hidden layers and a linear
-// head, evaluated on a batch with samples innermost ([width, 1, ld]). All widths are multiples of 4. Weights are
-// row-major [out, in] followed by the bias, layer after layer, in one span, so that the optimiser sees one vector.
-// Scalar type T as in hash_grid.h. The network is read-only while it runs: forward and backward are reentrant.
+// A small fully connected network, inputs -> hidden -> hidden -> outputs with rectified hidden layers and a
+// linear head, evaluated on a batch with samples innermost ([width, 1, ld]). All widths are multiples of 4.
+// Weights are row-major [out, in] followed by the bias, layer after layer, in one span, so that the optimiser
+// sees one vector. Scalar type T as in hash_grid.h. The network is read-only while it runs: forward and
+// backward are reentrant.
 #pragma once
 
 #include <cmath>
@@ -66,12 +67,14 @@ class Mlp {
       : width_{inputs, hidden, hidden, outputs} {
     for (int width : width_) CHECK(width > 0 && width % 4 == 0);
     for (int layer = 0; layer < kLayers; ++layer) {
-      const float bound = std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);
+      const float bound =
+          std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);
       for (int i = 0; i < width_[layer] * width_[layer + 1]; ++i)
         parameters_.push_back(static_cast<T>(random.uniform(-bound, bound)));
       // hidden biases spread the kinks: a unit whose inputs are all zero must not be dead
       for (int o = 0; o < width_[layer + 1]; ++o)
-        parameters_.push_back(layer == kLayers - 1 ? T(0) : static_cast<T>(random.uniform(-kBiasSpread, kBiasSpread)));
+        parameters_.push_back(
+            layer == kLayers - 1 ? T(0) : static_cast<T>(random.uniform(-kBiasSpread, kBiasSpread)));
     }
   }
 
@@ -80,7 +83,9 @@ class Mlp {
   int outputs() const { return width_[kLayers]; }
   std::span<T> parameters() { return parameters_; }
   std::span<const T> parameters() const { return parameters_; }
-  T& head_bias(int output) { return parameters_[offset(kLayers) - static_cast<std::size_t>(outputs() - output)]; }
+  T& head_bias(int output) {
+    return parameters_[offset(kLayers) - static_cast<std::size_t>(outputs() - output)];
+  }
 
   // y [outputs, 1, ld] <- x [inputs, 1, ld] for the first n samples
   void forward(const Image<T>& x, int n, MlpTrace<T>& trace, Image<T>& y) const {
@@ -118,8 +123,8 @@ class Mlp {
       plain::affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
   }
 
-  void pull(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified, std::span<T> d_parameters,
-            Image<T>& d_x) const {
+  void pull(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified,
+            std::span<T> d_parameters, Image<T>& d_x) const {
     const T* w = parameters_.data() + offset(layer);
     T *d_w = d_parameters.data() + offset(layer), *d_b = d_parameters.data() + bias_offset(layer);
     const int in = width_[layer], out = width_[layer + 1], ld = x.cols();

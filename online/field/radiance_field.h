@@ -1,5 +1,5 @@
-// The field as a renderer reads it: the window's frames and the networks over them. Immutable between two steps of the
-// fit. Reentrant to read.
+// The field as a renderer reads it: the window's frames and the networks over them. Immutable between two
+// steps of the fit. Reentrant to read.
 #pragma once
 
 #include "online/field/field.h"

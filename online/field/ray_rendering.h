@@ -1,9 +1,9 @@
-// One ray through the window: what its samples say (RaySamples), the picture they make (RayPicture), and the way back.
-// The gradient of either has the same struct. Scalar type T as in hash_grid.h. Reentrant.
+// One ray through the window: what its samples say (RaySamples), the picture they make (RayPicture), and the
+// way back. The gradient of either has the same struct. Scalar type T as in hash_grid.h. Reentrant.
 #pragma once
 
 #include "online/field/compositing.h"
-#include "online/field/field.h"
+#include "online/field/field_sample.h"
 
 namespace hdrcam {
 
@@ -11,25 +11,25 @@ template <class T>
 struct RaySamples {
   int count = 0;
   bool has_static = true, has_dynamic = true;
-  bool warps = false;                  // towards a neighbour; needs the dynamic branch
+  bool warps = false;  // towards a neighbour; needs the dynamic branch
   Neighbour toward = Neighbour::Next;
   T inverse_depth[kMaxSamples], spacing[kMaxSamples];
   T position[kMaxSamples][3];
   FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
   FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
   FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch where the scene flow leads
-  // how the neighbour's camera sees the sample (pixel, inverse depth): unmoved, and displaced by the scene flow with
-  // d seen / d window point
+  // how the neighbour's camera sees the sample (pixel, inverse depth): unmoved, and displaced by the scene
+  // flow with d seen / d window point
   T landing_still[kMaxSamples][3], landing_moving[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
 };
 
 template <class T>
 struct RayPicture {
   T radiance[3] = {0, 0, 0};
-  T landing[2] = {0, 0};     // pixel of the neighbour where the ray's content is
+  T landing[2] = {0, 0};  // pixel of the neighbour where the ray's content is
   T inverse_depth = 0;
-  T share = 0;               // of the dynamic branch
-  T visible = 0;             // occlusion weight towards the neighbour
+  T share = 0;    // of the dynamic branch
+  T visible = 0;  // occlusion weight towards the neighbour
   T warped_radiance[3] = {0, 0, 0};
 };
 
@@ -58,7 +58,8 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
   RayPicture<T> picture;
   const int n = static_cast<int>(ray.toward);
   for (int k = 0; k < ray.count; ++k) {
-    const T moving = trace.combined.weight[k] * trace.combined.share[k], still = trace.combined.weight[k] - moving;
+    const T moving = trace.combined.weight[k] * trace.combined.share[k],
+            still = trace.combined.weight[k] - moving;
     for (int c = 0; c < 3; ++c)
       picture.radiance[c] += still * ray.still[k].radiance[c] + moving * ray.moving[k].radiance[c];
     picture.inverse_depth += (still + moving) * ray.inverse_depth[k];
@@ -73,27 +74,30 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
   for (int k = 0; k < ray.count; ++k) {
     const T moving = trace.warped.weight[k] * trace.warped.share[k], still = trace.warped.weight[k] - moving;
     for (int c = 0; c < 3; ++c)
-      picture.warped_radiance[c] += still * ray.still_there[k].radiance[c] + moving * ray.warped[k].radiance[c];
+      picture.warped_radiance[c] +=
+          still * ray.still_there[k].radiance[c] + moving * ray.warped[k].radiance[c];
   }
   return picture;
 }
 
 // The way back of set_densities; `dynamic` names the samples whose density went in beside the static one's.
 template <class T>
-void pull_densities(const RaySamples<T>& ray, Blend blend, FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples],
-                    const T (*d_density)[kMaxSamples], RaySamples<T>& d) {
+void pull_densities(const RaySamples<T>& ray, Blend blend,
+                    FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples], const T (*d_density)[kMaxSamples],
+                    RaySamples<T>& d) {
   const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
   for (int k = 0; k < ray.count; ++k) {
     const T v = ray.still[k].blend;
     if (ray.has_static) d.still[k].density += (weighted ? v : T(1)) * d_density[0][k];
     if (ray.has_dynamic) (d.*dynamic)[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
     if (weighted)
-      d.still[k].blend += d_density[0][k] * ray.still[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
+      d.still[k].blend +=
+          d_density[0][k] * ray.still[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
   }
 }
 
-// Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves, d_weight[count].
-// flow_unit[3]: window units per unit of flow.
+// Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves,
+// d_weight[count]. flow_unit[3]: window units per unit of flow.
 template <class T>
 void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, const RayPicture<T>& d_picture,
               const T* d_ray_weight, const T* flow_unit, RaySamples<T>& d) {
@@ -117,7 +121,8 @@ void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, c
         of_still += d_picture.landing[a] * ray.landing_still[k][a];
         of_moving += d_picture.landing[a] * ray.landing_moving[k][a];
         for (int j = 0; j < 3; ++j)
-          d.moving[k].flow[n][j] += w * s * d_picture.landing[a] * ray.landing_jacobian[k][a][j] * flow_unit[j];
+          d.moving[k].flow[n][j] +=
+              w * s * d_picture.landing[a] * ray.landing_jacobian[k][a][j] * flow_unit[j];
       }
     }
     d_weight[k] = d_ray_weight[k] + (1 - s) * of_still + s * of_moving;

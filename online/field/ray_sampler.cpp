@@ -5,7 +5,10 @@
 namespace hdrcam {
 
 PixelPicker::PixelPicker(int rows, int cols)
-    : rows_(rows), cols_(cols), tile_rows_((rows + kTile - 1) / kTile), tile_cols_((cols + kTile - 1) / kTile) {
+    : rows_(rows),
+      cols_(cols),
+      tile_rows_((rows + kTile - 1) / kTile),
+      tile_cols_((cols + kTile - 1) / kTile) {
   const auto tiles = static_cast<std::size_t>(tile_rows_) * static_cast<std::size_t>(tile_cols_);
   interest_.assign(tiles, 0);
   misfit_.assign(tiles, 0);
@@ -37,7 +40,8 @@ void PixelPicker::prepare(float uniform_share) {
   const auto tiles = static_cast<float>(interest_.size());
   float sum = 0;
   for (std::size_t i = 0; i < interest_.size(); ++i) {
-    const float focus = 0.5f * interest_[i] / std::max(interest, 1e-6f) + 0.5f * misfit_[i] / std::max(misfit, 1e-6f);
+    const float focus =
+        0.5f * interest_[i] / std::max(interest, 1e-6f) + 0.5f * misfit_[i] / std::max(misfit, 1e-6f);
     sum += uniform_share / tiles + (1 - uniform_share) * focus;
     cumulative_[i] = sum;
   }

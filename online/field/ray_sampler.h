@@ -1,6 +1,6 @@
-// Where the fit looks: which pixels (where they pay: clipped, disoccluded or badly fitted) and which depths along a ray
-// (around the surface that the last field saw, with some over the whole range). Inverse depth in [0, 1], near first.
-// Thread-compatible.
+// Where the fit looks: which pixels (where they pay: clipped, disoccluded or badly fitted) and which depths
+// along a ray (around the surface that the last field saw, with some over the whole range). Inverse depth in
+// [0, 1], near first. Thread-compatible.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 
 namespace hdrcam {
 
-// Fills inverse_depth[count], near to far, and spacing[count] (optical length, arbitrary unit: 20 over the whole
-// range). jitter in [0, 1) moves each sample within its stratum; 0.5 is the middle.
+// Fills inverse_depth[count], near to far, and spacing[count] (optical length, arbitrary unit: 20 over the
+// whole range). jitter in [0, 1) moves each sample within its stratum; 0.5 is the middle.
 template <class T, class Jitter>
 void place_samples(T guide, int count, Jitter&& jitter, T* inverse_depth, T* spacing) {
   constexpr T kOpticalRange = 20;

@@ -1,5 +1,6 @@
-// Adam (Kingma & Ba 2015) on one vector of parameters. Only entries with a gradient move: most of a hash table is not
-// touched by a step, and its moments must not decay meanwhile. Thread-compatible: distinct vectors on distinct threads.
+// Adam (Kingma & Ba 2015) on one vector of parameters. Only entries with a gradient move: most of a hash
+// table is not touched by a step, and its moments must not decay meanwhile. Thread-compatible: distinct
+// vectors on distinct threads.
 #pragma once
 
 #include <cmath>
@@ -34,14 +35,15 @@ inline AdamStep adam_step(const AdamOptions& options, float rate, float gradient
 }
 
 // Moves the parameters and clears the gradient.
-inline void apply_adam(const AdamStep& step, std::span<float> parameter, std::span<float> gradient, float* mean,
-                       float* variance) {
+inline void apply_adam(const AdamStep& step, std::span<float> parameter, std::span<float> gradient,
+                       float* mean, float* variance) {
   field_kernels().adam(step, parameter.size(), parameter.data(), gradient.data(), mean, variance);
 }
 
 namespace plain {  // the readable twin of the kernel
 
-inline void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient, float* mean, float* variance) {
+inline void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient, float* mean,
+                 float* variance) {
   for (std::size_t i = 0; i < n; ++i) {
     if (gradient[i] == 0) continue;
     const float g = gradient[i] * step.gradient_scale;

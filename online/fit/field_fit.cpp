@@ -23,13 +23,15 @@ FieldShape shape_of(const FieldOptions& options, int rows, int cols) {
   return shape;
 }
 
-RadianceField start_field(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, Pcg32& random) {
+RadianceField start_field(const FieldOptions& options, const Intrinsics& camera, int rows, int cols,
+                          Pcg32& random) {
   return {Window(frustum_of(options, camera, rows, cols), options.window),
           FieldNetworks<float>(shape_of(options, rows, cols), random), options.samples_per_ray, true};
 }
 
 // A grid in the new anchor's window from the same grid in the old one's.
-void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor, const ViewGeometry<double>& moved) {
+void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
+                const ViewGeometry<double>& moved) {
   for (int l = 0; l < grid.shape().levels; ++l) {
     const HashLevel& level = grid.level(l);
     const std::span<float> table = grid.table(l);
@@ -44,17 +46,19 @@ void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor, c
       for (int k = 0; k < vertices[2]; ++k)
         for (int j = 0; j < vertices[1]; ++j)
           for (int i = 0; i < vertices[0]; ++i) {
-            const double at[3] = {i / static_cast<double>(level.cells[0]), j / static_cast<double>(level.cells[1]),
+            const double at[3] = {i / static_cast<double>(level.cells[0]),
+                                  j / static_cast<double>(level.cells[1]),
                                   k / static_cast<double>(level.cells[2])};
             // a window point of the new anchor is a pixel and an inverse depth of its camera
             double pixel[3], x[3];
             old_anchor.project(at, pixel, nullptr);
             moved.place(pixel, old_anchor.inverse_depth(at[2]), x);
-            const float position[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
+            const float position[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]),
+                                       static_cast<float>(x[2])};
             const auto corners = grid_corners(level, position, slot);
-            const std::size_t entry = static_cast<std::size_t>(slot) * level.entries +
-                                      static_cast<std::size_t>(i) + static_cast<std::size_t>(j) * level.stride[1] +
-                                      static_cast<std::size_t>(k) * level.stride[2];
+            const std::size_t entry =
+                static_cast<std::size_t>(slot) * level.entries + static_cast<std::size_t>(i) +
+                static_cast<std::size_t>(j) * level.stride[1] + static_cast<std::size_t>(k) * level.stride[2];
             for (std::size_t f = 0; f < 2; ++f) {
               float value = 0;
               for (int c = 0; c < 8; ++c) value += corners.weight[c] * before[2 * corners.entry[c] + f];
@@ -87,7 +91,8 @@ void FieldFit::Optimised::restore() {
   table_variance.fill(0);
 }
 
-FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, WorkerPool& pool)
+FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols,
+                   WorkerPool& pool)
     : options_(options),
       pool_(pool),
       random_(options.seed),
@@ -125,7 +130,8 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
     pickers_[static_cast<std::size_t>(window.frame(i).slot)].prepare(options_.uniform_share);
   if (window.anchor_is_stale()) reanchor();
   field_.has_dynamic = window.has_motion();
-  field_.samples_per_ray = window.has_parallax() ? options_.samples_per_ray : options_.samples_without_parallax;
+  field_.samples_per_ray =
+      window.has_parallax() ? options_.samples_per_ray : options_.samples_without_parallax;
   still_.keep();
   moving_.keep();
   return {};
@@ -135,9 +141,10 @@ StepReport FieldFit::step() {
   StepReport report;
   if (field_.window.size() == 0) return report;
   draw_rays();
-  const StepSetting<float> setting{field_.networks, field_.window, response_, options_.losses,
-                                   field_.samples_per_ray, true, field_.has_dynamic, options_.fits_response,
-                                   1.f / static_cast<float>(options_.rays_per_step)};
+  const StepSetting<float> setting{
+      field_.networks,    field_.window,          response_,
+      options_.losses,    field_.samples_per_ray, true,
+      field_.has_dynamic, options_.fits_response, 1.f / static_cast<float>(options_.rays_per_step)};
   const long number = health_.counts().steps;
   pool_.for_each(static_cast<int>(shards_.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
@@ -162,7 +169,8 @@ StepReport FieldFit::step() {
         moving_.restore();
       }
       break;
-    case StepVerdict::Skipped: break;
+    case StepVerdict::Skipped:
+      break;
   }
   for (std::size_t s = 0; s < shards_.size(); ++s)
     for (std::size_t r = 0; r < kRaysPerShard; ++r) {
@@ -226,8 +234,10 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
   float landing[3];
   ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, landing, nullptr);
   for (int a = 0; a < 2; ++a) ray.flow_prior[a] = landing[a];
-  const auto cols = static_cast<float>(window.frustum().cols), rows = static_cast<float>(window.frustum().rows);
-  ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols && ray.flow_prior[1] < rows;
+  const auto cols = static_cast<float>(window.frustum().cols),
+             rows = static_cast<float>(window.frustum().rows);
+  ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols &&
+              ray.flow_prior[1] < rows;
   ray.flow_confidence = base[kBaseConfidence + n];
 }
 
@@ -237,7 +247,8 @@ double FieldFit::reduce(StepReport& report) {
   for (auto& channel : d_response_) channel.fill(0);
   for (Optimised* part : {&still_, &moving_}) std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
   for (RayShard<float>& shard : shards_) {
-    for (std::size_t i = 0; i < report.losses.size(); ++i) report.losses[i] += static_cast<double>(shard.losses()[i]);
+    for (std::size_t i = 0; i < report.losses.size(); ++i)
+      report.losses[i] += static_cast<double>(shard.losses()[i]);
     for (std::size_t i = 0; i < still_.d_network.size(); ++i) still_.d_network[i] += shard.d_static()[i];
     for (std::size_t i = 0; i < moving_.d_network.size(); ++i) moving_.d_network[i] += shard.d_dynamic()[i];
     energy += shard.feature_energy();
@@ -246,9 +257,9 @@ double FieldFit::reduce(StepReport& report) {
       for (std::size_t j = 0; j < d_response_[c].size(); ++j) d_response_[c][j] += shard.d_response()[c][j];
   }
   if (options_.fits_response)
-    report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] = static_cast<double>(
-        response_smoothness_loss(options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)], response_,
-                                 d_response_));
+    report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] =
+        static_cast<double>(response_smoothness_loss(
+            options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)], response_, d_response_));
   report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
   for (const Optimised* part : {&still_, &moving_})
     for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
@@ -270,7 +281,8 @@ void FieldFit::apply(float gradient_scale) {
     apply_adam(table_step, grid.table(level), grid.d_table(level), part.table_mean.plane(level),
                part.table_variance.plane(level));
   });
-  const AdamStep network_step = adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
+  const AdamStep network_step =
+      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
   for (Optimised* part : {&still_, &moving_})
     apply_adam(network_step, part->branch.mlp.parameters(), part->d_network, part->network.mean.data(),
                part->network.variance.data());
@@ -288,8 +300,8 @@ void FieldFit::apply_response(float gradient_scale) {
   response_.rebuild();
 }
 
-// The depth that the networks have learned for the newest frame becomes the guide of its rays and, carried along the
-// flow, of the next frame's.
+// The depth that the networks have learned for the newest frame becomes the guide of its rays and, carried
+// along the flow, of the next frame's.
 void FieldFit::refresh_guide() {
   Window& window = field_.window;
   if (window.size() == 0 || !window.has_parallax()) return;
@@ -304,16 +316,20 @@ void FieldFit::refresh_guide() {
         rays[i] = {{static_cast<float>((x0 + i) * kGuideStep) + kGuideStep / 2.f,
                     static_cast<float>(y * kGuideStep) + kGuideStep / 2.f},
                    frame.guide.at(0, y, x0 + i)};
-      probe_.look(field_, view, {rays, static_cast<std::size_t>(count)}, {answers, static_cast<std::size_t>(count)});
-      for (int i = 0; i < count; ++i) frame.guide.at(0, y, x0 + i) = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
+      probe_.look(field_, view, {rays, static_cast<std::size_t>(count)},
+                  {answers, static_cast<std::size_t>(count)});
+      for (int i = 0; i < count; ++i)
+        frame.guide.at(0, y, x0 + i) = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
     }
 }
 
-// Moves the anchor to the newest frame. What the grids know is taken along level by level: a dense level is looked up
-// anew at the place where each of its vertices was; hashed levels, which cannot be enumerated, start at zero.
+// Moves the anchor to the newest frame. What the grids know is taken along level by level: a dense level is
+// looked up anew at the place where each of its vertices was; hashed levels, which cannot be enumerated,
+// start at zero.
 void FieldFit::reanchor() {
   const PoseMatrix T_old_new = inverse(field_.window.move_anchor());
-  const ViewGeometry<double> old_anchor(field_.window.frustum(), kIdentityPose), moved(field_.window.frustum(), T_old_new);
+  const ViewGeometry<double> old_anchor(field_.window.frustum(), kIdentityPose),
+      moved(field_.window.frustum(), T_old_new);
   for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved);
   ++health_.counts().anchors_moved;
 }

@@ -1,7 +1,7 @@
-// The fit of the window's field to the stream: observe() takes the next frame into the window, step() takes one Adam step
-// on a few hundred rays. The field starts from the state's picture (window.h), so any number of steps, also none, leaves
-// something that can be rendered. Deterministic: the same frames and seed give the same bytes for any number of threads.
-// No allocation after the first frame. Thread-bound.
+// The fit of the window's field to the stream: observe() takes the next frame into the window, step() takes
+// one Adam step on a few hundred rays. The field starts from the state's picture (window.h), so any number of
+// steps, also none, leaves something that can be rendered. Deterministic: the same frames and seed give the
+// same bytes for any number of threads. No allocation after the first frame. Thread-bound.
 #pragma once
 
 #include "hal/core/worker_pool.h"
@@ -23,8 +23,8 @@ class FieldFit {
  public:
   FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, WorkerPool& pool);
 
-  // response: current estimate, as of this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
-  // (window.h); the field is unchanged then.
+  // response: current estimate, as of this frame; ignored once the fit refines its own. Errors: Invalid,
+  // BadExposure (window.h); the field is unchanged then.
   Result<void> observe(const FieldObservation& seen, const Response& response);
   // One step. Needs a frame; with an empty window it does nothing.
   StepReport step();
@@ -42,7 +42,7 @@ class FieldFit {
     AdamMoments network;
     Image<float> table_mean, table_variance;
     std::vector<float> d_network;
-    Image<float> kept_tables;            // last good copy
+    Image<float> kept_tables;  // last good copy
     std::vector<float> kept_network;
 
     explicit Optimised(Branch<float>& b);

@@ -1,5 +1,6 @@
-// Watches the fit: a step whose loss or gradient is not finite is not taken, a loss that explodes sends the parameters
-// back to their last good copy, an outlier gradient is scaled down. Everything is counted, nothing is hidden. Value type.
+// Watches the fit: a step whose loss or gradient is not finite is not taken, a loss that explodes sends the
+// parameters back to their last good copy, an outlier gradient is scaled down. Everything is counted, nothing
+// is hidden. Value type.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,7 @@ enum class StepVerdict {
 };
 
 struct FitCounts {
-  long steps = 0;            // asked for
+  long steps = 0;  // asked for
   long skipped = 0, rolled_back = 0, clipped = 0, restarted = 0;
   long without_dynamic = 0;  // steps that had no need of the dynamic branch
   long anchors_moved = 0;

@@ -1,8 +1,8 @@
-// The camera response as the fit sees it: relative exposure x = E/E_ref * L -> value 0..1, one curve per channel,
-// piecewise linear on 256 points, monotone by construction (softplus increments), g(0) = 0 and g(1) = 1. The points are
-// uniform in sqrt(x): with uniform x the first segment of a gamma-like curve would cover its twenty darkest codes.
-// Outside [0, 1] it leaks (paper, appendix "Tone-mapping"): a x below, 1 + a - a / sqrt(x) above, a = 0.01.
-// Scalar type T as in ../field/hash_grid.h. Reading is reentrant.
+// The camera response as the fit sees it: relative exposure x = E/E_ref * L -> value 0..1, one curve per
+// channel, piecewise linear on 256 points, monotone by construction (softplus increments), g(0) = 0 and g(1)
+// = 1. The points are uniform in sqrt(x): with uniform x the first segment of a gamma-like curve would cover
+// its twenty darkest codes. Outside [0, 1] it leaks (paper, appendix "Tone-mapping"): a x below, 1 + a - a /
+// sqrt(x) above, a = 0.01. Scalar type T as in ../field/hash_grid.h. Reading is reentrant.
 #pragma once
 
 #include <array>
@@ -54,7 +54,8 @@ class LearnedResponse {
     gradient[index(channel)][index(at.segment + 1)] += d_value * at.fraction;
   }
 
-  // d increment [3][kSegments] from d point: point_j = sum_{i<j} softplus(increment_i) / sum_i softplus(increment_i)
+  // d increment [3][kSegments] from d point: point_j = sum_{i<j} softplus(increment_i) / sum_i
+  // softplus(increment_i)
   void pull(const Gradient& d_point, std::array<std::array<T, kSegments>, 3>& d_increment) const {
     for (std::size_t c = 0; c < 3; ++c) {
       T total = 0, mean = 0, suffix = 0;

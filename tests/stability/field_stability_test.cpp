@@ -38,7 +38,8 @@ struct Stream {
   }
   void check(double time_s) {
     renderer.render(fit.field(), {kIdentityPose, time_s, 2}, view);
-    for (const Image<float>* plane : {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
+    for (const Image<float>* plane :
+         {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
       for (float v : plane->samples()) REQUIRE(std::isfinite(v));
     for (float v : view.radiance.samples()) REQUIRE(v >= 0);
   }
@@ -79,7 +80,8 @@ TEST_CASE("the field survives one moving pixel", "[stability]") {
   stream.run(8, 10, [&](int i, FieldObservation&) {
     stream.uniform(100, 0.1f, 1e-4f);
     stream.scene.to_previous.vectors.fill(0), stream.scene.from_previous.vectors.fill(0);
-    for (int c = 0; c < 3; ++c) stream.scene.radiance.at(c, 10, 10 + i) = 50, stream.scene.codes.at(c, 10, 10 + i) = 255;
+    for (int c = 0; c < 3; ++c)
+      stream.scene.radiance.at(c, 10, 10 + i) = 50, stream.scene.codes.at(c, 10, 10 + i) = 255;
     stream.scene.to_previous.vectors.at(0, 10, 10 + i) = -1;
   });
 }
@@ -88,7 +90,8 @@ TEST_CASE("the field survives poses without parallax", "[stability]") {
   Stream stream;
   stream.run(10, 5, [](int i, FieldObservation& seen) {
     const double turn = 0.05 * i;  // rotation only
-    seen.T_world_camera = {std::cos(turn), 0, std::sin(turn), 0, 0, 1, 0, 0, -std::sin(turn), 0, std::cos(turn), 0};
+    seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), 0, 0, 1, 0, 0,
+                           -std::sin(turn), 0, std::cos(turn), 0};
   });
   CHECK_FALSE(stream.fit.field().window.has_parallax());
 }
@@ -97,7 +100,8 @@ TEST_CASE("a camera that turns right round does not break the field", "[stabilit
   Stream stream;
   stream.run(12, 3, [](int i, FieldObservation& seen) {
     const double turn = 0.6 * i;
-    seen.T_world_camera = {std::cos(turn), 0, std::sin(turn), i * 0.3, 0, 1, 0, 0, -std::sin(turn), 0, std::cos(turn), 1.0 * i};
+    seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), i * 0.3, 0, 1, 0, 0,
+                           -std::sin(turn), 0, std::cos(turn), 1.0 * i};
   });
 }
 
@@ -106,7 +110,8 @@ TEST_CASE("a view behind the scene or at the edge of time is finite", "[stabilit
   stream.run(5, 5, [](int, FieldObservation&) {});
   for (double time_s : {-100.0, 0.0, 1.5 / 30, 4.0 / 30, 4.49 / 30, 1e9}) {
     stream.check(time_s);
-    stream.renderer.render(stream.fit.field(), {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -3}, time_s, 4}, stream.view);
+    stream.renderer.render(stream.fit.field(), {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -3}, time_s, 4},
+                           stream.view);
     for (float v : stream.view.radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   }
 }
@@ -118,7 +123,8 @@ TEST_CASE("what is not a number never reaches the fit", "[stability]") {
   stream.run(6, 5, [&](int i, FieldObservation& seen) {
     Pcg32 random(static_cast<std::uint64_t>(i));
     const auto strew = [&](Image<float>& picture) {
-      for (int k = 0; k < 40; ++k) picture.samples()[static_cast<std::size_t>(random.below(static_cast<int>(picture.size())))] = bad;
+      for (int k = 0; k < 40; ++k)
+        picture.samples()[static_cast<std::size_t>(random.below(static_cast<int>(picture.size())))] = bad;
     };
     strew(stream.scene.codes), strew(stream.scene.radiance), strew(stream.scene.variance);
     strew(stream.scene.to_previous.vectors), strew(stream.scene.from_previous.confidence);
@@ -135,7 +141,8 @@ TEST_CASE("huge and tiny densities stay finite", "[stability]") {
   Composite<double> ray;
   ray.count = 5;
   double spacing[5] = {4, 4, 0, 4, 1}, d_weight[5] = {1, -2, 3, -4, 5}, d_share[5] = {1, 1, 1, 1, 1};
-  for (int k = 0; k < 5; ++k) ray.density[0][k] = bounded_exp(bias, 12.0), ray.density[1][k] = bounded_exp(-bias, 12.0);
+  for (int k = 0; k < 5; ++k)
+    ray.density[0][k] = bounded_exp(bias, 12.0), ray.density[1][k] = bounded_exp(-bias, 12.0);
   composite_ray(spacing, ray);
   double sum = 0, d_density[2][kMaxSamples];
   for (int k = 0; k < 5; ++k) sum += ray.weight[k];

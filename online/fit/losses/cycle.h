@@ -1,5 +1,5 @@
-// Scene flow cycle consistency (paper appendix, L_cyc): w |f_{i->j}(x) + f_{j->i}(x + f_{i->j}(x))|, flow in pixels of
-// the anchor, w the sample's occlusion weight. Reentrant.
+// Scene flow cycle consistency (paper appendix, L_cyc): w |f_{i->j}(x) + f_{j->i}(x + f_{i->j}(x))|, flow in
+// pixels of the anchor, w the sample's occlusion weight. Reentrant.
 #pragma once
 
 #include "online/fit/losses/robust.h"

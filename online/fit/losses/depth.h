@@ -1,6 +1,6 @@
-// Depth prior (paper appendix, L_depth) on rendered inverse depth. The paper normalises scale and shift per picture; here
-// the prior must come aligned to the window's units, because a stream's scale must not change from frame to frame.
-// Reentrant.
+// Depth prior (paper appendix, L_depth) on rendered inverse depth. The paper normalises scale and shift per
+// picture; here the prior must come aligned to the window's units, because a stream's scale must not change
+// from frame to frame. Reentrant.
 #pragma once
 
 #include "online/fit/losses/robust.h"

@@ -1,5 +1,5 @@
-// Flow loss (paper appendix, L_flow): the pixel of neighbour j where the rendered scene flow takes a ray, against the
-// pixel where the flow prior takes it, in pixels. Reentrant.
+// Flow loss (paper appendix, L_flow): the pixel of neighbour j where the rendered scene flow takes a ray,
+// against the pixel where the flow prior takes it, in pixels. Reentrant.
 #pragma once
 
 #include "online/fit/losses/robust.h"

@@ -1,4 +1,5 @@
-// Response smoothness (paper appendix, L_smooth): squared second differences of the curve's points. Reentrant.
+// Response smoothness (paper appendix, L_smooth): squared second differences of the curve's points.
+// Reentrant.
 #pragma once
 
 #include "online/fit/learned_response.h"

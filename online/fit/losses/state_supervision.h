@@ -1,4 +1,5 @@
-// Supervision by the state: rendered log radiance against the state's, as far as the state is sure. Reentrant.
+// Supervision by the state: rendered log radiance against the state's, as far as the state is sure.
+// Reentrant.
 #pragma once
 
 #include "online/fit/losses/robust.h"

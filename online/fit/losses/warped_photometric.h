@@ -1,6 +1,6 @@
-// Warped photometric loss (paper eq. "hdr_nsff_photometric_loss"): the picture of frame i rendered from neighbour j's
-// dynamic branch at the points displaced by the scene flow, compared to frame i's codes with frame i's exposure. It is
-// weighted by the rendered occlusion weight (occlusion.h). Reentrant.
+// Warped photometric loss (paper eq. "hdr_nsff_photometric_loss"): the picture of frame i rendered from
+// neighbour j's dynamic branch at the points displaced by the scene flow, compared to frame i's codes with
+// frame i's exposure. It is weighted by the rendered occlusion weight (occlusion.h). Reentrant.
 #pragma once
 
 #include "online/fit/losses/photometric.h"

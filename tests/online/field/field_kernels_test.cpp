@@ -49,8 +49,10 @@ TEST_CASE("a grid level encodes, scatters and differentiates like its readable t
   Grid it;
   for (int l = 0; l < 5; ++l) {
     INFO("level " << l << (it.grid.level(l).dense ? ", dense" : ", hashed"));
-    const GridQuery query{{it.position.plane(0), it.position.plane(1), it.position.plane(2)}, it.slot.data(), kSamples};
-    const float *table = it.grid.table(l).data(), *d0 = it.d_features.plane(2 * l), *d1 = it.d_features.plane(2 * l + 1);
+    const GridQuery query{
+        {it.position.plane(0), it.position.plane(1), it.position.plane(2)}, it.slot.data(), kSamples};
+    const float *table = it.grid.table(l).data(), *d0 = it.d_features.plane(2 * l),
+                *d1 = it.d_features.plane(2 * l + 1);
 
     std::vector<float> fast(2 * kSamples), slow(2 * kSamples);
     field_kernels().encode(it.grid.level(l), table, query, fast.data(), fast.data() + kSamples);
@@ -94,18 +96,21 @@ TEST_CASE("the matrix kernels agree with their readable twins", "[field][kernels
 
     Image<float> y_fast(out, 1, kSamples), y_slow(out, 1, kSamples);
     for (bool relu : {true, false}) {
-      field_kernels().affine(w.data(), b.data(), x.plane(0), kSamples, kSamples, in, out, relu, y_fast.plane(0));
+      field_kernels().affine(w.data(), b.data(), x.plane(0), kSamples, kSamples, in, out, relu,
+                             y_fast.plane(0));
       plain::affine(w.data(), b.data(), x.plane(0), kSamples, kSamples, in, out, relu, y_slow.plane(0));
       require_same(y_fast.samples(), y_slow.samples(), 1e-4f);
     }
     Image<float> x_fast(in, 1, kSamples), x_slow(in, 1, kSamples);
     for (const float* active : {x.plane(0), static_cast<const float*>(nullptr)}) {
-      field_kernels().affine_transposed(w.data(), dy.plane(0), kSamples, kSamples, in, out, active, x_fast.plane(0));
+      field_kernels().affine_transposed(w.data(), dy.plane(0), kSamples, kSamples, in, out, active,
+                                        x_fast.plane(0));
       plain::affine_transposed(w.data(), dy.plane(0), kSamples, kSamples, in, out, active, x_slow.plane(0));
       require_same(x_fast.samples(), x_slow.samples(), 1e-4f);
     }
     std::vector<float> dw_fast(w.size()), dw_slow(w.size()), db_fast(b.size()), db_slow(b.size());
-    field_kernels().outer(dy.plane(0), x.plane(0), kSamples, kSamples, in, out, dw_fast.data(), db_fast.data());
+    field_kernels().outer(dy.plane(0), x.plane(0), kSamples, kSamples, in, out, dw_fast.data(),
+                          db_fast.data());
     plain::outer(dy.plane(0), x.plane(0), kSamples, kSamples, in, out, dw_slow.data(), db_slow.data());
     require_same(dw_fast, dw_slow, 1e-3f);
     require_same(db_fast, db_slow, 1e-3f);

@@ -41,7 +41,8 @@ double log_error(const MovingScene& scene, const FieldView& view, int i, bool on
     for (int y = 0; y < scene.rows; ++y)
       for (int x = 0; x < scene.cols; ++x) {
         if (only_square && !scene.on_square(i, y, x)) continue;
-        sum += std::abs(std::log(static_cast<double>(view.radiance.at(c, y, x)) / static_cast<double>(scene.truth(i, c, y, x))));
+        sum += std::abs(std::log(static_cast<double>(view.radiance.at(c, y, x)) /
+                                 static_cast<double>(scene.truth(i, c, y, x))));
         ++count;
       }
   return sum / count;

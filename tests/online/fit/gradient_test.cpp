@@ -33,16 +33,18 @@ struct Bench {
 
   explicit Bench(Blend blend = Blend::DensitySum)
       : networks(small_shape(blend), random), shard(networks, kRays, kSamples) {
-    // away from the start, where residuals are nearly zero, many gradients vanish, and a unit whose inputs are all off
-    // sits exactly on the kink of its rectifier
+    // away from the start, where residuals are nearly zero, many gradients vanish, and a unit whose inputs
+    // are all off sits exactly on the kink of its rectifier
     for (auto* branch : {&networks.still, &networks.moving}) {
       for (double& value : branch->grid.tables().samples()) value *= 60;
-      for (double& value : branch->mlp.parameters()) value = 2 * value + static_cast<double>(random.uniform(-0.1f, 0.1f));
+      for (double& value : branch->mlp.parameters())
+        value = 2 * value + static_cast<double>(random.uniform(-0.1f, 0.1f));
     }
   }
 
   double loss() {
-    StepSetting<double> step{networks, scene.window, response, weights, kSamples, has_static, has_dynamic, true, 1.0 / kRays};
+    StepSetting<double> step{networks,   scene.window, response, weights,    kSamples,
+                             has_static, has_dynamic,  true,     1.0 / kRays};
     shard.run(step, rays, Pcg32(9));
     double sum = 0;
     for (double value : shard.losses()) sum += value;
@@ -55,12 +57,14 @@ struct Bench {
         std::fill(branch->grid.d_table(l).begin(), branch->grid.d_table(l).end(), 0.0);
     loss();
     for (int l = 0; l < networks.still.grid.shape().levels; ++l) shard.scatter_static(l, networks.still.grid);
-    for (int l = 0; l < networks.moving.grid.shape().levels; ++l) shard.scatter_dynamic(l, networks.moving.grid);
+    for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
+      shard.scatter_dynamic(l, networks.moving.grid);
   }
 
   // Along the gradient and along two random directions.
   void check(std::span<double> parameters, std::span<const double> gradient) {
-    const std::vector<double> start(parameters.begin(), parameters.end()), slope(gradient.begin(), gradient.end());
+    const std::vector<double> start(parameters.begin(), parameters.end()),
+        slope(gradient.begin(), gradient.end());
     Pcg32 chance(21);
     for (int trial = 0; trial < 3; ++trial) {
       std::vector<double> direction = slope;
@@ -92,10 +96,12 @@ struct Bench {
     SECTION("static network") { check(networks.still.mlp.parameters(), d_static); }
     SECTION("dynamic network") { check(networks.moving.mlp.parameters(), d_dynamic); }
     SECTION("static tables") {
-      for (int l = 0; l < networks.still.grid.shape().levels; ++l) check(networks.still.grid.table(l), networks.still.grid.d_table(l));
+      for (int l = 0; l < networks.still.grid.shape().levels; ++l)
+        check(networks.still.grid.table(l), networks.still.grid.d_table(l));
     }
     SECTION("dynamic tables") {
-      for (int l = 0; l < networks.moving.grid.shape().levels; ++l) check(networks.moving.grid.table(l), networks.moving.grid.d_table(l));
+      for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
+        check(networks.moving.grid.table(l), networks.moving.grid.d_table(l));
     }
   }
 };
@@ -109,10 +115,10 @@ double norm(std::span<const double> values) {
 }  // namespace
 
 TEST_CASE("each loss term has the gradient that finite differences find", "[field][gradient]") {
-  const auto term = GENERATE(LossTerm::Combined, LossTerm::Warped, LossTerm::Occlusion, LossTerm::Flow, LossTerm::Depth,
-                             LossTerm::Cycle, LossTerm::SpatialSmoothness, LossTerm::TemporalSmoothness,
-                             LossTerm::MinimalFlow, LossTerm::State, LossTerm::Consistency, LossTerm::BlendEntropy,
-                             LossTerm::Distortion);
+  const auto term = GENERATE(LossTerm::Combined, LossTerm::Warped, LossTerm::Occlusion, LossTerm::Flow,
+                             LossTerm::Depth, LossTerm::Cycle, LossTerm::SpatialSmoothness,
+                             LossTerm::TemporalSmoothness, LossTerm::MinimalFlow, LossTerm::State,
+                             LossTerm::Consistency, LossTerm::BlendEntropy, LossTerm::Distortion);
   Bench bench;
   bench.weights[static_cast<std::size_t>(term)] = 1;
   INFO("loss term " << kLosses[static_cast<std::size_t>(term)].name);
@@ -187,5 +193,6 @@ TEST_CASE("the learned response starts as the response it is given and stays mon
     for (double& increment : channel) increment = static_cast<double>(chance.uniform(-30, 30));
   learned.rebuild();
   for (int c = 0; c < 3; ++c)
-    for (int j = 1; j < LearnedResponse<double>::kPoints; ++j) CHECK(learned.point(c, j) >= learned.point(c, j - 1));
+    for (int j = 1; j < LearnedResponse<double>::kPoints; ++j)
+      CHECK(learned.point(c, j) >= learned.point(c, j - 1));
 }

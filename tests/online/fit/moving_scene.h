@@ -1,5 +1,5 @@
-// A small stream for the fit: a textured wall, a bright square that may move, a cycle of exposures. The truth is known,
-// so that the state can be given exactly, with noise or not at all. Deterministic.
+// A small stream for the fit: a textured wall, a bright square that may move, a cycle of exposures. The truth
+// is known, so that the state can be given exactly, with noise or not at all. Deterministic.
 #pragma once
 
 #include <cmath>
@@ -21,15 +21,17 @@ struct MovingScene {
 
   bool on_square(int i, int y, int x) const {
     const float left = 4 + speed_px * static_cast<float>(i % 20);
-    return static_cast<float>(x) >= left && static_cast<float>(x) < left + kSquare && y >= 8 && y < 8 + kSquare;
+    return static_cast<float>(x) >= left && static_cast<float>(x) < left + kSquare && y >= 8 &&
+           y < 8 + kSquare;
   }
   float truth(int i, int c, int y, int x) const {
     if (on_square(i, y, x)) return 1.5f + 0.2f * static_cast<float>(c);
-    return 0.2f + 0.15f * std::sin(0.9f * static_cast<float>(x) + static_cast<float>(c)) * std::cos(0.7f * static_cast<float>(y));
+    return 0.2f + 0.15f * std::sin(0.9f * static_cast<float>(x) + static_cast<float>(c)) *
+                      std::cos(0.7f * static_cast<float>(y));
   }
 
-  // The frame with a state of standard deviation `sigma` in log radiance; pixels clipped in this frame are unseen if
-  // `forgetful`.
+  // The frame with a state of standard deviation `sigma` in log radiance; pixels clipped in this frame are
+  // unseen if `forgetful`.
   FieldObservation frame(int i, float sigma = 0.05f, bool forgetful = false) {
     codes.reshape(3, rows, cols), radiance.reshape(3, rows, cols), variance.reshape(3, rows, cols);
     const float exposure = exposures[static_cast<std::size_t>(i) % exposures.size()];

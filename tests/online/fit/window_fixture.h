@@ -1,5 +1,5 @@
-// A small window with everything in it that the field can meet: poses, moving base flow, gates between 0 and 1, clipped
-// and missing values. Deterministic.
+// A small window with everything in it that the field can meet: poses, moving base flow, gates between 0 and
+// 1, clipped and missing values. Deterministic.
 #pragma once
 
 #include <cmath>
@@ -43,7 +43,9 @@ struct WindowFixture {
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < rows; ++y)
         for (int x = 0; x < cols; ++x) {
-          const float light = std::exp2(2 * std::sin(0.7f * static_cast<float>(x + i)) * std::cos(0.5f * static_cast<float>(y + c)) - 1.5f);
+          const float light = std::exp2(2 * std::sin(0.7f * static_cast<float>(x + i)) *
+                                            std::cos(0.5f * static_cast<float>(y + c)) -
+                                        1.5f);
           radiance.at(c, y, x) = light * random.uniform(0.8f, 1.2f);
           variance.at(c, y, x) = random.below(5) == 0 ? 2e9f : light * light * random.uniform(0.001f, 0.2f);
           codes.at(c, y, x) = 255 * std::min(1.f, std::pow(light * exposure, 1 / 2.2f));
@@ -57,7 +59,7 @@ struct WindowFixture {
     if (i > 0) seen.to_previous = &to_previous, seen.from_previous = &from_previous;
     if (poses) {
       const double turn = 0.02 * i;
-      seen.T_world_camera = {std::cos(turn), 0, std::sin(turn), 0.05 * i, 0, 1, 0, -0.02 * i,
+      seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), 0.05 * i, 0, 1, 0, -0.02 * i,
                              -std::sin(turn), 0, std::cos(turn), 0.03 * i};
     }
     return seen;
@@ -70,8 +72,11 @@ struct WindowFixture {
     for (int r = 0; r < count; ++r) {
       TrainingRay ray;
       ray.frame = random.below(window.size());
-      for (int a = 0; a < 2; ++a) ray.pixel[a] = random.uniform(1.f, static_cast<float>(a == 0 ? cols : rows) - 1);
-      ray.toward = ray.frame == 0 || (ray.frame + 1 < window.size() && random.below(2) == 0) ? Neighbour::Next : Neighbour::Previous;
+      for (int a = 0; a < 2; ++a)
+        ray.pixel[a] = random.uniform(1.f, static_cast<float>(a == 0 ? cols : rows) - 1);
+      ray.toward = ray.frame == 0 || (ray.frame + 1 < window.size() && random.below(2) == 0)
+                       ? Neighbour::Next
+                       : Neighbour::Previous;
       ray.warps = random.below(8) != 0;
       ray.guide = random.uniform(0.1f, 0.8f);
       ray.sharpness = random.uniform(0.5f, 1);
