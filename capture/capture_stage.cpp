@@ -9,13 +9,15 @@ namespace {
 
 std::array<Exposure, ExposureSchedule::kMaxSlots> exposures_of(const ExposureSchedule& schedule) {
   std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
-  for (int i = 0; i < schedule.slots(); ++i) exposures[static_cast<std::size_t>(i)] = schedule.slot(i).exposure;
+  for (int i = 0; i < schedule.slots(); ++i)
+    exposures[static_cast<std::size_t>(i)] = schedule.slot(i).exposure;
   return exposures;
 }
 
 constexpr int kMostDelay = DelayCalibration::kMaxDelay;  // frames
 
-std::span<const Exposure> first(const std::array<Exposure, ExposureSchedule::kMaxSlots>& exposures, int count) {
+std::span<const Exposure> first(const std::array<Exposure, ExposureSchedule::kMaxSlots>& exposures,
+                                int count) {
   return {exposures.data(), static_cast<std::size_t>(count)};
 }
 
@@ -30,19 +32,28 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' does not let its exposure be set; choose a camera that does", offers.id)};
   for (const auto& delays : {options.delays, offers.delays})
-    if (delays && (std::min(delays->exposure, delays->gain) < 0 || std::max(delays->exposure, delays->gain) > kMostDelay))
-      return Error{ErrorCode::Invalid, fmt::format("control delays of {} and {} frames cannot be; they are 0 to {}",
-                                                   delays->exposure, delays->gain, kMostDelay)};
+    if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
+                   std::max(delays->exposure, delays->gain) > kMostDelay))
+      return Error{ErrorCode::Invalid,
+                   fmt::format("control delays of {} and {} frames cannot be; they are 0 to {}",
+                               delays->exposure, delays->gain, kMostDelay)};
   if (strobe != nullptr && !strobe->capabilities().input)
-    return Error{ErrorCode::Unsupported, "the strobe line is an output; set sync.line to one that sees edges"};
+    return Error{ErrorCode::Unsupported,
+                 "the strobe line is an output; set sync.line to one that sees edges"};
   const auto schedule = TRY(ExposureSchedule::create(cycle, offers, mode.frame_duration, mains));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
 }
 
-CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOptions& options, const StreamMode& mode,
-                           const ExposureSchedule& schedule, Mains mains)
-    : camera_(camera), strobe_(strobe), options_(options), mode_(mode), codes_(codes_of(mode.format)),
-      schedule_(schedule), mains_(mains), sensor_(known_sensor(camera.capabilities().model)),
+CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOptions& options,
+                           const StreamMode& mode, const ExposureSchedule& schedule, Mains mains)
+    : camera_(camera),
+      strobe_(strobe),
+      options_(options),
+      mode_(mode),
+      codes_(codes_of(mode.format)),
+      schedule_(schedule),
+      mains_(mains),
+      sensor_(known_sensor(camera.capabilities().model)),
       photometer_(first_response()) {
   collect_warnings();
 }
@@ -77,12 +88,15 @@ void CaptureStage::collect_warnings() {
   const CameraCapabilities& offers = camera_.capabilities();
   for (int i = 0; i < schedule_.slots(); ++i)
     if (schedule_.slot(i).flickers)
-      warnings_.push_back(fmt::format("shutter {} is shorter than half a mains period and will pulse under lamps",
-                                      describe(schedule_.slot(i).exposure.time)));
+      warnings_.push_back(
+          fmt::format("shutter {} is shorter than half a mains period and will pulse under lamps",
+                      describe(schedule_.slot(i).exposure.time)));
   const FrameMatcherOptions how = matching();
   if (!how.delays && !offers.reports_exposure)
-    warnings_.push_back(fmt::format("'{}' neither reports exposures nor is its control delay known; frames are labelled by "
-                                    "their pictures alone; run 'hdrcam calibrate delay' once", offers.id));
+    warnings_.push_back(
+        fmt::format("'{}' neither reports exposures nor is its control delay known; frames are labelled by "
+                    "their pictures alone; run 'hdrcam calibrate delay' once",
+                    offers.id));
 }
 
 void CaptureStage::restart_matching() {
@@ -105,7 +119,8 @@ Result<void> CaptureStage::start() {
 
 Result<void> CaptureStage::stop() { return camera_.stop(); }
 
-// Queues requests until the camera has as many as it takes. One that finds no free buffer waits for the next frame.
+// Queues requests until the camera has as many as it takes. One that finds no free buffer waits for the next
+// frame.
 Result<void> CaptureStage::top_up() {
   while (under_way_ < depth_) {
     if (!pending_) pending_ = matcher_->next_request();
@@ -184,7 +199,8 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.digital_gain = label.digital_gain;
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? matcher_->slot_of(label) : -1;
-  if (sensor_ && codes_.linear) facts.black_level = sensor_->black_level / 65536 * static_cast<float>(1 << codes_.bits);
+  if (sensor_ && codes_.linear)
+    facts.black_level = sensor_->black_level / 65536 * static_cast<float>(1 << codes_.bits);
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
   if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
   frame.lost_before = lost_since_emitted_;
@@ -195,10 +211,18 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
 
 void CaptureStage::count(const Judgement& proof) {
   switch (proof.verdict) {
-    case Verdict::Proved: ++counters_.proved; break;
-    case Verdict::Plausible: ++counters_.plausible; break;
-    case Verdict::Contradicted: ++counters_.contradicted; break;
-    case Verdict::Unknown: ++counters_.unknown; break;
+    case Verdict::Proved:
+      ++counters_.proved;
+      break;
+    case Verdict::Plausible:
+      ++counters_.plausible;
+      break;
+    case Verdict::Contradicted:
+      ++counters_.contradicted;
+      break;
+    case Verdict::Unknown:
+      ++counters_.unknown;
+      break;
   }
   counters_.relabelled += proof.relabelled;
 }

@@ -1,8 +1,9 @@
-// The camera side of the program, from requests to frames whose exposure is known: keeps the camera supplied with
-// requests, joins each buffer with what belongs to it (frame_matcher.h), lets the pictures prove the exposure
-// (exposure_proof.h), unpacks the pixels. It never waits for anybody but the camera, and holds no queue of its own: what
-// a slow consumer leaves waiting are the camera's buffers, and a camera without free buffers drops frames, which the
-// next frame counts. Thread-bound, except stop(); no allocation per frame after the first.
+// The camera side of the program, from requests to frames whose exposure is known: keeps the camera supplied
+// with requests, joins each buffer with what belongs to it (frame_matcher.h), lets the pictures prove the
+// exposure (exposure_proof.h), unpacks the pixels. It never waits for anybody but the camera, and holds no
+// queue of its own: what a slow consumer leaves waiting are the camera's buffers, and a camera without free
+// buffers drops frames, which the next frame counts. Thread-bound, except stop(); no allocation per frame
+// after the first.
 #pragma once
 
 #include <atomic>
@@ -16,51 +17,54 @@
 namespace hdrcam {
 
 struct CaptureOptions {
-  StreamMode mode{};                        // wanted
-  int buffers = 8;                          // requests under way; fewer than 8 do not reach over a pipeline's delay
-  std::optional<ControlDelays> delays{};    // calibrated; default: what the camera or the table of sensors says
-  std::optional<float> black_level{};       // codes of 255; default: of the table of sensors, for raw formats
+  StreamMode mode{};  // wanted
+  int buffers = 8;    // requests under way; fewer than 8 do not reach over a pipeline's delay
+  std::optional<ControlDelays> delays{};  // calibrated; default: what the camera or the table of sensors says
+  std::optional<float> black_level{};     // codes of 255; default: of the table of sensors, for raw formats
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
   PixelUnpackSettings unpack{};
-  Duration patience{2'000'000'000};         // without a frame for so long is a Timeout
+  Duration patience{2'000'000'000};  // without a frame for so long is a Timeout
 };
 
 // Frames by what became of them. At every moment captured = emitted + dropped().
 struct CaptureCounters {
-  std::uint64_t captured = 0;        // buffers that the camera handed over
+  std::uint64_t captured = 0;  // buffers that the camera handed over
   std::uint64_t emitted = 0;
   std::uint64_t damaged = 0;         // dropped: the driver says the pixels are incomplete
   std::uint64_t undecodable = 0;     // dropped: too short, or a JPEG that does not decode
   std::uint64_t lost_by_camera = 0;  // never captured: gaps in sequence numbers and timestamps
   std::uint64_t proved = 0, plausible = 0, contradicted = 0, unknown = 0;  // of the emitted
-  std::uint64_t relabelled = 0;      // of the plausible: by the pictures alone
-  std::uint64_t unreported = 0;      // frames without an exposure from the driver
+  std::uint64_t relabelled = 0;  // of the plausible: by the pictures alone
+  std::uint64_t unreported = 0;  // frames without an exposure from the driver
   std::uint64_t repeated_cookies = 0;
-  std::uint64_t requests_late = 0;   // no free buffer when a request was due
-  std::uint64_t relocks = 0;         // cadences found again
+  std::uint64_t requests_late = 0;  // no free buffer when a request was due
+  std::uint64_t relocks = 0;        // cadences found again
 
   std::uint64_t dropped() const { return damaged + undecodable; }
 };
 
 struct CapturedFrame {
-  RawFrame raw;                // facts complete: exposure, source, slot, time of the centre, flags
+  RawFrame raw;  // facts complete: exposure, source, slot, time of the centre, flags
   Judgement proof;
-  int lost_before = 0;         // frames
+  int lost_before = 0;  // frames
   std::uint64_t cookie = 0;
-  SlotShares shares;           // clipped and dark, of the picture
+  SlotShares shares;  // clipped and dark, of the picture
 };
 
 class CaptureStage {
  public:
-  // Configures the camera and checks the cycle against what it then offers. `strobe` may be null. Errors: the camera's
-  // own, and those of ExposureSchedule::create. The camera, the line and this stage belong to one thread.
-  static Result<std::unique_ptr<CaptureStage>> open(Camera& camera, SyncLine* strobe, std::span<const Exposure> cycle,
-                                                    Mains mains, const CaptureOptions& options);
+  // Configures the camera and checks the cycle against what it then offers. `strobe` may be null. Errors: the
+  // camera's own, and those of ExposureSchedule::create. The camera, the line and this stage belong to one
+  // thread.
+  static Result<std::unique_ptr<CaptureStage>> open(Camera& camera, SyncLine* strobe,
+                                                    std::span<const Exposure> cycle, Mains mains,
+                                                    const CaptureOptions& options);
 
   Result<void> start();
-  // The next frame, into `frame`, whose storage is used again. Errors: the camera's own; Interrupted after stop().
+  // The next frame, into `frame`, whose storage is used again. Errors: the camera's own; Interrupted after
+  // stop().
   Result<void> next(CapturedFrame& frame);
   // Ends a waiting next(); from any thread. start() may follow.
   Result<void> stop();
@@ -70,8 +74,8 @@ class CaptureStage {
   const StreamMode& mode() const { return mode_; }
   const ExposureSchedule& schedule() const { return schedule_; }
   const CaptureCounters& counters() const { return counters_; }
-  // What the user should be told at the start, empty if nothing: an exposure that pulses under lamps, an unknown
-  // sensor, no way to know exposures but by the pictures.
+  // What the user should be told at the start, empty if nothing: an exposure that pulses under lamps, an
+  // unknown sensor, no way to know exposures but by the pictures.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   // Requests from now on follow another cycle.
@@ -109,7 +113,7 @@ class CaptureStage {
   ExposureProof proof_;
   std::optional<FrameMatcher> matcher_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
-  int under_way_ = 0, depth_ = 0;  // requests with the camera now, and as many as it takes
+  int under_way_ = 0, depth_ = 0;           // requests with the camera now, and as many as it takes
   int lost_since_emitted_ = 0;
   CaptureCounters counters_;
 };

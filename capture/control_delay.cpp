@@ -20,8 +20,9 @@ constexpr SensorRow kSensors[] = {
 }  // namespace
 
 std::optional<KnownSensor> known_sensor(std::string_view model) {
-  const auto row = std::find_if(std::begin(kSensors), std::end(kSensors),
-                                [&](const SensorRow& r) { return model.find(r.name) != std::string_view::npos; });
+  const auto row = std::find_if(std::begin(kSensors), std::end(kSensors), [&](const SensorRow& r) {
+    return model.find(r.name) != std::string_view::npos;
+  });
   if (row == std::end(kSensors)) return std::nullopt;
   return row->sensor;
 }
@@ -38,7 +39,8 @@ void ControlDelay::push(const ExposureRequest& request, Duration frame_duration)
 }
 
 ControlDelay::Writes ControlDelay::frame_started(std::uint64_t sequence) {
-  // A fast control is written as many frames after the slowest as it is faster: DelayedControls::applyControls.
+  // A fast control is written as many frames after the slowest as it is faster:
+  // DelayedControls::applyControls.
   const auto due = [&](int delay) -> const Entry& {
     const auto held_back = static_cast<std::uint64_t>(delays_.most() - delay);
     return write_count_ < held_back ? before_ : entry(write_count_ - held_back);

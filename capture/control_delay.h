@@ -1,15 +1,16 @@
-// The software twin of a sensor whose controls act some frames after they are written, and not all after the same
-// number. The twin holds back the faster ones so that all values of one request meet on one frame, and knows which
-// request that is: libcamera's DelayedControls (src/libcamera/pipeline/rpi/common/delayed_controls.cpp) as a value.
+// The software twin of a sensor whose controls act some frames after they are written, and not all after the
+// same number. The twin holds back the faster ones so that all values of one request meet on one frame, and
+// knows which request that is: libcamera's DelayedControls
+// (src/libcamera/pipeline/rpi/common/delayed_controls.cpp) as a value.
 //
 //   frame start      s        s+1      s+2         exposure acts after 2, gain after 1
 //   request pushed   A        B        C
 //   written          A.time   B.time   C.time      the gain is held back by one frame
 //                    -        A.gain   B.gain
-//   frame shows                        A           get(s + 2) = A, cookie included
+//   frame shows                        A           shown_by(s + 2) = A, cookie included
 //
-// A frame start that the twin missed makes it disagree with the sensor for a frame or a few; only the pictures tell
-// (exposure_proof.h). Thread-bound; no allocation.
+// A frame start that the twin missed makes it disagree with the sensor for a frame or a few; only the
+// pictures tell (exposure_proof.h). Thread-bound; no allocation.
 #pragma once
 
 #include <algorithm>
@@ -34,9 +35,10 @@ struct KnownSensor {
   float black_level = 0;  // of 65536
 };
 
-// By the sensor's name anywhere in the model text ("imx219", "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a
-// sensor that is not in the table: the caller warns, and takes SensorDelays{}, which is what most sensors do, or
-// measures them (delay_calibration.h). Source: libcamera's camera_sensor_properties.cpp and its tuning files.
+// By the sensor's name anywhere in the model text ("imx219", "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt
+// for a sensor that is not in the table: the caller warns, and takes SensorDelays{}, which is what most
+// sensors do, or measures them (delay_calibration.h). Source: libcamera's camera_sensor_properties.cpp and
+// its tuning files.
 std::optional<KnownSensor> known_sensor(std::string_view model);
 
 class ControlDelay {
@@ -60,7 +62,8 @@ class ControlDelay {
 
   // What the next frame start takes. A second push before it replaces the first.
   void push(const ExposureRequest& request, Duration frame_duration);
-  // Frame `sequence` begins. Frames between the last start and this one were missed and take the last request again.
+  // Frame `sequence` begins. Frames between the last start and this one were missed and take the last request
+  // again.
   Writes frame_started(std::uint64_t sequence);
   // What the frame shows, if every frame start was seen; nullopt where it is too old or not decided yet.
   std::optional<Latched> shown_by(std::uint64_t sequence) const;

@@ -6,8 +6,11 @@
 
 namespace hdrcam {
 
-DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& longer, const PhotometricResponse& response)
-    : exposures_{shorter, longer}, log_step_(log_product(longer) - log_product(shorter)), photometer_(response) {
+DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& longer,
+                                   const PhotometricResponse& response)
+    : exposures_{shorter, longer},
+      log_step_(log_product(longer) - log_product(shorter)),
+      photometer_(response) {
   CHECK_LE(0.69, log_step_);
 }
 
@@ -24,7 +27,8 @@ std::optional<int> DelayCalibration::asked_during(std::uint64_t index, int delay
   return asked_[(index - back) % kHistory];
 }
 
-void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& picture, const Exposure& asked) {
+void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& picture,
+                               const Exposure& asked) {
   if (last_picture_ && index > last_index_) {
     const auto ratio = photometer_.ratio(*last_picture_, picture);
     const bool tells = ratio && !(ratio->allows(-log_step_) && ratio->allows(0) && ratio->allows(log_step_));
@@ -46,8 +50,8 @@ void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& 
 }
 
 DelayEstimate DelayCalibration::estimate() const {
-  // A comparison is wrong by scene change or chance this often; a delay that is not the camera's disagrees with about
-  // half of them.
+  // A comparison is wrong by scene change or chance this often; a delay that is not the camera's disagrees
+  // with about half of them.
   constexpr double kWrong = 0.1, kMostMisses = 0.2, kSure = 0.9999;
   std::array<double, kMaxDelay + 1> log_likelihood{};
   for (std::size_t d = 0; d < log_likelihood.size(); ++d) {
@@ -57,22 +61,26 @@ DelayEstimate DelayCalibration::estimate() const {
     const double weight = static_cast<double>(hits_[0] + misses_[0]);
     log_likelihood[d] = weight * (share * std::log(kWrong) + (1 - share) * std::log(1 - kWrong));
   }
-  const auto best = static_cast<std::size_t>(
-      std::max_element(log_likelihood.begin(), log_likelihood.end()) - log_likelihood.begin());
-  const double evidence = std::accumulate(log_likelihood.begin(), log_likelihood.end(), 0.0, [&](double sum, double l) {
-    return sum + std::exp(l - log_likelihood[best]);
-  });
+  const auto best = static_cast<std::size_t>(std::max_element(log_likelihood.begin(), log_likelihood.end()) -
+                                             log_likelihood.begin());
+  const double evidence =
+      std::accumulate(log_likelihood.begin(), log_likelihood.end(), 0.0,
+                      [&](double sum, double l) { return sum + std::exp(l - log_likelihood[best]); });
 
   DelayEstimate estimate;
   estimate.comparisons = hits_[best] + misses_[best];
   estimate.confidence = 1 / evidence;
   estimate.agreement = estimate.comparisons > 0 ? static_cast<double>(hits_[best]) / estimate.comparisons : 0;
   if (estimate.comparisons < kEnough) {
-    estimate.reason = fmt::format("only {} of {} comparisons that it takes could be made: the scene is too dark, clipped "
-                                  "or unsteady", estimate.comparisons, int{kEnough});
+    estimate.reason = fmt::format(
+        "only {} of {} comparisons that it takes could be made: the scene is too dark, clipped "
+        "or unsteady",
+        estimate.comparisons, int{kEnough});
   } else if (1 - estimate.agreement > kMostMisses) {
-    estimate.reason = fmt::format("no delay explains more than {:.0f} % of the pictures: the camera may ignore the control, "
-                                  "or adjust itself", 100 * estimate.agreement);
+    estimate.reason = fmt::format(
+        "no delay explains more than {:.0f} % of the pictures: the camera may ignore the control, "
+        "or adjust itself",
+        100 * estimate.agreement);
   } else if (estimate.confidence < kSure) {
     estimate.reason = "two delays explain the pictures equally well";
   } else {
@@ -81,13 +89,15 @@ DelayEstimate DelayCalibration::estimate() const {
   return estimate;
 }
 
-Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers, const Exposure& shorter, const Exposure& longer,
+Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
+                                    const Exposure& shorter, const Exposure& longer,
                                     const PixelUnpackSettings& unpack, int frames) {
   constexpr Duration kPatience{2'000'000'000};
   constexpr std::size_t kAsked = 64;
   const PixelCodes kind = codes_of(mode.format);
-  DelayCalibration calibration(shorter, longer, kind.linear ? PhotometricResponse::linear_unknown_black()
-                                                            : PhotometricResponse::unknown());
+  DelayCalibration calibration(
+      shorter, longer,
+      kind.linear ? PhotometricResponse::linear_unknown_black() : PhotometricResponse::unknown());
   std::array<Exposure, kAsked> asked{};  // by cookie
   PhotometricSignature picture;
   Image<std::uint16_t> codes;

@@ -1,8 +1,8 @@
-// After how many frames does a control act? Measured from pictures, for cameras that nobody has measured before (and
-// for drivers that apply a control when it is queued and report nothing). The camera is shown a pattern of two
-// exposures, the m-sequence of period 31, which is like none of its shifts; the ratios of neighbouring pictures say
-// which shift was seen. A scene that changes, clips or loses frames costs comparisons, not the answer; pictures that
-// cannot tell are said to be so. Thread-bound; bounded state.
+// After how many frames does a control act? Measured from pictures, for cameras that nobody has measured
+// before (and for drivers that apply a control when it is queued and report nothing). The camera is shown a
+// pattern of two exposures, the m-sequence of period 31, which is like none of its shifts; the ratios of
+// neighbouring pictures say which shift was seen. A scene that changes, clips or loses frames costs
+// comparisons, not the answer; pictures that cannot tell are said to be so. Thread-bound; bounded state.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 namespace hdrcam {
 
 struct DelayEstimate {
-  std::optional<int> delay;  // frames from a request's own frame to the one that shows its exposure (ControlDelays)
+  std::optional<int> delay;  // frames from a request's own to the one that shows its exposure
   double confidence = 0;     // posterior probability, all delays being equally likely before
   int comparisons = 0;       // pairs of pictures that could say something
   double agreement = 0;      // share of them that the best delay explains
@@ -57,10 +57,11 @@ class DelayCalibration {
   std::array<int, kMaxDelay + 1> hits_{}, misses_{};
 };
 
-// Runs a camera, configured to `mode` with so many buffers, through the calibration and stops it again. Two exposures
-// that differ in time measure the delay of the exposure; two that differ in gain, that of the gain. Errors: the camera's
-// own; an unknown delay is no error.
-Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers, const Exposure& shorter,
-                                    const Exposure& longer, const PixelUnpackSettings& unpack, int frames = 120);
+// Runs a camera, configured to `mode` with so many buffers, through the calibration and stops it again. Two
+// exposures that differ in time measure the delay of the exposure; two that differ in gain, that of the gain.
+// Errors: the camera's own; an unknown delay is no error.
+Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
+                                    const Exposure& shorter, const Exposure& longer,
+                                    const PixelUnpackSettings& unpack, int frames = 120);
 
 }  // namespace hdrcam

@@ -12,11 +12,17 @@ struct RedAt {
 };
 RedAt red_at(PixelLayout layout) {
   switch (layout) {
-    case PixelLayout::BayerRggb: return {0, 0};
-    case PixelLayout::BayerGrbg: return {1, 0};
-    case PixelLayout::BayerGbrg: return {0, 1};
-    case PixelLayout::BayerBggr: return {1, 1};
-    case PixelLayout::Rgb: case PixelLayout::Mono: break;
+    case PixelLayout::BayerRggb:
+      return {0, 0};
+    case PixelLayout::BayerGrbg:
+      return {1, 0};
+    case PixelLayout::BayerGbrg:
+      return {0, 1};
+    case PixelLayout::BayerBggr:
+      return {1, 1};
+    case PixelLayout::Rgb:
+    case PixelLayout::Mono:
+      break;
   }
   CHECK(is_bayer(layout));
   return {};
@@ -49,7 +55,9 @@ struct Neighbourhood {
   float colour_across() const {
     return (5 * centre() + 4 * across() - across2() - diagonal() + 0.5f * down2()) / 8;
   }
-  float colour_down() const { return (5 * centre() + 4 * down() - down2() - diagonal() + 0.5f * across2()) / 8; }
+  float colour_down() const {
+    return (5 * centre() + 4 * down() - down2() - diagonal() + 0.5f * across2()) / 8;
+  }
   // red at blue, blue at red
   float opposite() const { return (6 * centre() + 2 * diagonal() - 1.5f * (across2() + down2())) / 8; }
 };
@@ -63,7 +71,8 @@ void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_
   rgb.reshape(3, rows, cols);
   Neighbourhood near{};
   for (int y = 0; y < rows; ++y) {
-    for (int d = -2; d <= 2; ++d) near.row[static_cast<std::size_t>(d + 2)] = mosaic.row(0, mirrored(y + d, rows));
+    for (int d = -2; d <= 2; ++d)
+      near.row[static_cast<std::size_t>(d + 2)] = mosaic.row(0, mirrored(y + d, rows));
     const bool red_row = (y & 1) == red.y;
     for (int x = 0; x < cols; ++x) {
       for (int d = -2; d <= 2; ++d) near.col[static_cast<std::size_t>(d + 2)] = mirrored(x + d, cols);

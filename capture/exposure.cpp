@@ -68,14 +68,16 @@ Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::str
 
   const auto gains = split(gain);
   if (gains.size() != 1 && gains.size() != exposures.size())
-    return Error{ErrorCode::Invalid, fmt::format("'{}' has {} gains for {} shutter times; give one gain, or one each",
-                                                 gain, gains.size(), exposures.size())};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' has {} gains for {} shutter times; give one gain, or one each", gain,
+                             gains.size(), exposures.size())};
   for (std::size_t i = 0; i < exposures.size(); ++i) {
     std::string_view part = gains[gains.size() == 1 ? 0 : i];
     const std::string_view whole = part;
     const auto number = take_number(part);
     if (!number || !part.empty() || !(*number > 0))
-      return Error{ErrorCode::Invalid, fmt::format("'{}' is not a gain; write a positive number like 1 or 2.5", whole)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' is not a gain; write a positive number like 1 or 2.5", whole)};
     exposures[i].gain = *number;
   }
   return exposures;
@@ -112,7 +114,8 @@ Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& c
     nearest.time = (exposure.time + half_line) / camera.exposure_step * camera.exposure_step;
   nearest.time = std::clamp(nearest.time, camera.exposure_min, camera.exposure_max);
   if (camera.gain_step > 0)
-    nearest.gain = camera.gain_min + std::round((exposure.gain - camera.gain_min) / camera.gain_step) * camera.gain_step;
+    nearest.gain =
+        camera.gain_min + std::round((exposure.gain - camera.gain_min) / camera.gain_step) * camera.gain_step;
   nearest.gain = std::clamp(nearest.gain, camera.gain_min, camera.gain_max);
   return nearest;
 }

@@ -8,11 +8,12 @@ namespace {
 
 constexpr float kMostClipped = 0.01f;  // of the shortest exposure: lamps and the sun itself
 constexpr float kNoneClipped = 0.001f;
-constexpr float kMostDark = 0.05f;     // of the longest exposure
+constexpr float kMostDark = 0.05f;  // of the longest exposure
 constexpr float kNoneDark = 0.005f;
-constexpr float kStep = 1;             // stops
+constexpr float kStep = 1;  // stops
 
-// Too much lost at this end: move. Nothing lost, and the other end of the same frame suffers: move back, carefully.
+// Too much lost at this end: move. Nothing lost, and the other end of the same frame suffers: move back,
+// carefully.
 float shortest_stops(const SlotShares& shares) {
   if (shares.clipped > kMostClipped) return -kStep;
   if (shares.clipped < kNoneClipped && shares.dark > 0.9f) return kStep / 2;
@@ -48,8 +49,9 @@ ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShare
   return advice;
 }
 
-std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle, const ExposureAdvice& advice,
-                                                           Duration longest, double gain_max) {
+std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
+                                                           const ExposureAdvice& advice, Duration longest,
+                                                           double gain_max) {
   std::array<Exposure, ExposureSchedule::kMaxSlots> next{};
   for (std::size_t i = 0; i < cycle.size(); ++i) {
     const double product = cycle[i].product() * std::exp2(advice.stops[i]);

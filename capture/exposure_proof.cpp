@@ -8,7 +8,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kOdd = std::numeric_limits<double>::quiet_NaN();  // the assignment of a frame that is left out
+constexpr double kOdd =
+    std::numeric_limits<double>::quiet_NaN();  // the assignment of a frame that is left out
 
 // A strobe pulse is as long as the exposure but for the interrupt's latency at its two edges.
 Duration strobe_slack(Duration exposure) { return Duration(60'000) + exposure / 16; }
@@ -20,7 +21,8 @@ bool strobe_allows(Duration width, Duration exposure) {
 // The first claim that says `value`; -1 for none.
 int claim_saying(const FrameEvidence& evidence, double value) {
   for (int i = 0; i < evidence.claim_count; ++i)
-    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= ExposureProof::kSame) return i;
+    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= ExposureProof::kSame)
+      return i;
   return -1;
 }
 
@@ -28,10 +30,14 @@ int claim_saying(const FrameEvidence& evidence, double value) {
 
 const char* name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::Proved: return "proved";
-    case Verdict::Plausible: return "plausible";
-    case Verdict::Contradicted: return "contradicted";
-    case Verdict::Unknown: break;
+    case Verdict::Proved:
+      return "proved";
+    case Verdict::Plausible:
+      return "plausible";
+    case Verdict::Contradicted:
+      return "contradicted";
+    case Verdict::Unknown:
+      break;
   }
   return "unknown";
 }
@@ -52,8 +58,8 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   });
 }
 
-// The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure beyond the cycle, it
-// is a candidate too, in place of a neighbour that no picture could tell from it.
+// The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure beyond the
+// cycle, it is a candidate too, in place of a neighbour that no picture could tell from it.
 void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {
   constexpr double kIndistinct = 0.15;
   frame.value_count = 0;
@@ -86,7 +92,8 @@ bool ExposureProof::fits(int age, double value, const std::array<double, kWindow
   return true;
 }
 
-// The least number of odd frames among all explanations, newer frames being assigned; kNever if it is not below bound.
+// The least number of odd frames among all explanations, newer frames being assigned; kNever if it is not
+// below bound.
 int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kWindow>& assigned) const {
   if (odd >= bound) return kNever;
   if (age == count_) return odd;
@@ -106,7 +113,8 @@ int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kW
 }
 
 ExposureProof::Explanations ExposureProof::explain() const {
-  constexpr int kMostOdd = 2, kMargin = 2, kBound = kMostOdd + kMargin + 1;  // what costs more does not matter
+  constexpr int kMostOdd = 2, kMargin = 2,
+                kBound = kMostOdd + kMargin + 1;  // what costs more does not matter
   Explanations result;
   const Frame& newest = back(0);
   std::array<double, kWindow> assigned{};
@@ -125,7 +133,8 @@ ExposureProof::Explanations ExposureProof::explain() const {
   assigned[0] = kOdd;
   result.odd_if_newest_is_odd = fewest_odd(1, 1, kBound, assigned);
   result.fits_nothing = result.odd_if_newest_is_odd < odd_if(best);
-  if (odd_if(best) <= kMostOdd && odd_if(best) + kMargin <= second && odd_if(best) < result.odd_if_newest_is_odd)
+  if (odd_if(best) <= kMostOdd && odd_if(best) + kMargin <= second &&
+      odd_if(best) < result.odd_if_newest_is_odd)
     result.unique = best;
   return result;
 }
@@ -142,8 +151,8 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
   return votes;
 }
 
-// How far the truth may be from a label that the neighbours confirm: the best ratio's own width, and through a
-// neighbour of the same exposure no better than that neighbour is known itself.
+// How far the truth may be from a label that the neighbours confirm: the best ratio's own width, and through
+// a neighbour of the same exposure no better than that neighbour is known itself.
 double ExposureProof::open_interval_ev(double label) const {
   double open = std::numeric_limits<double>::infinity();
   for (int age = 1; age < count_; ++age) {
@@ -171,16 +180,17 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
   if (claim >= 0) {
     judgement.label = evidence.claims[static_cast<std::size_t>(claim)];
   } else {
-    const auto slot = std::find_if(cycle_.begin(), cycle_.begin() + cycle_count_, [&](const Exposure& exposure) {
-      return std::abs(log_product(exposure) - value) <= kSame;
-    });
+    const auto slot = std::find_if(
+        cycle_.begin(), cycle_.begin() + cycle_count_,
+        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSame; });
     judgement.label = {*slot, 1, ExposureSource::Photometric};
     judgement.relabelled = evidence.claim_count > 0;
   }
   judgement.within_ev = open_interval_ev(judgement.label.log_value());
   if (evidence.strobe_width) {
     const Duration time = judgement.label.exposure.time;
-    judgement.within_ev = std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
+    judgement.within_ev =
+        std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
   }
   // Unanimous, but by neighbours that are not trusted themselves.
   if (std::isinf(judgement.within_ev)) judgement.verdict = Verdict::Plausible;
@@ -216,9 +226,9 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
 void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
   if (cycle_count_ == current_count_ || judgement.verdict != Verdict::Proved) return;
   const double value = judgement.label.log_value();
-  const bool current = std::any_of(cycle_.begin(), cycle_.begin() + current_count_, [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - value) <= kSame;
-  });
+  const bool current =
+      std::any_of(cycle_.begin(), cycle_.begin() + current_count_,
+                  [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSame; });
   proved_in_current_ = current ? proved_in_current_ + 1 : 0;
   if (proved_in_current_ >= 2 * kWindow) cycle_count_ = current_count_;
 }

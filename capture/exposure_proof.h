@@ -1,29 +1,30 @@
-// Which exposure a frame really has, and how sure that is. Whoever reports or predicts an exposure makes a claim; the
-// proof weighs claims against witnesses that do not depend on them: the pictures, and the strobe pulse.
+// Which exposure a frame really has, and how sure that is. Whoever reports or predicts an exposure makes a
+// claim; the proof weighs claims against witnesses that do not depend on them: the pictures, and the strobe.
 //
 //   claims      embedded in the frame by the sensor, reported by the driver, predicted from what was asked
-//   witnesses   ratios between the pictures of the last eight frames (photometry.h), width of the strobe pulse
+//   witnesses   ratios between the pictures of the last eight frames (photometry.h), the strobe's width
 //
-// 1. The pictures alone are asked which exposures of the cycle explain them. Every assignment of exposures to the last
-//    eight frames that lies within all measured ratios is an explanation; a frame that fits none is called odd and left
-//    out, at a cost of one. The newest frame's exposure is *unique* when every explanation with another exposure costs
-//    two more: two witnesses would have to be wrong together. One ratio of 4 fits two places of a cycle 1:4:16; the next
-//    ratio settles it, which is why a cycle proves itself within about one round. Frames already proved keep their
-//    exposure in every explanation.
-// 2. unique, and the best claim says the same          -> proved
-//    unique, and another claim says the same           -> plausible, labelled by that claim
-//    unique, and no claim says the same                -> relabelled by the pictures (source Photometric), plausible
-//    not unique, no claim                              -> unknown
-//    not unique, the frame fits nothing, or the claims of neighbours contradict the ratios at least as often as
-//    they agree                                        -> contradicted
-//    not unique, claims disagree with each other       -> unknown
-//    not unique, nothing contradicts                   -> plausible
+// 1. The pictures alone are asked which exposures of the cycle explain them. Every assignment of exposures
+//    to the last eight frames that lies within all measured ratios is an explanation; a frame that fits none
+//    is called odd and left out, at a cost of one. The newest frame's exposure is *unique* when every
+//    explanation with another exposure costs two more: two witnesses would have to be wrong together. One
+//    ratio of 4 fits two places of a cycle 1:4:16; the next ratio settles it, which is why a cycle proves
+//    itself within about one round. Frames already proved keep their exposure in every explanation.
+// 2. unique, and the best claim says the same    -> proved
+//    unique, and another claim says the same     -> plausible, labelled by that claim
+//    unique, and no claim says the same          -> plausible, relabelled by the pictures (Photometric)
+//    not unique, no claim                        -> unknown
+//    not unique, and the frame fits nothing, or
+//      its claim contradicts the ratios to its
+//      neighbours at least as often as it agrees -> contradicted
+//    not unique, claims disagree                 -> unknown
+//    not unique, nothing contradicts             -> plausible
 // 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and keep out of the fit.
 //
-// What is proved: the product time x gain, relative to the frames around it, to within `within_ev`. Pictures know no
-// absolute scale; it is that of the claims, and without effect on relative radiance. A cycle of one exposure proves
-// nothing by pictures: there a frame is proved only by the strobe or by the sensor's embedded data.
-// Thread-bound; bounded state, no allocation.
+// What is proved: the product time x gain, relative to the frames around it, to within `within_ev`. Pictures
+// know no absolute scale; it is that of the claims, and without effect on relative radiance. A cycle of one
+// exposure proves nothing by pictures: there a frame is proved only by the strobe or by the sensor's embedded
+// data. Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <array>
@@ -58,10 +59,10 @@ struct FrameEvidence {
 
 struct Judgement {
   Verdict verdict = Verdict::Unknown;
-  ExposureClaim label;          // the exposure that the frame is taken to have; source Unknown where there is none
-  bool relabelled = false;      // by the pictures, against all claims
-  double within_ev = 0;         // of a proved label, stops: what the witnesses leave open
-  std::optional<double> unique; // ln E that only the pictures and the strobe say, where they are unanimous
+  ExposureClaim label;  // the exposure that the frame is taken to have; source Unknown where there is none
+  bool relabelled = false;       // by the pictures, against all claims
+  double within_ev = 0;          // of a proved label, stops: what the witnesses leave open
+  std::optional<double> unique;  // ln E that only the pictures and the strobe say, where they are unanimous
 
   bool trusted() const { return verdict == Verdict::Proved || verdict == Verdict::Plausible; }
 };
@@ -73,8 +74,8 @@ class ExposureProof {
   // Exposures nearer than this are the same: what rounding to lines and gain codes may do. ln.
   static constexpr double kSame = 0.05;
 
-  // The exposures that frames can have. After a change of schedule the earlier ones stay candidates, as frames under
-  // way still have them, until enough frames are proved to have the new ones.
+  // The exposures that frames can have. After a change of schedule the earlier ones stay candidates, as
+  // frames under way still have them, until enough frames are proved to have the new ones.
   void set_cycle(std::span<const Exposure> cycle);
   // All that earlier frames said is void: another response, a restarted camera.
   void forget() { count_ = 0; }
@@ -86,8 +87,9 @@ class ExposureProof {
   static constexpr int kValues = kCandidates + 1;  // and what a claim says beyond the cycle
   struct Frame {
     PhotometricSignature picture;
-    std::array<std::optional<PhotometricRatio>, kWindow> ratio_from;  // [k]: from the frame k + 1 before this one
-    std::array<double, kValues> values{};                             // ln E that it can have
+    std::array<std::optional<PhotometricRatio>, kWindow>
+        ratio_from;                        // [k]: from the frame k + 1 before this one
+    std::array<double, kValues> values{};  // ln E that it can have
     int value_count = 0;
     Judgement judgement;
   };
@@ -101,7 +103,9 @@ class ExposureProof {
   static constexpr int kNever = kWindow + 1;
 
   Frame& back(int age) { return ring_[static_cast<std::size_t>((newest_ + kWindow - age) % kWindow)]; }
-  const Frame& back(int age) const { return ring_[static_cast<std::size_t>((newest_ + kWindow - age) % kWindow)]; }
+  const Frame& back(int age) const {
+    return ring_[static_cast<std::size_t>((newest_ + kWindow - age) % kWindow)];
+  }
 
   void gather_values(const FrameEvidence& evidence, Frame& frame) const;
   Explanations explain() const;

@@ -16,25 +16,29 @@ Duration nearest_multiple(Duration time, Duration period, Duration longest) {
 
 Duration half_period(Mains mains) {
   switch (mains) {
-    case Mains::Hz50: return Duration(10'000'000);
-    case Mains::Hz60: return Duration(8'333'333);
-    case Mains::Off: break;
+    case Mains::Hz50:
+      return Duration(10'000'000);
+    case Mains::Hz60:
+      return Duration(8'333'333);
+    case Mains::Off:
+      break;
   }
   return Duration(0);
 }
 
-// Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where the step of the control is no line but a
-// coarse unit (UVC counts in 100 us), 48 of them would be far too much.
+// Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where the step of the control is no line
+// but a coarse unit (UVC counts in 100 us), 48 of them would be far too much.
 Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
   constexpr Duration kMost{1'000'000};
   return std::min(48 * camera.exposure_step, kMost);
 }
 
-Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycle, const CameraCapabilities& camera,
-                                                  Duration frame_duration, Mains mains) {
+Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycle,
+                                                  const CameraCapabilities& camera, Duration frame_duration,
+                                                  Mains mains) {
   if (cycle.empty() || cycle.size() > kMaxSlots)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter", int{kMaxSlots}, cycle.size())};
+    return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
+                                                 int{kMaxSlots}, cycle.size())};
   const Duration margin = frame_margin(camera);
   const Duration half = half_period(mains);
 
@@ -42,12 +46,13 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
   for (const Exposure& asked : cycle) {
     if (asked.time + margin > frame_duration) {
       const double fastest_hz = 1 / to_seconds(asked.time + margin);
-      return Error{ErrorCode::BadExposure,
-                   fmt::format("shutter {} does not fit a frame of {} with {} of read-out; shorten it to {}, or lower "
-                               "--framerate to {:.2f}",
-                               describe(asked.time), describe(frame_duration), describe(margin),
-                               describe(std::max(Duration(0), frame_duration - margin)),
-                               std::floor(fastest_hz * 100) / 100)};
+      return Error{
+          ErrorCode::BadExposure,
+          fmt::format("shutter {} does not fit a frame of {} with {} of read-out; shorten it to {}, or lower "
+                      "--framerate to {:.2f}",
+                      describe(asked.time), describe(frame_duration), describe(margin),
+                      describe(std::max(Duration(0), frame_duration - margin)),
+                      std::floor(fastest_hz * 100) / 100)};
     }
     Slot slot{asked, asked, false};
     if (half > Duration(0)) {

@@ -1,5 +1,5 @@
-// The cycle of exposures that a camera walks through, as data: request n gets slot n mod slots. Made once, checked
-// against what the sensor offers, then immutable. Value type, reentrant.
+// The cycle of exposures that a camera walks through, as data: request n gets slot n mod slots. Made once,
+// checked against what the sensor offers, then immutable. Value type, reentrant.
 #pragma once
 
 #include <array>
@@ -10,7 +10,8 @@
 
 namespace hdrcam {
 
-// Lamps on the mains pulse at twice its frequency: an exposure of whole half periods sees the same light every time.
+// Lamps on the mains pulse at twice its frequency: an exposure of whole half periods sees the same light
+// every time.
 enum class Mains { Off, Hz50, Hz60 };
 
 // Half a mains period; zero for Off.
@@ -21,14 +22,14 @@ class ExposureSchedule {
   static constexpr int kMaxSlots = 4;
 
   struct Slot {
-    Exposure asked;        // by the user
-    Exposure exposure;     // that the sensor can do: whole lines, whole gain codes, whole mains half periods
-    bool flickers = false; // shorter than a mains half period: will pulse under lamps
+    Exposure asked;         // by the user
+    Exposure exposure;      // that the sensor can do: whole lines, whole gain codes, whole mains half periods
+    bool flickers = false;  // shorter than a mains half period: will pulse under lamps
   };
 
-  // Exposures of at least a mains half period are moved to the nearest multiple that fits the frame, shorter ones are
-  // kept and flagged. Errors: Invalid for no slot or more than four; BadExposure for what the sensor does not offer, or
-  // for an exposure that does not fit the frame duration, saying which one would do.
+  // Exposures of at least a mains half period are moved to the nearest multiple that fits the frame, shorter
+  // ones are kept and flagged. Errors: Invalid for no slot or more than four; BadExposure for what the sensor
+  // does not offer, or for an exposure that does not fit the frame duration, saying which one would do.
   static Result<ExposureSchedule> create(std::span<const Exposure> cycle, const CameraCapabilities& camera,
                                          Duration frame_duration, Mains mains = Mains::Off);
 
@@ -37,7 +38,9 @@ class ExposureSchedule {
 
   int slots() const { return count_; }
   const Slot& slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
-  int slot_of(std::uint64_t request) const { return static_cast<int>(request % static_cast<std::uint64_t>(count_)); }
+  int slot_of(std::uint64_t request) const {
+    return static_cast<int>(request % static_cast<std::uint64_t>(count_));
+  }
   const Exposure& exposure_of(std::uint64_t request) const { return slot(slot_of(request)).exposure; }
 
   // Of the longest exposure, with the sensor's margin.

@@ -52,20 +52,20 @@ void FrameMatcher::strobe(const Edge& edge) {
 // Frame intervals between the buffer before and this one; at least one.
 int FrameMatcher::frames_since_last(const CapturedBuffer& buffer) const {
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
-  const double by_time =
-      static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(options_.frame_duration.count());
-  const double by_number =
-      buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
+  const double by_time = static_cast<double>((buffer.timestamp - timestamp_).count()) /
+                         static_cast<double>(options_.frame_duration.count());
+  const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
   const double rounded = std::round(by_time);
   const bool on_grid = rounded >= 1 && std::abs(by_time - rounded) <= kOffGrid;
   const double frames = on_grid ? rounded : by_number;
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
 }
 
-// The request that was completed had its turn when the frame after the one before began, and kept it while frames
-// were lost.
+// The request that was completed had its turn when the frame after the one before began, and kept it while
+// frames were lost.
 void FrameMatcher::note_turns(std::uint64_t cookie, bool repeated, int advance) {
-  for (std::uint64_t back = 0; back < static_cast<std::uint64_t>(std::clamp(advance, 1, int{kFrames})); ++back)
+  for (std::uint64_t back = 0; back < static_cast<std::uint64_t>(std::clamp(advance, 1, int{kFrames}));
+       ++back)
     turn_[(index_ - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
 }
 
@@ -89,8 +89,8 @@ std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, in
   return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
 }
 
-// What the driver says of this frame. A report without gain is completed by the prediction, or by a schedule that has
-// only one gain.
+// What the driver says of this frame. A report without gain is completed by the prediction, or by a schedule
+// that has only one gain.
 std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buffer,
                                                        const std::optional<ExposureClaim>& predicted) const {
   if (!buffer.exposure || *buffer.exposure <= Duration(0)) return std::nullopt;
@@ -103,7 +103,8 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
   }
   const double digital = buffer.digital_gain.value_or(1);
   if (!(*gain > 0) || !(digital > 0)) return std::nullopt;
-  return ExposureClaim{{*buffer.exposure, *gain}, digital,
+  return ExposureClaim{{*buffer.exposure, *gain},
+                       digital,
                        buffer.exposure_embedded ? ExposureSource::Embedded : ExposureSource::Reported};
 }
 
@@ -155,8 +156,8 @@ bool FrameMatcher::explains_lessons(int shift) const {
   });
 }
 
-// Shifts the prediction when the last frames, among them at least two exposures, all say that it is late or early by
-// the same number of frames. One frame that was late on its own does not.
+// Shifts the prediction when the last frames, among them at least two exposures, all say that it is late or
+// early by the same number of frames. One frame that was late on its own does not.
 void FrameMatcher::learn(double log_value) {
   if (!predicted_for(index_, shift_)) return;
   std::rotate(lessons_.begin(), lessons_.begin() + 1, lessons_.end());
@@ -179,7 +180,8 @@ int FrameMatcher::slot_of(const ExposureClaim& label) const {
   const double value = label.log_value();
   const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
   if (const Asked* asked = written_at(static_cast<std::int64_t>(index_) - delay); asked != nullptr)
-    if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value)) return asked->slot;
+    if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value))
+      return asked->slot;
   int slot = -1;
   for (int i = 0; i < schedule_.slots(); ++i) {
     if (!same(log_product(schedule_.slot(i).exposure), value)) continue;

@@ -1,11 +1,12 @@
-// Joins what belongs to one frame: the buffer, the request that it completed, what the driver reported, the strobe pulse
-// that lay in its exposure. Finds out which frames never came. The result is evidence, not belief: exposure_proof.h
-// judges it, and what the pictures then say unanimously comes back (learn) and corrects the prediction, so that one
-// missed frame start, or a delay that was wrong all along, is made good within a cycle.
+// Joins what belongs to one frame: the buffer, the request that it completed, what the driver reported, the
+// strobe pulse that lay in its exposure. Finds out which frames never came. The result is evidence, not
+// belief: exposure_proof.h judges it, and what the pictures then say unanimously comes back (learn) and
+// corrects the prediction, so that one missed frame start, or a delay that was wrong all along, is made good
+// within a cycle.
 //
-// Frames are counted by two witnesses, the driver's sequence number and its timestamp; where they disagree the time
-// decides if it lies on the grid of the frame duration, else the number (counters restart in standby, and miss drops).
-// Thread-bound; bounded state, no allocation.
+// Frames are counted by two witnesses, the driver's sequence number and its timestamp; where they disagree
+// the time decides if it lies on the grid of the frame duration, else the number (counters restart in
+// standby, and miss drops). Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <array>
@@ -25,18 +26,19 @@ enum class TimestampMark { ExposureBegin, ExposureEnd };
 
 struct FrameMatcherOptions {
   Duration frame_duration{33'333'333};
-  // Controls are written as the frame of their own request begins (hal/camera.h), and show so many frames later; zero
-  // where a request's exposure is that of its own frame. nullopt: nobody knows, nothing is predicted.
+  // Controls are written as the frame of their own request begins (hal/camera.h), and show so many frames
+  // later; zero where a request's exposure is that of its own frame. nullopt: nobody knows, nothing is
+  // predicted.
   std::optional<ControlDelays> delays;
   StrobePulse strobe = StrobePulse::Absent;
-  Duration strobe_after_timestamp{0};        // of the rising edge, as wired
+  Duration strobe_after_timestamp{0};  // of the rising edge, as wired
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
 };
 
 struct MatchedFrame {
   FrameEvidence evidence;
-  std::uint64_t index = 0;       // of the frame at the sensor: 0 for the first, counting those that never came
-  int lost_before = 0;           // frames between the one before and this one
+  std::uint64_t index = 0;  // of the frame at the sensor: 0 for the first, counting those that never came
+  int lost_before = 0;      // frames between the one before and this one
   bool cookie_repeated = false;  // the request was completed before: the cookie says nothing
   Instant timestamp;             // the driver's
   TimestampMark mark = TimestampMark::ExposureBegin;
@@ -50,8 +52,8 @@ class FrameMatcher {
  public:
   FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule);
 
-  // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster one of it
-  // is held back for later requests (control_delay.h), so that both show on one frame.
+  // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster
+  // one of it is held back for later requests (control_delay.h), so that both show on one frame.
   ExposureRequest next_request();
   // Requests from now on follow another schedule.
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
@@ -63,7 +65,8 @@ class FrameMatcher {
   // What the pictures and the strobe alone say about the frame matched last.
   void learn(double log_value);
 
-  // The slot of the schedule that the last matched frame was asked for, where its exposure is this one; -1 unknown.
+  // The slot of the schedule that the last matched frame was asked for, where its exposure is this one; -1
+  // unknown.
   int slot_of(const ExposureClaim& label) const;
   // Frames by which the prediction had to be shifted so far; changes of it are cadences found again.
   int shift() const { return shift_; }
@@ -88,7 +91,8 @@ class FrameMatcher {
 
   int frames_since_last(const CapturedBuffer& buffer) const;
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
-  std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer, const std::optional<ExposureClaim>& predicted) const;
+  std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
+                                           const std::optional<ExposureClaim>& predicted) const;
   std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
   const Asked* written_at(std::int64_t index) const;
   const Pulse* pulse_of(const CapturedBuffer& buffer) const;
@@ -103,7 +107,8 @@ class FrameMatcher {
   bool started_ = false;
   std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
   Instant timestamp_;
-  std::array<std::optional<std::uint64_t>, kFrames> turn_{};  // by frame: the cookie whose controls were written then
+  // By frame: the cookie of the request whose controls were written as it began.
+  std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
   std::array<Pulse, kPulses> pulses_{};
   std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;

@@ -16,11 +16,11 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 struct Knot {
   float code, log_exposure;
 };
-constexpr Knot kMeanCamera[] = {{1, -6.627f},   {2, -6.002f},   {4, -5.367f},   {6, -4.989f},   {8, -4.714f},
-                                {12, -4.306f},  {16, -4.011f},  {24, -3.579f},  {32, -3.262f},  {48, -2.799f},
-                                {64, -2.448f},  {80, -2.156f},  {96, -1.907f},  {112, -1.686f}, {128, -1.486f},
-                                {144, -1.3f},   {160, -1.125f}, {176, -0.954f}, {192, -0.784f}, {208, -0.614f},
-                                {224, -0.438f}, {240, -0.245f}, {250, -0.1f},   {255, 0.f}};
+constexpr Knot kMeanCamera[] = {
+    {1, -6.627f},   {2, -6.002f},   {4, -5.367f},   {6, -4.989f},   {8, -4.714f},   {12, -4.306f},
+    {16, -4.011f},  {24, -3.579f},  {32, -3.262f},  {48, -2.799f},  {64, -2.448f},  {80, -2.156f},
+    {96, -1.907f},  {112, -1.686f}, {128, -1.486f}, {144, -1.3f},   {160, -1.125f}, {176, -0.954f},
+    {192, -0.784f}, {208, -0.614f}, {224, -0.438f}, {240, -0.245f}, {250, -0.1f},   {255, 0.f}};
 
 float mean_camera(float code) {
   const Knot* above = std::upper_bound(std::begin(kMeanCamera) + 1, std::end(kMeanCamera) - 1, code,
@@ -36,16 +36,23 @@ struct Greens {
 };
 Greens greens(PixelLayout layout) {
   switch (layout) {
-    case PixelLayout::BayerRggb: case PixelLayout::BayerBggr: return {1};
-    case PixelLayout::BayerGrbg: case PixelLayout::BayerGbrg: return {0};
-    case PixelLayout::Rgb: case PixelLayout::Mono: break;
+    case PixelLayout::BayerRggb:
+    case PixelLayout::BayerBggr:
+      return {1};
+    case PixelLayout::BayerGrbg:
+    case PixelLayout::BayerGbrg:
+      return {0};
+    case PixelLayout::Rgb:
+    case PixelLayout::Mono:
+      break;
   }
   return {};
 }
 
 // Calls body(value in a, value in b) for the sites that the two frames share.
 template <class Body>
-void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature& b, SiteShift shift, Body&& body) {
+void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature& b, SiteShift shift,
+                      Body&& body) {
   const int y1 = std::min(a.rows, a.rows - shift.dy), x1 = std::min(a.cols, a.cols - shift.dx);
   for (int y = std::max(0, -shift.dy); y < y1; ++y)
     for (int x = std::max(0, -shift.dx); x < x1; ++x)
@@ -53,8 +60,9 @@ void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature&
            b.at_site[static_cast<std::size_t>((y + shift.dy) * a.cols + x + shift.dx)]);
 }
 
-// Which sites are brighter than the site of a given rank: the same ones whatever the exposure (Ward, "Fast, robust
-// image registration for compositing high dynamic range photographs from hand-held exposures", 2003). A word a row.
+// Which sites are brighter than the site of a given rank: the same ones whatever the exposure (Ward, "Fast,
+// robust image registration for compositing high dynamic range photographs from hand-held exposures", 2003).
+// A word a row.
 using Bitmap = std::array<std::uint64_t, PhotometricSignature::kSiteRows>;
 static_assert(PhotometricSignature::kSiteCols <= 64);
 
@@ -67,8 +75,8 @@ Bitmap brighter_than(const PhotometricSignature& signature, float threshold) {
   return bitmap;
 }
 
-// The shift under which the two bitmaps differ least, within a sixth of the picture; that of no motion where the frames
-// show no common rank.
+// The shift under which the two bitmaps differ least, within a sixth of the picture; that of no motion where
+// the frames show no common rank.
 SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
   constexpr int kReach = 6;
   std::size_t rank = 0;
@@ -89,7 +97,8 @@ SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
       int differing = 0;
       for (int y = std::max(0, -dy); y < std::max(0, -dy) + height; ++y)
         differing += std::popcount((in_a[static_cast<std::size_t>(y)] >> std::max(0, -dx) ^
-                                    in_b[static_cast<std::size_t>(y + dy)] >> std::max(0, dx)) & seen);
+                                    in_b[static_cast<std::size_t>(y + dy)] >> std::max(0, dx)) &
+                                   seen);
       const double area = width * height;
       // A little in favour of no motion: flat pictures fit everywhere.
       const double share = differing / area + 0.002 * (std::abs(dx) + std::abs(dy));
@@ -164,7 +173,8 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   constexpr int kLeastBox = 4, kMostBox = 8;  // pixels: averages noise, keeps the mosaic's phase
   signature.rows = std::min(PhotometricSignature::kSiteRows, codes.rows() / kLeastBox);
   signature.cols = std::min(PhotometricSignature::kSiteCols, codes.cols() / kLeastBox);
-  const int cell = std::min(codes.rows() / std::max(1, signature.rows), codes.cols() / std::max(1, signature.cols));
+  const int cell =
+      std::min(codes.rows() / std::max(1, signature.rows), codes.cols() / std::max(1, signature.cols));
   const int box = std::min(kMostBox, cell / 2 * 2);
   const int channel = layout == PixelLayout::Rgb ? 1 : 0;
   const int parity = greens(layout).parity;
@@ -234,25 +244,30 @@ std::optional<Photometer::Centre> Photometer::ratio_by_rank(const PhotometricSig
     if (std::isfinite(difference)) scratch_[static_cast<std::size_t>(count++)] = difference;
   }
   if (count < 5) return std::nullopt;
-  // Neighbouring ranks err together, and content that enters the picture moves all of them: hardly any average out.
+  // Neighbouring ranks err together, and content that enters the picture moves all of them: hardly any
+  // average out.
   return centre(count, 2);
 }
 
-std::optional<PhotometricRatio> Photometer::ratio(const PhotometricSignature& a, const PhotometricSignature& b) {
+std::optional<PhotometricRatio> Photometer::ratio(const PhotometricSignature& a,
+                                                  const PhotometricSignature& b) {
   if (a.rows != b.rows || a.cols != b.cols || a.sites == 0) return std::nullopt;
   const SiteShift shift = align(a, b);
   const auto site = ratio_by_site(a, b, shift), rank = ratio_by_rank(a, b);
   if (!site || !rank) return std::nullopt;
-  // Not the same scene: what is bright in one place there is not bright here. A flat scene cannot tell, nor be told.
+  // Not the same scene: what is bright in one place there is not bright here. A flat scene cannot tell, nor
+  // be told.
   constexpr double kFlat = 0.15, kSameScene = 0.5;
   if (site->scatter > kFlat && correlation(a, b, shift) < kSameScene) return std::nullopt;
 
   constexpr double kFloor = 0.01;  // quantisation, blur and response of a still scene
   const double site_variance = site->sigma * site->sigma + kFloor * kFloor;
-  // What moved, and what entered the picture in place of what left it, shifts all ranks together: they do not show it.
+  // What moved, and what entered the picture in place of what left it, shifts all ranks together: they do not
+  // show it.
   constexpr double kPatches = 25;  // that a picture has of independent content
   const double spread = spread_of(a);
-  const double content = (site->scatter * site->scatter + 2 * spread * spread * (1 - shift.overlap)) / kPatches;
+  const double content =
+      (site->scatter * site->scatter + 2 * spread * spread * (1 - shift.overlap)) / kPatches;
   const double rank_variance = rank->sigma * rank->sigma + content + kFloor * kFloor;
   const double variance = 1 / (1 / site_variance + 1 / rank_variance);
   const double value = variance * (site->median / site_variance + rank->median / rank_variance);
@@ -261,7 +276,9 @@ std::optional<PhotometricRatio> Photometer::ratio(const PhotometricSignature& a,
   constexpr double kLamps = 0.08;  // light itself is steady to this
   const double half_width = kLamps + 3 * std::sqrt(variance) + disagreement;
   const double stretch = response_.stretch();
-  const auto outward = [&](double bound, double sign) { return bound * sign > 0 ? bound * stretch : bound / stretch; };
+  const auto outward = [&](double bound, double sign) {
+    return bound * sign > 0 ? bound * stretch : bound / stretch;
+  };
   return PhotometricRatio{value, outward(value - half_width, -1), outward(value + half_width, 1)};
 }
 

@@ -1,10 +1,11 @@
-// The ratio of the exposures of two neighbouring frames, from their pictures alone: the witness that neither the driver
-// nor the sensor can influence. An exposure changes all parts of a picture by one factor, motion changes parts by many:
-// so the factor is measured twice, at the same place (1200 sites, aligned for a panning camera) and at the same rank
-// (quantiles; indifferent to motion), and what the two disagree upon is the uncertainty. Codes become exposures through
-// the response; while that is unknown, through the mean of 201 real cameras, whose spread only stretches a ratio: equal
-// stays equal and brighter stays brighter, whatever the camera. Thread-bound; no allocation; a 320x240 picture and its
-// ratios to the seven before it take 0.13 ms.
+// The ratio of the exposures of two neighbouring frames, from their pictures alone: the witness that neither
+// the driver nor the sensor can influence. An exposure changes all parts of a picture by one factor, motion
+// changes parts by many: so the factor is measured twice, at the same place (1200 sites, aligned for a
+// panning camera) and at the same rank (quantiles; indifferent to motion), and what the two disagree upon is
+// the uncertainty. Codes become exposures through the response; while that is unknown, through the mean of
+// 201 real cameras, whose spread only stretches a ratio: equal stays equal and brighter stays brighter,
+// whatever the camera. Thread-bound; no allocation; a 320x240 picture and its ratios to the seven before it
+// take 0.13 ms.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@ class PhotometricResponse {
  public:
   using Curve = std::array<float, 256>;
 
-  // The mean of real cameras (Grossberg & Nayar's 201 curves). Their ratios are within a factor of 2.8 of this one's
-  // on the logarithmic scale, all of them, for exposures 1 to 4 stops apart.
+  // The mean of real cameras (Grossberg & Nayar's 201 curves). Their ratios are within a factor of 2.8 of
+  // this one's on the logarithmic scale, all of them, for exposures 1 to 4 stops apart.
   static PhotometricResponse unknown();
   // Raw codes; black level in codes of 255.
   static PhotometricResponse linear(float black_level);
@@ -41,10 +42,10 @@ class PhotometricResponse {
  private:
   PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}
 
-  Curve log_{};         // at whole codes
-  float black_ = 0;     // for the linear case, where the logarithm is taken directly
+  Curve log_{};      // at whole codes
+  float black_ = 0;  // for the linear case, where the logarithm is taken directly
   bool linear_ = false;
-  float darkest_;       // codes below say nothing
+  float darkest_;  // codes below say nothing
   double stretch_;
 };
 
@@ -81,7 +82,8 @@ class Photometer {
   void set_response(const PhotometricResponse& response) { response_ = response; }
 
   // codes: [channels(layout), rows, cols] of `bits` bits. Green is looked at where there are colours.
-  void observe(const Image<std::uint16_t>& codes, PixelLayout layout, int bits, PhotometricSignature& signature) const;
+  void observe(const Image<std::uint16_t>& codes, PixelLayout layout, int bits,
+               PhotometricSignature& signature) const;
 
   // nullopt where too little is visible in both, or where the two are not of the same scene.
   std::optional<PhotometricRatio> ratio(const PhotometricSignature& a, const PhotometricSignature& b);
@@ -90,7 +92,8 @@ class Photometer {
   struct Centre {
     double median = 0, scatter = 0, sigma = 0;  // of the samples, of the median
   };
-  std::optional<Centre> ratio_by_site(const PhotometricSignature& a, const PhotometricSignature& b, SiteShift shift);
+  std::optional<Centre> ratio_by_site(const PhotometricSignature& a, const PhotometricSignature& b,
+                                      SiteShift shift);
   std::optional<Centre> ratio_by_rank(const PhotometricSignature& a, const PhotometricSignature& b);
   Centre centre(int count, double independent);
 

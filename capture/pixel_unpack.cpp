@@ -20,19 +20,47 @@ Format format_of(PixelFormat format) {
     return Format{packing, {kBayer[static_cast<int>(format) - static_cast<int>(first)], bits, true}};
   };
   switch (format) {
-    case Rgb24: return {Packing::Rgb, {}};
-    case Bgr24: return {Packing::Bgr, {}};
-    case Yuyv: return {Packing::Yuyv, {}};
-    case Nv12: return {Packing::Nv12, {}};
-    case Mjpeg: return {Packing::Jpeg, {}};
-    case Grey8: return {Packing::Bytes, {PixelLayout::Mono, 8, false}};
-    case Rggb8: case Grbg8: case Gbrg8: case Bggr8: return bayer(Rggb8, 8, Packing::Bytes);
-    case Rggb10: case Grbg10: case Gbrg10: case Bggr10: return bayer(Rggb10, 10, Packing::Words);
-    case Rggb12: case Grbg12: case Gbrg12: case Bggr12: return bayer(Rggb12, 12, Packing::Words);
-    case Rggb16: case Grbg16: case Gbrg16: case Bggr16: return bayer(Rggb16, 16, Packing::Words);
-    case Rggb10Packed: case Grbg10Packed: case Gbrg10Packed: case Bggr10Packed:
+    case Rgb24:
+      return {Packing::Rgb, {}};
+    case Bgr24:
+      return {Packing::Bgr, {}};
+    case Yuyv:
+      return {Packing::Yuyv, {}};
+    case Nv12:
+      return {Packing::Nv12, {}};
+    case Mjpeg:
+      return {Packing::Jpeg, {}};
+    case Grey8:
+      return {Packing::Bytes, {PixelLayout::Mono, 8, false}};
+    case Rggb8:
+    case Grbg8:
+    case Gbrg8:
+    case Bggr8:
+      return bayer(Rggb8, 8, Packing::Bytes);
+    case Rggb10:
+    case Grbg10:
+    case Gbrg10:
+    case Bggr10:
+      return bayer(Rggb10, 10, Packing::Words);
+    case Rggb12:
+    case Grbg12:
+    case Gbrg12:
+    case Bggr12:
+      return bayer(Rggb12, 12, Packing::Words);
+    case Rggb16:
+    case Grbg16:
+    case Gbrg16:
+    case Bggr16:
+      return bayer(Rggb16, 16, Packing::Words);
+    case Rggb10Packed:
+    case Grbg10Packed:
+    case Gbrg10Packed:
+    case Bggr10Packed:
       return bayer(Rggb10Packed, 10, Packing::Mipi10);
-    case Rggb12Packed: case Grbg12Packed: case Gbrg12Packed: case Bggr12Packed:
+    case Rggb12Packed:
+    case Grbg12Packed:
+    case Gbrg12Packed:
+    case Bggr12Packed:
       return bayer(Rggb12Packed, 12, Packing::Mipi12);
   }
   CHECK_EQ(static_cast<int>(format), -1);  // none of the list
@@ -42,11 +70,20 @@ Format format_of(PixelFormat format) {
 // Bytes of a row of the first plane.
 std::size_t row_bytes(Packing packing, std::size_t width) {
   switch (packing) {
-    case Packing::Rgb: case Packing::Bgr: return width * 3;
-    case Packing::Yuyv: case Packing::Words: return width * 2;
-    case Packing::Mipi10: return width / 4 * 5;
-    case Packing::Mipi12: return width / 2 * 3;
-    case Packing::Nv12: case Packing::Bytes: case Packing::Jpeg: break;
+    case Packing::Rgb:
+    case Packing::Bgr:
+      return width * 3;
+    case Packing::Yuyv:
+    case Packing::Words:
+      return width * 2;
+    case Packing::Mipi10:
+      return width / 4 * 5;
+    case Packing::Mipi12:
+      return width / 2 * 3;
+    case Packing::Nv12:
+    case Packing::Bytes:
+    case Packing::Jpeg:
+      break;
   }
   return width;
 }
@@ -83,7 +120,9 @@ class YuvToRgb {
 
  private:
   int scaled(double weight) const { return static_cast<int>(weight * chroma_ * 65536 + 0.5); }
-  static std::uint16_t clamped(int value) { return static_cast<std::uint16_t>(std::clamp(value >> 16, 0, 255)); }
+  static std::uint16_t clamped(int value) {
+    return static_cast<std::uint16_t>(std::clamp(value >> 16, 0, 255));
+  }
 
   int black_, luma_;
   double chroma_;
@@ -100,7 +139,8 @@ void unpack_nv12(const std::byte* luma, const std::byte* chroma, int y, const Yu
                  Image<std::uint16_t>& codes) {
   for (int x = 0; x < codes.cols(); ++x) {
     const auto pair = static_cast<std::size_t>(x & ~1);
-    rgb.convert(byte(luma, static_cast<std::size_t>(x)), byte(chroma, pair), byte(chroma, pair + 1), codes, y, x);
+    rgb.convert(byte(luma, static_cast<std::size_t>(x)), byte(chroma, pair), byte(chroma, pair + 1), codes, y,
+                x);
   }
 }
 
@@ -126,18 +166,25 @@ void unpack_raw(const std::byte* in, Packing packing, int bits, std::span<std::u
         out[x] = static_cast<std::uint16_t>(byte(group, x % 2) << 4 | (byte(group, 2) >> 4 * (x % 2) & 15));
       }
       break;
-    case Packing::Rgb: case Packing::Bgr: case Packing::Yuyv: case Packing::Nv12: case Packing::Jpeg: break;
+    case Packing::Rgb:
+    case Packing::Bgr:
+    case Packing::Yuyv:
+    case Packing::Nv12:
+    case Packing::Jpeg:
+      break;
   }
 }
 
-Result<void> decode_jpeg(const CapturedBuffer& buffer, const JpegDecoder& decode, Image<std::uint16_t>& codes) {
+Result<void> decode_jpeg(const CapturedBuffer& buffer, const JpegDecoder& decode,
+                         Image<std::uint16_t>& codes) {
   if (!decode)
-    return Error{ErrorCode::Unsupported, "this build has no JPEG decoder for MJPEG frames; choose another pixel format"};
+    return Error{ErrorCode::Unsupported,
+                 "this build has no JPEG decoder for MJPEG frames; choose another pixel format"};
   TRY(decode(buffer.pixels, codes));
   if (codes.rows() != buffer.mode.height || codes.cols() != buffer.mode.width || codes.channels() != 3)
-    return Error{ErrorCode::Corrupt, fmt::format("frame {} holds a JPEG of {}x{} where the stream is {}x{}",
-                                                 buffer.sequence, codes.cols(), codes.rows(), buffer.mode.width,
-                                                 buffer.mode.height)};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("frame {} holds a JPEG of {}x{} where the stream is {}x{}", buffer.sequence,
+                             codes.cols(), codes.rows(), buffer.mode.width, buffer.mode.height)};
   return {};
 }
 
@@ -152,28 +199,39 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
 
   const int width = buffer.mode.width, height = buffer.mode.height, shared = sharing(packing);
   if (width <= 0 || height <= 0 || width % shared != 0 || (packing == Packing::Nv12 && height % 2 != 0))
-    return Error{ErrorCode::Invalid, fmt::format("a picture of {}x{} cannot be of this pixel format, which shares "
-                                                 "samples between {} pixels; choose another size", width, height, shared)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a picture of {}x{} cannot be of this pixel format, which shares "
+                             "samples between {} pixels; choose another size",
+                             width, height, shared)};
   const std::size_t tight = row_bytes(packing, static_cast<std::size_t>(width));
   const std::size_t stride = buffer.stride == 0 ? tight : buffer.stride;
   const auto rows = static_cast<std::size_t>(packing == Packing::Nv12 ? height + height / 2 : height);
   const std::size_t needed = stride * (rows - 1) + tight;
   if (stride < tight || buffer.pixels.size() < needed)
-    return Error{ErrorCode::Corrupt, fmt::format("frame {} has {} bytes in rows of {}, a {}x{} picture needs {} in rows of {}",
-                                                 buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("frame {} has {} bytes in rows of {}, a {}x{} picture needs {} in rows of {}",
+                             buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
 
   codes.reshape(channels(kind.layout), height, width);
   const YuvToRgb rgb(settings.yuv_range);
   for (int y = 0; y < height; ++y) {
     const std::byte* row = buffer.pixels.data() + static_cast<std::size_t>(y) * stride;
     switch (packing) {
-      case Packing::Rgb: unpack_rgb(row, y, 0, 2, codes); break;
-      case Packing::Bgr: unpack_rgb(row, y, 2, 0, codes); break;
-      case Packing::Yuyv: unpack_yuyv(row, y, rgb, codes); break;
-      case Packing::Nv12:
-        unpack_nv12(row, buffer.pixels.data() + static_cast<std::size_t>(height + y / 2) * stride, y, rgb, codes);
+      case Packing::Rgb:
+        unpack_rgb(row, y, 0, 2, codes);
         break;
-      default: unpack_raw(row, packing, kind.bits, {codes.row(0, y), static_cast<std::size_t>(width)});
+      case Packing::Bgr:
+        unpack_rgb(row, y, 2, 0, codes);
+        break;
+      case Packing::Yuyv:
+        unpack_yuyv(row, y, rgb, codes);
+        break;
+      case Packing::Nv12:
+        unpack_nv12(row, buffer.pixels.data() + static_cast<std::size_t>(height + y / 2) * stride, y, rgb,
+                    codes);
+        break;
+      default:
+        unpack_raw(row, packing, kind.bits, {codes.row(0, y), static_cast<std::size_t>(width)});
     }
   }
   return {};

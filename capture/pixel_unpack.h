@@ -1,6 +1,6 @@
-// The bytes of a captured buffer -> codes of a raw frame. Nothing is lost: Bayer stays Bayer, 10 bits stay 10 bits, the
-// response stays in; only what has no codes of its own (YUV, MJPEG) becomes RGB. No allocation once the picture has
-// been of this size. Reentrant.
+// The bytes of a captured buffer -> codes of a raw frame. Nothing is lost: Bayer stays Bayer, 10 bits stay 10
+// bits, the response stays in; only what has no codes of its own (YUV, MJPEG) becomes RGB. No allocation once
+// the picture has been of this size. Reentrant.
 #pragma once
 
 #include <functional>
@@ -28,9 +28,9 @@ struct PixelUnpackSettings {
   JpegDecoder decode_jpeg;  // only needed for Mjpeg
 };
 
-// codes: [channels(layout), rows, cols], 0 .. 2^bits - 1. A stride of 0 means tightly packed rows. Errors: Corrupt for
-// a buffer that is shorter than its mode says or a JPEG that does not decode; Unsupported for Mjpeg without a decoder;
-// Invalid for odd sizes of a format that shares samples between neighbours.
+// codes: [channels(layout), rows, cols], 0 .. 2^bits - 1. A stride of 0 means tightly packed rows. Errors:
+// Corrupt for a buffer that is shorter than its mode says or a JPEG that does not decode; Unsupported for
+// Mjpeg without a decoder; Invalid for odd sizes of a format that shares samples between neighbours.
 Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,
                            Image<std::uint16_t>& codes);
 

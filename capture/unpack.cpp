@@ -6,17 +6,20 @@
 
 namespace hdrcam {
 
-Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings) {
+Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
+                            const UnpackSettings& settings) {
   const double exposure = raw.facts.exposure();
   if (!(exposure > 0) || !std::isfinite(exposure))
     return Error{ErrorCode::BadExposure,
-                 fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite", raw.facts.sequence,
-                             raw.facts.exposure_s, raw.facts.analogue_gain * raw.facts.digital_gain)};
+                 fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite",
+                             raw.facts.sequence, raw.facts.exposure_s,
+                             raw.facts.analogue_gain * raw.facts.digital_gain)};
   ExposedFrame frame;
   frame.facts = raw.facts;
   frame.index = index;
   frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
-  if (interval_s > 0) frame.blur_fraction = static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s));
+  if (interval_s > 0)
+    frame.blur_fraction = static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s));
 
   const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
   if (is_bayer(settings.layout)) {
@@ -43,7 +46,8 @@ void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level) {
     if (black <= 0) continue;
     const float scale = kMaxCode / (kMaxCode - black);
     float* codes = frame.codes.plane(c);
-    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i) codes[i] = std::max(0.f, (codes[i] - black) * scale);
+    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i)
+      codes[i] = std::max(0.f, (codes[i] - black) * scale);
   }
 }
 

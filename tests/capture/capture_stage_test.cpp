@@ -1,5 +1,5 @@
-// The proof of exposure, end to end: a sensor that misbehaves in every way that we know of, and a stage that must never
-// call a wrong label proved.
+// The proof of exposure, end to end: a sensor that misbehaves in every way that we know of, and a stage that
+// must never call a wrong label proved.
 #include "capture/capture_stage.h"
 
 #include <catch2/catch.hpp>
@@ -26,27 +26,32 @@ constexpr Exposure kFour[] = {{1ms, 1}, {4ms, 1}, {8ms, 1}, {8ms, 4}};
 
 std::span<const Exposure> cycle_of(int slots) {
   switch (slots) {
-    case 1: return kOne;
-    case 2: return kTwo;
-    case 3: return kThree;
-    default: return kFour;
+    case 1:
+      return kOne;
+    case 2:
+      return kTwo;
+    case 3:
+      return kThree;
+    default:
+      return kFour;
   }
 }
 
 struct Tally {
   int frames = 0, proved = 0, plausible = 0, contradicted = 0, unknown = 0, relabelled = 0;
-  int proved_wrong = 0;          // of another slot, or further off than the proof says
-  int trusted_wrong = 0;         // proved or plausible, and of another slot
-  int trusted_wrong_late = 0;    // of them, after the first three rounds
+  int proved_wrong = 0;        // of another slot, or further off than the proof says
+  int trusted_wrong = 0;       // proved or plausible, and of another slot
+  int trusted_wrong_late = 0;  // of them, after the first three rounds
   int slots_wrong = 0;
   CaptureCounters counters;
 };
 
 int nearest_slot(std::span<const Exposure> cycle, double value) {
   const auto distance = [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value); };
-  return static_cast<int>(std::min_element(cycle.begin(), cycle.end(), [&](const Exposure& a, const Exposure& b) {
-                            return distance(a) < distance(b);
-                          }) - cycle.begin());
+  return static_cast<int>(
+      std::min_element(cycle.begin(), cycle.end(),
+                       [&](const Exposure& a, const Exposure& b) { return distance(a) < distance(b); }) -
+      cycle.begin());
 }
 
 void judge(const CapturedFrame& frame, double truth, std::span<const Exposure> cycle, Tally& tally) {
@@ -93,10 +98,11 @@ Tally run(const SensorSettings& settings, const SensorFaults& faults, int slots,
 }
 
 std::string describe(const Tally& t) {
-  return fmt::format("{} frames: {} proved ({} wrong), {} plausible ({} relabelled), {} contradicted, {} unknown; trusted "
-                     "but wrong {}, {} of them late; lost {}, relocks {}", t.frames, t.proved, t.proved_wrong, t.plausible,
-                     t.relabelled, t.contradicted, t.unknown, t.trusted_wrong, t.trusted_wrong_late,
-                     t.counters.lost_by_camera, t.counters.relocks);
+  return fmt::format(
+      "{} frames: {} proved ({} wrong), {} plausible ({} relabelled), {} contradicted, {} unknown; trusted "
+      "but wrong {}, {} of them late; lost {}, relocks {}",
+      t.frames, t.proved, t.proved_wrong, t.plausible, t.relabelled, t.contradicted, t.unknown,
+      t.trusted_wrong, t.trusted_wrong_late, t.counters.lost_by_camera, t.counters.relocks);
 }
 
 constexpr SensorKind kKinds[] = {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8};
@@ -116,9 +122,16 @@ TEST_CASE("a well-behaved camera has nearly all its frames proved, whatever its 
 }
 
 TEST_CASE("no wrong label is ever proved over 10,000 frames with every fault at once", "[capture]") {
-  const SensorFaults faults{.drop = 0.05, .drop_run = 2, .damage = 0.01, .report_missing = 0.1, .report_late = 0.05,
-                            .cookie_doubled = 0.03, .exposure_late = 0.03, .exposure_early = 0.03,
-                            .exposure_clipped = 0.03, .slip = 0.005};
+  const SensorFaults faults{.drop = 0.05,
+                            .drop_run = 2,
+                            .damage = 0.01,
+                            .report_missing = 0.1,
+                            .report_late = 0.05,
+                            .cookie_doubled = 0.03,
+                            .exposure_late = 0.03,
+                            .exposure_early = 0.03,
+                            .exposure_clipped = 0.03,
+                            .slip = 0.005};
   const Tally tally = run({.reports = true, .light_walk = 0.02, .cut = 0.005}, faults, 3, 10'000);
   CAPTURE(describe(tally));
   CHECK(tally.proved_wrong == 0);
@@ -139,8 +152,14 @@ TEST_CASE("no fault makes a wrong label proved", "[capture]") {
   const Fault kFaults[] = {
       {"one frame lost now and then", {.drop = 0.1}, false, 220},
       {"two frames lost at a time", {.drop = 0.1, .drop_run = 2}, false, 220},
-      {"seven frames lost at a time, uncounted", {.drop = 0.1, .drop_run = 7, .hide_drops = true}, false, 165},
-      {"frames lost that neither number nor time shows", {.drop = 0.1, .hide_drops = true, .freeze_time = true}, false, 190},
+      {"seven frames lost at a time, uncounted",
+       {.drop = 0.1, .drop_run = 7, .hide_drops = true},
+       false,
+       165},
+      {"frames lost that neither number nor time shows",
+       {.drop = 0.1, .hide_drops = true, .freeze_time = true},
+       false,
+       190},
       {"half of all frames lost", {.drop = 0.5}, false, 190},
       {"reports missing", {.report_missing = 0.5}, true, 220},
       {"reports late", {.report_late = 0.3}, true, 140},
@@ -166,8 +185,9 @@ TEST_CASE("no fault makes a wrong label proved", "[capture]") {
 }
 
 TEST_CASE("a fast pan, cuts and unsteady light cost proofs, not truth", "[capture]") {
-  for (const SensorSettings& scene : {SensorSettings{.pan_px = 12}, SensorSettings{.pan_px = 5, .cut = 0.05},
-                                      SensorSettings{.light_walk = 0.1}, SensorSettings{.key = 0.02}, SensorSettings{.key = 40}}) {
+  for (const SensorSettings& scene :
+       {SensorSettings{.pan_px = 12}, SensorSettings{.pan_px = 5, .cut = 0.05},
+        SensorSettings{.light_walk = 0.1}, SensorSettings{.key = 0.02}, SensorSettings{.key = 40}}) {
     for (int slots = 2; slots <= 4; ++slots) {
       const Tally tally = run(scene, {.exposure_late = 0.1}, slots, 400);
       CAPTURE(scene.pan_px, scene.cut, scene.light_walk, scene.key, slots, describe(tally));
@@ -179,7 +199,8 @@ TEST_CASE("a fast pan, cuts and unsteady light cost proofs, not truth", "[captur
 TEST_CASE("controls that act frames later are predicted and proved, for every delay", "[capture]") {
   for (int exposure = 0; exposure <= 3; ++exposure) {
     for (int gain = 0; gain <= 3; ++gain) {
-      const SensorSettings settings{.per_request = false, .latency = exposure, .gain_latency = gain, .pan_px = 1};
+      const SensorSettings settings{
+          .per_request = false, .latency = exposure, .gain_latency = gain, .pan_px = 1};
       const Tally tally = run(settings, {}, 4, 120, {.delays = ControlDelays{exposure, gain}});
       CAPTURE(exposure, gain, describe(tally));
       CHECK(tally.proved_wrong == 0);
@@ -202,7 +223,8 @@ TEST_CASE("a wrong delay is found from the pictures within three rounds", "[capt
 }
 
 TEST_CASE("a camera about which nothing is known has its frames labelled by their pictures", "[capture]") {
-  const SensorSettings settings{.kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1};
+  const SensorSettings settings{
+      .kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1};
   const Tally tally = run(settings, {}, 3, 200);
   CAPTURE(describe(tally));
   CHECK(tally.proved == 0);
@@ -301,7 +323,9 @@ class CountingCamera : public Camera {
  public:
   explicit CountingCamera(Camera& camera) : camera_(camera) {}
   const CameraCapabilities& capabilities() const override { return camera_.capabilities(); }
-  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override { return camera_.configure(wanted, buffers); }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    return camera_.configure(wanted, buffers);
+  }
   Result<void> start() override { return camera_.start(); }
   Result<void> queue(const ExposureRequest& request) override {
     return counted([&] { return camera_.queue(request); });

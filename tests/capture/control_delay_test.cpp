@@ -12,7 +12,8 @@ constexpr Duration kFrame{33'333'333};
 // A sensor's registers: a value written as frame s begins shows from frame s + delay on.
 class Registers {
  public:
-  explicit Registers(const SensorDelays& delays, const ExposureRequest& now) : delays_(delays), frames_(1000, now) {}
+  explicit Registers(const SensorDelays& delays, const ExposureRequest& now)
+      : delays_(delays), frames_(1000, now) {}
   void write(std::size_t frame, const ControlDelay::Writes& writes) {
     for (std::size_t i = frame + static_cast<std::size_t>(delays_.exposure); i < frames_.size(); ++i)
       frames_[i].exposure = writes.exposure;
@@ -20,7 +21,8 @@ class Registers {
       frames_[i].analogue_gain = writes.analogue_gain;
   }
   bool shows(std::size_t frame, const ControlDelay::Latched& latched) const {
-    return frames_[frame].exposure == latched.exposure && frames_[frame].analogue_gain == latched.analogue_gain;
+    return frames_[frame].exposure == latched.exposure &&
+           frames_[frame].analogue_gain == latched.analogue_gain;
   }
 
  private:
@@ -29,7 +31,8 @@ class Registers {
 };
 
 ExposureRequest request(std::uint64_t cookie) {
-  return {cookie, Duration(static_cast<Duration::rep>(1000 * (cookie + 1))), 1 + 0.01 * static_cast<double>(cookie)};
+  return {cookie, Duration(static_cast<Duration::rep>(1000 * (cookie + 1))),
+          1 + 0.01 * static_cast<double>(cookie)};
 }
 
 TEST_CASE("for every set of delays the twin agrees with the sensor, cookie included", "[capture]") {
@@ -60,7 +63,8 @@ TEST_CASE("for every set of delays the twin agrees with the sensor, cookie inclu
   }
 }
 
-TEST_CASE("after a frame start that it missed, the twin disagrees with the sensor and then agrees again", "[capture]") {
+TEST_CASE("after a frame start that it missed, the twin disagrees with the sensor and then agrees again",
+          "[capture]") {
   for (int exposure = 0; exposure <= 3; ++exposure) {
     for (int gain = 0; gain <= 3; ++gain) {
       const SensorDelays delays{exposure, gain, 0};

@@ -15,7 +15,8 @@ using namespace std::chrono_literals;
 
 constexpr Exposure kShort{3ms, 1}, kLong{12ms, 1}, kLongByGain{3ms, 4};
 
-DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults, const Exposure& longer = kLong) {
+DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults,
+                      const Exposure& longer = kLong) {
   SensorModel camera(settings, faults);
   const StreamMode mode = camera.configure({}, 8).value();
   const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {});
@@ -40,15 +41,17 @@ TEST_CASE("the delay of the gain is measured on its own", "[capture]") {
   CHECK(measure(settings, {}, kLongByGain).delay == 1);
 }
 
-TEST_CASE("a pan, unsteady light, cuts, lost frames and clipping do not mislead the calibration", "[capture]") {
+TEST_CASE("a pan, unsteady light, cuts, lost frames and clipping do not mislead the calibration",
+          "[capture]") {
   for (int latency = 0; latency <= 3; ++latency) {
-    for (const SensorSettings& scene :
-         {SensorSettings{.pan_px = 6}, SensorSettings{.light_walk = 0.08}, SensorSettings{.cut = 0.05}, SensorSettings{.key = 5}}) {
+    for (const SensorSettings& scene : {SensorSettings{.pan_px = 6}, SensorSettings{.light_walk = 0.08},
+                                        SensorSettings{.cut = 0.05}, SensorSettings{.key = 5}}) {
       SensorSettings settings = scene;
       settings.per_request = false;
       settings.latency = latency;
       const DelayEstimate estimate = measure(settings, {.drop = 0.1});
-      CAPTURE(latency, scene.pan_px, scene.light_walk, scene.cut, scene.key, estimate.reason, estimate.agreement);
+      CAPTURE(latency, scene.pan_px, scene.light_walk, scene.cut, scene.key, estimate.reason,
+              estimate.agreement);
       CHECK((!estimate.delay || *estimate.delay == latency));
       if (scene.cut == 0) CHECK(estimate.delay == latency);
     }

@@ -22,7 +22,8 @@ TEST_CASE("durations are read as photographers write them", "[capture]") {
   CHECK(parse_duration("1/250s").value() == 4ms);
   CHECK(parse_duration("0.004 s").value() == 4ms);
   CHECK(parse_duration("1.5ms").value() == 1500us);
-  for (const char* wrong : {"", "ms", "-4ms", "0ms", "1/0", "4 parsecs", "nan", "inf", "4ms5", "1e9s", "1/-250"}) {
+  for (const char* wrong :
+       {"", "ms", "-4ms", "0ms", "1/0", "4 parsecs", "nan", "inf", "4ms5", "1e9s", "1/-250"}) {
     CAPTURE(wrong);
     const auto duration = parse_duration(wrong);
     REQUIRE_FALSE(duration.ok());

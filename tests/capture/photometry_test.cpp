@@ -21,14 +21,16 @@ struct Seen {
 };
 
 // The frames of a scene under these exposures, in turn.
-std::vector<Seen> look(const SensorSettings& settings, const Photometer& photometer, std::span<const double> times_ms, int frames) {
+std::vector<Seen> look(const SensorSettings& settings, const Photometer& photometer,
+                       std::span<const double> times_ms, int frames) {
   SensorModel sensor(settings, {});
   REQUIRE(sensor.configure({}, 2).ok());
   REQUIRE(sensor.start().ok());
   std::vector<Seen> seen(static_cast<std::size_t>(frames));
   Image<std::uint16_t> codes;
   for (std::size_t i = 0; i < seen.size(); ++i) {
-    REQUIRE(sensor.queue({i, Duration(static_cast<Duration::rep>(times_ms[i % times_ms.size()] * 1e6)), 1}).ok());
+    REQUIRE(
+        sensor.queue({i, Duration(static_cast<Duration::rep>(times_ms[i % times_ms.size()] * 1e6)), 1}).ok());
     const auto buffer = sensor.wait({});
     REQUIRE(buffer.ok());
     REQUIRE(unpack_pixels(buffer.value(), {}, codes).ok());
@@ -54,12 +56,15 @@ TEST_CASE("the ratio of raw exposures is measured to a few per cent", "[capture]
   }
 }
 
-TEST_CASE("the truth lies within what the measurement leaves open, in motion and with any response", "[capture]") {
+TEST_CASE("the truth lies within what the measurement leaves open, in motion and with any response",
+          "[capture]") {
   int outside = 0, measured = 0;
   for (const SensorKind kind : {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8}) {
-    Photometer photometer(kind == SensorKind::RawBayer10 ? PhotometricResponse::linear(16) : PhotometricResponse::unknown());
+    Photometer photometer(kind == SensorKind::RawBayer10 ? PhotometricResponse::linear(16)
+                                                         : PhotometricResponse::unknown());
     for (const double pan_px : {0.0, 1.0, 3.0}) {
-      const auto seen = look({.kind = kind, .pan_px = pan_px, .light_walk = 0.005}, photometer, kTimes_ms, 150);
+      const auto seen =
+          look({.kind = kind, .pan_px = pan_px, .light_walk = 0.005}, photometer, kTimes_ms, 150);
       for (std::size_t i = 3; i < seen.size(); ++i) {
         for (std::size_t lag = 1; lag <= 3; ++lag) {
           const auto ratio = photometer.ratio(seen[i - lag].picture, seen[i].picture);
@@ -126,7 +131,8 @@ TEST_CASE("darkness, white-out and another scene have no ratio", "[capture]") {
 
 TEST_CASE("small pictures are compared by the sites that they have", "[capture]") {
   Photometer photometer(PhotometricResponse::linear(16));
-  const auto seen = look({.width = 64, .height = 48, .pan_px = 0, .object = false, .light_walk = 0}, photometer, kTimes_ms, 4);
+  const auto seen = look({.width = 64, .height = 48, .pan_px = 0, .object = false, .light_walk = 0},
+                         photometer, kTimes_ms, 4);
   CHECK(seen[0].picture.sites == 16 * 12);
   const auto ratio = photometer.ratio(seen[0].picture, seen[1].picture);
   REQUIRE(ratio);
@@ -142,14 +148,16 @@ TEST_CASE("a frame and its seven ratios cost less than a millisecond", "[capture
   Photometer photometer(PhotometricResponse::linear(16));
   const auto seen = look({.width = 320, .height = 240}, photometer, kTimes_ms, 8);
   Image<std::uint16_t> codes(1, 240, 320);
-  for (std::size_t i = 0; i < codes.size(); ++i) codes.samples()[i] = static_cast<std::uint16_t>(64 + i * 7919 % 900);
+  for (std::size_t i = 0; i < codes.size(); ++i)
+    codes.samples()[i] = static_cast<std::uint16_t>(64 + i * 7919 % 900);
   auto picture = std::make_unique<PhotometricSignature>();
   double best_ms = 1e9;
   for (int i = 0; i < 20; ++i) {
     const auto begin = std::chrono::steady_clock::now();
     photometer.observe(codes, PixelLayout::BayerRggb, 10, *picture);
     for (std::size_t k = 0; k < 7; ++k) (void)photometer.ratio(seen[k].picture, seen[7].picture);
-    best_ms = std::min(best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    best_ms = std::min(
+        best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   }
   CAPTURE(best_ms);
   CHECK(best_ms < 1);

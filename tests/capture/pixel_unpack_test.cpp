@@ -14,7 +14,8 @@ struct Bytes {
   void put(int value) { data.push_back(static_cast<std::byte>(value)); }
 };
 
-CapturedBuffer buffer_of(PixelFormat format, int width, int height, std::span<const std::byte> pixels, std::size_t stride = 0) {
+CapturedBuffer buffer_of(PixelFormat format, int width, int height, std::span<const std::byte> pixels,
+                         std::size_t stride = 0) {
   CapturedBuffer buffer;
   buffer.mode = {format, width, height, Duration(1)};
   buffer.pixels = pixels;
@@ -31,8 +32,12 @@ std::vector<std::uint16_t> random_codes(int count, int bits) {
 
 TEST_CASE("raw codes come out as they went in, packed or not, with any stride", "[capture]") {
   constexpr int kWidth = 12, kHeight = 6;
-  for (const auto& [format, bits] : {std::pair{PixelFormat::Grbg8, 8}, {PixelFormat::Grbg10, 10}, {PixelFormat::Grbg12, 12},
-                                     {PixelFormat::Grbg16, 16}, {PixelFormat::Grbg10Packed, 10}, {PixelFormat::Grbg12Packed, 12}}) {
+  for (const auto& [format, bits] : {std::pair{PixelFormat::Grbg8, 8},
+                                     {PixelFormat::Grbg10, 10},
+                                     {PixelFormat::Grbg12, 12},
+                                     {PixelFormat::Grbg16, 16},
+                                     {PixelFormat::Grbg10Packed, 10},
+                                     {PixelFormat::Grbg12Packed, 12}}) {
     const bool packed = format == PixelFormat::Grbg10Packed || format == PixelFormat::Grbg12Packed;
     const auto codes = random_codes(kWidth * kHeight, bits);
     for (const std::size_t padding : {0u, 5u}) {
@@ -67,7 +72,10 @@ TEST_CASE("raw codes come out as they went in, packed or not, with any stride", 
       CHECK(codes_of(format).layout == PixelLayout::BayerGrbg);
       CHECK(codes_of(format).linear);
 
-      const auto cut = unpack_pixels(buffer_of(format, kWidth, kHeight, std::span(bytes.data).first(bytes.data.size() - padding - 1), stride), {}, out);
+      const auto cut =
+          unpack_pixels(buffer_of(format, kWidth, kHeight,
+                                  std::span(bytes.data).first(bytes.data.size() - padding - 1), stride),
+                        {}, out);
       REQUIRE_FALSE(cut.ok());
       CHECK(cut.error().code == ErrorCode::Corrupt);
     }
@@ -113,14 +121,17 @@ TEST_CASE("YUV becomes the RGB of BT.601, limited or full range", "[capture]") {
   Bytes grey;
   for (int i = 0; i < 4; ++i) grey.put(77), grey.put(128);
   Image<std::uint16_t> full;
-  REQUIRE(unpack_pixels(buffer_of(PixelFormat::Yuyv, 2, 2, grey.data), {.yuv_range = YuvRange::Full, .decode_jpeg = {}}, full).ok());
+  REQUIRE(unpack_pixels(buffer_of(PixelFormat::Yuyv, 2, 2, grey.data),
+                        {.yuv_range = YuvRange::Full, .decode_jpeg = {}}, full)
+              .ok());
   CHECK(full.at(1, 0, 0) == 77);
 }
 
 TEST_CASE("MJPEG goes through the decoder that was supplied", "[capture]") {
   const std::byte jpeg[] = {std::byte{0xff}, std::byte{0xd8}};
   Image<std::uint16_t> out;
-  CHECK(unpack_pixels(buffer_of(PixelFormat::Mjpeg, 4, 2, jpeg), {}, out).error().code == ErrorCode::Unsupported);
+  CHECK(unpack_pixels(buffer_of(PixelFormat::Mjpeg, 4, 2, jpeg), {}, out).error().code ==
+        ErrorCode::Unsupported);
   PixelUnpackSettings settings;
   settings.decode_jpeg = [](std::span<const std::byte> bytes, Image<std::uint16_t>& rgb) -> Result<void> {
     rgb.reshape(3, 2, static_cast<int>(bytes.size()) * 2);
@@ -129,16 +140,19 @@ TEST_CASE("MJPEG goes through the decoder that was supplied", "[capture]") {
   };
   REQUIRE(unpack_pixels(buffer_of(PixelFormat::Mjpeg, 4, 2, jpeg), settings, out).ok());
   CHECK(out.at(2, 1, 3) == 5);
-  CHECK(unpack_pixels(buffer_of(PixelFormat::Mjpeg, 6, 2, jpeg), settings, out).error().code == ErrorCode::Corrupt);
+  CHECK(unpack_pixels(buffer_of(PixelFormat::Mjpeg, 6, 2, jpeg), settings, out).error().code ==
+        ErrorCode::Corrupt);
 }
 
 TEST_CASE("sizes that a format cannot have are refused", "[capture]") {
   const std::vector<std::byte> bytes(1000);
   Image<std::uint16_t> out;
   CHECK(unpack_pixels(buffer_of(PixelFormat::Yuyv, 3, 2, bytes), {}, out).error().code == ErrorCode::Invalid);
-  CHECK(unpack_pixels(buffer_of(PixelFormat::Rggb10Packed, 6, 2, bytes), {}, out).error().code == ErrorCode::Invalid);
+  CHECK(unpack_pixels(buffer_of(PixelFormat::Rggb10Packed, 6, 2, bytes), {}, out).error().code ==
+        ErrorCode::Invalid);
   CHECK(unpack_pixels(buffer_of(PixelFormat::Nv12, 4, 3, bytes), {}, out).error().code == ErrorCode::Invalid);
-  CHECK(unpack_pixels(buffer_of(PixelFormat::Rgb24, 0, 3, bytes), {}, out).error().code == ErrorCode::Invalid);
+  CHECK(unpack_pixels(buffer_of(PixelFormat::Rgb24, 0, 3, bytes), {}, out).error().code ==
+        ErrorCode::Invalid);
 }
 
 // The mosaic that a Bayer sensor would see of a coloured picture.
@@ -149,13 +163,15 @@ Image<std::uint16_t> mosaic_of(PixelLayout layout, int rows, int cols, auto&& co
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < cols; ++x) {
       const bool red_row = (y & 1) == red_y, red_col = (x & 1) == red_x;
-      mosaic.at(0, y, x) = static_cast<std::uint16_t>(colour(red_row == red_col ? (red_row ? 0 : 2) : 1, y, x));
+      mosaic.at(0, y, x) =
+          static_cast<std::uint16_t>(colour(red_row == red_col ? (red_row ? 0 : 2) : 1, y, x));
     }
   }
   return mosaic;
 }
 
-constexpr PixelLayout kBayer[] = {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg, PixelLayout::BayerBggr};
+constexpr PixelLayout kBayer[] = {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg,
+                                  PixelLayout::BayerBggr};
 
 TEST_CASE("demosaicing keeps what is constant or linear, in every layout", "[capture]") {
   // The same slope in all channels: what the gradient correction assumes.
@@ -181,7 +197,9 @@ TEST_CASE("a Bayer frame becomes an exposed frame of three channels", "[capture]
   RawFrame raw;
   raw.facts.exposure_s = 0.004;
   raw.codes = mosaic_of(PixelLayout::BayerGbrg, 6, 8, [](int c, int, int) { return 341 * (c + 1); });
-  const auto frame = unpack(raw, 0, 0.033, {.bits = 10, .black_level = {}, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
+  const auto frame =
+      unpack(raw, 0, 0.033,
+             {.bits = 10, .black_level = {}, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
   REQUIRE(frame.ok());
   for (int c = 0; c < 3; ++c) CHECK(frame.value().codes.at(c, 3, 3) == Approx(85.0 * (c + 1)));
   CHECK(frame.value().exposure == 1);

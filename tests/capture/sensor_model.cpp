@@ -16,14 +16,17 @@ std::vector<float> make_texture(std::mt19937& random) {
     const int cells = 8 << octave, size = kTexture / cells;
     std::vector<float> lattice(static_cast<std::size_t>(cells * cells));
     for (float& v : lattice) v = normal(random) * 1.5f / static_cast<float>(1 + octave);
-    const auto node = [&](int y, int x) { return lattice[static_cast<std::size_t>(y % cells * cells + x % cells)]; };
+    const auto node = [&](int y, int x) {
+      return lattice[static_cast<std::size_t>(y % cells * cells + x % cells)];
+    };
     for (int y = 0; y < kTexture; ++y) {
       for (int x = 0; x < kTexture; ++x) {
         const int j = y / size, i = x / size;
         const float v = static_cast<float>(y % size) / static_cast<float>(size);
         const float u = static_cast<float>(x % size) / static_cast<float>(size);
         texture[static_cast<std::size_t>(y * kTexture + x)] +=
-            (1 - v) * ((1 - u) * node(j, i) + u * node(j, i + 1)) + v * ((1 - u) * node(j + 1, i) + u * node(j + 1, i + 1));
+            (1 - v) * ((1 - u) * node(j, i) + u * node(j, i + 1)) +
+            v * ((1 - u) * node(j + 1, i) + u * node(j + 1, i + 1));
       }
     }
   }
@@ -59,10 +62,11 @@ bool SensorModel::happens(double probability) {
 
 Result<StreamMode> SensorModel::configure(const StreamMode&, int buffers) {
   buffers_ = buffers;
-  mode_ = {settings_.kind == SensorKind::RawBayer10 ? PixelFormat::Rggb10 : PixelFormat::Grey8, settings_.width,
-           settings_.height, kFrame};
+  mode_ = {settings_.kind == SensorKind::RawBayer10 ? PixelFormat::Rggb10 : PixelFormat::Grey8,
+           settings_.width, settings_.height, kFrame};
   const std::size_t bytes = settings_.kind == SensorKind::RawBayer10 ? 2 : 1;
-  pixels_.resize(bytes * static_cast<std::size_t>(settings_.width) * static_cast<std::size_t>(settings_.height));
+  pixels_.resize(bytes * static_cast<std::size_t>(settings_.width) *
+                 static_cast<std::size_t>(settings_.height));
   return mode_;
 }
 
@@ -109,7 +113,8 @@ SensorModel::Controls SensorModel::applied(std::size_t request) {
     return asked_for(history_[static_cast<std::size_t>(index)]);
   };
   const auto of_frame = [&](std::int64_t frame) {
-    const auto index = std::clamp<std::int64_t>(frame, 0, static_cast<std::int64_t>(schedule_of_frame_.size()) - 1);
+    const auto index =
+        std::clamp<std::int64_t>(frame, 0, static_cast<std::int64_t>(schedule_of_frame_.size()) - 1);
     return schedule_of_frame_[static_cast<std::size_t>(index)];
   };
   std::int64_t off = slipped_;
@@ -120,7 +125,8 @@ SensorModel::Controls SensorModel::applied(std::size_t request) {
                                             : of_frame(static_cast<std::int64_t>(frame_) + off);
   if (!first_) first_ = controls;
   if (faults_.never_applied) controls = *first_;
-  if (faults_.clips_always || happens(faults_.exposure_clipped)) controls.time = std::min(controls.time, faults_.clip_time);
+  if (faults_.clips_always || happens(faults_.exposure_clipped))
+    controls.time = std::min(controls.time, faults_.clip_time);
   return controls;
 }
 
@@ -145,21 +151,28 @@ void SensorModel::expose_frame(const Controls& controls, Instant begin) {
 
 // Radiance of a row of the picture, without the light's own walk.
 void SensorModel::light_row(int y, std::vector<float>& row) const {
-  const auto wrap = [](double v) { return static_cast<std::size_t>(static_cast<std::int64_t>(v) & (kTexture - 1)); };
+  const auto wrap = [](double v) {
+    return static_cast<std::size_t>(static_cast<std::int64_t>(v) & (kTexture - 1));
+  };
   const float* texture = texture_.data() + wrap(y + scene_y_) * kTexture;
   for (int x = 0; x < settings_.width; ++x) row[static_cast<std::size_t>(x)] = texture[wrap(x + scene_x_)];
   if (!settings_.object) return;
-  const double cx = std::fmod(7.0 * static_cast<double>(frame_), settings_.width + 60.0) - 30, dy = y - settings_.height * 0.6;
+  const double cx = std::fmod(7.0 * static_cast<double>(frame_), settings_.width + 60.0) - 30,
+               dy = y - settings_.height * 0.6;
   const double half = std::sqrt(std::max(0.0, 400 - dy * dy));
-  for (int x = std::max(0, static_cast<int>(cx - half)); x < std::min<double>(settings_.width, cx + half); ++x)
+  for (int x = std::max(0, static_cast<int>(cx - half)); x < std::min<double>(settings_.width, cx + half);
+       ++x)
     row[static_cast<std::size_t>(x)] = 4.5f;
 }
 
 float SensorModel::value_of(float x) const {
   switch (settings_.kind) {
-    case SensorKind::RawBayer10: return x;
-    case SensorKind::Gamma8: return std::pow(x, 1 / 2.2f);
-    case SensorKind::Film8: break;
+    case SensorKind::RawBayer10:
+      return x;
+    case SensorKind::Gamma8:
+      return std::pow(x, 1 / 2.2f);
+    case SensorKind::Film8:
+      break;
   }
   const float u = std::pow(x, 0.8f);  // a toe and a shoulder, off any power law
   return u * 1.25f / (u + 0.25f);
@@ -176,7 +189,8 @@ void SensorModel::paint(double product) {
       float light = row_[static_cast<std::size_t>(x)] * scale;
       if (raw && (x & 1) == (y & 1)) light *= (x & 1) != 0 ? 0.6f : 0.7f;
       light += noise_[noise++ & 0xffff] * std::sqrt(light / 5000 + 4e-6f);
-      const float value = values_[static_cast<std::size_t>(std::clamp(light, 0.f, 1.f) * static_cast<float>(values_.size() - 1))];
+      const float value = values_[static_cast<std::size_t>(std::clamp(light, 0.f, 1.f) *
+                                                           static_cast<float>(values_.size() - 1))];
       const auto code = static_cast<unsigned>(black + value * (most - black) + 0.5f);
       pixels_[out++] = static_cast<std::byte>(code & 255u);
       if (raw) pixels_[out++] = static_cast<std::byte>(code >> 8);
@@ -192,7 +206,8 @@ Result<CapturedBuffer> SensorModel::wait(Duration) {
   Controls controls;
   for (int i = 0; i <= lost; ++i) {
     write_controls(queued_.front());
-    // The exposure of a lost frame is spent on it when controls go by frames; a request waits for a frame that comes.
+    // The exposure of a lost frame is spent on it when controls go by frames; a request waits for a frame
+    // that comes.
     if (i == lost || !settings_.per_request) controls = applied(completed_);
     expose_frame(controls, clock_);
     ++frame_;

@@ -1,5 +1,6 @@
-// A camera for the tests of capture/: a sensor whose exposure really changes its pictures, and which can be told to
-// misbehave in every way that a real one does. It knows the truth about each frame that it hands out. Time is virtual.
+// A camera for the tests of capture/: a sensor whose exposure really changes its pictures, and which can be
+// told to misbehave in every way that a real one does. It knows the truth about each frame that it hands out.
+// Time is virtual.
 #pragma once
 
 #include <deque>
@@ -22,35 +23,35 @@ enum class SensorKind {
 
 // Each a probability per frame unless it says otherwise.
 struct SensorFaults {
-  double drop = 0;                // the frame never comes
-  int drop_run = 1;               // and as many in a row
-  bool hide_drops = false;        // the sequence number does not count them
-  bool freeze_time = false;       // nor does the timestamp (a driver that makes it up)
-  double damage = 0;              // pixels incomplete, and said so
-  double report_missing = 0, report_late = 0;  // late: the report is that of the frame before
-  double cookie_doubled = 0;      // the same request completes again
+  double drop = 0;                               // the frame never comes
+  int drop_run = 1;                              // and as many in a row
+  bool hide_drops = false;                       // the sequence number does not count them
+  bool freeze_time = false;                      // nor does the timestamp (a driver that makes it up)
+  double damage = 0;                             // pixels incomplete, and said so
+  double report_missing = 0, report_late = 0;    // late: the report is that of the frame before
+  double cookie_doubled = 0;                     // the same request completes again
   double exposure_late = 0, exposure_early = 0;  // this frame has its neighbour's exposure
-  double exposure_clipped = 0;    // this frame's is cut off at clip_time
+  double exposure_clipped = 0;                   // this frame's is cut off at clip_time
   Duration clip_time{10'000'000};
-  bool clips_always = false;      // the sensor cannot do longer ones and does not say so
-  bool never_applied = false;     // the exposure stays that of the first frame
-  double slip = 0;                // from here on every exposure comes one frame earlier than asked
+  bool clips_always = false;   // the sensor cannot do longer ones and does not say so
+  bool never_applied = false;  // the exposure stays that of the first frame
+  double slip = 0;             // from here on every exposure comes one frame earlier than asked
   double strobe_lost = 0;
 };
 
 struct SensorSettings {
   SensorKind kind = SensorKind::RawBayer10;
   int width = 160, height = 120;
-  bool per_request = true;          // else controls show `latency` frames after their own
-  int latency = 0;                  // frames: exposure
+  bool per_request = true;  // else controls show `latency` frames after their own
+  int latency = 0;          // frames: exposure
   int gain_latency = 0;
   bool reports = false, embedded = false;
-  Duration strobe_offset{0};        // of the pulse's rise against the timestamp
-  double pan_px = 2;                // per frame
-  bool object = true;               // a disc that moves across
-  double light_walk = 0.01;         // rms change of the light per frame, ln
-  double cut = 0;                   // probability per frame of another scene
-  double key = 1;                   // radiance of the median against the saturation of 4 ms
+  Duration strobe_offset{0};  // of the pulse's rise against the timestamp
+  double pan_px = 2;          // per frame
+  bool object = true;         // a disc that moves across
+  double light_walk = 0.01;   // rms change of the light per frame, ln
+  double cut = 0;             // probability per frame of another scene
+  double key = 1;             // radiance of the median against the saturation of 4 ms
   unsigned seed = 1;
 };
 
@@ -80,7 +81,9 @@ class SensorModel : public Camera, private BufferLease::Owner {
   };
   void give_back(int index) override;
   bool happens(double probability);
-  Controls asked_for(const ExposureRequest& request) const { return {request.exposure, request.analogue_gain}; }
+  Controls asked_for(const ExposureRequest& request) const {
+    return {request.exposure, request.analogue_gain};
+  }
   void write_controls(const ExposureRequest& request);
   Controls applied(std::size_t request);
   void expose_frame(const Controls& controls, Instant begin);
@@ -113,7 +116,9 @@ class StrobeModel : public SyncLine {
  public:
   explicit StrobeModel(SensorModel& sensor) : sensor_(sensor) {}
   SyncLineCapabilities capabilities() const override { return {.output = false, .input = true}; }
-  Result<void> pulse(Duration) override { return Error{ErrorCode::Unsupported, "the strobe line is an input"}; }
+  Result<void> pulse(Duration) override {
+    return Error{ErrorCode::Unsupported, "the strobe line is an input"};
+  }
   Result<Edge> wait_edge(Duration timeout) override;
   void close() override {}
 
