@@ -186,17 +186,19 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
     for (Slot& slot : slots_)
       if (slot.state == State::Queued) slot.state = State::Free;
-    pacer_.restart();
     {
       const std::lock_guard completions(completions_mutex_);
       if (gone_) return libcamera_error(-ENODEV, capabilities_.id, "start");
       first_ = count_ = 0;
+      pacer_.restart();
     }
     lc::ControlList controls(camera_->controls());
     take_over(controls);
     if (const int code = camera_->start(&controls); code != 0)
       return libcamera_error(code, capabilities_.id, "start its stream");
-    started_ = first_request_ = true;
+    first_request_ = true;
+    const std::lock_guard completions(completions_mutex_);
+    started_ = true;
     return {};
   }
 

@@ -1,0 +1,156 @@
+// What can be known of real devices on a machine that has none: sentences for what is missing, and the
+// arithmetic.
+#include <cerrno>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "hal/real/camera_libcamera.h"
+#include "hal/real/camera_v4l2.h"
+#include "hal/real/control_pacer.h"
+#include "hal/real/device_node.h"
+#include "hal/real/enumerate.h"
+#include "hal/real/sensor_gain.h"
+#include "hal/real/sync_line_gpiod.h"
+#include "hal/real/v4l2_formats.h"
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+template <class T>
+void require_sentence(const Result<T>& result, ErrorCode code, const std::string& part) {
+  require_error(result, code);
+  INFO(result.error().message);
+  CHECK(result.error().message.find(part) != std::string::npos);
+}
+
+TEST_CASE("a camera node that is not there is named") {
+  require_sentence(open_v4l2_camera("/dev/video77"), ErrorCode::NotFound, "'/dev/video77'");
+  require_sentence(open_real_camera("/dev/video77"), ErrorCode::NotFound, "'/dev/video77'");
+}
+
+TEST_CASE("a node that is no camera is refused as unsupported") {
+  require_sentence(open_v4l2_camera("/dev/null"), ErrorCode::Unsupported, "'/dev/null'");
+}
+
+TEST_CASE("a camera that libcamera does not know is named") {
+  const auto opened = open_libcamera_camera("no such camera");
+  REQUIRE_FALSE(opened.ok());
+  if (opened.error().code == ErrorCode::Unsupported)
+    CHECK(opened.error().message.find("libcamera-dev") != std::string::npos);
+  else
+    require_sentence(opened, ErrorCode::NotFound, "'no such camera'");
+}
+
+TEST_CASE("without any camera the sentence says so and what to do") {
+  for (const FoundDevice& device : list_devices())
+    if (device.kind == DeviceKind::Camera && !device.id.empty()) return;  // this machine has one
+  require_sentence(open_real_camera(""), ErrorCode::NotFound, "there is no camera");
+  require_sentence(open_real_camera("imx219"), ErrorCode::NotFound, "'imx219'");
+}
+
+TEST_CASE("a GPIO line that is not there is named") {
+  const auto opened = open_gpio_line({.line = "gpiochip77:3"});
+  REQUIRE_FALSE(opened.ok());
+  if (opened.error().code != ErrorCode::Unsupported)
+    require_sentence(opened, ErrorCode::NotFound, "'gpiochip77:3'");
+}
+
+TEST_CASE("GPIO lines are named by chip and number or by their own name") {
+  const auto parsed = parse_line_name("gpiochip4:17");
+  REQUIRE(parsed.has_value());
+  CHECK(parsed->chip == "gpiochip4");
+  CHECK(parsed->offset == 17);
+  for (const char* name :
+       {"STROBE", "gpiochip4", "gpiochip4:", "gpiochip4:x", "gpiochip4:1x", "gpiochip4:-1"})
+    CHECK_FALSE(parse_line_name(name).has_value());
+}
+
+TEST_CASE("every errno of a device becomes a code and a sentence with its name") {
+  const std::pair<int, ErrorCode> kinds[] = {{ENOENT, ErrorCode::NotFound},
+                                             {EACCES, ErrorCode::Permission},
+                                             {EBUSY, ErrorCode::Busy},
+                                             {ENODEV, ErrorCode::Unplugged},
+                                             {EINVAL, ErrorCode::Unsupported},
+                                             {EPIPE, ErrorCode::Invalid},
+                                             {EIO, ErrorCode::Io}};
+  for (const auto& [code, kind] : kinds) {
+    const Error error = device_error(code, "/dev/video5", "start its stream");
+    INFO(error.message);
+    CHECK(static_cast<int>(error.code) == static_cast<int>(kind));
+    CHECK(error.message.find("/dev/video5") != std::string::npos);
+    CHECK(error.sys_errno == code);
+  }
+}
+
+TEST_CASE("every pixel format has a code of its own that leads back to it") {
+  std::set<std::uint32_t> codes;
+  for (int i = 0; i <= static_cast<int>(PixelFormat::Bggr12Packed); ++i) {
+    const auto format = static_cast<PixelFormat>(i);
+    INFO(name(format) << " is " << fourcc_text(fourcc_of(format)));
+    CHECK(codes.insert(fourcc_of(format)).second);
+    CHECK(format_of(fourcc_of(format)) == format);
+  }
+  CHECK_FALSE(format_of(0x34363248).has_value());  // H264
+}
+
+TEST_CASE("the gain codes of known sensors are those of their data sheets") {
+  CHECK(gain_codes_of("imx219 10-0010", 0).gain_of(232) == Approx(256. / 24));
+  CHECK(gain_codes_of("imx477 10-001a", 0).gain_of(978) == Approx(1024. / 46));
+  CHECK(gain_codes_of("imx290 1-001a", 0).gain_of(100) == Approx(31.6228).epsilon(1e-4));  // 30 dB
+  CHECK(gain_codes_of("ov5647 10-0036", 16).gain_of(64) == Approx(4));
+  CHECK(gain_codes_of("some sensor", 32).gain_of(64) == Approx(2));
+  for (const char* sensor : {"imx219", "imx296", "ov9281", "imx708", "another"})
+    for (const double gain : {1., 1.5, 2., 8.}) {
+      const GainCodes codes = gain_codes_of(sensor, 16);
+      INFO(sensor << " at gain " << gain);
+      CHECK(codes.gain_of(codes.code_of(gain)) == Approx(gain));
+    }
+}
+
+TEST_CASE("paced controls are written once per frame, that of the next frame") {
+  ControlPacer pacer;
+  CHECK_FALSE(pacer.due().has_value());
+  for (std::uint64_t k = 0; k < 8; ++k) pacer.queued({.cookie = k});
+  for (std::uint64_t frame = 0; frame < 8; ++frame) {
+    const auto due = pacer.due();
+    REQUIRE(due.has_value());
+    CHECK(due->cookie == frame);
+    CHECK_FALSE(pacer.due().has_value());
+    pacer.completed();
+  }
+  CHECK_FALSE(pacer.due().has_value());  // the queue ran dry
+  pacer.queued({.cookie = 8});
+  CHECK(pacer.due()->cookie == 8);
+}
+
+TEST_CASE("a paced control that was missed is not written late") {
+  ControlPacer pacer;
+  for (std::uint64_t k = 0; k < 8; ++k) pacer.queued({.cookie = k});
+  pacer.completed(), pacer.completed(), pacer.completed();
+  CHECK(pacer.due()->cookie == 3);
+}
+
+TEST_CASE("an exposure beyond a camera's limits is refused with the limits") {
+  CameraCapabilities camera;
+  camera.id = "cam", camera.sets_exposure = true;
+  camera.exposure_min = microseconds(100), camera.exposure_max = milliseconds(30), camera.gain_max = 8;
+  CHECK(check_exposure(camera, {.exposure = milliseconds(30), .analogue_gain = 8}).ok());
+  require_sentence(check_exposure(camera, {.exposure = milliseconds(31)}), ErrorCode::Invalid,
+                   "100.0 to 30000.0 us");
+  require_sentence(check_exposure(camera, {.exposure = microseconds(99)}), ErrorCode::Invalid, "99.0 us");
+  require_sentence(check_exposure(camera, {.exposure = milliseconds(1), .analogue_gain = 9}),
+                   ErrorCode::Invalid, "1.000 to 8.000");
+  require_error(check_exposure(camera, {.exposure = milliseconds(1), .analogue_gain = std::nan("")}),
+                ErrorCode::Invalid);
+  camera.sets_exposure = false;
+  CHECK(check_exposure(camera, {}).ok());
+}
+
+}  // namespace
+}  // namespace hdrcam
