@@ -54,18 +54,20 @@ TEST_CASE("a point warped by the true flow lands on the same surface point, of t
         for (int x = 0; x < kCols; ++x) {
           if (truth.flow.at(2, y, x) > 0.5f) continue;
           const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
-          const Hit from = now.cast(stage.lens.ray_of(px, py));
-          const Hit to = next.cast(stage.lens.ray_of(px + truth.flow.at(0, y, x), py + truth.flow.at(1, y, x)));
+          const float to_x = px + truth.flow.at(0, y, x), to_y = py + truth.flow.at(1, y, x);
+          const auto hit_near = [&](float dx, float dy) { return next.cast(stage.lens.ray_of(to_x + dx, to_y + dy)); };
+          const Hit from = now.cast(stage.lens.ray_of(px, py)), to = hit_near(0, 0);
           INFO(entry.name << " at " << time_s << " s, pixel " << x << ", " << y);
           REQUIRE(from.object == truth.ids.at(0, y, x));
-          if (to.object != from.object) continue;  // on an outline a rounding error decides
+          const Hit right = hit_near(0.02f, 0), below = hit_near(0, 0.02f);
+          const bool outline = to.object != from.object || right.object != to.object || below.object != to.object;
+          if (outline) continue;  // a rounding error decides which surface is met
           ++followed;
-          const float pixel_m = from.depth_m / static_cast<float>(stage.lens.intrinsics.fx_px);
-          const float slant = 1 + 30 * pixel_m;  // a grazing ray meets the ground far from its neighbour
-          REQUIRE(length(to.point - from.point) < 0.02f * pixel_m * slant + 2e-4f);
+          const float explained_m = length(right.point - to.point) + length(below.point - to.point) + 1e-4f;  // 0.02 px
+          REQUIRE(length(to.point - from.point) < explained_m);
           if (stage.scene.objects[static_cast<std::size_t>(from.object)].surface != Surface::Radiant) continue;
           const float before = luminance(now.radiance(from, 0.02f)), after = luminance(next.radiance(to, 0.02f));
-          REQUIRE(std::abs(after - before) < 0.2f * before + 1e-4f);  // a nearer or less slanted texture is filtered less
+          REQUIRE(std::abs(after - before) < 0.4f * before + 1e-4f);  // a nearer or less slanted texture is filtered less
           difference += static_cast<double>(std::abs(after - before) / before);
         }
       CHECK(followed > kRows * kCols * 3 / 4);
