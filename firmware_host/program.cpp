@@ -33,6 +33,7 @@ constexpr ListedVerb kVerbs[] = {
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
     {"Recordings", "info", add_info, "hdrcam info walk.mkv"},
     {"Recordings", "simulate", add_simulate, "hdrcam simulate walk -o walk.mkv --truth clips/walk"},
+    {"Devices", "list", add_list, "hdrcam list"},
 };
 
 std::string exit_code_text() {

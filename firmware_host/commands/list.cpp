@@ -24,7 +24,7 @@ struct Section {
   const char* none;
 };
 constexpr Section kSections[] = {
-    {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or use --camera sim:SCENE"},
+    {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or let 'hdrcam simulate' make a recording"},
     {DeviceKind::GpioChip, "gpio", "GPIO chips", "none; a sync line needs one"},
     {DeviceKind::Graphics, "graphics", "Graphics devices",
      "none used; this hdrcam is built without Vulkan and computes on the CPU"},

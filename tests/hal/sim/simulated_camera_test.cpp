@@ -60,7 +60,8 @@ TEST_CASE("the simulated camera keeps the camera contract") {
     return [spec]() -> Result<std::unique_ptr<Camera>> { return open_simulated_camera(spec); };
   };
   keeps_camera_contract({.name = "simulated RGB", .open = open("still?size=32x24&fps=100"),
-                         .mode = {PixelFormat::Rgb24, 32, 24, milliseconds(10)}});
+                         .mode = {PixelFormat::Rgb24, 32, 24, milliseconds(10)},
+                         .drops_frames = true});  // it keeps real time, and a busy machine is late
   keeps_camera_contract({.name = "simulated Bayer", .open = open("walk?size=32x24&fps=100&drops=0.1"),
                          .mode = {PixelFormat::Rggb10Packed, 32, 24, milliseconds(10)}, .drops_frames = true});
 }
