@@ -1,7 +1,7 @@
-// A frame whose exposure is known: what leaves capture/ and enters the fit. Codes are linear in the file's codes,
-// scaled so that the largest code is 255 and the black level is 0; the camera's response is still in them.
-// Exposures are relative to the clip's reference E_ref (geometric mean of the first cycle), so that radiance L = 1
-// saturates the reference exposure (docs/architecture.md). Move-only value.
+// A frame whose exposure is known: what leaves capture/ and enters the fit. Codes are linear in the file's
+// codes, scaled so that the largest code is 255 and the black level is 0; the camera's response is still in
+// them. Exposures are relative to the clip's reference E_ref (geometric mean of the first cycle), so that
+// radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only value.
 #pragma once
 
 #include "hal/core/image.h"
@@ -13,10 +13,11 @@ constexpr float kMaxCode = 255;  // of ExposedFrame::codes, whatever the bit dep
 
 struct ExposedFrame {
   FrameFacts facts;
-  int index = 0;             // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
-  float exposure = 1;        // E / E_ref
-  float blur_fraction = 0;   // exposure time over the time to the next frame, 0..1: how much of the motion blurs
-  Image<float> codes;        // [rgb, rows, cols] float, 0..kMaxCode
+  int index = 0;       // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
+  float exposure = 1;  // E / E_ref
+  float blur_fraction =
+      0;               // exposure time over the time to the next frame, 0..1: how much of the motion blurs
+  Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 };
 
 }  // namespace hdrcam

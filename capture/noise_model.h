@@ -1,14 +1,14 @@
-// The noise of one sample: shot, read and quantisation noise, plus a term in the code domain for what a codec did.
-// Variances are of relative exposure x (0..1, 1 = full well). Value type, reentrant.
+// The noise of one sample: shot, read and quantisation noise, plus a term in the code domain for what a codec
+// did. Variances are of relative exposure x (0..1, 1 = full well). Value type, reentrant.
 #pragma once
 
 namespace hdrcam {
 
 struct NoiseModel {
-  float full_well = 4000;   // electrons at x = 1
-  float read_noise = 9;     // electrons rms
-  float code_noise = 1;     // codes (of 255) rms: compression, dither; 1 for clean streams, 2 for MJPEG
-  float code_step = 1;      // of the quantiser, in codes of 255: 1 for 8 bit, 1/16 for 12 bit
+  float full_well = 4000;  // electrons at x = 1
+  float read_noise = 9;    // electrons rms
+  float code_noise = 1;    // codes (of 255) rms: compression, dither; 1 for clean streams, 2 for MJPEG
+  float code_step = 1;     // of the quantiser, in codes of 255: 1 for 8 bit, 1/16 for 12 bit
 
   // variance of x from shot and read noise
   float exposure_variance(float x) const {

@@ -7,7 +7,8 @@ struct NamedPreset {
   Preset preset;
   const char* name;
 };
-constexpr NamedPreset kPresets[] = {{Preset::Fast, "fast"}, {Preset::Balanced, "balanced"}, {Preset::Best, "best"}};
+constexpr NamedPreset kPresets[] = {
+    {Preset::Fast, "fast"}, {Preset::Balanced, "balanced"}, {Preset::Best, "best"}};
 
 std::optional<Response> known_response(const CameraFacts& camera) {
   if (camera.linear) return Response::linear();
@@ -15,7 +16,8 @@ std::optional<Response> known_response(const CameraFacts& camera) {
   std::array<Response::Curve, 3> inverse{};
   for (std::size_t c = 0; c < 3; ++c) {
     if (camera.response[c].size() != Response::kCodes) return std::nullopt;
-    for (std::size_t z = 0; z < Response::kCodes; ++z) inverse[c][z] = static_cast<float>(camera.response[c][z]);
+    for (std::size_t z = 0; z < Response::kCodes; ++z)
+      inverse[c][z] = static_cast<float>(camera.response[c][z]);
   }
   return Response(inverse);
 }
@@ -58,7 +60,9 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
       options.online.flow = FlowQuality::Fast;
       field.field = FieldOptions::fast();
       break;
-    case Preset::Balanced: field.field = FieldOptions::balanced(); break;
+    case Preset::Balanced:
+      field.field = FieldOptions::balanced();
+      break;
     case Preset::Best:
       options.online.flow = FlowQuality::Fine;
       field.field = FieldOptions::best();
@@ -73,16 +77,15 @@ Result<std::unique_ptr<Pipeline>> Pipeline::create(const PipelineOptions& option
                                                    WorkerPool& pool) {
   if (camera.layout != PixelLayout::Rgb && camera.layout != PixelLayout::Mono)
     return Error{ErrorCode::Unsupported,
-                 fmt::format("frames of layout {} cannot be fitted yet; record RGB, or convert them", name(camera.layout))};
+                 fmt::format("frames of layout {} cannot be fitted yet; record RGB, or convert them",
+                             name(camera.layout))};
   const std::optional<Response> response = known_response(camera);
   return std::unique_ptr<Pipeline>(new Pipeline(options, camera, response ? &*response : nullptr, pool));
 }
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response,
                    WorkerPool& pool)
-    : camera_(camera),
-      online_(options.online, camera, response, pool),
-      render_(options.render, pool) {
+    : camera_(camera), online_(options.online, camera, response, pool), render_(options.render, pool) {
   const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
   online_.set_timing(time);
   render_.set_timing(time);
@@ -90,9 +93,10 @@ Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, co
 
 Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
   if (raw.codes.rows() != camera_.height || raw.codes.cols() != camera_.width)
-    return Error{ErrorCode::SizeChanged,
-                 fmt::format("frame {} is {}x{}, the clip is {}x{}; split the clip where its size changes",
-                             raw.facts.sequence, raw.codes.cols(), raw.codes.rows(), camera_.width, camera_.height)};
+    return Error{
+        ErrorCode::SizeChanged,
+        fmt::format("frame {} is {}x{}, the clip is {}x{}; split the clip where its size changes",
+                    raw.facts.sequence, raw.codes.cols(), raw.codes.rows(), camera_.width, camera_.height)};
   if (!first_time_) first_time_ = raw.facts.timestamp;
   return online_.ingest(raw, [&](const Moment& moment) { return render(moment, deliver); });
 }
@@ -106,7 +110,8 @@ Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
   if (moment.fit != nullptr) {
     record_.fit_steps = moment.fit->steps;
     for (std::size_t term = 0; term < kLosses.size(); ++term)
-      if (moment.fit->losses[term] != 0) record_.losses.push_back({kLosses[term].name, moment.fit->losses[term]});
+      if (moment.fit->losses[term] != 0)
+        record_.losses.push_back({kLosses[term].name, moment.fit->losses[term]});
     if (moment.fit->rolled_back > 0)
       record_.note = fmt::format("{} of {} steps rolled back", moment.fit->rolled_back, moment.fit->steps);
   }
@@ -118,7 +123,8 @@ Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
   std::array<double, kProvenances> pixels{};
   for (const std::uint8_t from : frame_.provenance.samples()) pixels[from] += 1;
   for (std::size_t i = 0; i < kProvenances; ++i)
-    record_.provenance_share[i] = static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
+    record_.provenance_share[i] =
+        static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
   auto delivered = deliver(frame_, *moment.frame, record_);
   record_ = {};
   return delivered;

@@ -1,6 +1,6 @@
-// The one place where the parts are joined, in the order of a frame's way: raw frame -> exposed frame -> state (and
-// field) -> HDR frame -> whoever takes it. The same for live capture, recording and replay. Thread-bound; deterministic
-// whatever the number of threads.
+// The one place where the parts are joined, in the order of a frame's way: raw frame -> exposed frame ->
+// state (and field) -> HDR frame -> whoever takes it. The same for live capture, recording and replay.
+// Thread-bound; deterministic whatever the number of threads.
 #pragma once
 
 #include <functional>
@@ -45,7 +45,8 @@ class Pipeline {
   const OnlineStage& online() const { return online_; }
 
  private:
-  Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response, WorkerPool& pool);
+  Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response,
+           WorkerPool& pool);
   Result<void> render(const Moment& moment, const Deliver& deliver);
 
   const CameraFacts camera_;

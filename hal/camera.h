@@ -1,6 +1,7 @@
-// A camera: requests for exposures go in, completed buffers come out. Four implementations: real (libcamera, V4L2),
-// simulated (sim/), replayed (replay/), and a wrapper that injects faults (fault/). What a camera cannot do is said by
-// its capabilities, not by methods that fail. Thread-bound, except stop(), which any thread may call to end a wait().
+// A camera: requests for exposures go in, completed buffers come out. Four implementations: real (libcamera,
+// V4L2), simulated (sim/), replayed (replay/), and a wrapper that injects faults (fault/). What a camera
+// cannot do is said by its capabilities, not by methods that fail. Thread-bound, except stop(), which any
+// thread may call to end a wait().
 #pragma once
 
 #include <cstddef>
@@ -17,15 +18,39 @@
 
 namespace hdrcam {
 
-// How the bytes of a buffer are laid out; Bayer orders as the sensor reads them out, left to right, top to bottom.
+// How the bytes of a buffer are laid out; Bayer orders as the sensor reads them out, left to right, top to
+// bottom.
 enum class PixelFormat {
-  Rgb24, Bgr24, Yuyv, Nv12, Mjpeg, Grey8,
-  Rggb8, Grbg8, Gbrg8, Bggr8,
-  Rggb10, Grbg10, Gbrg10, Bggr10,      // 16-bit little endian words
-  Rggb12, Grbg12, Gbrg12, Bggr12,
-  Rggb16, Grbg16, Gbrg16, Bggr16,
-  Rggb10Packed, Grbg10Packed, Gbrg10Packed, Bggr10Packed,  // MIPI CSI-2: 4 pixels in 5 bytes
-  Rggb12Packed, Grbg12Packed, Gbrg12Packed, Bggr12Packed,  // 2 pixels in 3 bytes
+  Rgb24,
+  Bgr24,
+  Yuyv,
+  Nv12,
+  Mjpeg,
+  Grey8,
+  Rggb8,
+  Grbg8,
+  Gbrg8,
+  Bggr8,
+  Rggb10,
+  Grbg10,
+  Gbrg10,
+  Bggr10,  // 16-bit little endian words
+  Rggb12,
+  Grbg12,
+  Gbrg12,
+  Bggr12,
+  Rggb16,
+  Grbg16,
+  Gbrg16,
+  Bggr16,
+  Rggb10Packed,
+  Grbg10Packed,
+  Gbrg10Packed,
+  Bggr10Packed,  // MIPI CSI-2: 4 pixels in 5 bytes
+  Rggb12Packed,
+  Grbg12Packed,
+  Gbrg12Packed,
+  Bggr12Packed,  // 2 pixels in 3 bytes
 };
 const char* name(PixelFormat format);
 
@@ -37,24 +62,24 @@ struct ControlDelays {
 
 struct StreamMode {
   PixelFormat format = PixelFormat::Rgb24;
-  int width = 0, height = 0;                 // pixels
-  Duration frame_duration{33'333'333};       // constant: the schedule must not move the frame rate
+  int width = 0, height = 0;            // pixels
+  Duration frame_duration{33'333'333};  // constant: the schedule must not move the frame rate
 };
 
 struct CameraCapabilities {
-  std::string id, model, driver;             // id: what --camera takes
-  std::vector<StreamMode> modes;             // with the shortest frame duration of each
+  std::string id, model, driver;                                // id: what --camera takes
+  std::vector<StreamMode> modes;                                // with the shortest frame duration of each
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
-  double gain_min = 1, gain_max = 1;         // analogue
-  double gain_step = 0;                      // 0: continuous
-  bool sets_exposure = false;                // false: fixed by somebody else, only frames come
-  bool reports_exposure = false;             // completed buffers say which exposure they got
-  bool exposure_per_request = false;         // a request's exposure is that of its own frame (request API, metadata)
-  std::optional<ControlDelays> delays;       // of a known sensor
+  double gain_min = 1, gain_max = 1;                            // analogue
+  double gain_step = 0;                                         // 0: continuous
+  bool sets_exposure = false;         // false: fixed by somebody else, only frames come
+  bool reports_exposure = false;      // completed buffers say which exposure they got
+  bool exposure_per_request = false;  // a request's exposure is that of its own frame (request API, metadata)
+  std::optional<ControlDelays> delays;  // of a known sensor
 };
 
-// What the next frame should be exposed with. The cookie comes back with the buffer that completed the request; whether
-// that buffer shows this exposure is for capture/ to prove.
+// What the next frame should be exposed with. The cookie comes back with the buffer that completed the
+// request; whether that buffer shows this exposure is for capture/ to prove.
 struct ExposureRequest {
   std::uint64_t cookie = 0;
   Duration exposure{0};
@@ -70,12 +95,14 @@ class BufferLease {
   class Owner {
    public:
     virtual void give_back(int index) = 0;
+
    protected:
     ~Owner() = default;
   };
   BufferLease() = default;
   BufferLease(Owner& owner, int index) : owner_(&owner), index_(index) {}
-  BufferLease(BufferLease&& other) noexcept : owner_(std::exchange(other.owner_, nullptr)), index_(other.index_) {}
+  BufferLease(BufferLease&& other) noexcept
+      : owner_(std::exchange(other.owner_, nullptr)), index_(other.index_) {}
   BufferLease& operator=(BufferLease&& other) noexcept {
     std::swap(owner_, other.owner_), std::swap(index_, other.index_);
     return *this;
@@ -90,17 +117,17 @@ class BufferLease {
 };
 
 struct CapturedBuffer {
-  std::uint64_t cookie = 0;                // of the request that it completed
-  std::uint64_t sequence = 0;              // the driver's counter; a gap is a dropped frame
-  Instant timestamp;                       // as the driver takes it: start or end of the frame, see its documentation
-  bool damaged = false;                    // the driver says that the pixels are incomplete
-  std::optional<Duration> exposure;        // as reported with the frame, where it is
+  std::uint64_t cookie = 0;    // of the request that it completed
+  std::uint64_t sequence = 0;  // the driver's counter; a gap is a dropped frame
+  Instant timestamp;           // as the driver takes it: start or end of the frame, see its documentation
+  bool damaged = false;        // the driver says that the pixels are incomplete
+  std::optional<Duration> exposure;  // as reported with the frame, where it is
   std::optional<double> analogue_gain, digital_gain;
-  bool exposure_embedded = false;          // the report comes from the sensor's embedded data, not from a prediction
+  bool exposure_embedded = false;  // the report comes from the sensor's embedded data, not from a prediction
   StreamMode mode;
-  std::size_t stride = 0;                  // bytes a row (of the first plane)
-  std::span<const std::byte> pixels;       // all planes, one after the other; valid as long as the lease
-  int dmabuf_fd = -1;                      // the same memory for other devices, where the driver exports it; the camera's
+  std::size_t stride = 0;             // bytes a row (of the first plane)
+  std::span<const std::byte> pixels;  // all planes, one after the other; valid as long as the lease
+  int dmabuf_fd = -1;  // the same memory for other devices, where the driver exports it; the camera's
   BufferLease lease;
 };
 
@@ -108,12 +135,12 @@ class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
-  // Takes the nearest mode that it has and answers which. Unsupported where none of the format is near. Not while started.
-  // A device may have fewer buffers than asked; queue() then says Busy earlier.
+  // Takes the nearest mode that it has and answers which. Unsupported where none of the format is near. Not
+  // while started. A device may have fewer buffers than asked; queue() then says Busy earlier.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
-  // One request, one frame. Busy when as many requests are queued as there are buffers. Some devices begin only when two or
-  // three requests are queued.
+  // One request, one frame. Busy when as many requests are queued as there are buffers. Some devices begin
+  // only when two or three requests are queued.
   virtual Result<void> queue(const ExposureRequest& request) = 0;
   // The next completed buffer, in order. Timeout, Unplugged, Interrupted (stop() was called).
   virtual Result<CapturedBuffer> wait(Duration timeout) = 0;

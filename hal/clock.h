@@ -1,5 +1,6 @@
-// Time. The program knows one clock, the boot clock (Instant); whatever a driver stamps with another one is converted
-// here, with offsets that are measured, not assumed. Real, virtual (sim/) and replayed. Thread-safe.
+// Time. The program knows one clock, the boot clock (Instant); whatever a driver stamps with another one is
+// converted here, with offsets that are measured, not assumed. Real, virtual (sim/) and replayed.
+// Thread-safe.
 #pragma once
 
 #include <chrono>

@@ -79,7 +79,8 @@ std::optional<PixelFormat> format_for(PixelLayout layout, int bits) {
   if (layout == PixelLayout::Mono) return bits == 8 ? std::optional(PixelFormat::Grey8) : std::nullopt;
   for (const Run& run : kRuns)
     for (int order = 0; order < 4; ++order)
-      if (run.bits == bits && kBayer[order] == layout) return static_cast<PixelFormat>(static_cast<int>(run.first) + order);
+      if (run.bits == bits && kBayer[order] == layout)
+        return static_cast<PixelFormat>(static_cast<int>(run.first) + order);
   return std::nullopt;
 }
 
@@ -87,11 +88,16 @@ std::size_t packed_stride(PixelFormat format, int width) {
   const auto pixels = static_cast<std::size_t>(width);
   switch (packing_of(format)) {
     case Packing::Rgb:
-    case Packing::Bgr: return 3 * pixels;
-    case Packing::Words: return 2 * pixels;
-    case Packing::Mipi10: return pixels / 4 * 5;
-    case Packing::Mipi12: return pixels / 2 * 3;
-    case Packing::Bytes: break;
+    case Packing::Bgr:
+      return 3 * pixels;
+    case Packing::Words:
+      return 2 * pixels;
+    case Packing::Mipi10:
+      return pixels / 4 * 5;
+    case Packing::Mipi12:
+      return pixels / 2 * 3;
+    case Packing::Bytes:
+      break;
   }
   return pixels;
 }
@@ -104,11 +110,21 @@ void pack_codes(const Image<std::uint16_t>& codes, PixelFormat format, std::span
     std::byte* out = bytes.data() + static_cast<std::size_t>(y) * stride;
     const std::uint16_t* row = codes.row(0, y);
     switch (packing) {
-      case Packing::Rgb: pack_rgb(codes, y, 0, 2, out); break;
-      case Packing::Bgr: pack_rgb(codes, y, 2, 0, out); break;
-      case Packing::Words: pack_words(row, codes.cols(), out); break;
-      case Packing::Mipi10: pack_mipi10(row, codes.cols(), out); break;
-      case Packing::Mipi12: pack_mipi12(row, codes.cols(), out); break;
+      case Packing::Rgb:
+        pack_rgb(codes, y, 0, 2, out);
+        break;
+      case Packing::Bgr:
+        pack_rgb(codes, y, 2, 0, out);
+        break;
+      case Packing::Words:
+        pack_words(row, codes.cols(), out);
+        break;
+      case Packing::Mipi10:
+        pack_mipi10(row, codes.cols(), out);
+        break;
+      case Packing::Mipi12:
+        pack_mipi12(row, codes.cols(), out);
+        break;
       case Packing::Bytes:
         for (int x = 0; x < codes.cols(); ++x) out[x] = low(row[x]);
         break;

@@ -1,5 +1,6 @@
-// Codes -> the bytes of a buffer, for cameras that have no driver to do it: the simulated and the replayed one. The
-// inverse of what capture/ unpacks; formats that lose something on the way (YUV, MJPEG) are not offered. Reentrant.
+// Codes -> the bytes of a buffer, for cameras that have no driver to do it: the simulated and the replayed
+// one. The inverse of what capture/ unpacks; formats that lose something on the way (YUV, MJPEG) are not
+// offered. Reentrant.
 #pragma once
 
 #include <optional>

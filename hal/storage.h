@@ -1,5 +1,5 @@
-// The disk. Everything the program writes or reads goes through this seam, so that a full disk, a failing disk and a
-// power cut can be tested. Thread-safe: distinct files may be used from distinct threads.
+// The disk. Everything the program writes or reads goes through this seam, so that a full disk, a failing
+// disk and a power cut can be tested. Thread-safe: distinct files may be used from distinct threads.
 #pragma once
 
 #include <cstddef>
@@ -25,9 +25,11 @@ class StorageFile {
 class Storage {
  public:
   virtual ~Storage() = default;
-  virtual Result<std::unique_ptr<StorageFile>> open(const std::string& path) = 0;    // to read; NotFound, Permission
-  virtual Result<std::unique_ptr<StorageFile>> create(const std::string& path) = 0;  // empty, to write; Permission
-  virtual Result<void> rename(const std::string& from, const std::string& to) = 0;   // replaces `to`
+  virtual Result<std::unique_ptr<StorageFile>> open(
+      const std::string& path) = 0;  // to read; NotFound, Permission
+  virtual Result<std::unique_ptr<StorageFile>> create(
+      const std::string& path) = 0;  // empty, to write; Permission
+  virtual Result<void> rename(const std::string& from, const std::string& to) = 0;  // replaces `to`
   virtual Result<void> remove(const std::string& path) = 0;
   virtual Result<void> make_directories(const std::string& path) = 0;
 };

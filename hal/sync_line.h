@@ -1,6 +1,6 @@
-// A GPIO line between sensor and processor: trigger pulses out (FSYNC; the pulse width is the exposure on sensors with
-// an external shutter), strobe edges in with the kernel's timestamps. Real (libgpiod), simulated, replayed, faulty.
-// Thread-bound, except close(), which any thread may call to end a wait.
+// A GPIO line between sensor and processor: trigger pulses out (FSYNC; the pulse width is the exposure on
+// sensors with an external shutter), strobe edges in with the kernel's timestamps. Real (libgpiod),
+// simulated, replayed, faulty. Thread-bound, except close(), which any thread may call to end a wait.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SyncLineCapabilities {
 };
 
 struct Edge {
-  Instant at;                  // taken by the kernel in its interrupt handler
+  Instant at;  // taken by the kernel in its interrupt handler
   bool rising = true;
   std::uint64_t sequence = 0;  // counts edges; a gap is a lost event
 };

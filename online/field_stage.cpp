@@ -25,7 +25,8 @@ FieldOptions with_near(FieldOptions options, float near) {
 
 }  // namespace
 
-FieldStage::FieldStage(const FieldStageOptions& options, const CameraFacts& camera, bool has_poses, WorkerPool& pool)
+FieldStage::FieldStage(const FieldStageOptions& options, const CameraFacts& camera, bool has_poses,
+                       WorkerPool& pool)
     : pool_(pool),
       poses_(make_pose_source(kind_of(options, has_poses), camera)),
       depth_(options.depth, lens_of(camera), camera.height, camera.width, pool),
@@ -33,7 +34,8 @@ FieldStage::FieldStage(const FieldStageOptions& options, const CameraFacts& came
       fit_(with_near(options.field, near_), lens_of(camera), camera.height, camera.width, pool) {}
 
 Result<FitReport> FieldStage::advance(const ExposedFrame& frame, const RadianceState& state, float white,
-                                      const StateMotion* motion, const Response& response, const Timing& timing) {
+                                      const StateMotion* motion, const Response& response,
+                                      const Timing& timing) {
   Stopwatch watch;
   const FlowField& to_previous = motion != nullptr ? motion->to_previous : none_;
   const FlowField& from_previous = motion != nullptr ? motion->from_previous : none_;

@@ -1,6 +1,6 @@
-// The second layer, in the order of a frame's way: pose, depth prior, window, then a fixed number of small steps of the
-// fit. It starts from the state (online_stage.h) and answers what the state does not know. Thread-bound; deterministic
-// whatever the number of threads.
+// The second layer, in the order of a frame's way: pose, depth prior, window, then a fixed number of small
+// steps of the fit. It starts from the state (online_stage.h) and answers what the state does not know.
+// Thread-bound; deterministic whatever the number of threads.
 #pragma once
 
 #include <functional>

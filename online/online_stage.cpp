@@ -4,7 +4,6 @@
 
 #include "hal/core/stopwatch.h"
 
-
 namespace hdrcam {
 namespace {
 
@@ -32,7 +31,8 @@ struct OnlineStage::Step {
   bool advanced = false, emitted = false;
 };
 
-OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response, WorkerPool& pool)
+OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response,
+                         WorkerPool& pool)
     : options_(std::move(options)),
       camera_(camera),
       pool_(pool),
@@ -128,8 +128,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   };
   float before_ratio = 1, after_ratio = 0.5f;
   if (at >= 2)
-    before_ratio =
-        ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
+    before_ratio = ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
   if (after != nullptr)
     after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
   motion_.complete(filter_.state(), step.frame, at >= 2 ? &before.motion : nullptr, before_ratio,
@@ -147,8 +146,10 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
 Result<void> OnlineStage::fit(Step& step, const StateMotion* motion) {
   if (!options_.field) return {};
   if (!field_)
-    field_ = std::make_unique<FieldStage>(*options_.field, camera_, step.frame.facts.T_world_camera.has_value(), pool_);
-  step.fit = TRY(field_->advance(step.frame, filter_.state(), filter_.fusion().white(), motion, response_, timing_));
+    field_ = std::make_unique<FieldStage>(*options_.field, camera_,
+                                          step.frame.facts.T_world_camera.has_value(), pool_);
+  step.fit =
+      TRY(field_->advance(step.frame, filter_.state(), filter_.fusion().white(), motion, response_, timing_));
   return {};
 }
 
@@ -186,7 +187,8 @@ Result<void> OnlineStage::finish(const Emit& emit) {
   if (!started_) {
     if (waiting_.size() < 2)
       return Error{ErrorCode::TooShort,
-                   fmt::format("the clip has {} frame(s); at least two of different exposure are needed", waiting_.size())};
+                   fmt::format("the clip has {} frame(s); at least two of different exposure are needed",
+                               waiting_.size())};
     TRY(bootstrap(emit));
   }
   if (!steps_.empty() && !steps_.back()->advanced) TRY(advance(*steps_.back(), nullptr));

@@ -1,6 +1,7 @@
-// The online part of the pipeline, in the order of a frame's way: black level, response and noise from the first
-// cycles; then for each frame motion, state, window and field. It hands out moments: all that an emission needs about
-// one frame, as soon as its look-ahead has arrived. Thread-bound; deterministic whatever the number of threads.
+// The online part of the pipeline, in the order of a frame's way: black level, response and noise from the
+// first cycles; then for each frame motion, state, window and field. It hands out moments: all that an
+// emission needs about one frame, as soon as its look-ahead has arrived. Thread-bound; deterministic whatever
+// the number of threads.
 #pragma once
 
 #include <deque>
@@ -20,10 +21,10 @@
 namespace hdrcam {
 
 struct OnlineOptions {
-  int look_ahead = 1;          // frames, 0..2: how many later frames an emission waits for
-  int bootstrap_frames = 6;    // 2..: frames from which the response is estimated before the first emission
+  int look_ahead = 1;        // frames, 0..2: how many later frames an emission waits for
+  int bootstrap_frames = 6;  // 2..: frames from which the response is estimated before the first emission
   FlowQuality flow = FlowQuality::Medium;
-  float code_noise = 1;        // codes rms (NoiseModel)
+  float code_noise = 1;  // codes rms (NoiseModel)
   StateOptions state;
   std::optional<FieldStageOptions> field = std::nullopt;  // none: the state alone
 };
@@ -40,10 +41,10 @@ struct Moment {
   const FlowField* to_previous = nullptr;  // null at the first frame
   std::vector<Ahead> ahead;                // the following frames, nearest first
   Fusion* fusion = nullptr;
-  const FieldStage* field = nullptr;       // fitted up to and with this frame; null without the field
-  const FitReport* fit = nullptr;          // the fit's work on this frame
-  float white = 1;                         // radiance that saturates the shortest exposure
-  double reference_exposure = 1;           // E_ref, seconds x gains
+  const FieldStage* field = nullptr;  // fitted up to and with this frame; null without the field
+  const FitReport* fit = nullptr;     // the fit's work on this frame
+  float white = 1;                    // radiance that saturates the shortest exposure
+  double reference_exposure = 1;      // E_ref, seconds x gains
 };
 
 class OnlineStage {
@@ -93,9 +94,9 @@ class OnlineStage {
 
   MotionEstimator motion_;
   StateFilter filter_;
-  std::unique_ptr<FieldStage> field_;             // made with the first frame
-  std::deque<std::unique_ptr<Step>> steps_;       // not yet emitted, oldest first, and one before them
-  std::vector<std::unique_ptr<Step>> spare_;      // to be used again
+  std::unique_ptr<FieldStage> field_;         // made with the first frame
+  std::deque<std::unique_ptr<Step>> steps_;   // not yet emitted, oldest first, and one before them
+  std::vector<std::unique_ptr<Step>> spare_;  // to be used again
   Timing timing_;
 };
 

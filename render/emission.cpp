@@ -8,7 +8,8 @@
 namespace hdrcam {
 namespace {
 
-// The largest of each pixel and its left, upper and upper left neighbours: what may have gone into a warped pixel.
+// The largest of each pixel and its left, upper and upper left neighbours: what may have gone into a warped
+// pixel.
 void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
   out.reshape_like(in);
   pool.for_rows(in.rows(), [&](int y0, int y1) {
@@ -58,7 +59,8 @@ void Emission::join(const Moment& moment) {
     fusion.warp_variance(contrast_, path_.vectors, extra_);
     flow_.copy_from(path_.vectors);  // per interval
     for (float& v : flow_.samples()) v /= steps;
-    fusion.update(merged_, samples_, *ahead.tables, flow_, ahead.frame->blur_fraction, &gate_, &extra_, share_);
+    fusion.update(merged_, samples_, *ahead.tables, flow_, ahead.frame->blur_fraction, &gate_, &extra_,
+                  share_);
     for (std::size_t i = 0; i < share_.size(); ++i) {
       float& total = ahead_share_.samples()[i];
       total = total * (1 - share_.samples()[i]) + share_.samples()[i];
@@ -67,7 +69,8 @@ void Emission::join(const Moment& moment) {
 }
 
 void Emission::conclude(const Moment& moment, HdrFrame& frame) {
-  constexpr float kDarkOffset = 1 / 5000.f;  // of white: below it differences are not visible after mu-law, mu = 5000
+  constexpr float kDarkOffset =
+      1 / 5000.f;  // of white: below it differences are not visible after mu-law, mu = 5000
   const int rows = merged_.radiance.rows(), cols = merged_.radiance.cols();
   const float known = known_limit(moment.white), offset = moment.white * kDarkOffset;
 
@@ -88,9 +91,12 @@ void Emission::conclude(const Moment& moment, HdrFrame& frame) {
         }
         const float later = ahead_share_.at(0, y, x), own = merged_.own_share.at(0, y, x) * (1 - later);
         Provenance from = Provenance::Carried;
-        if (worst >= known) from = Provenance::Bound;
-        else if (later > 0.5f) from = Provenance::LookAhead;
-        else if (own > 0.5f) from = Provenance::Own;
+        if (worst >= known)
+          from = Provenance::Bound;
+        else if (later > 0.5f)
+          from = Provenance::LookAhead;
+        else if (own > 0.5f)
+          from = Provenance::Own;
         frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(from);
         frame.sigma.at(0, y, x) = std::min(10.f, std::sqrt(relative));
       }

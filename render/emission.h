@@ -1,5 +1,5 @@
-// One HDR frame out of a moment: a copy of the state is joined by the look-ahead frames' samples (never fed back),
-// what nobody saw stays a lower bound, and the result is shrunk with its known variance. Thread-bound.
+// One HDR frame out of a moment: a copy of the state is joined by the look-ahead frames' samples (never fed
+// back), what nobody saw stays a lower bound, and the result is shrunk with its known variance. Thread-bound.
 #pragma once
 
 #include "online/online_stage.h"
@@ -32,7 +32,8 @@ class Emission {
   RadianceState merged_;
   Samples samples_;
   FlowField path_;  // from the emitted frame to the look-ahead frame at hand
-  Image<float> ahead_share_, share_, codes_, brightest_, dilated_, gate_, mean_, contrast_, extra_, flow_, warped_;
+  Image<float> ahead_share_, share_, codes_, brightest_, dilated_, gate_, mean_, contrast_, extra_, flow_,
+      warped_;
 };
 
 }  // namespace hdrcam

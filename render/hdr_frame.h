@@ -19,14 +19,14 @@ enum class Provenance : std::uint8_t {
 
 struct HdrFrame {
   FrameFacts facts;
-  float exposure = 1;             // E / E_ref of the frame it belongs to
-  double reference_exposure = 1;  // E_ref, seconds x gains
-  float white = 1;                // radiance that saturates the shortest exposure of the cycle
-  Image<float> radiance;          // [rgb, rows, cols], finite, >= 0
-  Image<float> sigma;             // [1, rows, cols] standard deviation of ln radiance
-  Image<std::uint8_t> provenance; // [1, rows, cols] Provenance
-  Image<float> depth;             // [1, rows, cols] in units of the field's near plane; empty without the field
-  Image<float> flow;              // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
+  float exposure = 1;              // E / E_ref of the frame it belongs to
+  double reference_exposure = 1;   // E_ref, seconds x gains
+  float white = 1;                 // radiance that saturates the shortest exposure of the cycle
+  Image<float> radiance;           // [rgb, rows, cols], finite, >= 0
+  Image<float> sigma;              // [1, rows, cols] standard deviation of ln radiance
+  Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
+  Image<float> depth;  // [1, rows, cols] in units of the field's near plane; empty without the field
+  Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
 };
 
 }  // namespace hdrcam

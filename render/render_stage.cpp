@@ -17,11 +17,13 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
   const float scale = 1 / static_cast<float>(step);
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const float sy = std::clamp((static_cast<float>(y) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.rows() - 1));
+      const float sy =
+          std::clamp((static_cast<float>(y) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.rows() - 1));
       const int ya = std::min(static_cast<int>(sy), in.rows() - 1), yb = std::min(ya + 1, in.rows() - 1);
       const float fy = sy - static_cast<float>(ya);
       for (int x = 0; x < cols; ++x) {
-        const float sx = std::clamp((static_cast<float>(x) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.cols() - 1));
+        const float sx =
+            std::clamp((static_cast<float>(x) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.cols() - 1));
         const int xa = std::min(static_cast<int>(sx), in.cols() - 1), xb = std::min(xa + 1, in.cols() - 1);
         const float fx = sx - static_cast<float>(xa);
         for (int c = 0; c < in.channels(); ++c) {

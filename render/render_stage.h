@@ -1,5 +1,5 @@
-// From a moment to the HDR frame that leaves: the state's emission, and the field where the state does not know.
-// Each layer can be had alone. Thread-bound; deterministic whatever the number of threads.
+// From a moment to the HDR frame that leaves: the state's emission, and the field where the state does not
+// know. Each layer can be had alone. Thread-bound; deterministic whatever the number of threads.
 #pragma once
 
 #include "render/emission.h"
@@ -24,7 +24,8 @@ class RenderStage {
  public:
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  RenderStage(RenderOptions options, WorkerPool& pool) : options_(options), pool_(pool), emission_(options.emission, pool), renderer_(pool) {}
+  RenderStage(RenderOptions options, WorkerPool& pool)
+      : options_(options), pool_(pool), emission_(options.emission, pool), renderer_(pool) {}
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
   void render(const Moment& moment, HdrFrame& frame);

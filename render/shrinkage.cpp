@@ -57,7 +57,8 @@ void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, floa
         for (int c = 0; c < 3; ++c) {
           const float a = std::max(0.f, radiance.at(c, y, x)) + offset;
           log_radiance[static_cast<std::size_t>(c)] = std::log(a);
-          log_variance[static_cast<std::size_t>(c)] = std::min(kMaxLogVariance, variance.at(c, y, x) / (a * a));
+          log_variance[static_cast<std::size_t>(c)] =
+              std::min(kMaxLogVariance, variance.at(c, y, x) / (a * a));
         }
         for (int c = 0; c < 3; ++c) {
           const auto& t = kOpponent[static_cast<std::size_t>(c)];
@@ -70,12 +71,12 @@ void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, floa
       }
   });
 
-  // Tile rows 2*kStep apart do not overlap: two passes of independent rows, then the last row if it is out of step.
+  // Tile rows 2*kStep apart do not overlap: two passes of independent rows, then the last row if it is out of
+  // step.
   const int tile_rows = (rows - kTile) / kStep + 1;
   for (int parity = 0; parity < 2; ++parity)
-    pool_.for_each((tile_rows + 1 - parity) / 2 * 3, [&](int i) {
-      shrink_tile_row(i % 3, (i / 3 * 2 + parity) * kStep);
-    });
+    pool_.for_each((tile_rows + 1 - parity) / 2 * 3,
+                   [&](int i) { shrink_tile_row(i % 3, (i / 3 * 2 + parity) * kStep); });
   if ((rows - kTile) % kStep != 0) pool_.for_each(3, [&](int c) { shrink_tile_row(c, rows - kTile); });
 
   pool_.for_rows(rows, [&](int y0, int y1) {
@@ -99,7 +100,8 @@ void Shrinkage::shrink_tile_row(int channel, int y0) {
     float noise = 0;
     for (int i = 0; i < kTile; ++i)
       for (int j = 0; j < kTile; ++j) {
-        pixels[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] = opponent_.at(channel, y0 + i, x0 + j);
+        pixels[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)] =
+            opponent_.at(channel, y0 + i, x0 + j);
         noise += noise_.at(channel, y0 + i, x0 + j);
       }
     noise *= 1.f / (kTile * kTile);

@@ -58,7 +58,8 @@ Result<Sinks> open_sinks(const ReplayFlags& flags, const CameraFacts& camera, St
     sinks.files.push_back(TRY(create_exr_sequence(storage, flags.output, options)));
   }
   if (!flags.preview.empty()) sinks.files.push_back(TRY(create_preview(storage, flags.preview)));
-  if (!flags.sheet.empty() || !flags.report.empty()) sinks.sheet = std::make_unique<ContactSheet>(storage, flags.sheet);
+  if (!flags.sheet.empty() || !flags.report.empty())
+    sinks.sheet = std::make_unique<ContactSheet>(storage, flags.sheet);
   return sinks;
 }
 
@@ -96,13 +97,15 @@ void conclude_record(RunRecord& record, const OnlineStage& online, double wall_s
   record.dropped = record.captured - record.emitted;
   record.wall_s = wall_s;
   record.peak_memory_mib = peak_memory_mib();
-  record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1), online.response().inverse(2)};
+  record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1),
+                                   online.response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
   const NoiseModel& noise = online.noise();
-  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons", noise.full_well,
-                                     noise.read_noise));
+  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
+                                     noise.full_well, noise.read_noise));
   const BlackLevel& black = online.black_level();
-  record.notes.push_back(fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
+  record.notes.push_back(
+      fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
 }
 
 Result<void> add_scores(RunRecord& record, const ReplayFlags& flags, Surroundings& around) {
@@ -114,7 +117,8 @@ Result<void> add_scores(RunRecord& record, const ReplayFlags& flags, Surrounding
   record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
   if (scores.mean.psnr_mu_moving_db)
     record.scores.push_back({"PSNR-mu, moving objects", "dB", *scores.mean.psnr_mu_moving_db, true});
-  if (scores.flicker_stops) record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
+  if (scores.flicker_stops)
+    record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
   record.scores.push_back({"phase pumping", "stops", scores.phase_stops, false});
   return {};
 }
@@ -126,7 +130,8 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
   auto reader = TRY(open_recording(around.storage, flags.recording));
   const CameraFacts& camera = reader->camera();
-  const int threads = flags.threads > 0 ? flags.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const int threads =
+      flags.threads > 0 ? flags.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   PipelineOptions options = options_of(preset, layer);
   if (options.online.field) options.online.field->field.seed = flags.seed;
   if (flags.look_ahead >= 0) options.online.look_ahead = flags.look_ahead;
@@ -150,12 +155,14 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
                                           const FrameRecord& facts) -> Result<void> {
       TRY(sinks.emit(frame, input));
       record.frames.push_back(facts);
-      progress.frame_done(facts.total_ms, facts.losses.empty() ? std::nullopt : std::optional(facts.losses.front().value));
+      progress.frame_done(facts.total_ms,
+                          facts.losses.empty() ? std::nullopt : std::optional(facts.losses.front().value));
       return {};
     };
     while (flags.frames == 0 || record.captured < flags.frames) {
       if (around.stop) {
-        ended_early = Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", record.captured)};
+        ended_early = Error{ErrorCode::Interrupted,
+                            fmt::format("stopped after {} frames; they are complete", record.captured)};
         break;
       }
       auto next = reader->next();
@@ -177,8 +184,7 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
                   std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   if (!ended_early) TRY(add_scores(record, flags, around));
   if (!flags.stats.empty()) TRY(write_stats(around.storage, flags.stats, record));
-  if (!flags.report.empty())
-    TRY(write_report(around.storage, flags.report, record, sinks.sheet->png()));
+  if (!flags.report.empty()) TRY(write_report(around.storage, flags.report, record, sinks.sheet->png()));
   if (ended_early) return *ended_early;
   return {};
 }
@@ -189,8 +195,10 @@ void add_replay(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<ReplayFlags>();
   CLI::App* verb = app.add_subcommand("replay", "turn a recording into HDR frames");
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->required();
-  verb->add_option("-o,--output", flags->output, "HDR frames, numbered by the sensor's sequence: out/%06d.exr");
-  verb->add_option("--preset", flags->preset, "fast, balanced or best: quality against time")->capture_default_str();
+  verb->add_option("-o,--output", flags->output,
+                   "HDR frames, numbered by the sensor's sequence: out/%06d.exr");
+  verb->add_option("--preset", flags->preset, "fast, balanced or best: quality against time")
+      ->capture_default_str();
   verb->add_option("--emit", flags->emit, "merged, or one layer alone: state, field")->capture_default_str();
   verb->add_option("--lookahead", flags->look_ahead, "later frames that an HDR frame waits for, 0..2 [1]")
       ->check(CLI::Range(0, 2));
@@ -209,7 +217,8 @@ void add_replay(CLI::App& app, Verb& chosen) {
   verb->add_option("--stats", flags->stats, "time, losses and provenance per frame: stats.json");
   verb->add_option("--report", flags->report, "all of that on one page: report.html");
   verb->add_option("--truth", flags->truth, "a clip with ground truth: adds scores to the report");
-  verb->callback([flags, &chosen] { chosen = [flags](Surroundings& around) { return replay(*flags, around); }; });
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return replay(*flags, around); }; });
 }
 
 }  // namespace hdrcam

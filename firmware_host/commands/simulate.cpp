@@ -1,5 +1,5 @@
-// hdrcam simulate SCENE -o walk.mkv: a recording of a scene that does not exist, and with --truth everything that is known
-// about it, as a clip that `hdrcam compare` scores against.
+// hdrcam simulate SCENE -o walk.mkv: a recording of a scene that does not exist, and with --truth everything
+// that is known about it, as a clip that `hdrcam compare` scores against.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -49,16 +49,19 @@ void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double 
     fmt::print("{:<16} {:>3} {:>9}  {}\n", name(effect), s.plan.on(effect) ? "yes" : "no",
                cost ? fmt::format("{:.2f}", *cost) : "-", s.plan.why(effect));
   }
-  fmt::print("a frame of {}x{}, {} exposed: {:.1f} ms of processor time; without these effects: {:.1f} ms\n", s.width,
-             s.height, describe(Instant::from_seconds(exposure_s).since_boot), costs.frame_ms, costs.bare_ms);
+  fmt::print("a frame of {}x{}, {} exposed: {:.1f} ms of processor time; without these effects: {:.1f} ms\n",
+             s.width, s.height, describe(Instant::from_seconds(exposure_s).since_boot), costs.frame_ms,
+             costs.bare_ms);
 }
 
 // Frames of the clip in turn: which moment of the scene, which exposure.
 class Timeline {
  public:
-  Timeline(const Simulation& simulation, std::vector<Exposure> cycle) : simulation_(simulation), cycle_(std::move(cycle)) {
+  Timeline(const Simulation& simulation, std::vector<Exposure> cycle)
+      : simulation_(simulation), cycle_(std::move(cycle)) {
     if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
-    if (simulation.plan.on(Effect::ClockJitter)) jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
+    if (simulation.plan.on(Effect::ClockJitter))
+      jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
   }
 
   // The sequence number of the next frame that is not lost.
@@ -67,7 +70,9 @@ class Timeline {
     return sequence;
   }
   // Scene time of the middle of the picture and of its exposure.
-  double centre_s(std::uint64_t sequence) const { return static_cast<double>(sequence) / simulation_.framerate_hz; }
+  double centre_s(std::uint64_t sequence) const {
+    return static_cast<double>(sequence) / simulation_.framerate_hz;
+  }
   Shot shot(std::uint64_t sequence) const {
     const Exposure& exposure = cycle_[sequence % cycle_.size()];
     const double exposure_s = to_seconds(exposure.time);
@@ -80,7 +85,8 @@ class Timeline {
     FrameFacts facts;
     facts.sequence = sequence;
     facts.timestamp = Instant::from_seconds(centre_s(sequence));
-    if (jitter_) facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
+    if (jitter_)
+      facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
     facts.exposure_s = to_seconds(exposure.time);
     facts.analogue_gain = exposure.gain;
     facts.slot = static_cast<int>(sequence % cycle_.size());
@@ -108,7 +114,8 @@ struct Outputs {
   std::optional<TruthFolder> truth;
 };
 
-Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, const SimulatedSensor& sensor) {
+Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
+                             const SimulatedSensor& sensor) {
   Outputs outputs;
   CameraFacts facts = sensor.facts();
   if (!flags.output.empty()) outputs.recording = TRY(create_recording(around.storage, flags.output, facts));
@@ -119,8 +126,8 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, c
   return outputs;
 }
 
-Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline, SimulatedSensor& sensor,
-                  WorkerPool& pool, Outputs& outputs) {
+Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline,
+                  SimulatedSensor& sensor, WorkerPool& pool, Outputs& outputs) {
   const Simulation& s = sensor.simulation();
   std::optional<TruthRenderer> truth_renderer;
   if (outputs.truth) truth_renderer.emplace(*sensor.scene(), sensor.lens(), s.height, s.width, pool);
@@ -129,7 +136,8 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
   RawFrame frame;
   std::uint64_t sequence = timeline.next_kept(0), before = sequence;
   for (int i = 0; i < flags.frames; ++i) {
-    if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}", i, flags.frames)};
+    if (around.stop)
+      return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}", i, flags.frames)};
     const auto begin = std::chrono::steady_clock::now();
     sensor.expose(timeline.shot(sequence), frame.codes);
     frame.facts = timeline.facts(sequence, i > 0 && sequence != before + 1, sensor.facts().bits);
@@ -154,28 +162,33 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
 
 std::string scene_list() {
   std::string text = "Scenes:\n";
-  for (const CatalogScene& scene : scene_catalog()) text += fmt::format("  {:<11}{}\n", scene.name, scene.about);
+  for (const CatalogScene& scene : scene_catalog())
+    text += fmt::format("  {:<11}{}\n", scene.name, scene.about);
   text += "Settings, after a question mark, joined by &:\n" + simulation_settings_help();
   return text + "Effects:\n  " + effect_names() + "\n";
 }
 
 Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
   if (flags.list) return fmt::print("{}", scene_list()), Result<void>{};
-  if (flags.scene.empty()) return Error{ErrorCode::Invalid, "which scene? 'hdrcam simulate --list' prints them"};
+  if (flags.scene.empty())
+    return Error{ErrorCode::Invalid, "which scene? 'hdrcam simulate --list' prints them"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
     return Error{ErrorCode::Invalid, "nothing to do; give -o FILE, --truth FOLDER or --explain"};
   const Simulation simulation = TRY(simulation_of(flags.scene));
   const Format format = TRY(format_of(flags));
   const Timeline timeline(simulation, TRY(parse_exposures(flags.shutter, flags.gain)));
   if (timeline.longest_s() * simulation.framerate_hz > 1)
-    return Error{ErrorCode::BadExposure, fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
-                                                     timeline.longest_s() * 1e3, simulation.framerate_hz)};
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
+                    timeline.longest_s() * 1e3, simulation.framerate_hz)};
   const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   WorkerPool pool(flags.threads > 0 ? flags.threads : cores);
   SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
   if (flags.explain) {
     constexpr int kRounds = 12;
-    const EffectCosts costs = measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kRounds, pool);
+    const EffectCosts costs =
+        measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kRounds, pool);
     print_plan(sensor, costs, timeline.longest_s());
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
@@ -187,11 +200,15 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
 
 void add_simulate(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<SimulateFlags>();
-  CLI::App* verb = app.add_subcommand("simulate", "film a simulated scene into a recording, with ground truth");
-  verb->add_option("scene", flags->scene, "name and settings, for instance walk?seed=3&size=320x240&objects=5");
+  CLI::App* verb =
+      app.add_subcommand("simulate", "film a simulated scene into a recording, with ground truth");
+  verb->add_option("scene", flags->scene,
+                   "name and settings, for instance walk?seed=3&size=320x240&objects=5");
   verb->add_option("-o,--output", flags->output, "the recording to write (.mkv)");
   verb->add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it");
-  verb->add_option("--frames", flags->frames, "frames to film")->capture_default_str()->check(CLI::Range(1, 1'000'000));
+  verb->add_option("--frames", flags->frames, "frames to film")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1'000'000));
   verb->add_option("--shutter", flags->shutter, "the cycle of exposure times")->capture_default_str();
   verb->add_option("--gain", flags->gain, "analogue gains of the cycle, or one for all");
   verb->add_option("--format", flags->format, "rgb or bayer")->capture_default_str();
@@ -199,7 +216,8 @@ void add_simulate(CLI::App& app, Verb& chosen) {
   verb->add_option("--threads", flags->threads, "default: one per core");
   verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
   verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
-  verb->callback([flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
 }
 
 }  // namespace hdrcam

@@ -46,16 +46,18 @@ std::string curve_table(const Simulation& simulation) {
 
 }  // namespace
 
-Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& folder, const SimulatedSensor& sensor,
-                                        const std::string& spec) {
+Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& folder,
+                                        const SimulatedSensor& sensor, const std::string& spec) {
   TruthFolder truth(storage, folder + "/gt");
-  for (const char* kind : {"/hdr", "/depth", "/flow", "/id"}) TRY(storage.make_directories(truth.folder_ + kind));
+  for (const char* kind : {"/hdr", "/depth", "/flow", "/id"})
+    TRY(storage.make_directories(truth.folder_ + kind));
   truth.simulation_ = sensor.simulation();
   const Intrinsics& lens = sensor.lens().intrinsics;
   auto& json = truth.json_;
   json["options"]["simulation"] = spec;
   for (std::size_t i = 0; i < kEffects; ++i)
-    if (truth.simulation_.plan.on(static_cast<Effect>(i))) json["options"]["effects"].push_back(name(static_cast<Effect>(i)));
+    if (truth.simulation_.plan.on(static_cast<Effect>(i)))
+      json["options"]["effects"].push_back(name(static_cast<Effect>(i)));
   json["axes"] = "x right, y down, z forward; c2w row-major 3x4";
   json["sensor_gain_per_s"] = truth.simulation_.sensitivity_per_s;
   json["radiance_to_sensor"] =
@@ -87,7 +89,8 @@ Result<void> TruthFolder::append(const SceneTruth& truth, const FrameFacts& fact
                              {"gain", facts.analogue_gain},
                              {"r_sat", saturation},
                              {"c2w", matrix(truth.T_world_camera)}});
-  shortest_exposure_ = shortest_exposure_ == 0 ? facts.exposure() : std::min(shortest_exposure_, facts.exposure());
+  shortest_exposure_ =
+      shortest_exposure_ == 0 ? facts.exposure() : std::min(shortest_exposure_, facts.exposure());
   const auto radiance = truth.radiance.samples();
   brightest_ = std::max(brightest_, *std::max_element(radiance.begin(), radiance.end()));
   return {};

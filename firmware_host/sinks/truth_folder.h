@@ -1,6 +1,7 @@
-// The gt/ folder of a clip, as `hdrcam compare` reads it (render/scores/ground_truth.h): what a simulated scene knows of
-// itself, frame by frame, and gt.json and crf.csv in the end. Thread-bound.
-//   gt/hdr/NNNN.exr R G B half · gt/depth/NNNN.exr Z metres · gt/flow/NNNN.exr R=dx G=dy B=occluded · gt/id/NNNN.png
+// The gt/ folder of a clip, as `hdrcam compare` reads it (render/scores/ground_truth.h): what a simulated
+// scene knows of itself, frame by frame, and gt.json and crf.csv in the end. Thread-bound.
+//   gt/hdr/NNNN.exr R G B half · gt/depth/NNNN.exr Z metres · gt/flow/NNNN.exr R=dx G=dy B=occluded ·
+//   gt/id/NNNN.png
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -13,9 +14,10 @@ namespace hdrcam {
 
 class TruthFolder {
  public:
-  // folder: of the clip; gt/ is made in it. spec: what made the scene, for the record. Errors: Permission, Io.
-  static Result<TruthFolder> create(Storage& storage, const std::string& folder, const SimulatedSensor& sensor,
-                                    const std::string& spec);
+  // folder: of the clip; gt/ is made in it. spec: what made the scene, for the record. Errors: Permission,
+  // Io.
+  static Result<TruthFolder> create(Storage& storage, const std::string& folder,
+                                    const SimulatedSensor& sensor, const std::string& spec);
 
   // The next frame: frame 0, 1, 2.. Errors: NoSpace, Permission, Io.
   Result<void> append(const SceneTruth& truth, const FrameFacts& facts);

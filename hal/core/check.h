@@ -1,5 +1,5 @@
-// CHECK is for our own bugs only: it prints the operands and aborts. What a user, a file or a device can cause is an
-// Error (result.h).
+// CHECK is for our own bugs only: it prints the operands and aborts. What a user, a file or a device can
+// cause is an Error (result.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -10,31 +10,33 @@
 
 namespace hdrcam {
 
-[[noreturn]] inline void check_failed(const char* file, int line, const char* what, const std::string& detail) {
+[[noreturn]] inline void check_failed(const char* file, int line, const char* what,
+                                      const std::string& detail) {
   fmt::print(stderr, "{}:{}: bug in hdrcam: {} does not hold {}\n", file, line, what, detail);
   std::abort();
 }
 
 }  // namespace hdrcam
 
-#define CHECK(condition)                                                              \
-  do {                                                                                \
-    if (!(condition)) ::hdrcam::check_failed(__FILE__, __LINE__, #condition, "");     \
+#define CHECK(condition)                                                          \
+  do {                                                                            \
+    if (!(condition)) ::hdrcam::check_failed(__FILE__, __LINE__, #condition, ""); \
   } while (false)
 
-#define CHECK_COMPARE_(a, op, b)                                                                    \
-  do {                                                                                              \
-    const auto& check_a_ = (a);                                                                     \
-    const auto& check_b_ = (b);                                                                     \
-    if (!(check_a_ op check_b_))                                                                    \
-      ::hdrcam::check_failed(__FILE__, __LINE__, #a " " #op " " #b,                                 \
-                             fmt::format("({} against {})", check_a_, check_b_));                   \
+#define CHECK_COMPARE_(a, op, b)                                                  \
+  do {                                                                            \
+    const auto& check_a_ = (a);                                                   \
+    const auto& check_b_ = (b);                                                   \
+    if (!(check_a_ op check_b_))                                                  \
+      ::hdrcam::check_failed(__FILE__, __LINE__, #a " " #op " " #b,               \
+                             fmt::format("({} against {})", check_a_, check_b_)); \
   } while (false)
 #define CHECK_EQ(a, b) CHECK_COMPARE_(a, ==, b)
 #define CHECK_LT(a, b) CHECK_COMPARE_(a, <, b)
 #define CHECK_LE(a, b) CHECK_COMPARE_(a, <=, b)
 #define CHECK_GT(a, b) CHECK_COMPARE_(a, >, b)
 
-#define CHECK_OK(result)                                                                               \
-  ((result).ok() ? (void)0                                                                             \
-                 : ::hdrcam::check_failed(__FILE__, __LINE__, "a result is a value", (result).error().message))
+#define CHECK_OK(result) \
+  ((result).ok()         \
+       ? (void)0         \
+       : ::hdrcam::check_failed(__FILE__, __LINE__, "a result is a value", (result).error().message))

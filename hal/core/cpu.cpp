@@ -22,8 +22,9 @@ InstructionSet detect() {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
     best = InstructionSet::Avx2;
-  if (best == InstructionSet::Avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
+  if (best == InstructionSet::Avx2 && __builtin_cpu_supports("avx512f") &&
+      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd"))
     best = InstructionSet::Avx512;
 #endif
   const char* limit = std::getenv("HDRCAM_ISA");
@@ -42,9 +43,12 @@ InstructionSet instruction_set() {
 
 const char* name(InstructionSet isa) {
   switch (isa) {
-    case InstructionSet::Avx512: return "avx512";
-    case InstructionSet::Avx2: return "avx2";
-    case InstructionSet::Baseline: break;
+    case InstructionSet::Avx512:
+      return "avx512";
+    case InstructionSet::Avx2:
+      return "avx2";
+    case InstructionSet::Baseline:
+      break;
   }
   return "baseline";
 }
@@ -55,7 +59,8 @@ std::string cpu_model() {
   std::array<unsigned, 4 * kLeaves> brand{};
   bool told = true;
   for (unsigned i = 0; i < kLeaves; ++i)
-    told = told && __get_cpuid(kFirstLeaf + i, &brand[4 * i], &brand[4 * i + 1], &brand[4 * i + 2], &brand[4 * i + 3]);
+    told = told && __get_cpuid(kFirstLeaf + i, &brand[4 * i], &brand[4 * i + 1], &brand[4 * i + 2],
+                               &brand[4 * i + 3]);
   std::string text(sizeof brand, '\0');
   std::memcpy(text.data(), brand.data(), sizeof brand);
   text.resize(std::strlen(text.c_str()));

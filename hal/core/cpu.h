@@ -1,5 +1,5 @@
-// What this processor offers. A kernel that exists once per instruction set is picked by pick_kernels(); the choice
-// can be lowered with HDRCAM_ISA=baseline|avx2 to compare or to reproduce another machine's bytes.
+// What this processor offers. A kernel that exists once per instruction set is picked by pick_kernels(); the
+// choice can be lowered with HDRCAM_ISA=baseline|avx2 to compare or to reproduce another machine's bytes.
 #pragma once
 
 #include <string>
@@ -23,9 +23,12 @@ template <class Table>
 const Table& pick_kernels([[maybe_unused]] const Table& baseline, [[maybe_unused]] const Table& avx2,
                           [[maybe_unused]] const Table& avx512) {
   switch (instruction_set()) {
-    case InstructionSet::Avx512: return avx512;
-    case InstructionSet::Avx2: return avx2;
-    case InstructionSet::Baseline: break;
+    case InstructionSet::Avx512:
+      return avx512;
+    case InstructionSet::Avx2:
+      return avx2;
+    case InstructionSet::Baseline:
+      break;
   }
   return baseline;
 }

@@ -1,7 +1,7 @@
-// A planar picture: [channels, rows, cols], rows contiguous, 64-byte aligned. Planar because every kernel of this
-// program is the same arithmetic on each channel, which the compiler then vectorises over a whole plane. Pixel centres
-// are at +0.5; x runs right, y down. Move-only: a copy is spelled clone(). Thread-compatible: distinct objects, or
-// distinct rows of one object, may be used from several threads.
+// A planar picture: [channels, rows, cols], rows contiguous, 64-byte aligned. Planar because every kernel of
+// this program is the same arithmetic on each channel, which the compiler then vectorises over a whole plane.
+// Pixel centres are at +0.5; x runs right, y down. Move-only: a copy is spelled clone(). Thread-compatible:
+// distinct objects, or distinct rows of one object, may be used from several threads.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,9 @@ class Image {
 
   T* plane(int channel) { return data_.get() + static_cast<std::size_t>(channel) * plane_size(); }
   const T* plane(int channel) const { return data_.get() + static_cast<std::size_t>(channel) * plane_size(); }
-  T* row(int channel, int y) { return plane(channel) + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols_); }
+  T* row(int channel, int y) {
+    return plane(channel) + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols_);
+  }
   const T* row(int channel, int y) const {
     return plane(channel) + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols_);
   }
@@ -46,7 +48,8 @@ class Image {
   std::span<T> samples() { return {data_.get(), size()}; }
   std::span<const T> samples() const { return {data_.get(), size()}; }
 
-  // Changes the shape; the content is undefined afterwards. Allocates only when more room is needed than ever before.
+  // Changes the shape; the content is undefined afterwards. Allocates only when more room is needed than ever
+  // before.
   void reshape(int channels, int rows, int cols) {
     CHECK(channels >= 0 && rows >= 0 && cols >= 0);
     channels_ = channels, rows_ = rows, cols_ = cols;

@@ -1,6 +1,6 @@
-// Errors as values. Every call that can fail for a reason outside the program returns Result<T>: a value or an Error
-// with one sentence that names the thing, the value and what to do. Exceptions of a library are caught in the one
-// file that wraps it. Reentrant.
+// Errors as values. Every call that can fail for a reason outside the program returns Result<T>: a value or
+// an Error with one sentence that names the thing, the value and what to do. Exceptions of a library are
+// caught in the one file that wraps it. Reentrant.
 #pragma once
 
 #include <string>
@@ -76,9 +76,9 @@ class [[nodiscard]] Result<void> {
 }  // namespace hdrcam
 
 // TRY(expression): the value of a Result, or leave the function with its Error.
-#define TRY(expression)                                       \
-  ({                                                          \
-    auto try_result_ = (expression);                          \
+#define TRY(expression)                                                 \
+  ({                                                                    \
+    auto try_result_ = (expression);                                    \
     if (!try_result_.ok()) return ::hdrcam::Error(try_result_.error()); \
-    std::move(try_result_).value();                           \
+    std::move(try_result_).value();                                     \
   })

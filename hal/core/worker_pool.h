@@ -1,6 +1,6 @@
-// A fixed set of threads for data-parallel loops. The work of each index is the same whichever thread takes it, so a
-// result never depends on the number of threads; loops that reduce do so over a fixed partition, not per thread.
-// Thread-bound: one thread owns the pool and calls for_each; nested calls run in place.
+// A fixed set of threads for data-parallel loops. The work of each index is the same whichever thread takes
+// it, so a result never depends on the number of threads; loops that reduce do so over a fixed partition, not
+// per thread. Thread-bound: one thread owns the pool and calls for_each; nested calls run in place.
 #pragma once
 
 #include <atomic>
@@ -25,7 +25,9 @@ class WorkerPool {
   // Calls body(i) for i in [0, count) on all threads; returns when all are done. body must not throw.
   template <class Body>
   void for_each(int count, Body&& body) {
-    run(count, [](void* context, int i) { (*static_cast<std::remove_reference_t<Body>*>(context))(i); }, &body);
+    run(
+        count, [](void* context, int i) { (*static_cast<std::remove_reference_t<Body>*>(context))(i); },
+        &body);
   }
 
   // Calls body(y0, y1) for consecutive bands of rows of a fixed height that does not depend on the threads.

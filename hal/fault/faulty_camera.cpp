@@ -34,14 +34,27 @@ Result<CapturedBuffer> FaultyCamera::wait(Duration timeout) {
 
 void FaultyCamera::spoil(CameraFaultKind kind, CapturedBuffer& buffer) {
   switch (kind) {
-    case CameraFaultKind::Damaged: buffer.damaged = true; [[fallthrough]];
-    case CameraFaultKind::Short: buffer.pixels = buffer.pixels.first(buffer.pixels.size() / 2); break;
-    case CameraFaultKind::SequenceJump: ++sequence_offset_; break;
-    case CameraFaultKind::SequenceRepeat: buffer.sequence = last_sequence_ - sequence_offset_; break;
-    case CameraFaultKind::StampBack: buffer.timestamp = buffer.timestamp + std::chrono::seconds(-1); break;
-    case CameraFaultKind::CookieRepeat: buffer.cookie = last_cookie_; break;
+    case CameraFaultKind::Damaged:
+      buffer.damaged = true;
+      [[fallthrough]];
+    case CameraFaultKind::Short:
+      buffer.pixels = buffer.pixels.first(buffer.pixels.size() / 2);
+      break;
+    case CameraFaultKind::SequenceJump:
+      ++sequence_offset_;
+      break;
+    case CameraFaultKind::SequenceRepeat:
+      buffer.sequence = last_sequence_ - sequence_offset_;
+      break;
+    case CameraFaultKind::StampBack:
+      buffer.timestamp = buffer.timestamp + std::chrono::seconds(-1);
+      break;
+    case CameraFaultKind::CookieRepeat:
+      buffer.cookie = last_cookie_;
+      break;
     case CameraFaultKind::Timeout:
-    case CameraFaultKind::Unplug: break;
+    case CameraFaultKind::Unplug:
+      break;
   }
 }
 

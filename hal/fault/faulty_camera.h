@@ -1,6 +1,6 @@
-// A camera that fails on request: it wraps a working one, so that what the program makes of the fault can be compared
-// with the truth. Faults are counted in buffers, from 0. For tests. Thread words of the wrapped camera; no allocation per
-// frame of its own.
+// A camera that fails on request: it wraps a working one, so that what the program makes of the fault can be
+// compared with the truth. Faults are counted in buffers, from 0. For tests. Thread words of the wrapped
+// camera; no allocation per frame of its own.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +33,9 @@ class FaultyCamera : public Camera {
       : inner_(std::move(inner)), faults_(std::move(faults)) {}
 
   const CameraCapabilities& capabilities() const override { return inner_->capabilities(); }
-  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override { return inner_->configure(wanted, buffers); }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    return inner_->configure(wanted, buffers);
+  }
   Result<void> start() override;
   Result<void> queue(const ExposureRequest& request) override;
   Result<CapturedBuffer> wait(Duration timeout) override;

@@ -13,7 +13,8 @@ bool FaultySyncLine::has(LineFaultKind kind, std::uint64_t edge) const {
 Result<Edge> FaultySyncLine::wait_edge(Duration timeout) {
   if (repeat_) return *std::exchange(repeat_, std::nullopt);
   for (;;) {
-    if (has(LineFaultKind::Unplug, edges_)) return Error{ErrorCode::Unplugged, "the line went away (injected fault)"};
+    if (has(LineFaultKind::Unplug, edges_))
+      return Error{ErrorCode::Unplugged, "the line went away (injected fault)"};
     if (has(LineFaultKind::Timeout, edges_) && !std::exchange(refused_, true))
       return Error{ErrorCode::Timeout, "no edge came (injected fault)"};
     Edge edge = TRY(inner_->wait_edge(timeout));

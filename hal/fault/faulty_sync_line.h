@@ -1,5 +1,5 @@
-// A sync line that fails on request, around a working one. Faults are counted in edges of the wrapped line, from 0. For
-// tests. Thread words of the wrapped line; no allocation per edge of its own.
+// A sync line that fails on request, around a working one. Faults are counted in edges of the wrapped line,
+// from 0. For tests. Thread words of the wrapped line; no allocation per edge of its own.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ class FaultySyncLine : public SyncLine {
   std::uint64_t edges_ = 0;               // taken from the wrapped line
   std::uint64_t added_ = 0, hidden_ = 0;  // what numbers are shifted by
   std::optional<Edge> repeat_;
-  bool refused_ = false;                  // the wait for the next edge, once
+  bool refused_ = false;  // the wait for the next edge, once
 };
 
 }  // namespace hdrcam

@@ -204,7 +204,8 @@ Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot) {
   const FrameFacts usual;
   const double time_s = static_cast<double>(facts.timestamp.since_boot.count()) / 1e9;
   Json json = {{"file", frame.file}, {"time_s", time_s}, {"exposure_s", facts.exposure_s}};
-  const bool time_fits = std::abs(time_s) < kLatestSeconds && Instant::from_seconds(time_s) == facts.timestamp;
+  const bool time_fits =
+      std::abs(time_s) < kLatestSeconds && Instant::from_seconds(time_s) == facts.timestamp;
   if (!time_fits) json["timestamp_ns"] = facts.timestamp.since_boot.count();
   if (facts.analogue_gain != usual.analogue_gain) json["gain"] = facts.analogue_gain;
   if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;

@@ -1,5 +1,6 @@
-// What a recording holds: raw frames and every fact about them. It knows no HDR. The container (FFV1 in Matroska, facts
-// in a JSON data track) is specified in docs/recording.md. Plain values; the reader and the writer are thread-bound.
+// What a recording holds: raw frames and every fact about them. It knows no HDR. The container (FFV1 in
+// Matroska, facts in a JSON data track) is specified in docs/recording.md. Plain values; the reader and the
+// writer are thread-bound.
 #pragma once
 
 #include <array>
@@ -33,26 +34,26 @@ const char* name(PixelLayout layout);
 inline int channels(PixelLayout layout) { return layout == PixelLayout::Rgb ? 3 : 1; }
 
 struct CameraFacts {
-  std::string name;                                     // of the camera or clip
-  int width = 0, height = 0;                            // pixels
+  std::string name;           // of the camera or clip
+  int width = 0, height = 0;  // pixels
   double framerate_hz = 30;
-  int bits = 8;                                         // significant bits of a code, 8..16
+  int bits = 8;  // significant bits of a code, 8..16
   PixelLayout layout = PixelLayout::Rgb;
-  bool linear = false;                                  // codes are proportional to light (raw)
+  bool linear = false;  // codes are proportional to light (raw)
   std::optional<Intrinsics> intrinsics;
-  std::vector<std::vector<double>> response;            // [rgb][256] code/max -> relative exposure, empty if unknown
+  std::vector<std::vector<double>> response;  // [rgb][256] code/max -> relative exposure, empty if unknown
 };
 
 // The facts of one frame. Exposure product E = exposure_s * analogue_gain * digital_gain.
 struct FrameFacts {
-  std::uint64_t sequence = 0;          // the sensor's counter; a gap is a dropped frame
-  Instant timestamp;                   // centre of the exposure
+  std::uint64_t sequence = 0;  // the sensor's counter; a gap is a dropped frame
+  Instant timestamp;           // centre of the exposure
   double exposure_s = 0;
   double analogue_gain = 1, digital_gain = 1;
-  int slot = -1;                       // position in the exposure schedule, -1 unknown
-  double black_level = 0;              // in codes, 0 unless the device reports one
+  int slot = -1;           // position in the exposure schedule, -1 unknown
+  double black_level = 0;  // in codes, 0 unless the device reports one
   ExposureSource exposure_source = ExposureSource::Declared;
-  std::uint32_t flags = 0;             // FrameFlag bits
+  std::uint32_t flags = 0;  // FrameFlag bits
   std::optional<PoseMatrix> T_world_camera;
 
   double exposure() const { return exposure_s * analogue_gain * digital_gain; }
@@ -72,7 +73,8 @@ struct RawFrame {
 class RecordingWriter {
  public:
   virtual ~RecordingWriter() = default;
-  // Appends one frame, whole, before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`), NoSpace, Io.
+  // Appends one frame, whole, before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`),
+  // NoSpace, Io.
   virtual Result<void> append(const RawFrame& frame) = 0;
   // Writes the end record and the index. Without it the file reads up to its last whole cluster.
   virtual Result<void> finish() = 0;
@@ -90,14 +92,15 @@ class RecordingReader {
   virtual Result<std::optional<FrameFacts>> next_facts();
 };
 
-constexpr int kMinSidePx = 2, kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
+constexpr int kMinSidePx = 2,
+              kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
 
-// Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has
-// failed, every later call returns the same error.
+// Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a
+// write has failed, every later call returns the same error.
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
                                                           const CameraFacts& camera);
-// Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame), Unsupported (a
-// newer format).
+// Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame),
+// Unsupported (a newer format).
 Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

@@ -11,14 +11,17 @@
 namespace hdrcam {
 namespace {
 
-Instant begin_of(const FrameFacts& facts) { return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot; }
+Instant begin_of(const FrameFacts& facts) {
+  return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot;
+}
 
 class ReplayedCamera : public Camera, private BufferLease::Owner {
  public:
-  ReplayedCamera(Storage& storage, std::string path, const CameraFacts& facts, PixelFormat format, ReplayPace pace,
-                 Clock& clock)
+  ReplayedCamera(Storage& storage, std::string path, const CameraFacts& facts, PixelFormat format,
+                 ReplayPace pace, Clock& clock)
       : storage_(storage), path_(std::move(path)), pace_(pace), clock_(clock) {
-    mode_ = {format, facts.width, facts.height, Duration(static_cast<Duration::rep>(1e9 / facts.framerate_hz + 0.5))};
+    mode_ = {format, facts.width, facts.height,
+             Duration(static_cast<Duration::rep>(1e9 / facts.framerate_hz + 0.5))};
     capabilities_.id = "replay:" + path_;
     capabilities_.model = facts.name;
     capabilities_.driver = "replay";
@@ -30,12 +33,17 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
     const std::lock_guard lock(mutex_);
-    if (started_) return Error{ErrorCode::Invalid, fmt::format("'{}' is being replayed; stop it before configuring it", path_)};
+    if (started_)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' is being replayed; stop it before configuring it", path_)};
     if (wanted.format != mode_.format)
-      return Error{ErrorCode::Unsupported, fmt::format("'{}' was recorded as {} and cannot be replayed as {}", path_,
-                                                       name(mode_.format), name(wanted.format))};
-    if (buffers < 1) return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
-    const std::size_t bytes = packed_stride(mode_.format, mode_.width) * static_cast<std::size_t>(mode_.height);
+      return Error{ErrorCode::Unsupported, fmt::format("'{}' was recorded as {} and cannot be replayed as {}",
+                                                       path_, name(mode_.format), name(wanted.format))};
+    if (buffers < 1)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
+    const std::size_t bytes =
+        packed_stride(mode_.format, mode_.width) * static_cast<std::size_t>(mode_.height);
     buffers_.assign(static_cast<std::size_t>(buffers), std::vector<std::byte>(bytes));
     in_use_.assign(buffers_.size(), false);
     cookies_.assign(buffers_.size(), 0);
@@ -46,7 +54,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
   Result<void> start() override {
     const std::lock_guard lock(mutex_);
     if (started_) return Error{ErrorCode::Invalid, fmt::format("'{}' is being replayed already", path_)};
-    if (buffers_.empty()) return Error{ErrorCode::Invalid, fmt::format("configure '{}' before starting it", path_)};
+    if (buffers_.empty())
+      return Error{ErrorCode::Invalid, fmt::format("configure '{}' before starting it", path_)};
     reader_ = TRY(open_recording(storage_, path_));
     next_.reset();
     delivered_ = 0;
@@ -57,10 +66,12 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
   Result<void> queue(const ExposureRequest& request) override {
     const std::lock_guard lock(mutex_);
-    if (!started_) return Error{ErrorCode::Invalid, fmt::format("start '{}' before queueing requests", path_)};
+    if (!started_)
+      return Error{ErrorCode::Invalid, fmt::format("start '{}' before queueing requests", path_)};
     const auto used = static_cast<std::size_t>(std::count(in_use_.begin(), in_use_.end(), true));
     if (used + queued_ >= buffers_.size())
-      return Error{ErrorCode::Busy, fmt::format("all {} buffers of '{}' are queued or in use; give one back", buffers_.size(), path_)};
+      return Error{ErrorCode::Busy, fmt::format("all {} buffers of '{}' are queued or in use; give one back",
+                                                buffers_.size(), path_)};
     cookies_[(first_cookie_ + queued_++) % cookies_.size()] = request.cookie;
     changed_.notify_all();
     return {};
@@ -70,14 +81,16 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     std::unique_lock lock(mutex_);
     const Instant deadline = clock_.now() + timeout;
     for (;;) {
-      if (!started_) return Error{ErrorCode::Interrupted, fmt::format("the replay of '{}' was stopped", path_)};
+      if (!started_)
+        return Error{ErrorCode::Interrupted, fmt::format("the replay of '{}' was stopped", path_)};
       if (queued_ > 0) {
         TRY(read_ahead());
         if (due() <= clock_.now()) return deliver();
       }
       const Instant now = clock_.now();
       if (now >= deadline)
-        return Error{ErrorCode::Timeout, fmt::format("no frame was due within {:.0f} ms", to_seconds(timeout) * 1e3)};
+        return Error{ErrorCode::Timeout,
+                     fmt::format("no frame was due within {:.0f} ms", to_seconds(timeout) * 1e3)};
       const Instant until = queued_ > 0 ? std::min(due(), deadline) : deadline;
       changed_.wait_for(lock, until - now);
     }
@@ -103,7 +116,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     if (next_) return {};
     next_ = TRY(reader_->next());
     if (!next_)
-      return Error{ErrorCode::Unplugged, fmt::format("the recording '{}' ended after {} frames", path_, delivered_)};
+      return Error{ErrorCode::Unplugged,
+                   fmt::format("the recording '{}' ended after {} frames", path_, delivered_)};
     if (delivered_ == 0) first_ = next_->facts.timestamp;
     return {};
   }
@@ -151,8 +165,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
   bool started_ = false;
   std::unique_ptr<RecordingReader> reader_;
   std::optional<RawFrame> next_;
-  Instant begin_, first_;            // of this replay; of the recording
-  std::uint64_t delivered_ = 0;      // frames
+  Instant begin_, first_;        // of this replay; of the recording
+  std::uint64_t delivered_ = 0;  // frames
   std::vector<std::vector<std::byte>> buffers_;
   std::vector<bool> in_use_;
   std::vector<std::uint64_t> cookies_;  // of the queued requests, a ring
@@ -161,16 +175,19 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
 }  // namespace
 
-Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path, ReplayPace pace,
-                                                     Clock& clock) {
+Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path,
+                                                     ReplayPace pace, Clock& clock) {
   const auto reader = TRY(open_recording(storage, path));
   const CameraFacts& facts = reader->camera();
   const auto format = format_for(facts.layout, facts.bits);
   if (!format)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'", path,
-                             name(facts.layout), facts.bits)};
-  return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(storage, path, facts, *format, pace, clock));
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format(
+            "'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'",
+            path, name(facts.layout), facts.bits)};
+  return std::unique_ptr<Camera>(
+      std::make_unique<ReplayedCamera>(storage, path, facts, *format, pace, clock));
 }
 
 }  // namespace hdrcam

@@ -1,7 +1,7 @@
-// A recording as a camera: its frames come out as a driver would hand them over, with the exposures and instants that were
-// recorded, so that everything from capture/ on runs as it did. It sets nothing: requests only say that a buffer is free.
-// A frame waits for its request, so none is ever lost. After the last one wait() returns Unplugged. Thread-bound, except
-// stop() and the return of buffers.
+// A recording as a camera: its frames come out as a driver would hand them over, with the exposures and
+// instants that were recorded, so that everything from capture/ on runs as it did. It sets nothing: requests
+// only say that a buffer is free. A frame waits for its request, so none is ever lost. After the last one
+// wait() returns Unplugged. Thread-bound, except stop() and the return of buffers.
 #pragma once
 
 #include <memory>
@@ -18,9 +18,9 @@ enum class ReplayPace {
   AsFastAsAsked,  // as soon as it is waited for
 };
 
-// Storage and clock outlive the camera. Errors: those of open_recording; Unsupported where no pixel format holds the
-// codes without loss (RGB above 8 bits, which `hdrcam replay` reads directly).
-Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path, ReplayPace pace,
-                                                     Clock& clock);
+// Storage and clock outlive the camera. Errors: those of open_recording; Unsupported where no pixel format
+// holds the codes without loss (RGB above 8 bits, which `hdrcam replay` reads directly).
+Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std::string& path,
+                                                     ReplayPace pace, Clock& clock);
 
 }  // namespace hdrcam

@@ -11,11 +11,13 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr CameraMove kMoves[] = {CameraMove::Still, CameraMove::Handheld, CameraMove::Pan, CameraMove::Dolly,
                                  CameraMove::Orbit};
 
-float wave(double frequency_hz, double time_s) { return static_cast<float>(std::sin(kTurn * frequency_hz * time_s)); }
+float wave(double frequency_hz, double time_s) {
+  return static_cast<float>(std::sin(kTurn * frequency_hz * time_s));
+}
 
 // Amplitudes of a move at speed 1. Places in scene sizes, angles in radians.
 struct Amplitudes {
-  Vec3 swing;        // slow, smooth
+  Vec3 swing;  // slow, smooth
   Vec3 swing_hz;
   float pan = 0, pan_hz = 0;
   float shake = 0;   // tremble of the place
@@ -23,11 +25,16 @@ struct Amplitudes {
 };
 Amplitudes amplitudes(CameraMove move) {
   switch (move) {
-    case CameraMove::Still: return {};
-    case CameraMove::Handheld: return {{0.03f, 0.008f, 0}, {0.35f, 0.5f, 0}, 0, 0, 0.0075f, 0.012f};
-    case CameraMove::Pan: return {{}, {}, 0.7f, 0.06f, 0, 0};  // pure rotation, up to 0.26 rad/s
-    case CameraMove::Dolly: return {{0.04f, 0, 0.35f}, {0.05f, 0, 0.04f}, 0, 0, 0.002f, 0.003f};
-    case CameraMove::Orbit: return {{0.15f, 0.025f, 0.025f}, {0.22f, 0.3f, 0.22f}, 0, 0, 0.0015f, 0.001f};
+    case CameraMove::Still:
+      return {};
+    case CameraMove::Handheld:
+      return {{0.03f, 0.008f, 0}, {0.35f, 0.5f, 0}, 0, 0, 0.0075f, 0.012f};
+    case CameraMove::Pan:
+      return {{}, {}, 0.7f, 0.06f, 0, 0};  // pure rotation, up to 0.26 rad/s
+    case CameraMove::Dolly:
+      return {{0.04f, 0, 0.35f}, {0.05f, 0, 0.04f}, 0, 0, 0.002f, 0.003f};
+    case CameraMove::Orbit:
+      return {{0.15f, 0.025f, 0.025f}, {0.22f, 0.3f, 0.22f}, 0, 0, 0.0015f, 0.001f};
   }
   return {};
 }
@@ -43,11 +50,16 @@ Mat3 looking_at(Vec3 place, Vec3 target) {
 
 const char* name(CameraMove move) {
   switch (move) {
-    case CameraMove::Still: return "still";
-    case CameraMove::Handheld: return "handheld";
-    case CameraMove::Pan: return "pan";
-    case CameraMove::Dolly: return "dolly";
-    case CameraMove::Orbit: return "orbit";
+    case CameraMove::Still:
+      return "still";
+    case CameraMove::Handheld:
+      return "handheld";
+    case CameraMove::Pan:
+      return "pan";
+    case CameraMove::Dolly:
+      return "dolly";
+    case CameraMove::Orbit:
+      return "orbit";
   }
   return "?";
 }
@@ -82,7 +94,8 @@ Pose CameraPath::at(double time_s) const {
     return amplitude == 0 ? 0.f : amplitude * speed_ * trembles_[i].at(time_s);
   };
   Vec3 place = Vec3{a.swing.x * wave(a.swing_hz.x, time_s), a.swing.y * wave(a.swing_hz.y, time_s),
-                    a.swing.z * wave(a.swing_hz.z, time_s)} * speed_;
+                    a.swing.z * wave(a.swing_hz.z, time_s)} *
+               speed_;
   place = place + Vec3{tremble(0, a.shake), tremble(1, a.shake), tremble(2, 0.6f * a.shake)};
   place = place * scale_;
   const float yaw = speed_ * a.pan * wave(a.pan_hz, time_s) + tremble(3, a.shiver);

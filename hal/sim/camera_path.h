@@ -1,5 +1,5 @@
-// How the simulated camera moves: a smooth function of time that stays within the scene for ever, so that ten thousand
-// frames are as good as ten. Value type, reentrant.
+// How the simulated camera moves: a smooth function of time that stays within the scene for ever, so that ten
+// thousand frames are as good as ten. Value type, reentrant.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// Random numbers that are a function of (seed, stream, counter) and of nothing else: any pixel of any frame can be drawn
-// by any thread in any order and is always the same. SplitMix64 (Steele, Lea and Flood, OOPSLA 2014) on a counter.
-// Value type, reentrant.
+// Random numbers that are a function of (seed, stream, counter) and of nothing else: any pixel of any frame
+// can be drawn by any thread in any order and is always the same. SplitMix64 (Steele, Lea and Flood, OOPSLA
+// 2014) on a counter. Value type, reentrant.
 #pragma once
 
 #include <cmath>

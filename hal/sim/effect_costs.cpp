@@ -13,8 +13,10 @@ bool can_be_left_out(Effect effect) {
     case Effect::Quantisation:  // the codes would not be codes
     case Effect::ControlDelay:
     case Effect::Drops:
-    case Effect::ClockJitter: return false;  // no pixel depends on them
-    default: return true;
+    case Effect::ClockJitter:
+      return false;  // no pixel depends on them
+    default:
+      return true;
   }
 }
 
@@ -33,8 +35,8 @@ void time_one(Candidate& candidate, const Shot& shot, Image<std::uint16_t>& code
 
 }  // namespace
 
-EffectCosts measure_costs(const Simulation& simulation, PixelLayout layout, int bits, double exposure_s, int rounds,
-                          WorkerPool& pool) {
+EffectCosts measure_costs(const Simulation& simulation, PixelLayout layout, int bits, double exposure_s,
+                          int rounds, WorkerPool& pool) {
   std::vector<Candidate> candidates;
   candidates.push_back({{}, std::make_unique<SimulatedSensor>(simulation, layout, bits, pool)});
   const Simulation whole = candidates.front().sensor->simulation();
@@ -54,7 +56,8 @@ EffectCosts measure_costs(const Simulation& simulation, PixelLayout layout, int 
   add(std::nullopt, bare);
 
   Image<std::uint16_t> codes;
-  for (int round = 0; round < rounds; ++round)  // interleaved, so that a machine that slows down is unfair to nobody
+  for (int round = 0; round < rounds;
+       ++round)  // interleaved, so that a machine that slows down is unfair to nobody
     for (Candidate& candidate : candidates)
       time_one(candidate, {static_cast<std::uint64_t>(round), 0.5, exposure_s, 1}, codes);
 
@@ -63,7 +66,8 @@ EffectCosts measure_costs(const Simulation& simulation, PixelLayout layout, int 
   costs.bare_ms = candidates.back().best_ms;
   for (const Candidate& candidate : candidates)
     if (candidate.left_out)
-      costs.effect_ms[static_cast<std::size_t>(*candidate.left_out)] = std::max(0.0, costs.frame_ms - candidate.best_ms);
+      costs.effect_ms[static_cast<std::size_t>(*candidate.left_out)] =
+          std::max(0.0, costs.frame_ms - candidate.best_ms);
   return costs;
 }
 

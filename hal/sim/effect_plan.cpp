@@ -4,20 +4,34 @@ namespace hdrcam {
 
 const char* name(Effect effect) {
   switch (effect) {
-    case Effect::MotionBlur: return "motion-blur";
-    case Effect::RollingShutter: return "rolling-shutter";
-    case Effect::Distortion: return "distortion";
-    case Effect::Vignetting: return "vignetting";
-    case Effect::Flare: return "flare";
-    case Effect::MainsFlicker: return "mains-flicker";
-    case Effect::Mosaic: return "mosaic";
-    case Effect::HotPixels: return "hot-pixels";
-    case Effect::Noise: return "noise";
-    case Effect::Quantisation: return "quantisation";
-    case Effect::Response: return "response";
-    case Effect::ControlDelay: return "control-delay";
-    case Effect::Drops: return "drops";
-    case Effect::ClockJitter: return "clock-jitter";
+    case Effect::MotionBlur:
+      return "motion-blur";
+    case Effect::RollingShutter:
+      return "rolling-shutter";
+    case Effect::Distortion:
+      return "distortion";
+    case Effect::Vignetting:
+      return "vignetting";
+    case Effect::Flare:
+      return "flare";
+    case Effect::MainsFlicker:
+      return "mains-flicker";
+    case Effect::Mosaic:
+      return "mosaic";
+    case Effect::HotPixels:
+      return "hot-pixels";
+    case Effect::Noise:
+      return "noise";
+    case Effect::Quantisation:
+      return "quantisation";
+    case Effect::Response:
+      return "response";
+    case Effect::ControlDelay:
+      return "control-delay";
+    case Effect::Drops:
+      return "drops";
+    case Effect::ClockJitter:
+      return "clock-jitter";
   }
   return "?";
 }

@@ -1,5 +1,6 @@
-// Which effects a simulation has, and why. A scene names those that it calls for; a stream's format decides some; a user
-// adds or leaves out others. What is off is not constructed, so it costs nothing. Value type, reentrant.
+// Which effects a simulation has, and why. A scene names those that it calls for; a stream's format decides
+// some; a user adds or leaves out others. What is off is not constructed, so it costs nothing. Value type,
+// reentrant.
 #pragma once
 
 #include <array>
@@ -11,9 +12,20 @@ namespace hdrcam {
 
 // In the order in which light, then charge, then the stream meets them.
 enum class Effect {
-  MotionBlur, RollingShutter, Distortion, Vignetting, Flare, MainsFlicker,  // light
-  Mosaic, HotPixels, Noise, Quantisation, Response,                         // sensor
-  ControlDelay, Drops, ClockJitter,                                         // stream
+  MotionBlur,
+  RollingShutter,
+  Distortion,
+  Vignetting,
+  Flare,
+  MainsFlicker,  // light
+  Mosaic,
+  HotPixels,
+  Noise,
+  Quantisation,
+  Response,  // sensor
+  ControlDelay,
+  Drops,
+  ClockJitter,  // stream
 };
 constexpr std::size_t kEffects = static_cast<std::size_t>(Effect::ClockJitter) + 1;
 

@@ -1,5 +1,5 @@
-// Vectors, rotations and poses of the simulated world, in metres; axes x right, y down, z forward. Single precision is
-// enough for rays (1e-5 px over 40 m); times stay double. Value types, reentrant.
+// Vectors, rotations and poses of the simulated world, in metres; axes x right, y down, z forward. Single
+// precision is enough for rays (1e-5 px over 40 m); times stay double. Value types, reentrant.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Where pixels look: pinhole intrinsics and, when the scene calls for it, radial distortion. Value type, reentrant.
+// Where pixels look: pinhole intrinsics and, when the scene calls for it, radial distortion. Value type,
+// reentrant.
 #pragma once
 
 #include <numbers>

@@ -44,14 +44,16 @@ bool in_window(const House& house) {
   return x > 0.28f && x < 0.72f && y > 0.25f && y < 0.75f;
 }
 float window_value(const House& house, std::uint32_t seed) {
-  return lattice_value(static_cast<int>(house.across) + 64 * house.number, static_cast<int>(house.up), 2, seed);
+  return lattice_value(static_cast<int>(house.across) + 64 * house.number, static_cast<int>(house.up), 2,
+                       seed);
 }
 
 // The sun low over a street: 15 stops between its disc and a dark window.
 Colour street(const Look& look) {
   const Vec3 sun = normalized({0.24f, -0.24f, 1});
   const float angle = std::acos(std::clamp(dot(sun, look.direction), -1.f, 1.f));
-  const bool street_ahead = std::abs(look.azimuth - std::atan2(sun.x, sun.z)) < 0.13f;  // no house before the sun
+  const bool street_ahead =
+      std::abs(look.azimuth - std::atan2(sun.x, sun.z)) < 0.13f;  // no house before the sun
   const House house = street_ahead ? House{} : house_at(look, 0.02f, 0.4f);
   const float grain = fractal_noise(look.direction * 40, 3, look.seed + 9);
   if (house.hit) {
@@ -83,7 +85,8 @@ Colour hall(const Look& look) {
   const int column = static_cast<int>(std::floor(place));
   const float across = place - static_cast<float>(column), row = up - std::floor(up);
   const bool pillar = across < 0.12f;
-  const bool window = std::abs(look.azimuth - 0.4f) < 0.75f && !pillar && up > -1.4f && up < 0.1f && row > 0.08f;
+  const bool window =
+      std::abs(look.azimuth - 0.4f) < 0.75f && !pillar && up > -1.4f && up < 0.1f && row > 0.08f;
   if (window) return grey(3.6f + 0.9f * fractal_noise(d * 12, 4, look.seed + 3)) + Colour{-0.2f, 0, 0.3f};
   const float hue = lattice_value(column, static_cast<int>(std::floor(up)), 7, look.seed);
   const float groove = pillar || row < 0.05f ? -2.f : 0.f;
@@ -100,7 +103,8 @@ Colour night_city(const Look& look) {
   const float glow = 2.5f * std::exp(-lamp / 0.07f);
   if (house.hit) {
     const float lit = window_value(house, look.seed);
-    if (in_window(house) && lit > 0.35f) return grey(2.5f + 2 * lit + 0.5f * grain) + Colour{0.5f, 0.1f, -0.8f};
+    if (in_window(house) && lit > 0.35f)
+      return grey(2.5f + 2 * lit + 0.5f * grain) + Colour{0.5f, 0.1f, -0.8f};
     return grey(-4.5f + 0.9f * grain + glow) + Colour{0.3f, 0, -0.2f};
   }
   if (look.elevation <= 0) return grey(-3.4f + 1.1f * grain + glow) + Colour{0.3f, 0, -0.3f};
@@ -112,9 +116,12 @@ Colour night_city(const Look& look) {
 
 Colour stops_at(Environment kind, const Look& look) {
   switch (kind) {
-    case Environment::Street: return street(look);
-    case Environment::Hall: return hall(look);
-    case Environment::NightCity: break;
+    case Environment::Street:
+      return street(look);
+    case Environment::Hall:
+      return hall(look);
+    case Environment::NightCity:
+      break;
   }
   return night_city(look);
 }
@@ -123,9 +130,12 @@ Colour stops_at(Environment kind, const Look& look) {
 Vec3 direction_of(int face, float s, float t) {
   const float sign = face % 2 == 0 ? 1.f : -1.f;
   switch (face / 2) {
-    case 0: return {sign, t, s};
-    case 1: return {s, sign, t};
-    default: return {s, t, sign};
+    case 0:
+      return {sign, t, s};
+    case 1:
+      return {s, sign, t};
+    default:
+      return {s, t, sign};
   }
 }
 
@@ -139,7 +149,8 @@ Panorama::Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool
     for (int x = 0; x < side_; ++x) {
       const float s = (static_cast<float>(x) + 0.5f) / static_cast<float>(side_) * 2 - 1;
       const Vec3 d = normalized(direction_of(row / side_, s, t));
-      texels_[static_cast<std::size_t>(row * side_ + x)] = exp2(stops_at(kind, {d, std::atan2(d.x, d.z), -d.y, noise_seed}));
+      texels_[static_cast<std::size_t>(row * side_ + x)] =
+          exp2(stops_at(kind, {d, std::atan2(d.x, d.z), -d.y, noise_seed}));
     }
   });
 }
@@ -155,12 +166,15 @@ Colour Panorama::at(Vec3 d) const {
   else
     face = d.y > 0 ? 2 : 3, s = d.x / ay, t = d.z / ay;
   const float half = 0.5f * static_cast<float>(side_), last = static_cast<float>(side_) - 1.001f;
-  const float x = std::clamp((s + 1) * half - 0.5f, 0.f, last), y = std::clamp((t + 1) * half - 0.5f, 0.f, last);
+  const float x = std::clamp((s + 1) * half - 0.5f, 0.f, last),
+              y = std::clamp((t + 1) * half - 0.5f, 0.f, last);
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const Colour* above = &texels_[(static_cast<std::size_t>(face * side_ + y0)) * static_cast<std::size_t>(side_)];
+  const Colour* above =
+      &texels_[(static_cast<std::size_t>(face * side_ + y0)) * static_cast<std::size_t>(side_)];
   const Colour* below = above + side_;
-  return (above[x0] * (1 - fx) + above[x0 + 1] * fx) * (1 - fy) + (below[x0] * (1 - fx) + below[x0 + 1] * fx) * fy;
+  return (above[x0] * (1 - fx) + above[x0 + 1] * fx) * (1 - fy) +
+         (below[x0] * (1 - fx) + below[x0 + 1] * fx) * fy;
 }
 
 }  // namespace hdrcam

@@ -1,7 +1,7 @@
-// Where in a pixel, and when in its exposure, N samples lie, N a power of two: even in place, even in time, and centred, so
-// that a picture neither shifts nor blurs when its pixels are sampled more densely. The places are the first points of
-// Sobol's sequence in two dimensions (a (0, 2)-sequence: any 2^m points fill every elementary interval once), moved by half
-// a stratum. Immutable, reentrant.
+// Where in a pixel, and when in its exposure, N samples lie, N a power of two: even in place, even in time,
+// and centred, so that a picture neither shifts nor blurs when its pixels are sampled more densely. The
+// places are the first points of Sobol's sequence in two dimensions (a (0, 2)-sequence: any 2^m points fill
+// every elementary interval once), moved by half a stratum. Immutable, reentrant.
 #pragma once
 
 #include <array>

@@ -10,7 +10,13 @@ void put(Image<float>& image, int y, int x, Colour value) {
 }  // namespace
 
 Renderer::Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool)
-    : scene_(scene), lens_(lens), shutter_(shutter), rows_(rows), cols_(cols), pool_(pool), views_(kMostViews) {
+    : scene_(scene),
+      lens_(lens),
+      shutter_(shutter),
+      rows_(rows),
+      cols_(cols),
+      pool_(pool),
+      views_(kMostViews) {
   tile_blur_ = Image<float>(1, (rows + kTile - 1) / kTile, (cols + kTile - 1) / kTile);
   spread_blur_ = Image<float>(1, tile_blur_.rows(), tile_blur_.cols());
   for (View& view : views_) view.pose_at(scene, 0);
@@ -22,7 +28,8 @@ void Renderer::pose_views(double begin_s, double end_s) {
   view_count_ = 1 + static_cast<int>(std::min<double>(steps, kMostViews - 1));
   first_s_ = begin_s;
   step_s_ = view_count_ > 1 ? (end_s - begin_s) / (view_count_ - 1) : 0;
-  for (int i = 0; i < view_count_; ++i) views_[static_cast<std::size_t>(i)].pose_at(scene_, begin_s + i * step_s_);
+  for (int i = 0; i < view_count_; ++i)
+    views_[static_cast<std::size_t>(i)].pose_at(scene_, begin_s + i * step_s_);
 }
 
 const View& Renderer::view_at(double time_s) const {

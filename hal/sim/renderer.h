@@ -1,7 +1,7 @@
-// Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its exposure. Work is
-// spent where the picture asks for it: four rays a pixel on smooth surfaces at rest, twice as many on outlines, as many as
-// the motion is long under motion blur. Thread-bound; owns its buffers, allocates nothing after the first frame of a size; the
-// result does not depend on the number of threads.
+// Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its
+// exposure. Work is spent where the picture asks for it: four rays a pixel on smooth surfaces at rest, twice
+// as many on outlines, as many as the motion is long under motion blur. Thread-bound; owns its buffers,
+// allocates nothing after the first frame of a size; the result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,9 @@ float swing(float amplitude, float frequency_hz, float phase_rad, double time_s)
 
 }  // namespace
 
-bool SceneObject::moves() const { return any(motion.swing_m) || motion.turn_rad_per_s != 0 || motion.pulse != 0; }
+bool SceneObject::moves() const {
+  return any(motion.swing_m) || motion.turn_rad_per_s != 0 || motion.pulse != 0;
+}
 
 PosedObject pose_of(const SceneObject& object, double time_s) {
   const ObjectMotion& m = object.motion;
@@ -23,7 +25,8 @@ PosedObject pose_of(const SceneObject& object, double time_s) {
       object.centre_m + Vec3{swing(m.swing_m.x, m.swing_hz.x, m.swing_phase_rad.x, time_s),
                              swing(m.swing_m.y, m.swing_hz.y, m.swing_phase_rad.y, time_s),
                              swing(m.swing_m.z, m.swing_hz.z, m.swing_phase_rad.z, time_s)};
-  posed.T_world_object.rotation = rotation(m.axis, m.angle_rad + static_cast<double>(m.turn_rad_per_s) * time_s);
+  posed.T_world_object.rotation =
+      rotation(m.axis, m.angle_rad + static_cast<double>(m.turn_rad_per_s) * time_s);
   posed.size = 1 + swing(m.pulse, m.pulse_hz, 0, time_s);
   return posed;
 }

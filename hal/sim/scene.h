@@ -1,6 +1,7 @@
-// A scene: analytic objects with procedural HDR surfaces, lamps, rigid and pulsating motion, surroundings at a finite
-// distance, and a camera path. Everything is a function of time; nothing is stepped, so any instant can be asked for in
-// any order. World axes as the camera's at rest: x right, y down, z forward; metres. Immutable once made, so reentrant.
+// A scene: analytic objects with procedural HDR surfaces, lamps, rigid and pulsating motion, surroundings at
+// a finite distance, and a camera path. Everything is a function of time; nothing is stepped, so any instant
+// can be asked for in any order. World axes as the camera's at rest: x right, y down, z forward; metres.
+// Immutable once made, so reentrant.
 #pragma once
 
 #include <string>
@@ -23,7 +24,7 @@ struct ObjectMotion {
   Vec3 swing_m, swing_hz, swing_phase_rad;  // of the centre, per axis
   Vec3 axis{0, 1, 0};
   float angle_rad = 0, turn_rad_per_s = 0;
-  float pulse = 0, pulse_hz = 0;            // relative size: 1 + pulse sin
+  float pulse = 0, pulse_hz = 0;  // relative size: 1 + pulse sin
 };
 
 struct SceneObject {
@@ -32,9 +33,9 @@ struct SceneObject {
   Vec3 half_size_m{1, 1, 1};  // Ball, Dome, Ground: x is the radius
   Vec3 centre_m;
   ObjectMotion motion;
-  int texture = 0;            // index into Scene::textures; not for Dome and Lamp
+  int texture = 0;  // index into Scene::textures; not for Dome and Lamp
   float tiles_per_m = 1;
-  float gain = 1;             // of the radiance or albedo
+  float gain = 1;  // of the radiance or albedo
   Colour colour{1, 1, 1};
 
   bool moves() const;
@@ -50,11 +51,11 @@ struct Scene {
   std::string name;
   std::vector<SceneObject> objects;  // at most 255: ids are bytes
   std::vector<Texture> textures;
-  Panorama panorama;                 // painted on Shape::Dome
+  Panorama panorama;  // painted on Shape::Dome
   CameraPath camera;
   Colour ambient{0.5f, 0.5f, 0.5f};     // light on Lit surfaces from everywhere..
   Colour from_above{0.5f, 0.5f, 0.5f};  // ..and more from above
-  float radiance_scale = 1;          // sets the median luminance of the first view
+  float radiance_scale = 1;             // sets the median luminance of the first view
 
   bool moves() const;  // anything at all, or the camera
 };

@@ -18,30 +18,75 @@ constexpr Need kBlur{Effect::MotionBlur, "something moves while the longest expo
 
 constexpr Need kStillNeeds[] = {kNoise, kResponse, kDelay};
 constexpr Need kWalkNeeds[] = {kNoise, kResponse, kDelay, kBlur, {Effect::Vignetting, "a wide lens"}};
-constexpr Need kNightNeeds[] = {kNoise, kResponse, kDelay, kBlur,
+constexpr Need kNightNeeds[] = {kNoise,
+                                kResponse,
+                                kDelay,
+                                kBlur,
                                 {Effect::HotPixels, "long exposures of a warm sensor"},
                                 {Effect::MainsFlicker, "street lamps on 50 Hz mains"},
                                 {Effect::Flare, "lamps before black houses"}};
-constexpr Need kFastNeeds[] = {kNoise, kResponse, kDelay, kBlur,
+constexpr Need kFastNeeds[] = {kNoise,
+                               kResponse,
+                               kDelay,
+                               kBlur,
                                {Effect::RollingShutter, "rows see different moments of a fast motion"}};
 constexpr Need kLampsNeeds[] = {kNoise, kResponse, kDelay, kBlur, {Effect::Flare, "lamps in the picture"}};
-constexpr Need kPanNeeds[] = {kNoise, kResponse, kDelay, kBlur,
+constexpr Need kPanNeeds[] = {kNoise,
+                              kResponse,
+                              kDelay,
+                              kBlur,
                               {Effect::RollingShutter, "a turning camera skews the picture"},
                               {Effect::Distortion, "a wide lens, swept along a skyline"}};
 
 constexpr CatalogScene kCatalog[] = {
-    {"still", "nothing moves: a tripod in a hall", {0, 1, 4, 1, 0, 0, CameraMove::Still}, Environment::Hall, 4, 0.18f, 6000,
+    {"still",
+     "nothing moves: a tripod in a hall",
+     {0, 1, 4, 1, 0, 0, CameraMove::Still},
+     Environment::Hall,
+     4,
+     0.18f,
+     6000,
      kStillNeeds},
-    {"walk", "a street against the sun, hand-held, four things move", {1, 1, 6, 1, 1, 0, CameraMove::Handheld},
-     Environment::Street, 4, 0.18f, 6000, kWalkNeeds},
-    {"night", "a city at night: lamps, hot pixels, few photons, one ball breathes",
-     {2, 1, 5, 3, 1, 0.2f, CameraMove::Handheld}, Environment::NightCity, 4, 0.06f, 1500, kNightNeeds},
-    {"fast", "a quick pan over quick things: long blur, a skewing shutter", {3, 1, 6, 1, 2.5f, 0, CameraMove::Pan},
-     Environment::Street, 4, 0.18f, 6000, kFastNeeds},
-    {"lamps", "an orbit around lamps that light what is near", {4, 1, 6, 4, 0.7f, 0, CameraMove::Orbit},
-     Environment::Hall, 4, 0.18f, 6000, kLampsNeeds},
-    {"pan", "a turning camera, no parallax, nothing else moves", {5, 1, 0, 0, 0.6f, 0, CameraMove::Pan},
-     Environment::Street, 4, 0.18f, 6000, kPanNeeds},
+    {"walk",
+     "a street against the sun, hand-held, four things move",
+     {1, 1, 6, 1, 1, 0, CameraMove::Handheld},
+     Environment::Street,
+     4,
+     0.18f,
+     6000,
+     kWalkNeeds},
+    {"night",
+     "a city at night: lamps, hot pixels, few photons, one ball breathes",
+     {2, 1, 5, 3, 1, 0.2f, CameraMove::Handheld},
+     Environment::NightCity,
+     4,
+     0.06f,
+     1500,
+     kNightNeeds},
+    {"fast",
+     "a quick pan over quick things: long blur, a skewing shutter",
+     {3, 1, 6, 1, 2.5f, 0, CameraMove::Pan},
+     Environment::Street,
+     4,
+     0.18f,
+     6000,
+     kFastNeeds},
+    {"lamps",
+     "an orbit around lamps that light what is near",
+     {4, 1, 6, 4, 0.7f, 0, CameraMove::Orbit},
+     Environment::Hall,
+     4,
+     0.18f,
+     6000,
+     kLampsNeeds},
+    {"pan",
+     "a turning camera, no parallax, nothing else moves",
+     {5, 1, 0, 0, 0.6f, 0, CameraMove::Pan},
+     Environment::Street,
+     4,
+     0.18f,
+     6000,
+     kPanNeeds},
 };
 
 constexpr int kTextures = 6;
@@ -87,7 +132,8 @@ SceneObject floating_object(const SceneSettings& settings, int i, float distance
   if (settings.speed > 1) motion.swing_m = motion.swing_m * (1 / settings.speed);  // faster, not farther
   motion.swing_hz = draw.between({0.25f, 0.3f, 0.2f}, {0.6f, 0.8f, 0.5f}) * std::max(1.f, settings.speed);
   motion.swing_phase_rad = draw.between({}, {kTurn, kTurn, kTurn});
-  if (object.shape == Shape::Ball && settings.pulse > 0) motion.pulse = settings.pulse, motion.pulse_hz = draw.between(0.5f, 1);
+  if (object.shape == Shape::Ball && settings.pulse > 0)
+    motion.pulse = settings.pulse, motion.pulse_hz = draw.between(0.5f, 1);
   return object;
 }
 
@@ -154,7 +200,8 @@ Scene make_scene(const SceneSettings& settings, int face_px, WorkerPool& pool) {
   for (std::size_t i = 0; i < kTextures; ++i)
     scene.textures.emplace_back(kPatterns[i % std::size(kPatterns)], settings.seed * 31 + i);
   if (street) scene.objects.push_back(street_ground(dome_radius_m * 0.9f));
-  for (int i = 0; i < settings.objects; ++i) scene.objects.push_back(floating_object(settings, i, entry.distance_m));
+  for (int i = 0; i < settings.objects; ++i)
+    scene.objects.push_back(floating_object(settings, i, entry.distance_m));
   for (int i = 0; i < settings.lamps; ++i) scene.objects.push_back(lamp(settings, i, entry.distance_m));
   if (entry.environment == Environment::NightCity) {
     const float dim = 1.f / 64;  // the surroundings' own light; lamps and lit surfaces outshine it

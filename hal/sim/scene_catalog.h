@@ -1,4 +1,5 @@
-// The named scenes, and how a few numbers vary them. The same settings make the same scene, always and everywhere.
+// The named scenes, and how a few numbers vary them. The same settings make the same scene, always and
+// everywhere.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +13,23 @@
 namespace hdrcam {
 
 struct SceneSettings {
-  int scene = 0;                     // index into scene_catalog()
+  int scene = 0;  // index into scene_catalog()
   std::uint64_t seed = 1;
-  int objects = 4;                   // 0..64: boxes, balls and panels; two of three move
-  int lamps = 1;                     // 0..16
-  float speed = 1;                   // of all motion, 0..4
-  float pulse = 0;                   // balls that breathe: relative size, 0..0.5
+  int objects = 4;  // 0..64: boxes, balls and panels; two of three move
+  int lamps = 1;    // 0..16
+  float speed = 1;  // of all motion, 0..4
+  float pulse = 0;  // balls that breathe: relative size, 0..0.5
   CameraMove camera = CameraMove::Still;
 };
 
 struct CatalogScene {
   const char* name;
   const char* about;
-  SceneSettings settings;            // its defaults
+  SceneSettings settings;  // its defaults
   Environment environment;
-  float distance_m;                  // to the middle of the scene
-  float median;                      // luminance of the first view
-  float full_well_e;                 // of a sensor that suits it
+  float distance_m;   // to the middle of the scene
+  float median;       // luminance of the first view
+  float full_well_e;  // of a sensor that suits it
   struct Need {
     Effect effect;
     const char* why;

@@ -3,7 +3,12 @@
 namespace hdrcam {
 
 TruthRenderer::TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool)
-    : scene_(scene), lens_(lens), rows_(rows), cols_(cols), pool_(pool), sharp_(scene, lens, {}, rows, cols, pool) {}
+    : scene_(scene),
+      lens_(lens),
+      rows_(rows),
+      cols_(cols),
+      pool_(pool),
+      sharp_(scene, lens, {}, rows, cols, pool) {}
 
 void TruthRenderer::render(double now_s, double next_s, SceneTruth& truth) {
   sharp_.render({now_s, now_s}, truth.radiance);

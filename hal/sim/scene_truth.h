@@ -1,5 +1,5 @@
-// What is known of a frame besides its pixels, as an ideal sensor would see it: global shutter, sharp, no noise; the
-// lens's distortion is kept, so that it lies pixel on pixel over the frames.
+// What is known of a frame besides its pixels, as an ideal sensor would see it: global shutter, sharp, no
+// noise; the lens's distortion is kept, so that it lies pixel on pixel over the frames.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,10 @@
 namespace hdrcam {
 
 struct SceneTruth {
-  Image<float> radiance;    // [rgb, rows, cols]
-  Image<float> depth;       // [1, rows, cols] camera z, metres
-  Image<float> flow;        // [dx dy occluded, rows, cols] pixels to the next instant; occluded: 1 where hidden there
+  Image<float> radiance;  // [rgb, rows, cols]
+  Image<float> depth;     // [1, rows, cols] camera z, metres
+  Image<float>
+      flow;  // [dx dy occluded, rows, cols] pixels to the next instant; occluded: 1 where hidden there
   Image<std::uint8_t> ids;  // [1, rows, cols] index into Scene::objects
   Pose T_world_camera;
 };

@@ -1,5 +1,5 @@
-// The test's side of a simulated camera: what really happened, and harm on order. The product never includes this.
-// Thread-safe; the camera outlives the bench.
+// The test's side of a simulated camera: what really happened, and harm on order. The product never includes
+// this. Thread-safe; the camera outlives the bench.
 #pragma once
 
 #include <array>

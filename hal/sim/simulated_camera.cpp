@@ -9,11 +9,12 @@
 namespace hdrcam {
 namespace {
 
-constexpr Duration kReadout = std::chrono::milliseconds(1);  // of a frame duration in which nothing is exposed
+constexpr Duration kReadout =
+    std::chrono::milliseconds(1);  // of a frame duration in which nothing is exposed
 constexpr Duration kExposureStep = std::chrono::microseconds(10);
 constexpr Duration kFirstExposure = std::chrono::milliseconds(4);  // until a control acts
-constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,  PixelFormat::Bgr24,        PixelFormat::Rggb8,
-                                    PixelFormat::Rggb10, PixelFormat::Rggb12,       PixelFormat::Rggb16,
+constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,        PixelFormat::Bgr24,       PixelFormat::Rggb8,
+                                    PixelFormat::Rggb10,       PixelFormat::Rggb12,      PixelFormat::Rggb16,
                                     PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed};
 
 ControlDelays delays_of(const Simulation& s) {
@@ -28,7 +29,8 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.driver = "sim";
   for (const PixelFormat format : kFormats)
     can.modes.push_back({format, s.width, s.height, std::chrono::milliseconds(2)});
-  can.exposure_min = kExposureStep, can.exposure_max = s.frame_duration() - kReadout, can.exposure_step = kExposureStep;
+  can.exposure_min = kExposureStep, can.exposure_max = s.frame_duration() - kReadout,
+  can.exposure_step = kExposureStep;
   can.gain_min = 1, can.gain_max = 16;
   can.sets_exposure = true;
   can.reports_exposure = s.reports_exposure;
@@ -50,7 +52,8 @@ int near_size(int wanted, int otherwise, int multiple) {
 
 }  // namespace
 
-SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int threads, SimulatedWire* strobe)
+SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int threads,
+                                 SimulatedWire* strobe)
     : simulation_(simulation),
       time_(time),
       strobe_(strobe),
@@ -60,7 +63,8 @@ SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int
       gain_(delays_of(simulation).gain, 1),
       harm_(std::make_unique<Harm>()) {
   if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
-  if (simulation.plan.on(Effect::ClockJitter)) jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
+  if (simulation.plan.on(Effect::ClockJitter))
+    jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
 }
 
 SimulatedCamera::~SimulatedCamera() = default;
@@ -68,16 +72,21 @@ SimulatedCamera::~SimulatedCamera() = default;
 Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buffers) {
   {
     const std::lock_guard lock(mutex_);
-    if (started_) return Error{ErrorCode::Invalid, "the simulated camera is started; stop it before configuring it"};
+    if (started_)
+      return Error{ErrorCode::Invalid, "the simulated camera is started; stop it before configuring it"};
   }
   if (std::find(std::begin(kFormats), std::end(kFormats), wanted.format) == std::end(kFormats))
     return Error{ErrorCode::Unsupported,
-                 fmt::format("the simulated camera has no {}; ask for RGB24, BGR24 or a RGGB format", name(wanted.format))};
-  if (buffers < 1) return Error{ErrorCode::Invalid, fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
+                 fmt::format("the simulated camera has no {}; ask for RGB24, BGR24 or a RGGB format",
+                             name(wanted.format))};
+  if (buffers < 1)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} buffers cannot hold a frame; ask for 1 or more", buffers)};
   const PackedFormat packed = packed_format(wanted.format).value();
   const int multiple = packed.layout == PixelLayout::Rgb ? 1 : std::max(2, packed.multiple);
   simulation_.width = near_size(wanted.width, simulation_.width, multiple);
-  simulation_.height = near_size(wanted.height, simulation_.height, packed.layout == PixelLayout::Rgb ? 1 : 2);
+  simulation_.height =
+      near_size(wanted.height, simulation_.height, packed.layout == PixelLayout::Rgb ? 1 : 2);
   if (wanted.frame_duration > Duration::zero())
     simulation_.framerate_hz = 1 / to_seconds(std::max<Duration>(wanted.frame_duration, 2 * kReadout));
   mode_ = {wanted.format, simulation_.width, simulation_.height, simulation_.frame_duration()};
@@ -94,7 +103,9 @@ Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buff
 Result<void> SimulatedCamera::start() {
   const std::lock_guard lock(mutex_);
   if (started_) return Error{ErrorCode::Invalid, "the simulated camera is started already"};
-  if (!sensor_) return Error{ErrorCode::Invalid, "the simulated camera is not configured; configure it before starting it"};
+  if (!sensor_)
+    return Error{ErrorCode::Invalid,
+                 "the simulated camera is not configured; configure it before starting it"};
   if (harm_->unplugged) return unplugged();
   started_ = true;
   epoch_ = time_.now() + mode_.frame_duration;  // the sensor wakes up
@@ -111,8 +122,9 @@ Result<void> SimulatedCamera::queue(const ExposureRequest& request) {
   TRY(check_exposure(capabilities_, request));
   advance(time_.now());
   if (free_.empty())
-    return Error{ErrorCode::Busy, fmt::format("all {} buffers of the simulated camera are queued or in use; give one back",
-                                              buffers_.size())};
+    return Error{ErrorCode::Busy,
+                 fmt::format("all {} buffers of the simulated camera are queued or in use; give one back",
+                             buffers_.size())};
   requests_.push({request, free_.pop()});
   changed_.notify_all();
   return {};
@@ -128,7 +140,8 @@ Result<CapturedBuffer> SimulatedCamera::wait(Duration timeout) {
     advance(now);
     if (!frames_.empty() && frames_.front().ready <= now) break;
     if (now >= deadline)
-      return Error{ErrorCode::Timeout, fmt::format("no frame came within {:.0f} ms", to_seconds(timeout) * 1e3)};
+      return Error{ErrorCode::Timeout,
+                   fmt::format("no frame came within {:.0f} ms", to_seconds(timeout) * 1e3)};
     const Instant next = frames_.empty() ? begin_of(next_frame_) : frames_.front().ready;
     time_.wait(lock, changed_, std::min(next, deadline));
   }
@@ -207,7 +220,8 @@ void SimulatedCamera::tell(Frame& frame, std::uint64_t cookie) {
   if (harm_->disturbed_buffers > 0) --harm_->disturbed_buffers;
   frame.report = truth;
   frame.reported = simulation_.reports_exposure && fault != MetadataFault::Missing;
-  if (fault == MetadataFault::Late) frame.report.exposure = last_report_.exposure, frame.report.gain = last_report_.gain;
+  if (fault == MetadataFault::Late)
+    frame.report.exposure = last_report_.exposure, frame.report.gain = last_report_.gain;
   if (fault == MetadataFault::Doubled) frame.report = last_report_;
   last_report_ = truth;
 }
@@ -222,7 +236,8 @@ CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
   buffer.sequence = frame.sequence;
   buffer.timestamp = frame.stamp;
   if (frame.reported) {
-    buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain, buffer.digital_gain = 1;
+    buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain,
+    buffer.digital_gain = 1;
     buffer.exposure_embedded = true;
   }
   buffer.mode = mode_;

@@ -1,11 +1,12 @@
-// A camera that renders a scene (simulated_sensor.h) as a sensor with delayed controls would deliver it. The sensor runs
-// freely: frame n opens at n frame durations after the start, whoever listens; the request at the head of the queue is
-// latched then, its controls show some frames later, and its buffer is that frame's. A frame that finds no request is
-// lost, which the sequence number shows. Stamps are the begin of the exposure. Pixels are computed when they are waited
-// for, on the waiting thread and a pool, so that no thread is left running in between.
+// A camera that renders a scene (simulated_sensor.h) as a sensor with delayed controls would deliver it. The
+// sensor runs freely: frame n opens at n frame durations after the start, whoever listens; the request at the
+// head of the queue is latched then, its controls show some frames later, and its buffer is that frame's. A
+// frame that finds no request is lost, which the sequence number shows. Stamps are the begin of the exposure.
+// Pixels are computed when they are waited for, on the waiting thread and a pool, so that no thread is left
+// running in between.
 //
-// A test sees the truth and does harm through sim_bench.h. Thread-bound, except stop() and the return of buffers; no
-// allocation per frame after the first.
+// A test sees the truth and does harm through sim_bench.h. Thread-bound, except stop() and the return of
+// buffers; no allocation per frame after the first.
 #pragma once
 
 #include <condition_variable>
@@ -111,14 +112,15 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   std::uint64_t next_frame_ = 0;  // to open
   Ring<int> free_;
   Ring<Request> requests_;
-  Ring<Frame> frames_;            // exposed, not waited for yet
+  Ring<Frame> frames_;  // exposed, not waited for yet
   DelayedControl<Duration> exposure_;
   DelayedControl<double> gain_;
   Report last_report_;
   std::unique_ptr<Harm> harm_;
 };
 
-// `scene`: what follows "sim:", see simulation.h. In real time, on as many threads as the machine has, at most 4.
+// `scene`: what follows "sim:", see simulation.h. In real time, on as many threads as the machine has, at
+// most 4.
 Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene);
 
 }  // namespace hdrcam

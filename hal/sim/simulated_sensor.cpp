@@ -15,7 +15,9 @@ Simulation for_layout(Simulation simulation, PixelLayout layout) {
 }
 
 // Texels of the surroundings as fine as the picture's pixels, within reason.
-int face_px(int width) { return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(width * 8 / 5, 32, 512)))); }
+int face_px(int width) {
+  return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(width * 8 / 5, 32, 512))));
+}
 
 template <class T, class... Args>
 std::optional<T> if_on(const EffectPlan& plan, Effect effect, Args&&... args) {
@@ -40,18 +42,21 @@ SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layou
       layout_(layout),
       bits_(bits),
       pool_(pool),
-      scene_(scene ? std::move(scene) : std::make_shared<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
+      scene_(scene ? std::move(scene)
+                   : std::make_shared<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
       lens_(lens_of(simulation_)),
       renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool),
       quantiser_(bits, simulation.black_level * static_cast<float>((1 << bits) - 1)) {
   const Simulation& s = simulation_;
   const std::uint64_t seed = s.scene.seed;
-  vignetting_ = if_on<Vignetting>(s.plan, Effect::Vignetting, s.vignetting, lens_.intrinsics, s.height, s.width);
+  vignetting_ =
+      if_on<Vignetting>(s.plan, Effect::Vignetting, s.vignetting, lens_.intrinsics, s.height, s.width);
   flare_ = if_on<Flare>(s.plan, Effect::Flare, s.flare, s.height, s.width);
   flicker_ = if_on<MainsFlicker>(s.plan, Effect::MainsFlicker, s.mains_flicker);
   rolling_ = shutter_of(s).rolling;
   if (s.plan.on(Effect::Mosaic)) mosaic_.emplace(layout);
-  hot_pixels_ = if_on<HotPixels>(s.plan, Effect::HotPixels, s.hot_pixels, seed, channels(layout), s.height, s.width);
+  hot_pixels_ =
+      if_on<HotPixels>(s.plan, Effect::HotPixels, s.hot_pixels, seed, channels(layout), s.height, s.width);
   noise_ = if_on<Noise>(s.plan, Effect::Noise, s.noise, seed);
   response_ = if_on<ResponseCurve>(s.plan, Effect::Response, s.response);
 }
@@ -103,8 +108,10 @@ void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<f
     mosaic_->pick_row(light_, y, electrons);
   else
     std::copy_n(light_.row(channel, y), electrons.size(), electrons.begin());
-  double per_light = shot.exposure_s * simulation_.sensitivity_per_s * static_cast<double>(simulation_.full_well_e);
-  if (flicker_) per_light *= flicker_->factor(shot.begin_s + (rolling_ ? rolling_->delay_s(y) : 0), shot.exposure_s);
+  double per_light =
+      shot.exposure_s * simulation_.sensitivity_per_s * static_cast<double>(simulation_.full_well_e);
+  if (flicker_)
+    per_light *= flicker_->factor(shot.begin_s + (rolling_ ? rolling_->delay_s(y) : 0), shot.exposure_s);
   for (float& e : electrons) e *= static_cast<float>(per_light);
   if (hot_pixels_) hot_pixels_->add(channel, y, static_cast<float>(shot.exposure_s), electrons);
   if (noise_) {

@@ -1,10 +1,10 @@
-// The sensor: a scene, a lens, and the effects of the plan in the order in which light, then charge meets them. An
-// exposure goes in, codes come out:
+// The sensor: a scene, a lens, and the effects of the plan in the order in which light, then charge meets
+// them. An exposure goes in, codes come out:
 //   light = flicker . flare . vignetting . mean radiance over the pixel and the exposure
-//   electrons = N(light * seconds * sensitivity * full well + leaks), clipped at the full well, plus read noise
-//   code = quantised(response(gain * electrons / full well))
-// An effect that the plan has off is not constructed. Thread-bound; allocates nothing after the first frame; the same
-// simulation and shot give the same codes on any number of threads.
+//   electrons = N(light * seconds * sensitivity * full well + leaks), clipped at the full well, plus read
+//   noise code = quantised(response(gain * electrons / full well))
+// An effect that the plan has off is not constructed. Thread-bound; allocates nothing after the first frame;
+// the same simulation and shot give the same codes on any number of threads.
 #pragma once
 
 #include <memory>
@@ -19,20 +19,23 @@ namespace hdrcam {
 
 struct Shot {
   std::uint64_t sequence = 0;
-  double begin_s = 0;     // scene time at which the first row opens
+  double begin_s = 0;  // scene time at which the first row opens
   double exposure_s = 0;
-  double gain = 1;        // analogue
+  double gain = 1;  // analogue
 };
 
 class SimulatedSensor {
  public:
-  // layout: Rgb or a Bayer order, which brings the mosaic and rules out the response curve; bits: of a code, 8..16. The
-  // pool outlives the sensor. `scene`: of another sensor of the same scene settings, to save making it again.
+  // layout: Rgb or a Bayer order, which brings the mosaic and rules out the response curve; bits: of a
+  // code, 8..16. The pool outlives the sensor. `scene`: of another sensor of the same scene settings, to save
+  // making it again.
   SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool,
                   std::shared_ptr<const Scene> scene = nullptr);
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
-  const Simulation& simulation() const { return simulation_; }  // as constructed: without what the layout rules out
+  const Simulation& simulation() const {
+    return simulation_;
+  }  // as constructed: without what the layout rules out
   const Lens& lens() const { return lens_; }
   CameraFacts facts() const;
 

@@ -37,7 +37,8 @@ bool SimulatedWire::level() const {
   return level_;
 }
 
-SimulatedSyncLine::SimulatedSyncLine(SimulatedWire& wire, LineDirection direction) : wire_(wire), direction_(direction) {
+SimulatedSyncLine::SimulatedSyncLine(SimulatedWire& wire, LineDirection direction)
+    : wire_(wire), direction_(direction) {
   const std::lock_guard lock(wire.mutex_);
   first_ = next_ = wire.count_;
 }
@@ -50,7 +51,8 @@ Result<void> SimulatedSyncLine::pulse(Duration width) {
   if (direction_ != LineDirection::Output)
     return Error{ErrorCode::Unsupported, "the simulated line is an input; it drives nothing"};
   if (width <= Duration::zero())
-    return Error{ErrorCode::Invalid, fmt::format("a pulse of {} ns cannot be; ask for a positive width", width.count())};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a pulse of {} ns cannot be; ask for a positive width", width.count())};
   if (closed_) return kClosed;
   wire_.drive(true);
   wire_.time_.sleep_until(wire_.time_.now() + width);
@@ -77,7 +79,8 @@ Result<Edge> SimulatedSyncLine::wait_edge(Duration timeout) {
       due = std::min(edge.at, deadline);
     }
     if (now >= deadline)
-      return Error{ErrorCode::Timeout, fmt::format("no edge came within {:.3f} ms", to_seconds(timeout) * 1e3)};
+      return Error{ErrorCode::Timeout,
+                   fmt::format("no edge came within {:.3f} ms", to_seconds(timeout) * 1e3)};
     wire_.time_.wait(lock, wire_.changed_, due);
   }
 }

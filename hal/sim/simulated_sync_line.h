@@ -1,5 +1,5 @@
-// A wire, and GPIO lines on it: what an output drives, and what a simulated sensor strobes, an input sees as edges. The
-// wire is thread-safe, a line as sync_line.h says.
+// A wire, and GPIO lines on it: what an output drives, and what a simulated sensor strobes, an input sees as
+// edges. The wire is thread-safe, a line as sync_line.h says.
 #pragma once
 
 #include <array>

@@ -48,7 +48,8 @@ Result<void> set_camera(Simulation& s, std::string_view key, std::string_view va
 }
 
 Result<void> set_response(Simulation& s, std::string_view key, std::string_view value) {
-  if (value == "linear") return s.plan.switch_off(Effect::Response, "asked for: response=linear"), Result<void>{};
+  if (value == "linear")
+    return s.plan.switch_off(Effect::Response, "asked for: response=linear"), Result<void>{};
   if (value != "gamma" && value != "film") return invalid(key, value, "give linear, gamma or film");
   s.response = value == "gamma" ? CurveShape::Gamma : CurveShape::Film;
   s.plan.switch_on(Effect::Response, fmt::format("asked for: response={}", value));
@@ -58,7 +59,8 @@ Result<void> set_response(Simulation& s, std::string_view key, std::string_view 
 // "2,1", or "2" for both
 Result<void> set_delay(Simulation& s, std::string_view key, std::string_view value) {
   const auto parts = split(value, ',');
-  if (parts.empty() || parts.size() > 2) return invalid(key, value, "give frames for exposure and gain, for instance 2,1");
+  if (parts.empty() || parts.size() > 2)
+    return invalid(key, value, "give frames for exposure and gain, for instance 2,1");
   TRY(set_number(s.control_delay.exposure, key, parts.front(), 0, 6));
   TRY(set_number(s.control_delay.gain, key, parts.back(), 0, 6));
   s.plan.switch_on(Effect::ControlDelay, fmt::format("asked for: delay={}", value));
@@ -82,7 +84,8 @@ Result<void> set_effects(Simulation& s, std::string_view key, std::string_view v
     const auto effect = effect_of(name_text);
     if (!effect) return invalid(key, name_text, fmt::format("the effects are {}", effect_names()));
     if (*effect == Effect::Quantisation && !on) return invalid(key, name_text, "no sensor is without it");
-    if (*effect == Effect::Mosaic) return invalid(key, name_text, "the stream's format decides; ask for a Bayer format");
+    if (*effect == Effect::Mosaic)
+      return invalid(key, name_text, "the stream's format decides; ask for a Bayer format");
     on ? s.plan.switch_on(*effect, fmt::format("asked for: with={}", name_text))
        : s.plan.switch_off(*effect, fmt::format("left out: without={}", name_text));
   }
@@ -96,29 +99,43 @@ struct Setting {
 };
 using Text = std::string_view;
 constexpr Setting kSettings[] = {
-    {"seed", "of scene and noise; 0..", [](Simulation& s, Text k, Text v) { return set_number(s.scene.seed, k, v, std::uint64_t{0}, std::uint64_t{1} << 53); }},
+    {"seed", "of scene and noise; 0..",
+     [](Simulation& s, Text k, Text v) {
+       return set_number(s.scene.seed, k, v, std::uint64_t{0}, std::uint64_t{1} << 53);
+     }},
     {"size", "WIDTHxHEIGHT in pixels, 16..4096 each", set_size},
-    {"fps", "frames per second, 1..1000", [](Simulation& s, Text k, Text v) { return set_number(s.framerate_hz, k, v, 1.0, 1000.0); }},
-    {"view", "horizontal field of view, degrees, 10..90", [](Simulation& s, Text k, Text v) { return set_number(s.view_deg, k, v, 10.0, 90.0); }},
-    {"objects", "boxes, balls and panels, 0..64", [](Simulation& s, Text k, Text v) { return set_number(s.scene.objects, k, v, 0, 64); }},
+    {"fps", "frames per second, 1..1000",
+     [](Simulation& s, Text k, Text v) { return set_number(s.framerate_hz, k, v, 1.0, 1000.0); }},
+    {"view", "horizontal field of view, degrees, 10..90",
+     [](Simulation& s, Text k, Text v) { return set_number(s.view_deg, k, v, 10.0, 90.0); }},
+    {"objects", "boxes, balls and panels, 0..64",
+     [](Simulation& s, Text k, Text v) { return set_number(s.scene.objects, k, v, 0, 64); }},
     {"lamps", "0..16", [](Simulation& s, Text k, Text v) { return set_number(s.scene.lamps, k, v, 0, 16); }},
-    {"speed", "of all motion, 0..4", [](Simulation& s, Text k, Text v) { return set_number(s.scene.speed, k, v, 0.f, 4.f); }},
-    {"pulse", "balls that breathe, relative size, 0..0.5", [](Simulation& s, Text k, Text v) { return set_number(s.scene.pulse, k, v, 0.f, 0.5f); }},
+    {"speed", "of all motion, 0..4",
+     [](Simulation& s, Text k, Text v) { return set_number(s.scene.speed, k, v, 0.f, 4.f); }},
+    {"pulse", "balls that breathe, relative size, 0..0.5",
+     [](Simulation& s, Text k, Text v) { return set_number(s.scene.pulse, k, v, 0.f, 0.5f); }},
     {"camera", "still, handheld, pan, dolly or orbit", set_camera},
-    {"full-well", "electrons at saturation, 100..100000", [](Simulation& s, Text k, Text v) { return set_number(s.full_well_e, k, v, 100.f, 1e5f); }},
-    {"read-noise", "electrons rms, 0..100", [](Simulation& s, Text k, Text v) { return set_number(s.noise.read_noise_e, k, v, 0.f, 100.f); }},
-    {"black", "black level, share of the code range, 0..0.2", [](Simulation& s, Text k, Text v) { return set_number(s.black_level, k, v, 0.f, 0.2f); }},
+    {"full-well", "electrons at saturation, 100..100000",
+     [](Simulation& s, Text k, Text v) { return set_number(s.full_well_e, k, v, 100.f, 1e5f); }},
+    {"read-noise", "electrons rms, 0..100",
+     [](Simulation& s, Text k, Text v) { return set_number(s.noise.read_noise_e, k, v, 0.f, 100.f); }},
+    {"black", "black level, share of the code range, 0..0.2",
+     [](Simulation& s, Text k, Text v) { return set_number(s.black_level, k, v, 0.f, 0.2f); }},
     {"response", "linear, gamma or film", set_response},
     {"delay", "frames from control to effect: exposure,gain; 0..6", set_delay},
     {"drops", "probability that a frame is lost, 0..1", set_drops},
     {"reports", "yes or no: buffers say their exposure", set_reports},
-    {"with", "effects to add, separated by commas", [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},
-    {"without", "effects to leave out", [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, false); }},
+    {"with", "effects to add, separated by commas",
+     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},
+    {"without", "effects to leave out",
+     [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, false); }},
 };
 
 std::string scene_names() {
   std::string names;
-  for (const CatalogScene& scene : scene_catalog()) names += (names.empty() ? "" : ", ") + std::string(scene.name);
+  for (const CatalogScene& scene : scene_catalog())
+    names += (names.empty() ? "" : ", ") + std::string(scene.name);
   return names;
 }
 
@@ -134,19 +151,24 @@ Result<Simulation> simulation_of(std::string_view text) {
   const std::size_t question = std::min(text.find('?'), text.size());
   const std::string_view scene = text.substr(0, question);
   const auto catalog = scene_catalog();
-  const auto entry = std::find_if(catalog.begin(), catalog.end(), [&](const auto& each) { return scene == each.name; });
+  const auto entry =
+      std::find_if(catalog.begin(), catalog.end(), [&](const auto& each) { return scene == each.name; });
   if (entry == catalog.end())
-    return Error{ErrorCode::NotFound, fmt::format("there is no scene '{}'; the scenes are {}", scene, scene_names())};
+    return Error{ErrorCode::NotFound,
+                 fmt::format("there is no scene '{}'; the scenes are {}", scene, scene_names())};
   Simulation simulation;
   simulation.scene = entry->settings;
   simulation.full_well_e = entry->full_well_e;
   for (const auto& need : entry->needs) simulation.plan.switch_on(need.effect, need.why);
   for (const std::string_view pair : split(text.substr(std::min(question + 1, text.size())), '&')) {
     const std::size_t equals = std::min(pair.find('='), pair.size());
-    const std::string_view key = pair.substr(0, equals), value = pair.substr(std::min(equals + 1, pair.size()));
-    const auto setting = std::find_if(std::begin(kSettings), std::end(kSettings), [&](const auto& s) { return key == s.key; });
+    const std::string_view key = pair.substr(0, equals),
+                           value = pair.substr(std::min(equals + 1, pair.size()));
+    const auto setting =
+        std::find_if(std::begin(kSettings), std::end(kSettings), [&](const auto& s) { return key == s.key; });
     if (setting == std::end(kSettings))
-      return Error{ErrorCode::Invalid, fmt::format("there is no simulation setting '{}'; the settings are {}", key, setting_names())};
+      return Error{ErrorCode::Invalid, fmt::format("there is no simulation setting '{}'; the settings are {}",
+                                                   key, setting_names())};
     TRY(setting->set(simulation, key, value));
   }
   return simulation;

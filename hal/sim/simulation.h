@@ -1,5 +1,6 @@
-// Everything that makes a simulated camera what it is, and the text that names it: `walk?seed=3&size=320x240&objects=5`,
-// a scene of the catalogue and, after a question mark, settings that differ from its own. Value type, reentrant.
+// Everything that makes a simulated camera what it is, and the text that names it:
+// `walk?seed=3&size=320x240&objects=5`, a scene of the catalogue and, after a question mark, settings that
+// differ from its own. Value type, reentrant.
 #pragma once
 
 #include <string>
@@ -24,13 +25,13 @@ namespace hdrcam {
 
 struct Simulation {
   SceneSettings scene;
-  int width = 320, height = 240;       // pixels
+  int width = 320, height = 240;  // pixels
   double framerate_hz = 30;
-  double view_deg = 55;                // horizontal field of view
-  double sensitivity_per_s = 167.5;    // relative exposure = radiance * seconds * gain * this; 1 saturates
-  float full_well_e = 6000;            // electrons at relative exposure 1, gain 1
-  float black_level = 0;               // share of the code range, 0..0.2
-  bool reports_exposure = true;        // with each buffer, as embedded data
+  double view_deg = 55;              // horizontal field of view
+  double sensitivity_per_s = 167.5;  // relative exposure = radiance * seconds * gain * this; 1 saturates
+  float full_well_e = 6000;          // electrons at relative exposure 1, gain 1
+  float black_level = 0;             // share of the code range, 0..0.2
+  bool reports_exposure = true;      // with each buffer, as embedded data
   EffectPlan plan;
 
   MotionBlurSettings motion_blur;
@@ -42,14 +43,15 @@ struct Simulation {
   HotPixelSettings hot_pixels;
   NoiseSettings noise;
   CurveShape response = CurveShape::Film;
-  ControlDelays control_delay{2, 1};   // frames
+  ControlDelays control_delay{2, 1};  // frames
   DropSettings drops;
   ClockJitterSettings clock_jitter;
 
   Duration frame_duration() const { return Duration(static_cast<Duration::rep>(1e9 / framerate_hz + 0.5)); }
 };
 
-// Errors: NotFound for a scene that the catalogue has not, Invalid for a setting; the message lists what there is.
+// Errors: NotFound for a scene that the catalogue has not, Invalid for a setting; the message lists what
+// there is.
 Result<Simulation> simulation_of(std::string_view text);
 
 // The settings, one a line, with unit, range and meaning.

@@ -39,8 +39,10 @@ Colour tiles(Place p) {
   constexpr int kTiles = 8;
   constexpr float kJoint = 0.06f;
   const float x = p.u * kTiles, y = p.v * kTiles;
-  const auto n = static_cast<std::uint64_t>(std::floor(y)) * kTiles + static_cast<std::uint64_t>(std::floor(x));
-  const float edge = std::min(std::min(x - std::floor(x), std::ceil(x) - x), std::min(y - std::floor(y), std::ceil(y) - y));
+  const auto n =
+      static_cast<std::uint64_t>(std::floor(y)) * kTiles + static_cast<std::uint64_t>(std::floor(x));
+  const float edge =
+      std::min(std::min(x - std::floor(x), std::ceil(x) - x), std::min(y - std::floor(y), std::ceil(y) - y));
   const float grain = fractal_noise(p.u, p.v, 16, 4, p.noise_seed);
   const float joint = smooth_step(kJoint / 2, kJoint, edge);
   return grey(0.7f * grain - 3 * (1 - joint)) + tint(p.seed, 0, 0.4f) + tint(p.seed, n + 1, 1) * joint;
@@ -50,7 +52,8 @@ Colour tiles(Place p) {
 Colour facade(Place p) {
   constexpr int kWindows = 5;
   const float x = p.u * kWindows, y = p.v * kWindows;
-  const auto n = static_cast<std::uint64_t>(std::floor(y)) * kWindows + static_cast<std::uint64_t>(std::floor(x));
+  const auto n =
+      static_cast<std::uint64_t>(std::floor(y)) * kWindows + static_cast<std::uint64_t>(std::floor(x));
   const float fx = x - std::floor(x), fy = y - std::floor(y);
   const float grain = fractal_noise(p.u, p.v, 8, 5, p.noise_seed);
   const Colour wall = grey(-0.8f + 0.8f * grain) + tint(p.seed, 0, 0.5f);
@@ -70,10 +73,14 @@ Colour stripes(Place p) {
 
 Colour pattern_at(Pattern pattern, Place p) {
   switch (pattern) {
-    case Pattern::Stone: return stone(p);
-    case Pattern::Tiles: return tiles(p);
-    case Pattern::Facade: return facade(p);
-    case Pattern::Stripes: break;
+    case Pattern::Stone:
+      return stone(p);
+    case Pattern::Tiles:
+      return tiles(p);
+    case Pattern::Facade:
+      return facade(p);
+    case Pattern::Stripes:
+      break;
   }
   return stripes(p);
 }
@@ -86,7 +93,8 @@ Texture::Texture(Pattern pattern, std::uint64_t seed) {
   float sum = 0;
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
-      const Place place{(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide, seed, noise_seed};
+      const Place place{(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide, seed,
+                        noise_seed};
       Colour& texel = levels_[0][static_cast<std::size_t>(y * kSide + x)];
       texel = exp2(pattern_at(pattern, place));
       sum += luminance(texel);

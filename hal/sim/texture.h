@@ -1,5 +1,5 @@
-// Procedural HDR pictures that scenes are painted with: radiance or albedo patterns spanning many stops, made from a seed,
-// filtered for distance. Immutable after construction, so reentrant.
+// Procedural HDR pictures that scenes are painted with: radiance or albedo patterns spanning many stops, made
+// from a seed, filtered for distance. Immutable after construction, so reentrant.
 #pragma once
 
 #include <array>
@@ -19,7 +19,8 @@ class Texture {
   static constexpr int kSide = 256;  // texels
   Texture(Pattern pattern, std::uint64_t seed);
 
-  // (u, v) in tiles; texels_per_pixel >= 0: how many texels of the finest level one sample covers, for the filter.
+  // (u, v) in tiles; texels_per_pixel >= 0: how many texels of the finest level one sample covers, for the
+  // filter.
   Colour at(float u, float v, float texels_per_pixel) const;
 
  private:

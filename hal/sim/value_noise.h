@@ -1,5 +1,5 @@
-// Smooth noise on a lattice, the raw material of textures (Perlin's lattice idea with values instead of gradients).
-// Results lie in [-1, 1]. Reentrant.
+// Smooth noise on a lattice, the raw material of textures (Perlin's lattice idea with values instead of
+// gradients). Results lie in [-1, 1]. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace hdrcam {
 
 // -1..1, one number for each lattice point
 inline float lattice_value(int x, int y, int z, std::uint32_t seed) {
-  std::uint32_t h = seed + static_cast<std::uint32_t>(x) * 0x9e3779b1u + static_cast<std::uint32_t>(y) * 0x85ebca77u +
-                    static_cast<std::uint32_t>(z) * 0xc2b2ae3du;
+  std::uint32_t h = seed + static_cast<std::uint32_t>(x) * 0x9e3779b1u +
+                    static_cast<std::uint32_t>(y) * 0x85ebca77u + static_cast<std::uint32_t>(z) * 0xc2b2ae3du;
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
   h = (h ^ (h >> 12)) * 0x297a2d39u;
   return static_cast<float>((h ^ (h >> 15)) >> 8) * 0x1p-23f - 1;

@@ -43,7 +43,8 @@ BoxHit meet_box(Vec3 eye, Vec3 d, Vec3 half) {
 
 float meet_panel(Vec3 eye, Vec3 d, Vec3 half) {
   const float t = -eye.z / d.z;
-  if (!(t > kNearest_m) || std::abs(eye.x + t * d.x) > half.x || std::abs(eye.y + t * d.y) > half.y) return kNever;
+  if (!(t > kNearest_m) || std::abs(eye.x + t * d.x) > half.x || std::abs(eye.y + t * d.y) > half.y)
+    return kNever;
   return t;
 }
 
@@ -56,11 +57,15 @@ float meet_ground(Vec3 eye, Vec3 d, float radius) {
 
 float bounding_radius(const SceneObject& object) {
   switch (object.shape) {
-    case Shape::Ball: return object.half_size_m.x;
-    case Shape::Box: return length(object.half_size_m);
-    case Shape::Panel: return std::hypot(object.half_size_m.x, object.half_size_m.y);
+    case Shape::Ball:
+      return object.half_size_m.x;
+    case Shape::Box:
+      return length(object.half_size_m);
+    case Shape::Panel:
+      return std::hypot(object.half_size_m.x, object.half_size_m.y);
     case Shape::Ground:
-    case Shape::Dome: break;
+    case Shape::Dome:
+      break;
   }
   return kNever;
 }
@@ -89,11 +94,16 @@ Vec2 unrolled(const SceneObject& object, const Hit& hit) {
   constexpr float kFaceShift_m = 0.37f;  // faces differ
   Vec3 p = hit.point;
   switch (object.shape) {
-    case Shape::Panel: return {p.x, p.y};
-    case Shape::Ground: return {p.x, p.z};
-    case Shape::Ball: p = p * (0.785f * object.half_size_m.x / std::abs(along(p, hit.part / 2))); break;
+    case Shape::Panel:
+      return {p.x, p.y};
+    case Shape::Ground:
+      return {p.x, p.z};
+    case Shape::Ball:
+      p = p * (0.785f * object.half_size_m.x / std::abs(along(p, hit.part / 2)));
+      break;
     case Shape::Box:
-    case Shape::Dome: break;
+    case Shape::Dome:
+      break;
   }
   const float shift = kFaceShift_m * static_cast<float>(hit.part);
   const int axis = hit.part / 2;
@@ -156,11 +166,21 @@ Hit View::cast(Vec2 ray) const {
     float t = kNever;
     BoxHit box;
     switch (object.shape) {
-      case Shape::Ball: t = meet_ball(o, d, object.half_size_m.x); break;
-      case Shape::Box: box = meet_box(o, d, object.half_size_m), t = box.t; break;
-      case Shape::Panel: t = meet_panel(o, d, object.half_size_m); break;
-      case Shape::Ground: t = meet_ground(o, d, object.half_size_m.x); break;
-      case Shape::Dome: t = meet_dome(o, d, object.half_size_m.x); break;
+      case Shape::Ball:
+        t = meet_ball(o, d, object.half_size_m.x);
+        break;
+      case Shape::Box:
+        box = meet_box(o, d, object.half_size_m), t = box.t;
+        break;
+      case Shape::Panel:
+        t = meet_panel(o, d, object.half_size_m);
+        break;
+      case Shape::Ground:
+        t = meet_ground(o, d, object.half_size_m.x);
+        break;
+      case Shape::Dome:
+        t = meet_dome(o, d, object.half_size_m.x);
+        break;
     }
     if (t >= hit.depth_m) continue;
     hit.depth_m = t, hit.object = static_cast<int>(i);
@@ -182,9 +202,14 @@ Hit View::cast(Vec2 ray) const {
       hit.part = 2 * axis + !upper;
       break;
     }
-    case Shape::Panel: hit.normal = {0, 0, direction.z > 0 ? -1.f : 1.f}; break;
-    case Shape::Ground: hit.normal = {0, -1, 0}; break;
-    case Shape::Dome: break;  // its picture needs none
+    case Shape::Panel:
+      hit.normal = {0, 0, direction.z > 0 ? -1.f : 1.f};
+      break;
+    case Shape::Ground:
+      hit.normal = {0, -1, 0};
+      break;
+    case Shape::Dome:
+      break;  // its picture needs none
   }
   return hit;
 }
@@ -200,10 +225,12 @@ Colour View::radiance(const Hit& hit, float footprint) const {
   const float slant = std::sqrt(std::max(0.05f, dot(to_eye, hit.normal)));
   const float texels = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / (seen.size * slant);
   const Texture& texture = scene_->textures[static_cast<std::size_t>(object.texture)];
-  const Colour colour = texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
+  const Colour colour =
+      texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;
   if (object.surface == Surface::Radiant) return colour * (object.gain * scene_->radiance_scale);
   const auto albedo = [](float c) { return c / (c + 0.6f); };
-  return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) * scene_->radiance_scale;
+  return lit(hit, Colour{albedo(colour.x), albedo(colour.y), albedo(colour.z)} * object.gain) *
+         scene_->radiance_scale;
 }
 
 // Lambert's law under the ambient light and point lamps; no shadows.

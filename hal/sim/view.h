@@ -1,6 +1,6 @@
-// A scene at one instant, seen by its camera: rays go out, hits come back. A ray is the point (x, y) of the plane one
-// metre ahead, so that its parameter is the depth itself (camera z, metres). pose_at() fills a view without allocating
-// after the first time; the other methods are reentrant.
+// A scene at one instant, seen by its camera: rays go out, hits come back. A ray is the point (x, y) of the
+// plane one metre ahead, so that its parameter is the depth itself (camera z, metres). pose_at() fills a view
+// without allocating after the first time; the other methods are reentrant.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@
 namespace hdrcam {
 
 struct Hit {
-  float depth_m = 0;      // camera z
-  int object = 0;         // index into Scene::objects; the dome catches every ray
-  int part = 0;           // face of a box or of a ball's painting: neighbours of one part share a smooth picture
-  Vec3 point;             // in the object's own coordinates, before its pulse
-  Vec3 normal;            // there, facing the ray; not of the dome
+  float depth_m = 0;  // camera z
+  int object = 0;     // index into Scene::objects; the dome catches every ray
+  int part = 0;       // face of a box or of a ball's painting: neighbours of one part share a smooth picture
+  Vec3 point;         // in the object's own coordinates, before its pulse
+  Vec3 normal;        // there, facing the ray; not of the dome
 };
 
 class View {
@@ -32,14 +32,14 @@ class View {
  private:
   struct Seen {
     Mat3 R_object_camera;
-    Vec3 eye;                // the camera, in the object's coordinates
-    Vec3 centre;             // the object, in camera axes
-    float size = 1;          // pulse
+    Vec3 eye;                              // the camera, in the object's coordinates
+    Vec3 centre;                           // the object, in camera axes
+    float size = 1;                        // pulse
     float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  // rays outside never meet it
   };
   struct Light {
     Vec3 position;  // world
-    Colour power;      // irradiance at one metre
+    Colour power;   // irradiance at one metre
   };
   static void bound(Seen& seen, float radius);
   Colour lit(const Hit& hit, Colour albedo) const;

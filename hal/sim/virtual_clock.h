@@ -1,5 +1,5 @@
-// Time that passes only when somebody waits for it: ten thousand frames in as long as it takes to compute them, and the
-// same instants in every run. Thread-safe.
+// Time that passes only when somebody waits for it: ten thousand frames in as long as it takes to compute
+// them, and the same instants in every run. Thread-safe.
 #pragma once
 
 #include <atomic>

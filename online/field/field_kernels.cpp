@@ -79,7 +79,8 @@ inline void corner_weights(const Corners& corners, int corner, float* weight) {
 typedef float Pair __attribute__((vector_size(8), aligned(4), may_alias));
 inline Pair load_pair(const float* p) { return *reinterpret_cast<const Pair*>(p); }
 
-void encode(const HashLevel& level, const float* table, const GridQuery& at, float* feature0, float* feature1) {
+void encode(const HashLevel& level, const float* table, const GridQuery& at, float* feature0,
+            float* feature1) {
   Corners corners;
   alignas(64) float weight[8][kBlock];
   for (int first = 0; first < at.n; first += kBlock) {

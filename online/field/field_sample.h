@@ -1,5 +1,5 @@
-// What the raw outputs of the two networks mean at one sample, given the base there, and the way back of each meaning.
-// Scalar type T as in hash_grid.h. Reentrant.
+// What the raw outputs of the two networks mean at one sample, given the base there, and the way back of each
+// meaning. Scalar type T as in hash_grid.h. Reentrant.
 #pragma once
 
 #include <algorithm>

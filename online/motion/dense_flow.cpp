@@ -43,9 +43,8 @@ DenseFlow::~DenseFlow() = default;
 
 void DenseFlow::compute(std::initializer_list<FlowRequest> requests) {
   while (engines_.size() < requests.size()) engines_.push_back(std::make_unique<Engine>(quality_));
-  pool_.for_each(static_cast<int>(requests.size()), [&](int i) {
-    engines_[static_cast<std::size_t>(i)]->compute(requests.begin()[i]);
-  });
+  pool_.for_each(static_cast<int>(requests.size()),
+                 [&](int i) { engines_[static_cast<std::size_t>(i)]->compute(requests.begin()[i]); });
 }
 
 }  // namespace hdrcam

@@ -1,5 +1,5 @@
-// Dense optical flow between two 8-bit pictures: DIS (Kroeger et al., ECCV 2016; OpenCV). Deterministic whatever the
-// number of threads: each call runs on one thread, several calls side by side. Thread-bound.
+// Dense optical flow between two 8-bit pictures: DIS (Kroeger et al., ECCV 2016; OpenCV). Deterministic
+// whatever the number of threads: each call runs on one thread, several calls side by side. Thread-bound.
 #pragma once
 
 #include <cstdint>

@@ -79,8 +79,8 @@ void forget_outside(FlowField& flow, WorkerPool& pool) {
 MotionEstimator::MotionEstimator(FlowQuality quality, int rows, int cols, WorkerPool& pool)
     : rows_(rows), cols_(cols), pool_(pool), flow_(quality, pool) {}
 
-void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-                            StateMotion& motion) {
+void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
+                            const ExposureTables& tables, StateMotion& motion) {
   gray_of_frame(frame, frame_gray_, pool_);
   gray_of_state(state.radiance, tables, state_gray_, pool_);
   flow_.compute({{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
@@ -88,9 +88,9 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
   rate(nullptr, motion);
 }
 
-void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame, const StateMotion* before,
-                               float before_ratio, const ExposedFrame* after, const ExposureTables* after_tables,
-                               float after_ratio, StateMotion& motion) {
+void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
+                               const StateMotion* before, float before_ratio, const ExposedFrame* after,
+                               const ExposureTables* after_tables, float after_ratio, StateMotion& motion) {
   Image<float>& to = motion.to_previous.vectors;
   clipped_share(frame, clipped_);
   if (before != nullptr && !before->to_previous.empty()) {
@@ -113,17 +113,18 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
     if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
       gray_of_frame(*after, frame_gray_, pool_);
       gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
-      flow_.compute({{&frame_gray_, &state_gray_, &after_to_state_}, {&state_gray_, &frame_gray_, &state_to_after_}});
+      flow_.compute(
+          {{&frame_gray_, &state_gray_, &after_to_state_}, {&state_gray_, &frame_gray_, &state_to_after_}});
       bridge(after_ratio, motion);
     }
   }
   rate(&frame, motion);
 }
 
-// Motion through a frame that shows none, from the flow between the state before it and the frame after it, at constant
-// velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the state and at
-// x - u (1 - r) / r in the frame after, where r is its share of the time between them; both flows are asked there
-// (a fixed point, three rounds) and averaged.
+// Motion through a frame that shows none, from the flow between the state before it and the frame after it,
+// at constant velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the
+// state and at x - u (1 - r) / r in the frame after, where r is its share of the time between them; both
+// flows are asked there (a fixed point, three rounds) and averaged.
 void MotionEstimator::bridge(float r, StateMotion& motion) {
   constexpr int kRounds = 3;
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
@@ -148,7 +149,8 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
-        const float a = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, mask_.at(0, y, x)));
+        const float a =
+            smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, mask_.at(0, y, x)));
         for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (bridged_.at(d, y, x) - to.at(d, y, x));
       }
   });
@@ -159,8 +161,8 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
-        const float a =
-            smooth_step(0.4f, 0.9f, mask_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, clipped_seen_.at(0, y, x)));
+        const float a = smooth_step(0.4f, 0.9f, mask_.at(0, y, x)) *
+                        (1 - smooth_step(0.1f, 0.6f, clipped_seen_.at(0, y, x)));
         for (int d = 0; d < 2; ++d) from.at(d, y, x) += a * (ahead_.at(d, y, x) - from.at(d, y, x));
       }
   });
@@ -181,8 +183,8 @@ void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& sha
 }
 
 void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
-  constexpr float kBright = 248, kDark = 3;      // codes
-  constexpr float kClippedConfidence = 0.5f;     // where agreement cannot be seen, half of it is assumed
+  constexpr float kBright = 248, kDark = 3;   // codes
+  constexpr float kClippedConfidence = 0.5f;  // where agreement cannot be seen, half of it is assumed
   rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
   rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
   if (frame != nullptr)
@@ -191,7 +193,8 @@ void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
         for (int x = 0; x < cols_; ++x) {
           const CodeRange range = range_of(frame->codes, y, x);
           float& confidence = motion.to_previous.confidence.at(0, y, x);
-          if (range.least >= kBright || range.most <= kDark) confidence = std::max(kClippedConfidence, confidence);
+          if (range.least >= kBright || range.most <= kDark)
+            confidence = std::max(kClippedConfidence, confidence);
         }
     });
   forget_outside(motion.to_previous, pool_);

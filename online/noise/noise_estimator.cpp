@@ -11,10 +11,10 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kMargin = 3, kStride = 2;        // pixels
-constexpr float kMinConfidence = 0.8f;         // of the flow
+constexpr int kMargin = 3, kStride = 2;  // pixels
+constexpr float kMinConfidence = 0.8f;   // of the flow
 constexpr float kFirstCode = 2, kLastCode = 245;
-constexpr float kSmoothRange = 10;             // codes over 5x5 pixels of the longer exposure
+constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 
 float range_5x5(const Image<float>& image, int channel, int y, int x) {
   float least = std::numeric_limits<float>::max(), most = -least;

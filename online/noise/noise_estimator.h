@@ -1,7 +1,7 @@
-// The sensor's noise, measured while the stream runs: pairs of neighbouring frames, matched by the flow, compared in
-// smooth places. In each bin of brightness the median of the squared difference gives a variance; shot and read noise
-// are the non-negative line through the bins (relative least squares), with a code-domain term for what a codec did
-// tried beside them. Thread-bound.
+// The sensor's noise, measured while the stream runs: pairs of neighbouring frames, matched by the flow,
+// compared in smooth places. In each bin of brightness the median of the squared difference gives a variance;
+// shot and read noise are the non-negative line through the bins (relative least squares), with a code-domain
+// term for what a codec did tried beside them. Thread-bound.
 #pragma once
 
 #include <map>
@@ -20,12 +20,13 @@ class NoiseEstimator {
  public:
   explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {}
 
-  // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the larger, and
-  // interpolating b halves only the smaller.
-  void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b, const Response& response);
+  // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the
+  // larger, and interpolating b halves only the smaller.
+  void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
+                const Response& response);
 
-  // The model that fits what was seen; `otherwise` where too little was. code_noise and code_step are taken from
-  // `otherwise`: what a codec does sits at edges, where this estimator does not look.
+  // The model that fits what was seen; `otherwise` where too little was. code_noise and code_step are taken
+  // from `otherwise`: what a codec does sits at edges, where this estimator does not look.
   NoiseModel solve(const NoiseModel& otherwise) const;
 
  private:

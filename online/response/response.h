@@ -1,8 +1,8 @@
 // The camera response: code <-> relative sensor exposure, one curve per channel, monotone, x(255) = 1.
-// Held as the inverse x(z) on the 256 codes (what the state needs, exact in the dark) with a forward table g(x) on
-// sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the step at 1 and the
-// flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a / sqrt(x) for x > 1, a = 0.01.
-// Value type, reentrant.
+// Held as the inverse x(z) on the 256 codes (what the state needs, exact in the dark) with a forward table
+// g(x) on sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the
+// step at 1 and the flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a /
+// sqrt(x) for x > 1, a = 0.01. Value type, reentrant.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ class Response {
   static constexpr float kLeak = 0.01f;
   using Curve = std::array<float, kCodes>;
 
-  // inverse: [rgb][code] relative exposure. Made monotone, scaled to x(255) = 1; code 0 means "below x(1)", never 0.
+  // inverse: [rgb][code] relative exposure. Made monotone, scaled to x(255) = 1; code 0 means "below x(1)",
+  // never 0.
   explicit Response(const std::array<Curve, 3>& inverse);
   static Response linear();
   static Response gamma(float exponent);  // x = (z / 255) ^ exponent

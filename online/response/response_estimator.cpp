@@ -12,13 +12,13 @@ namespace {
 
 #include "online/response/dorf_prior.inc"
 
-constexpr int kKnots = 255;     // g(z) at the codes 1..255
-constexpr int kGaugeKnot = 127; // where g is pinned: a common factor of x is not observable
+constexpr int kKnots = 255;      // g(z) at the codes 1..255
+constexpr int kGaugeKnot = 127;  // where g is pinned: a common factor of x is not observable
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-// Gaussian prior of g: real cameras (mean and principal directions), a smooth free part for cameras unlike them, and a
-// small independent part per code.
+// Gaussian prior of g: real cameras (mean and principal directions), a smooth free part for cameras unlike
+// them, and a small independent part per code.
 struct Prior {
   Vector mean = Vector::Zero(kKnots);
   Matrix precision;
@@ -76,8 +76,8 @@ std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   return inverse;
 }
 
-// Means of the codes over a coarse grid, the brightest channel clipped cells marked by -1: what two pictures of one
-// scene must have in common up to a monotone curve.
+// Means of the codes over a coarse grid, the brightest channel clipped cells marked by -1: what two pictures
+// of one scene must have in common up to a monotone curve.
 std::vector<float> thumbnail(const ExposedFrame& frame) {
   constexpr int kCells = 16;
   std::vector<float> cells;
@@ -137,7 +137,8 @@ class Ranking {
   // The code below which this share of the pixels lies, linear within one code.
   double code_at(double share) const {
     const Plateau p = plateau(share);
-    const double within = (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
+    const double within =
+        (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
     return p.lower + (p.upper - p.lower) * std::clamp(within, 0.0, 1.0);
   }
   float quantile(double share) const { return codes_[index(share)]; }
@@ -153,8 +154,8 @@ class Ranking {
     const auto z = static_cast<double>(code);
     const double lower = first == codes_.begin() ? z - 0.5 : (z + static_cast<double>(*std::prev(first))) / 2;
     const double upper = last == codes_.end() ? z + 0.5 : (z + static_cast<double>(*last)) / 2;
-    return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()), lower,
-            upper};
+    return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()),
+            lower, upper};
   }
   std::size_t index(double share) const {
     return std::min(codes_.size() - 1, static_cast<std::size_t>(share * size()));
@@ -209,8 +210,8 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
   std::array<Vector, 3> best;
   BlackLevel best_black{};
   double least = std::numeric_limits<double>::max();
-  // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior counts half
-  // here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
+  // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior
+  // counts half here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
   constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
   const float bound = *std::max_element(darkest_.begin(), darkest_.end());
   for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
@@ -232,10 +233,10 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
 ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
                                                   const NoiseModel& noise) const {
   constexpr int kIterations = 4;
-  constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
-  constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
-  constexpr double kMatchWeight = 0.2;         // quantiles are not independent
-  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most so many
+  constexpr double kMatchSigma = 0.06;             // ln x: motion between the frames moves the quantiles
+  constexpr double kCauchy2 = 4;                   // squared scale of the robust weight, in sigmas
+  constexpr double kMatchWeight = 0.2;             // quantiles are not independent
+  constexpr double kMaxWeightPerRatio = 1000;      // matches of one exposure ratio count as at most so many
   constexpr float kFirst = 0.99f, kLast = 252.7f;  // codes that are neither black nor saturated
   const Prior& p = prior();
   const float stretch = kMaxCode / (kMaxCode - black_level);
@@ -249,7 +250,8 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
     const double top = g[250];
     const auto variance = [&](const Knots& k) {
       const double slope = k.slope(g), x = std::exp(k.of(g) - top);
-      return slope * slope / 12 + 0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
+      return slope * slope / 12 +
+             0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
     };
     double misfit = 0;
     for (const auto& [key, matches] : matches_[channel]) {

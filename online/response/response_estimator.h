@@ -1,10 +1,11 @@
-// Response and black level from the first cycles of an alternating-exposure stream, nothing else known. Neighbouring
-// frames see about the same scene, so their histograms match: the share q of the pixels that is darker than code z1 in
-// one, at exposure E1, is darker than z2 in the other, at E2; that says g(z1) - g(z2) = ln E1/E2 with g = ln x. Matched
-// are the boundaries between codes, whose place in a histogram is exact, not codes, which are half a step wide at
-// worst. A robust MAP fit of g over 255 codes per channel, under a prior from real cameras (dorf_prior.inc), answers
-// within two or three frames; no alignment, no flow (flow-matched samples made it worse: docs/decisions.md). The black
-// level is the one under which the matches agree best with each other and with real cameras. Thread-bound.
+// Response and black level from the first cycles of an alternating-exposure stream, nothing else known.
+// Neighbouring frames see about the same scene, so their histograms match: the share q of the pixels that is
+// darker than code z1 in one, at exposure E1, is darker than z2 in the other, at E2; that says g(z1) - g(z2)
+// = ln E1/E2 with g = ln x. Matched are the boundaries between codes, whose place in a histogram is exact,
+// not codes, which are half a step wide at worst. A robust MAP fit of g over 255 codes per channel, under a
+// prior from real cameras (dorf_prior.inc), answers within two or three frames; no alignment, no flow
+// (flow-matched samples made it worse: docs/decisions.md). The black level is the one under which the matches
+// agree best with each other and with real cameras. Thread-bound.
 #pragma once
 
 #include <array>
@@ -25,12 +26,12 @@ struct ResponseEstimate {
 
 class ResponseEstimator {
  public:
-  static constexpr int kQuantiles = 400;     // matches per pair and channel
+  static constexpr int kQuantiles = 400;       // matches per pair and channel
   static constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
 
-  // Adds what two frames of different exposure say, unpacked without a black level. Frames of (nearly) the same
-  // exposure, of unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out; returns
-  // whether the pair counted.
+  // Adds what two frames of different exposure say, unpacked without a black level. Frames of (nearly) the
+  // same exposure, of unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out;
+  // returns whether the pair counted.
   bool add_pair(const ExposedFrame& a, const ExposedFrame& b);
 
   // Pairs that counted so far. Zero: estimate() answers the mean of real cameras and no black level.

@@ -1,5 +1,5 @@
-// What a code means at one exposure: radiance, and the noise of a sample of a given radiance. Built once per distinct
-// exposure of the cycle from response and noise model; then only looked up. Value type, reentrant.
+// What a code means at one exposure: radiance, and the noise of a sample of a given radiance. Built once per
+// distinct exposure of the cycle from response and noise model; then only looked up. Value type, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +27,8 @@ class ExposureTables {
     const auto i = static_cast<std::size_t>(z);
     return table[i] + (table[i + 1] - table[i]) * (z - static_cast<float>(i));
   }
-  // variance of a sample of a pixel whose radiance is `radiance`: of the best current estimate, never of the sample
-  // itself, which would favour samples that noise made dark
+  // variance of a sample of a pixel whose radiance is `radiance`: of the best current estimate, never of the
+  // sample itself, which would favour samples that noise made dark
   float variance(int channel, float radiance) const {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];

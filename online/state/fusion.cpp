@@ -14,7 +14,8 @@ constexpr float kTiny = 1e-20f;
 
 Fusion::Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool) : options_(options), pool_(pool) {
   for (auto* image : {&mean_, &contrast_, &bias_, &guess_}) image->reshape(3, rows, cols);
-  for (auto* image : {&disagreement_, &coverage_, &disagreement_mean_, &coverage_mean_}) image->reshape(1, rows, cols);
+  for (auto* image : {&disagreement_, &coverage_, &disagreement_mean_, &coverage_mean_})
+    image->reshape(1, rows, cols);
 }
 
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
@@ -32,7 +33,8 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
           const float brighter = std::max(z[x], top[x]);
           radiance[x] = tables.radiance(c, z[x]);
           weight[x] = 1 - smooth_step(o.saturation_begin, o.saturation_end, brighter);
-          comparable[x] = (1 - smooth_step(o.compare_begin, o.compare_end, brighter)) * smooth_step(1, 4, z[x]);
+          comparable[x] =
+              (1 - smooth_step(o.compare_begin, o.compare_end, brighter)) * smooth_step(1, 4, z[x]);
         }
       }
   });
@@ -77,7 +79,8 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
       float* g = gate.row(0, y);
       for (int x = 0; x < cols; ++x) {
         const float excess = std::max(0.f, chi2[x] / (covered[x] + 0.05f) - o.chi2_tolerance);
-        const float agreement = 1 - std::min(1.f, covered[x]) * (1 - o.gate_floor) * (1 - std::exp(-excess / o.chi2_scale));
+        const float agreement =
+            1 - std::min(1.f, covered[x]) * (1 - o.gate_floor) * (1 - std::exp(-excess / o.chi2_scale));
         // a clipped sample says: at least this bright; a darker state does not show the same thing
         float bound = 1;
         for (int c = 0; c < 3; ++c) {
@@ -105,7 +108,8 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
       for (int y = y0; y < y1; ++y) {
-        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y), *r = samples.radiance.row(c, y);
+        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
+                    *r = samples.radiance.row(c, y);
         float* guess = guess_.row(c, y);
         for (int x = 0; x < cols; ++x) guess[x] = v[x] > known ? r[x] : s[x];
       }

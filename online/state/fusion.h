@@ -1,6 +1,7 @@
-// How a sample of a pixel is weighed against what is already known of it: saturation, noise, motion blur, misalignment
-// and plain disagreement. Shared by the state (each frame's own sample) and by the emission (later frames' samples).
-// Constants were settled by ablation on clips with ground truth (docs/decisions.md). Thread-bound: owns its buffers.
+// How a sample of a pixel is weighed against what is already known of it: saturation, noise, motion blur,
+// misalignment and plain disagreement. Shared by the state (each frame's own sample) and by the emission
+// (later frames' samples). Constants were settled by ablation on clips with ground truth (docs/decisions.md).
+// Thread-bound: owns its buffers.
 #pragma once
 
 #include "hal/core/image.h"
@@ -21,14 +22,14 @@ struct Samples {
 struct FusionOptions {
   float saturation_begin = 220, saturation_end = 250;  // codes: a sample's weight falls from 1 to 0
   float compare_begin = 200, compare_end = 235;        // codes: stricter, for comparisons
-  float relative_noise = 0.02f;    // of radiance: what the model does not know
-  float blur_weight = 8;           // of the squared blur bias, added to the variance
-  float chi2_tolerance = 1.5f;     // mean chi^2 over the window up to which a sample is taken as it is
-  float chi2_scale = 1.5f;         // e-folding of the weight above it
-  float chi2_relative = 0.04f;     // of radiance: disagreement always allowed
-  float chi2_texture = 0.25f;      // of the local contrast: disagreement that misalignment explains
-  float gate_floor = 0.002f;       // a sample is never fully rejected: no hole without an answer
-  float misalignment = 0.4f;       // of the local contrast: standard deviation of a warped sample
+  float relative_noise = 0.02f;                        // of radiance: what the model does not know
+  float blur_weight = 8;                               // of the squared blur bias, added to the variance
+  float chi2_tolerance = 1.5f;  // mean chi^2 over the window up to which a sample is taken as it is
+  float chi2_scale = 1.5f;      // e-folding of the weight above it
+  float chi2_relative = 0.04f;  // of radiance: disagreement always allowed
+  float chi2_texture = 0.25f;   // of the local contrast: disagreement that misalignment explains
+  float gate_floor = 0.002f;    // a sample is never fully rejected: no hole without an answer
+  float misalignment = 0.4f;    // of the local contrast: standard deviation of a warped sample
 };
 
 class Fusion {
@@ -43,18 +44,21 @@ class Fusion {
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
-  // How far to trust that state and samples show the same thing: [1, rows, cols] 0..1, from agreement over 5x5 pixels,
-  // from `confidence` of the motion, and from the bound that a clipped sample gives.
+  // How far to trust that state and samples show the same thing: [1, rows, cols] 0..1, from agreement over
+  // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives.
   void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
             const Image<float>& confidence, Image<float>& gate);
 
-  // Inverse-variance update of the state by the samples. flow (pixels per interval) and blur_fraction say how far the
-  // samples are blurred; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null. Where nobody saw
-  // the pixel the radiance becomes the larger of the bounds. Returns each pixel's share of this sample in `share`.
-  void update(RadianceState& state, const Samples& samples, const ExposureTables& tables, const Image<float>& flow,
-              float blur_fraction, const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share);
+  // Inverse-variance update of the state by the samples. flow (pixels per interval) and blur_fraction say how
+  // far the samples are blurred; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null.
+  // Where nobody saw the pixel the radiance becomes the larger of the bounds. Returns each pixel's share of
+  // this sample in `share`.
+  void update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
+              const Image<float>& flow, float blur_fraction, const Image<float>* gate,
+              const Image<float>* extra_variance, Image<float>& share);
 
-  // Variance that a warp along `flow` adds to a picture of this local contrast: misalignment and interpolation.
+  // Variance that a warp along `flow` adds to a picture of this local contrast: misalignment and
+  // interpolation.
   void warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance);
 
  private:

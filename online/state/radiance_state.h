@@ -7,8 +7,8 @@ namespace hdrcam {
 
 // The variance of a pixel that nobody saw unclipped: its radiance is a lower bound.
 constexpr float kUnseenVariance = 1e9f;
-// A variance above this says no more than that the pixel is not black: it is treated as unseen. white: the radiance
-// that saturates the shortest exposure of the clip.
+// A variance above this says no more than that the pixel is not black: it is treated as unseen. white: the
+// radiance that saturates the shortest exposure of the clip.
 inline float known_limit(float white) { return 0.1f * white * white; }
 
 struct RadianceState {

@@ -21,7 +21,8 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   fusion_.update(state_, samples_, tables, zero_flow_, 0, nullptr, nullptr, state_.own_share);
 }
 
-void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous) {
+void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
+                          const FlowField& to_previous) {
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(to_previous, samples_, tables);
   std::swap(state_, predicted_);
@@ -29,7 +30,8 @@ void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& table
                  state_.own_share);
 }
 
-void StateFilter::predict(const FlowField& to_previous, const Samples& samples, const ExposureTables& tables) {
+void StateFilter::predict(const FlowField& to_previous, const Samples& samples,
+                          const ExposureTables& tables) {
   const Image<float>& flow = to_previous.vectors;
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
@@ -37,7 +39,8 @@ void StateFilter::predict(const FlowField& to_previous, const Samples& samples, 
   local_contrast(predicted_.radiance, mean_, contrast_, pool_);
   fusion_.warp_variance(contrast_, flow, added_);
 
-  const float growth = 1 + options_.variance_growth, relative2 = options_.relative_growth * options_.relative_growth;
+  const float growth = 1 + options_.variance_growth,
+              relative2 = options_.relative_growth * options_.relative_growth;
   const int cols = flow.cols();
   pool_.for_rows(flow.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
@@ -45,7 +48,8 @@ void StateFilter::predict(const FlowField& to_previous, const Samples& samples, 
         const float *s = predicted_.radiance.row(c, y), *added = added_.row(c, y), *gate = gate_.row(0, y);
         float* v = predicted_.variance.row(c, y);
         for (int x = 0; x < cols; ++x) {
-          const float carried = (v[x] * growth + relative2 * s[x] * s[x] + added[x]) / std::max(1e-4f, gate[x]);
+          const float carried =
+              (v[x] * growth + relative2 * s[x] * s[x] + added[x]) / std::max(1e-4f, gate[x]);
           const bool lost = gate[x] < options_.fusion.gate_floor || !(carried < kUnseenVariance);
           v[x] = lost ? kUnseenVariance : carried;
         }

@@ -1,6 +1,6 @@
-// The state: a picture of radiance with its variance that is carried along the motion and updated by each frame with
-// the right noise model, a robust Kalman filter per pixel in radiance (docs/architecture.md, "two layers"). Causal:
-// it holds frames up to the newest one only. Thread-bound.
+// The state: a picture of radiance with its variance that is carried along the motion and updated by each
+// frame with the right noise model, a robust Kalman filter per pixel in radiance (docs/architecture.md, "two
+// layers"). Causal: it holds frames up to the newest one only. Thread-bound.
 #pragma once
 
 #include "capture/exposed_frame.h"
@@ -22,8 +22,8 @@ class StateFilter {
   // The first frame of a clip, or of a new scene: everything known is forgotten.
   void restart(const ExposedFrame& frame, const ExposureTables& tables);
 
-  // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous one) and
-  // updates it with this frame's samples.
+  // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous
+  // one) and updates it with this frame's samples.
   void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);
 
   const RadianceState& state() const { return state_; }

@@ -42,7 +42,8 @@ struct Position {
 
 }  // namespace
 
-void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out, WorkerPool& pool) {
+void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
+                WorkerPool& pool) {
   const int rows = in.rows(), cols = in.cols(), channels = in.channels();
   out.reshape_like(in);
   pool.for_rows(rows, [&](int y0, int y1) {
@@ -53,7 +54,8 @@ void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, I
         const Position at(static_cast<float>(x) + dx[x], static_cast<float>(y) + dy[x], rows, cols);
         std::array<std::ptrdiff_t, 4> line, column;
         for (int k = 0; k < 4; ++k) {
-          line[static_cast<std::size_t>(k)] = static_cast<std::ptrdiff_t>(std::clamp(at.y + k - 1, 0, rows - 1)) * cols;
+          line[static_cast<std::size_t>(k)] =
+              static_cast<std::ptrdiff_t>(std::clamp(at.y + k - 1, 0, rows - 1)) * cols;
           column[static_cast<std::size_t>(k)] = std::clamp(at.x + k - 1, 0, cols - 1);
         }
         if ((at.fx | at.fy) == 0) {
@@ -68,7 +70,8 @@ void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, I
           float value = 0;
           for (std::size_t j = 0; j < 4; ++j) {
             const float* p = plane + line[j];
-            value += wy[j] * (wx[0] * p[column[0]] + wx[1] * p[column[1]] + wx[2] * p[column[2]] + wx[3] * p[column[3]]);
+            value += wy[j] * (wx[0] * p[column[0]] + wx[1] * p[column[1]] + wx[2] * p[column[2]] +
+                              wx[3] * p[column[3]]);
           }
           if (limit > 0) {
             const float *p = plane + line[1], *q = plane + line[2];

@@ -1,5 +1,6 @@
-// Pictures moved along a flow: out(p) = in(p + flow(p)). Positions are rounded to 1/32 pixel, so that a still pixel is
-// copied, not interpolated, whatever the flow's noise; outside the picture the border pixel is repeated. Reentrant.
+// Pictures moved along a flow: out(p) = in(p + flow(p)). Positions are rounded to 1/32 pixel, so that a still
+// pixel is copied, not interpolated, whatever the flow's noise; outside the picture the border pixel is
+// repeated. Reentrant.
 #pragma once
 
 #include "hal/core/image.h"
@@ -7,9 +8,11 @@
 
 namespace hdrcam {
 
-// Cubic convolution (a = -0.5, Catmull-Rom), every channel; with `limit` > 0 the result stays within 1 -+ limit of the bilinear
-// value, so that no ringing builds up in a recursion. in, out: [n, rows, cols]; flow: [dx dy, rows, cols] pixels.
-void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out, WorkerPool& pool);
+// Cubic convolution (a = -0.5, Catmull-Rom), every channel; with `limit` > 0 the result stays within 1 -+
+// limit of the bilinear value, so that no ringing builds up in a recursion. in, out: [n, rows, cols]; flow:
+// [dx dy, rows, cols] pixels.
+void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
+                WorkerPool& pool);
 
 void warp_linear(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
 

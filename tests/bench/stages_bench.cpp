@@ -1,5 +1,5 @@
-// The parts of one frame's way at 320x240, on one thread and on two: where the time goes. Ratios within one run mean
-// something, times from different machines do not.
+// The parts of one frame's way at 320x240, on one thread and on two: where the time goes. Ratios within one
+// run mean something, times from different machines do not.
 #include <benchmark/benchmark.h>
 
 #include "capture/unpack.h"
@@ -26,11 +26,15 @@ struct Bench {
   StateMotion motion;
 
   explicit Bench(int threads)
-      : scene(large()), pool(threads), frames(exposed(scene)), tables(response, {}, frames[1].exposure),
+      : scene(large()),
+        pool(threads),
+        frames(exposed(scene)),
+        tables(response, {}, frames[1].exposure),
         filter({}, scene.rows, scene.cols, pool) {
     filter.fusion().set_white(4);
     filter.restart(frames[0], ExposureTables(response, {}, frames[0].exposure));
-    MotionEstimator(FlowQuality::Medium, scene.rows, scene.cols, pool).match(filter.state(), frames[1], tables, motion);
+    MotionEstimator(FlowQuality::Medium, scene.rows, scene.cols, pool)
+        .match(filter.state(), frames[1], tables, motion);
   }
   static test::MovingScene large() {
     test::MovingScene scene;
@@ -52,7 +56,8 @@ void response_estimate(benchmark::State& state) {
   Bench bench(1);
   for (auto _ : state) {
     ResponseEstimator estimator;
-    for (std::size_t i = 1; i < bench.frames.size(); ++i) estimator.add_pair(bench.frames[i - 1], bench.frames[i]);
+    for (std::size_t i = 1; i < bench.frames.size(); ++i)
+      estimator.add_pair(bench.frames[i - 1], bench.frames[i]);
     benchmark::DoNotOptimize(estimator.estimate({}));
   }
 }

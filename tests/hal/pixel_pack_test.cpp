@@ -28,12 +28,14 @@ TEST_CASE("each format lays its bytes out as its documentation says") {
   CHECK(packed({0x123, 0xabc}, PixelFormat::Rggb12) == std::vector{0x23, 0x01, 0xbc, 0x0a});
   CHECK(packed({0xfffe, 1}, PixelFormat::Bggr16) == std::vector{0xfe, 0xff, 1, 0});
   // MIPI CSI-2: high bytes, then the low bits, first pixel lowest
-  CHECK(packed({0x3ff, 0x001, 0x002, 0x200}, PixelFormat::Rggb10Packed) == std::vector{0xff, 0, 0, 0x80, 0b00'10'01'11});
+  CHECK(packed({0x3ff, 0x001, 0x002, 0x200}, PixelFormat::Rggb10Packed) ==
+        std::vector{0xff, 0, 0, 0x80, 0b00'10'01'11});
   CHECK(packed({0xabc, 0x123}, PixelFormat::Grbg12Packed) == std::vector{0xab, 0x12, 0x3c});
 }
 
 TEST_CASE("a format is found for the codes of a recording and holds them") {
-  for (const PixelLayout layout : {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg, PixelLayout::BayerBggr})
+  for (const PixelLayout layout :
+       {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg, PixelLayout::BayerBggr})
     for (const int bits : {8, 10, 12, 16}) {
       const auto format = format_for(layout, bits);
       REQUIRE(format);

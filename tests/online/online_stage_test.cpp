@@ -49,7 +49,8 @@ TEST_CASE("every frame is emitted once and in order, whatever the look-ahead and
       const Run result = run(scene, frames, options, 1);
       REQUIRE(result.result.ok());
       REQUIRE(result.sequences.size() == static_cast<std::size_t>(frames));
-      for (int i = 0; i < frames; ++i) CHECK(result.sequences[static_cast<std::size_t>(i)] == static_cast<std::uint64_t>(i));
+      for (int i = 0; i < frames; ++i)
+        CHECK(result.sequences[static_cast<std::size_t>(i)] == static_cast<std::uint64_t>(i));
       for (const float l : result.radiance) REQUIRE((std::isfinite(l) && l >= 0));
     }
 }
@@ -78,7 +79,8 @@ TEST_CASE("the merged frames are nearer to the scene than the frames that went i
       for (int x = 0; x < scene.cols; ++x)
         logs.push_back(std::log2(std::max(1e-5, estimate(y, x)) / scene.radiance(frame, 1, x, y)));
     auto middle = logs;
-    std::nth_element(middle.begin(), middle.begin() + static_cast<std::ptrdiff_t>(middle.size() / 2), middle.end());
+    std::nth_element(middle.begin(), middle.begin() + static_cast<std::ptrdiff_t>(middle.size() / 2),
+                     middle.end());
     double sum = 0;
     for (const double e : logs) sum += std::abs(e - middle[middle.size() / 2]);
     return sum / static_cast<double>(logs.size());
@@ -87,7 +89,8 @@ TEST_CASE("the merged frames are nearer to the scene than the frames that went i
     const RawFrame raw = scene.frame(i);
     const double own = log_error(
         [&](int y, int x) {
-          return static_cast<double>(truth.exposure_of(1, static_cast<float>(raw.codes.at(1, y, x)))) / raw.facts.exposure_s;
+          return static_cast<double>(truth.exposure_of(1, static_cast<float>(raw.codes.at(1, y, x)))) /
+                 raw.facts.exposure_s;
         },
         i);
     const double merged = log_error(

@@ -18,7 +18,8 @@ void survives(const test::MovingScene& scene, int frames, const std::function<bo
   options.online.field->field.steps_per_frame = 2;
   auto pipeline = Pipeline::create(options, scene.camera(), pool).value();
   int emitted = 0, taken = 0;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&, const FrameRecord&) -> Result<void> {
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+                                        const FrameRecord&) -> Result<void> {
     ++emitted;
     for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
     for (const float s : frame.sigma.samples()) REQUIRE(std::isfinite(s));
@@ -116,7 +117,8 @@ TEST_CASE("pictures of a few pixels") {
 TEST_CASE("random codes: no frame has to do with the one before") {
   survives({}, 9, [](RawFrame& raw, int i) {
     std::uint32_t state = static_cast<std::uint32_t>(i) + 1;
-    for (auto& code : raw.codes.samples()) state = state * 1664525u + 1013904223u, code = static_cast<std::uint16_t>(state >> 24);
+    for (auto& code : raw.codes.samples())
+      state = state * 1664525u + 1013904223u, code = static_cast<std::uint16_t>(state >> 24);
     return true;
   });
 }
@@ -130,7 +132,8 @@ TEST_CASE("2000 frames of a still scene do not drift") {
   auto pipeline = Pipeline::create(options, scene.camera(), pool).value();
   double early = 0, late = 0;
   int emitted = 0;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&, const FrameRecord&) -> Result<void> {
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+                                        const FrameRecord&) -> Result<void> {
     double sum = 0;
     for (const float l : frame.radiance.samples()) sum += std::log(static_cast<double>(l) + 1e-4);
     (emitted < 200 ? early : late) += emitted < 200 ? sum / 200 : emitted >= 1800 ? sum / 200 : 0;

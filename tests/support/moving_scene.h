@@ -1,5 +1,5 @@
-// A small synthetic scene with known radiance: a textured background and a disc that moves over it, spanning about ten
-// stops, seen through a gamma response. Deterministic: noise comes from a counter-based generator.
+// A small synthetic scene with known radiance: a textured background and a disc that moves over it, spanning
+// about ten stops, seen through a gamma response. Deterministic: noise comes from a counter-based generator.
 #pragma once
 
 #include <cmath>
@@ -13,21 +13,22 @@ namespace hdrcam::test {
 
 struct MovingScene {
   int rows = 48, cols = 64;
-  double drift_px = 1.5, disc_px = 3;                  // per frame, to the right
+  double drift_px = 1.5, disc_px = 3;  // per frame, to the right
   std::vector<double> exposures_s = {0.001, 0.004, 0.016};
-  double sensitivity = 250;                            // exposure that saturates radiance 1: 1 / sensitivity
+  double sensitivity = 250;  // exposure that saturates radiance 1: 1 / sensitivity
   float gamma = 2.2f;
-  double full_well = 8000, read_noise = 4;             // electrons; 0 full well: no noise
-  int black_level = 0;                                 // codes
+  double full_well = 8000, read_noise = 4;  // electrons; 0 full well: no noise
+  int black_level = 0;                      // codes
   double framerate_hz = 30;
-  double detail = 1;                                   // of the texture: below 1 it is smoother
+  double detail = 1;  // of the texture: below 1 it is smoother
 
   CameraFacts camera() const {
     CameraFacts facts;
     facts.name = "moving scene";
     facts.width = cols, facts.height = rows;
     facts.framerate_hz = framerate_hz;
-    facts.intrinsics = Intrinsics{static_cast<double>(cols), static_cast<double>(cols), cols / 2.0, rows / 2.0};
+    facts.intrinsics =
+        Intrinsics{static_cast<double>(cols), static_cast<double>(cols), cols / 2.0, rows / 2.0};
     return facts;
   }
 
@@ -65,10 +66,12 @@ struct MovingScene {
           double light = std::min(1.0, radiance(index, c, x, y) * exposure * sensitivity);
           if (full_well > 0) {
             const auto key = static_cast<std::uint64_t>(((index * 3 + c) * rows + y) * cols + x);
-            light += noise(key) * std::sqrt(light / full_well + read_noise * read_noise / (full_well * full_well));
+            light +=
+                noise(key) * std::sqrt(light / full_well + read_noise * read_noise / (full_well * full_well));
           }
           const double value = std::pow(std::clamp(light, 0.0, 1.0), 1.0 / static_cast<double>(gamma));
-          raw.codes.at(c, y, x) = static_cast<std::uint16_t>(std::lround(black_level + (255 - black_level) * value));
+          raw.codes.at(c, y, x) =
+              static_cast<std::uint16_t>(std::lround(black_level + (255 - black_level) * value));
         }
     return raw;
   }

@@ -1,5 +1,5 @@
-// Clock jitter: the sensor's crystal is not the host's (drift), and a stamp is taken a little after the event (an
-// interrupt's latency: |normal|). Value type, reentrant.
+// Clock jitter: the sensor's crystal is not the host's (drift), and a stamp is taken a little after the event
+// (an interrupt's latency: |normal|). Value type, reentrant.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ struct ClockJitterSettings {
 
 class ClockJitter {
  public:
-  ClockJitter(ClockJitterSettings settings, std::uint64_t seed) : settings_(settings), random_(seed, 0x6a697474) {}
+  ClockJitter(ClockJitterSettings settings, std::uint64_t seed)
+      : settings_(settings), random_(seed, 0x6a697474) {}
 
   // The sensor's period in the host's time.
   Duration stretched(Duration sensor_time) const {

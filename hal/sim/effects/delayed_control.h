@@ -1,5 +1,5 @@
-// Control delay: what is written to a sensor's register while frame n is read shows from frame n + delay on. One object a
-// control, so that exposure and gain may have different delays. Value type, thread-bound.
+// Control delay: what is written to a sensor's register while frame n is read shows from frame n + delay on.
+// One object a control, so that exposure and gain may have different delays. Value type, thread-bound.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +16,17 @@ class DelayedControl {
  public:
   static constexpr int kMost = 7;  // frames
 
-  DelayedControl(int delay, Value initial) : delay_(delay), current_(initial) { CHECK(delay >= 0 && delay <= kMost); }
+  DelayedControl(int delay, Value initial) : delay_(delay), current_(initial) {
+    CHECK(delay >= 0 && delay <= kMost);
+  }
 
   // `frame` counts up; `late` more (or, below 0, fewer) frames than usual.
   void write(std::uint64_t frame, Value value, int late = 0) {
     const int after = std::clamp(delay_ + late, 0, kMost);
     pending_[(frame + static_cast<std::uint64_t>(after)) % kSlots] = value;
   }
-  // What frame `frame` is exposed with. Frames are asked for once each, in order, after the writes of that frame.
+  // What frame `frame` is exposed with. Frames are asked for once each, in order, after the writes of that
+  // frame.
   Value latch(std::uint64_t frame) {
     std::optional<Value>& due = pending_[frame % kSlots];
     if (due) current_ = *due, due.reset();

@@ -1,5 +1,5 @@
-// Radial lens distortion: the ray r is seen at r (1 + k1 |r|^2 + k2 |r|^4) (Brown 1971, radial terms). Value type,
-// reentrant.
+// Radial lens distortion: the ray r is seen at r (1 + k1 |r|^2 + k2 |r|^4) (Brown 1971, radial terms). Value
+// type, reentrant.
 #pragma once
 
 #include "hal/sim/geometry.h"
@@ -20,7 +20,8 @@ class Distortion {
     return {ray.x * factor, ray.y * factor};
   }
 
-  // The inverse, by Newton's method on the radius: 1e-6 after five steps within a half field of view of 45 degrees.
+  // The inverse, by Newton's method on the radius: 1e-6 after five steps within a half field of view of 45
+  // degrees.
   Vec2 undistorted(Vec2 seen) const {
     const float wanted = std::sqrt(seen.x * seen.x + seen.y * seen.y);
     if (wanted == 0) return seen;

@@ -1,5 +1,5 @@
-// Dropped frames: the sensor exposed them, nobody got them. Each frame is lost with the same probability, whatever
-// happened before. Value type, reentrant.
+// Dropped frames: the sensor exposed them, nobody got them. Each frame is lost with the same probability,
+// whatever happened before. Value type, reentrant.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ struct DropSettings {
 
 class Drops {
  public:
-  Drops(DropSettings settings, std::uint64_t seed) : probability_(settings.probability), random_(seed, 0x64726f70) {}
+  Drops(DropSettings settings, std::uint64_t seed)
+      : probability_(settings.probability), random_(seed, 0x64726f70) {}
   bool lost(std::uint64_t sequence) const { return random_.uniform(sequence) < probability_; }
 
  private:

@@ -44,7 +44,8 @@ void Flare::box_rows(int channel) {
   for (int v = 0; v < halo_.rows(); ++v)
     for (int u = 0; u < cols; ++u) {
       float sum = 0;
-      for (int k = u - radius_; k <= u + radius_; ++k) sum += halo_.at(channel, v, std::clamp(k, 0, cols - 1));
+      for (int k = u - radius_; k <= u + radius_; ++k)
+        sum += halo_.at(channel, v, std::clamp(k, 0, cols - 1));
       line_.at(channel, v, u) = sum / static_cast<float>(2 * radius_ + 1);
     }
 }
@@ -54,7 +55,8 @@ void Flare::box_columns(int channel) {
   for (int v = 0; v < rows; ++v)
     for (int u = 0; u < halo_.cols(); ++u) {
       float sum = 0;
-      for (int k = v - radius_; k <= v + radius_; ++k) sum += line_.at(channel, std::clamp(k, 0, rows - 1), u);
+      for (int k = v - radius_; k <= v + radius_; ++k)
+        sum += line_.at(channel, std::clamp(k, 0, rows - 1), u);
       halo_.at(channel, v, u) = sum / static_cast<float>(2 * radius_ + 1);
     }
 }

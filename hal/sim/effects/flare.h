@@ -1,6 +1,6 @@
 // Veiling flare: a part of all light is scattered in the lens into a wide halo around where it belongs,
-// out = (1 - s) in + s halo(in); the halo is three box filters, close to a Gaussian, at an eighth of the resolution.
-// Light is kept: outside the picture the border is repeated. Thread-bound, owns its buffers.
+// out = (1 - s) in + s halo(in); the halo is three box filters, close to a Gaussian, at an eighth of the
+// resolution. Light is kept: outside the picture the border is repeated. Thread-bound, owns its buffers.
 #pragma once
 
 #include "hal/core/image.h"
@@ -10,7 +10,7 @@ namespace hdrcam {
 
 struct FlareSettings {
   float strength = 0.008f;  // of the light that is scattered, 0..1
-  float reach = 0.08f;     // radius of the box, of the picture's width
+  float reach = 0.08f;      // radius of the box, of the picture's width
 };
 
 class Flare {
@@ -26,7 +26,7 @@ class Flare {
   float halo_at(int channel, float y, float x) const;
 
   float strength_;
-  int radius_;              // cells
+  int radius_;                // cells
   Image<float> halo_, line_;  // [rgb, cells, cells]
 };
 

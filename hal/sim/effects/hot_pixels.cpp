@@ -6,7 +6,8 @@
 
 namespace hdrcam {
 
-HotPixels::HotPixels(HotPixelSettings settings, std::uint64_t seed, int channels, int rows, int cols) : rows_(rows) {
+HotPixels::HotPixels(HotPixelSettings settings, std::uint64_t seed, int channels, int rows, int cols)
+    : rows_(rows) {
   constexpr std::uint64_t kPlaceStream = 0x686f74, kRateStream = 0x6c65616b;
   const CounterRandom place(seed, kPlaceStream), rate(seed, kRateStream);
   std::uint64_t sample = 0;

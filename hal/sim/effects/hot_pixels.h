@@ -1,5 +1,5 @@
-// Hot pixels: a few pixels of the sensor leak charge, each at its own rate, so that they grow with the exposure. The
-// places are the sensor's, not the frame's. Immutable, reentrant.
+// Hot pixels: a few pixels of the sensor leak charge, each at its own rate, so that they grow with the
+// exposure. The places are the sensor's, not the frame's. Immutable, reentrant.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ class HotPixels {
   };
   std::span<const Leak> in_row(int channel, int y) const;
   void add(int channel, int y, float exposure_s, std::span<float> electrons) const {
-    for (const Leak& leak : in_row(channel, y)) electrons[static_cast<std::size_t>(leak.x)] += leak.rate_e_per_s * exposure_s;
+    for (const Leak& leak : in_row(channel, y))
+      electrons[static_cast<std::size_t>(leak.x)] += leak.rate_e_per_s * exposure_s;
   }
 
  private:

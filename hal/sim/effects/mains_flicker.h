@@ -1,5 +1,6 @@
-// Mains flicker: lamps glow with twice the frequency f of the mains, 1 + m cos(4 pi f t). An exposure of length e around t
-// sees the mean, 1 + m sinc(2 f e) cos(4 pi f t): nothing is left when e is a multiple of 1 / (2 f). Value type, reentrant.
+// Mains flicker: lamps glow with twice the frequency f of the mains, 1 + m cos(4 pi f t). An exposure of
+// length e around t sees the mean, 1 + m sinc(2 f e) cos(4 pi f t): nothing is left when e is a multiple of 1
+// / (2 f). Value type, reentrant.
 #pragma once
 
 #include <cmath>
@@ -18,11 +19,12 @@ class MainsFlicker {
 
   // Mean brightness over [begin_s, begin_s + exposure_s], 1 on average.
   float factor(double begin_s, double exposure_s) const {
-    const double half_angle = 2 * std::numbers::pi * settings_.mains_hz * exposure_s;  // of the light's own period
+    const double half_angle =
+        2 * std::numbers::pi * settings_.mains_hz * exposure_s;  // of the light's own period
     const double sinc = half_angle == 0 ? 1 : std::sin(half_angle) / half_angle;
     const double middle_s = begin_s + exposure_s / 2;
-    return static_cast<float>(
-        1 + settings_.modulation * sinc * std::cos(4 * std::numbers::pi * settings_.mains_hz * middle_s));
+    return static_cast<float>(1 + settings_.modulation * sinc *
+                                      std::cos(4 * std::numbers::pi * settings_.mains_hz * middle_s));
   }
 
  private:

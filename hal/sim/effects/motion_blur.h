@@ -1,5 +1,5 @@
-// Motion blur: radiance is averaged over the exposure, with at least as many instants as the motion is pixels long, and one
-// where it is shorter than half a pixel. Value type, reentrant.
+// Motion blur: radiance is averaged over the exposure, with at least as many instants as the motion is pixels
+// long, and one where it is shorter than half a pixel. Value type, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@ struct MotionBlurSettings {
 
 class MotionBlur {
  public:
-  explicit MotionBlur(MotionBlurSettings settings) : most_(std::bit_floor(std::clamp(settings.most_samples, 1u, 32u))) {}
+  explicit MotionBlur(MotionBlurSettings settings)
+      : most_(std::bit_floor(std::clamp(settings.most_samples, 1u, 32u))) {}
 
   static constexpr float kSharp_px = 0.5f;  // motions up to here are left alone
 

@@ -22,10 +22,12 @@ float poisson(float mean, float u) {
   return count;
 }
 
-void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence, std::uint64_t first_pixel) const {
+void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence,
+                  std::uint64_t first_pixel) const {
   const CounterRandom shot(seed_, kShotStream, sequence), read(seed_, kReadStream, sequence);
   const auto drawn = [&](float mean, std::uint64_t pixel, float normal) {
-    const float count = mean < kGaussianFrom_e ? poisson(mean, shot.uniform(pixel)) : mean + std::sqrt(mean) * normal;
+    const float count =
+        mean < kGaussianFrom_e ? poisson(mean, shot.uniform(pixel)) : mean + std::sqrt(mean) * normal;
     return std::clamp(count, 0.f, full_well_e);
   };
   // Normal numbers come in pairs: one pair for the shot noise of two neighbours, one for their reading.
@@ -35,7 +37,8 @@ void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t s
     float& a = electrons[i];
     float& b = electrons[has_neighbour ? i + 1 : i];
     const float mean_a = a, mean_b = b;
-    const auto shots = std::max(mean_a, mean_b) < kGaussianFrom_e ? CounterRandom::Pair{} : shot.normals(pixel);
+    const auto shots =
+        std::max(mean_a, mean_b) < kGaussianFrom_e ? CounterRandom::Pair{} : shot.normals(pixel);
     const auto reads = read.normals(pixel);
     if (has_neighbour) b = drawn(mean_b, pixel + 1, shots.b) + settings_.read_noise_e * reads.b;
     a = drawn(mean_a, pixel, shots.a) + settings_.read_noise_e * reads.a;

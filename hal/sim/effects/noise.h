@@ -1,5 +1,6 @@
-// Shot and read noise: the electrons of a pixel are Poisson distributed around their mean and are read with a Gaussian
-// error. Numbers come from a counter, so a pixel's noise does not depend on who computes it. Value type, reentrant.
+// Shot and read noise: the electrons of a pixel are Poisson distributed around their mean and are read with a
+// Gaussian error. Numbers come from a counter, so a pixel's noise does not depend on who computes it. Value
+// type, reentrant.
 #pragma once
 
 #include <span>
@@ -16,9 +17,10 @@ class Noise {
  public:
   Noise(NoiseSettings settings, std::uint64_t seed) : settings_(settings), seed_(seed) {}
 
-  // electrons: expected on input, drawn and clipped at the full well, then read, on output; the pixels are those from
-  // `first_pixel` of frame `sequence`.
-  void apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence, std::uint64_t first_pixel) const;
+  // electrons: expected on input, drawn and clipped at the full well, then read, on output; the pixels are
+  // those from `first_pixel` of frame `sequence`.
+  void apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence,
+             std::uint64_t first_pixel) const;
 
  private:
   NoiseSettings settings_;

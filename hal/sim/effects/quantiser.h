@@ -1,5 +1,5 @@
-// Saturation and quantisation, which no sensor is without: value v, 1 = saturated, becomes the whole number nearest to
-// black + v (2^bits - 1 - black), within 0 .. 2^bits - 1. Value type, reentrant.
+// Saturation and quantisation, which no sensor is without: value v, 1 = saturated, becomes the whole number
+// nearest to black + v (2^bits - 1 - black), within 0 .. 2^bits - 1. Value type, reentrant.
 #pragma once
 
 #include <algorithm>

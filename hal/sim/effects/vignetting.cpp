@@ -2,7 +2,8 @@
 
 namespace hdrcam {
 
-Vignetting::Vignetting(VignettingSettings settings, const Intrinsics& lens, int rows, int cols) : factor_(1, rows, cols) {
+Vignetting::Vignetting(VignettingSettings settings, const Intrinsics& lens, int rows, int cols)
+    : factor_(1, rows, cols) {
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < cols; ++x) {
       const double dx = (x + 0.5 - lens.cx_px) / lens.fx_px, dy = (y + 0.5 - lens.cy_px) / lens.fy_px;

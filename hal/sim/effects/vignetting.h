@@ -1,10 +1,10 @@
-// Vignetting: light falls with the fourth power of the cosine of its angle to the lens axis, times a strength (1: the
-// natural law of a simple lens; 2: a fast lens wide open). Value type, reentrant.
+// Vignetting: light falls with the fourth power of the cosine of its angle to the lens axis, times a strength
+// (1: the natural law of a simple lens; 2: a fast lens wide open). Value type, reentrant.
 #pragma once
 
 #include "hal/core/image.h"
-#include "hal/sim/geometry.h"
 #include "hal/recording/recording.h"
+#include "hal/sim/geometry.h"
 
 namespace hdrcam {
 

@@ -25,7 +25,8 @@ struct Outcome {
   std::string err;
 };
 
-Outcome run(const std::vector<std::string>& words, Storage& storage = posix_storage(), bool stop_at_once = false) {
+Outcome run(const std::vector<std::string>& words, Storage& storage = posix_storage(),
+            bool stop_at_once = false) {
   std::vector<const char*> args;
   for (const auto& word : words) args.push_back(word.c_str());
   const std::atomic<bool> stop{stop_at_once};
@@ -61,11 +62,13 @@ std::string bytes_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("the demo recording becomes HDR frames brighter than any LDR level, a preview, statistics and a report") {
+TEST_CASE(
+    "the demo recording becomes HDR frames brighter than any LDR level, a preview, statistics and a report") {
   const std::string out = sample::scratch_folder("replay_demo");
-  const Outcome outcome = run({"replay", kDemo, "-o", out + "/%06d.exr", "--frames", "8", "--preset", "fast", "--layers",
-                               "depth,flow,confidence,provenance", "--preview", out + "/preview/%06d.png", "--stats",
-                               out + "/stats.json", "--sheet", out + "/sheet.png", "--report", out + "/report.html"});
+  const Outcome outcome =
+      run({"replay", kDemo, "-o", out + "/%06d.exr", "--frames", "8", "--preset", "fast", "--layers",
+           "depth,flow,confidence,provenance", "--preview", out + "/preview/%06d.png", "--stats",
+           out + "/stats.json", "--sheet", out + "/sheet.png", "--report", out + "/report.html"});
   INFO(outcome.err);
   REQUIRE(outcome.code == 0);
   const auto frames = files_in(out, ".exr");
@@ -91,8 +94,8 @@ TEST_CASE("the demo recording becomes HDR frames brighter than any LDR level, a 
 TEST_CASE("one thread and two leave the same bytes, another seed leaves others") {
   const std::string folder = sample::scratch_folder("replay_threads"), clip = write_clip(folder, 7);
   const auto replay_to = [&](const std::string& name, const std::string& threads, const std::string& seed) {
-    REQUIRE(run({"replay", clip, "-o", folder + "/" + name + "/%06d.exr", "--emit", "field", "--preset", "fast", "--threads",
-                 threads, "--seed", seed})
+    REQUIRE(run({"replay", clip, "-o", folder + "/" + name + "/%06d.exr", "--emit", "field", "--preset",
+                 "fast", "--threads", threads, "--seed", seed})
                 .code == 0);
     std::vector<std::string> all;
     for (const auto& path : files_in(folder + "/" + name, ".exr")) all.push_back(bytes_of(path));
@@ -107,7 +110,9 @@ TEST_CASE("one thread and two leave the same bytes, another seed leaves others")
 TEST_CASE("each layer can be had alone") {
   const std::string folder = sample::scratch_folder("replay_layers"), clip = write_clip(folder, 6);
   for (const char* layer : {"merged", "state", "field"}) {
-    REQUIRE(run({"replay", clip, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset", "fast"}).code == 0);
+    REQUIRE(
+        run({"replay", clip, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset", "fast"})
+            .code == 0);
     CHECK(files_in(folder + "/" + layer, ".exr").size() == 6);
   }
 }

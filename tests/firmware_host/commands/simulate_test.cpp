@@ -1,4 +1,5 @@
-// The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is explained.
+// The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is
+// explained.
 #include <sys/wait.h>
 
 #include <cstdio>
@@ -7,8 +8,8 @@
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"
-#include "tests/hal/recording/sample_recordings.h"
 #include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 using namespace hdrcam;
 
@@ -57,15 +58,19 @@ TEST_CASE("simulate writes a recording with the exposures of its cycle") {
 TEST_CASE("the same command writes the same bytes") {
   const std::string folder = sample::scratch_folder("simulate_same");
   for (const int threads : {1, 2})
-    require_success(fmt::format("'night?size=64x48&seed=5' -o {}/{}.mkv --frames 5 --threads {}", folder, threads, threads));
-  const auto bytes = [&](int threads) { return value_of(read_whole(posix_storage(), fmt::format("{}/{}.mkv", folder, threads))); };
+    require_success(fmt::format("'night?size=64x48&seed=5' -o {}/{}.mkv --frames 5 --threads {}", folder,
+                                threads, threads));
+  const auto bytes = [&](int threads) {
+    return value_of(read_whole(posix_storage(), fmt::format("{}/{}.mkv", folder, threads)));
+  };
   CHECK(bytes(1) == bytes(2));
 }
 
 TEST_CASE("a clip with truth is one that compare reads, and its truth is perfect") {
   const std::string folder = sample::scratch_folder("simulate_truth");
   require_success(fmt::format("'walk?size=64x48' --truth {}/clip --frames 6", folder));
-  const ClipScores scores = value_of(score_clip(posix_storage(), folder + "/clip", folder + "/clip/gt/hdr", {0, nullptr}));
+  const ClipScores scores =
+      value_of(score_clip(posix_storage(), folder + "/clip", folder + "/clip/gt/hdr", {0, nullptr}));
   CHECK(scores.frames.size() == 6);
   CHECK(scores.mean.psnr_mu_db > 100);
   REQUIRE(scores.flicker_stops);
@@ -94,13 +99,15 @@ TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
   const Run run = run_simulate("'night?size=64x48' --explain");
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
-  for (const char* words : {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains", "the scene does not call for it", "CPU ms"})
+  for (const char* words : {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains",
+                            "the scene does not call for it", "CPU ms"})
     CHECK(run.output.find(words) != std::string::npos);
 }
 
 TEST_CASE("a raw recording is Bayer, linear and explained as such") {
   const std::string path = sample::scratch_folder("simulate_raw") + "/r.mkv";
-  require_success(fmt::format("'still?size=32x32&black=0.0625' -o {} --frames 2 --format bayer --bits 12", path));
+  require_success(
+      fmt::format("'still?size=32x32&black=0.0625' -o {} --frames 2 --format bayer --bits 12", path));
   auto reader = value_of(open_recording(posix_storage(), path));
   CHECK(reader->camera().layout == PixelLayout::BayerRggb);
   CHECK(reader->camera().bits == 12);

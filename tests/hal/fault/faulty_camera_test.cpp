@@ -12,7 +12,8 @@ namespace {
 // A stream of a simulated camera whose third buffer (number 2) has the fault.
 struct FaultyStream {
   explicit FaultyStream(CameraFaultKind kind) {
-    auto inner = std::make_unique<SimulatedCamera>(value_of(simulation_of("still?size=32x24")), SimTime(clock), 1);
+    auto inner =
+        std::make_unique<SimulatedCamera>(value_of(simulation_of("still?size=32x24")), SimTime(clock), 1);
     camera = std::make_unique<FaultyCamera>(std::move(inner), std::vector<CameraFault>{{2, kind}});
     value_of(camera->configure({}, 4));
     require_done(camera->start());
@@ -29,13 +30,14 @@ struct FaultyStream {
 }  // namespace
 
 TEST_CASE("the faulty camera without faults keeps the camera contract") {
-  keeps_camera_contract({.name = "faulty",
-                         .open = []() -> Result<std::unique_ptr<Camera>> {
-                           return std::unique_ptr<Camera>(std::make_unique<FaultyCamera>(
-                               value_of(open_simulated_camera("still?size=32x24&fps=100")), std::vector<CameraFault>{}));
-                         },
-                         .mode = {PixelFormat::Rgb24, 32, 24, milliseconds(10)},
-                         .drops_frames = true});  // the camera inside keeps real time, and a busy machine is late
+  keeps_camera_contract(
+      {.name = "faulty",
+       .open = []() -> Result<std::unique_ptr<Camera>> {
+         return std::unique_ptr<Camera>(std::make_unique<FaultyCamera>(
+             value_of(open_simulated_camera("still?size=32x24&fps=100")), std::vector<CameraFault>{}));
+       },
+       .mode = {PixelFormat::Rgb24, 32, 24, milliseconds(10)},
+       .drops_frames = true});  // the camera inside keeps real time, and a busy machine is late
 }
 
 TEST_CASE("the faulty camera fails where it was told to, and nowhere else") {

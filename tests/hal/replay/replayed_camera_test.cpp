@@ -6,8 +6,8 @@
 #include "hal/recording/recording.h"
 #include "hal/sim/virtual_clock.h"
 #include "tests/contracts/camera_contract.h"
-#include "tests/hal/recording/sample_recordings.h"
 #include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 using namespace hdrcam;
 using std::chrono::milliseconds;
@@ -42,7 +42,10 @@ TEST_CASE("the replayed camera keeps the camera contract") {
   const std::string path = write_recording("replay_contract", PixelLayout::Rgb, 8);
   keeps_camera_contract(
       {.name = "replayed",
-       .open = [&] { return open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()); },
+       .open =
+           [&] {
+             return open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock());
+           },
        .mode = {PixelFormat::Rgb24, 32, 16, milliseconds(33)},
        .allocations_per_frame = 40});  // the reader's: decoding FFV1 and JSON makes a fresh frame each time
 }
@@ -50,7 +53,8 @@ TEST_CASE("the replayed camera keeps the camera contract") {
 TEST_CASE("a replay hands over the pixels and facts that were recorded") {
   for (const auto& [layout, bits] : {std::pair{PixelLayout::Rgb, 8}, {PixelLayout::BayerGrbg, 12}}) {
     const std::string path = write_recording("replay_pixels", layout, bits);
-    auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+    auto camera =
+        value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
     const StreamMode mode = value_of(camera->configure(camera->capabilities().modes.front(), 3));
     require_done(camera->start());
     const CameraFacts facts = sample::camera(layout, bits, 32, 16);
@@ -92,6 +96,8 @@ TEST_CASE("a paced replay takes as long as the recording did") {
 
 TEST_CASE("what cannot be replayed is refused in a sentence") {
   const std::string path = write_recording("replay_refused", PixelLayout::Rgb, 12);
-  require_error(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()), ErrorCode::Unsupported);
-  require_error(open_replayed_camera(posix_storage(), path + "x", ReplayPace::AsRecorded, posix_clock()), ErrorCode::NotFound);
+  require_error(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()),
+                ErrorCode::Unsupported);
+  require_error(open_replayed_camera(posix_storage(), path + "x", ReplayPace::AsRecorded, posix_clock()),
+                ErrorCode::NotFound);
 }

@@ -1,4 +1,5 @@
-// The renderer against brute force: blur is the mean of instants, a rolling shutter is a different instant in each row.
+// The renderer against brute force: blur is the mean of instants, a rolling shutter is a different instant in
+// each row.
 #include <cmath>
 #include <numbers>
 
@@ -72,7 +73,8 @@ TEST_CASE("a row under a rolling shutter is that row of the picture taken when i
     const auto distance = [&](double time_s) {
       global.render({time_s, time_s}, straight);
       double sum = 0;
-      for (int x = 0; x < kCols; ++x) sum += static_cast<double>(std::abs(std::log2(skewed.at(1, y, x) / straight.at(1, y, x))));
+      for (int x = 0; x < kCols; ++x)
+        sum += static_cast<double>(std::abs(std::log2(skewed.at(1, y, x) / straight.at(1, y, x))));
       return sum / kCols;
     };
     own_row += distance(0.2 + shutter.delay_s(y));

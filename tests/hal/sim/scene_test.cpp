@@ -14,7 +14,8 @@ namespace {
 constexpr int kRows = 72, kCols = 96;
 
 Simulation small(const std::string& spec) {
-  auto simulation = simulation_of(spec + (spec.find('?') == std::string::npos ? "?size=96x72" : "&size=96x72"));
+  auto simulation =
+      simulation_of(spec + (spec.find('?') == std::string::npos ? "?size=96x72" : "&size=96x72"));
   REQUIRE(simulation.ok());
   return *simulation;
 }
@@ -32,7 +33,8 @@ struct Stage {
 Vec3 world_point(const Stage& stage, const SceneTruth& truth, int y, int x) {
   const Vec2 ray = stage.lens.ray_of(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
   const float depth = truth.depth.at(0, y, x);
-  return truth.T_world_camera.rotation * Vec3{ray.x * depth, ray.y * depth, depth} + truth.T_world_camera.position;
+  return truth.T_world_camera.rotation * Vec3{ray.x * depth, ray.y * depth, depth} +
+         truth.T_world_camera.position;
 }
 
 }  // namespace
@@ -55,19 +57,26 @@ TEST_CASE("a point warped by the true flow lands on the same surface point, of t
           if (truth.flow.at(2, y, x) > 0.5f) continue;
           const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
           const float to_x = px + truth.flow.at(0, y, x), to_y = py + truth.flow.at(1, y, x);
-          const auto hit_near = [&](float dx, float dy) { return next.cast(stage.lens.ray_of(to_x + dx, to_y + dy)); };
+          const auto hit_near = [&](float dx, float dy) {
+            return next.cast(stage.lens.ray_of(to_x + dx, to_y + dy));
+          };
           const Hit from = now.cast(stage.lens.ray_of(px, py)), to = hit_near(0, 0);
           INFO(entry.name << " at " << time_s << " s, pixel " << x << ", " << y);
           REQUIRE(from.object == truth.ids.at(0, y, x));
           const Hit right = hit_near(0.02f, 0), below = hit_near(0, 0.02f);
-          const bool outline = to.object != from.object || right.object != to.object || below.object != to.object;
+          const bool outline =
+              to.object != from.object || right.object != to.object || below.object != to.object;
           if (outline) continue;  // a rounding error decides which surface is met
           ++followed;
-          const float explained_m = length(right.point - to.point) + length(below.point - to.point) + 1e-4f;  // 0.02 px
+          const float explained_m =
+              length(right.point - to.point) + length(below.point - to.point) + 1e-4f;  // 0.02 px
           REQUIRE(length(to.point - from.point) < explained_m);
-          if (stage.scene.objects[static_cast<std::size_t>(from.object)].surface != Surface::Radiant) continue;
-          const float before = luminance(now.radiance(from, 0.02f)), after = luminance(next.radiance(to, 0.02f));
-          REQUIRE(std::abs(after - before) < 0.4f * before + 1e-4f);  // a nearer or less slanted texture is filtered less
+          if (stage.scene.objects[static_cast<std::size_t>(from.object)].surface != Surface::Radiant)
+            continue;
+          const float before = luminance(now.radiance(from, 0.02f)),
+                      after = luminance(next.radiance(to, 0.02f));
+          REQUIRE(std::abs(after - before) <
+                  0.4f * before + 1e-4f);  // a nearer or less slanted texture is filtered less
           difference += static_cast<double>(std::abs(after - before) / before);
         }
       CHECK(followed > kRows * kCols * 3 / 4);
@@ -113,7 +122,8 @@ TEST_CASE("every scene spans more than twelve stops") {
       renderer.render(0.8 * i, 0.8 * i + 0.03, truth);
       for (int y = 0; y < kRows; ++y)
         for (int x = 0; x < kCols; ++x) {
-          const float value = luminance({truth.radiance.at(0, y, x), truth.radiance.at(1, y, x), truth.radiance.at(2, y, x)});
+          const float value =
+              luminance({truth.radiance.at(0, y, x), truth.radiance.at(1, y, x), truth.radiance.at(2, y, x)});
           REQUIRE(std::isfinite(value));
           REQUIRE(value > 0);
           darkest = std::min(darkest, value), brightest = std::max(brightest, value);
@@ -140,7 +150,8 @@ TEST_CASE("a scene is as good after an hour: camera and objects stay where they 
 
 TEST_CASE("seeds make other scenes, settings make what they say") {
   WorkerPool pool(1);
-  const Scene first = make_scene(small("walk?seed=1").scene, 32, pool), other = make_scene(small("walk?seed=2").scene, 32, pool);
+  const Scene first = make_scene(small("walk?seed=1").scene, 32, pool),
+              other = make_scene(small("walk?seed=2").scene, 32, pool);
   REQUIRE(first.objects.size() == other.objects.size());
   CHECK(length(first.objects.back().centre_m - other.objects.back().centre_m) > 1e-3f);
   const Scene crowded = make_scene(small("walk?objects=20&lamps=5").scene, 32, pool);

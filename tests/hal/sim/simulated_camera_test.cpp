@@ -1,4 +1,5 @@
-// The simulated camera: the contract of all cameras, and what its own header promises about time, delays and harm.
+// The simulated camera: the contract of all cameras, and what its own header promises about time, delays and
+// harm.
 #include "hal/sim/simulated_camera.h"
 
 #include <map>
@@ -16,19 +17,24 @@ namespace {
 
 const char* kTiny = "still?size=32x24&without=noise";
 
-std::unique_ptr<SimulatedCamera> virtual_camera(const std::string& spec, VirtualClock& clock, SimulatedWire* strobe = nullptr) {
+std::unique_ptr<SimulatedCamera> virtual_camera(const std::string& spec, VirtualClock& clock,
+                                                SimulatedWire* strobe = nullptr) {
   return std::make_unique<SimulatedCamera>(value_of(simulation_of(spec)), SimTime(clock), 1, strobe);
 }
 
 // A running stream whose request n asks for 1, 4, 8 ms and gain 1, 2, 4 in turn.
 struct Stream {
   explicit Stream(const std::string& spec, SimulatedWire* strobe = nullptr, VirtualClock* shared = nullptr)
-      : clock(shared != nullptr ? *shared : own), camera(virtual_camera(spec, clock, strobe)), bench(*camera) {
+      : clock(shared != nullptr ? *shared : own),
+        camera(virtual_camera(spec, clock, strobe)),
+        bench(*camera) {
     value_of(camera->configure({}, 4));
     require_done(camera->start());
     for (int i = 0; i < 4; ++i) queue();
   }
-  static Duration exposure(std::uint64_t cookie) { return milliseconds(cookie % 3 == 0 ? 1 : cookie % 3 == 1 ? 4 : 8); }
+  static Duration exposure(std::uint64_t cookie) {
+    return milliseconds(cookie % 3 == 0 ? 1 : cookie % 3 == 1 ? 4 : 8);
+  }
   static double gain(std::uint64_t cookie) { return cookie % 3 == 0 ? 1 : cookie % 3 == 1 ? 2 : 4; }
   void queue() {
     require_done(camera->queue({next_cookie, exposure(next_cookie), gain(next_cookie)}));
@@ -59,11 +65,14 @@ TEST_CASE("the simulated camera keeps the camera contract") {
   const auto open = [](const char* spec) {
     return [spec]() -> Result<std::unique_ptr<Camera>> { return open_simulated_camera(spec); };
   };
-  keeps_camera_contract({.name = "simulated RGB", .open = open("still?size=32x24&fps=100"),
+  keeps_camera_contract({.name = "simulated RGB",
+                         .open = open("still?size=32x24&fps=100"),
                          .mode = {PixelFormat::Rgb24, 32, 24, milliseconds(10)},
                          .drops_frames = true});  // it keeps real time, and a busy machine is late
-  keeps_camera_contract({.name = "simulated Bayer", .open = open("walk?size=32x24&fps=100&drops=0.1"),
-                         .mode = {PixelFormat::Rggb10Packed, 32, 24, milliseconds(10)}, .drops_frames = true});
+  keeps_camera_contract({.name = "simulated Bayer",
+                         .open = open("walk?size=32x24&fps=100&drops=0.1"),
+                         .mode = {PixelFormat::Rggb10Packed, 32, 24, milliseconds(10)},
+                         .drops_frames = true});
 }
 
 TEST_CASE("for every set of delays a control shows as many frames later as its delay says") {
@@ -87,15 +96,17 @@ TEST_CASE("for every set of delays a control shows as many frames later as its d
 }
 
 TEST_CASE("the pixels are those of the true exposure, in every format") {
-  for (const PixelFormat format : {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rggb8, PixelFormat::Rggb12,
-                                   PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed, PixelFormat::Rggb16}) {
+  for (const PixelFormat format :
+       {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rggb8, PixelFormat::Rggb12,
+        PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed, PixelFormat::Rggb16}) {
     const std::string spec = "walk?size=32x24&delay=2,1";
     VirtualClock clock;
     auto camera = virtual_camera(spec, clock);
     SimBench bench(*camera);
     const StreamMode mode = value_of(camera->configure({format, 32, 24, milliseconds(33)}, 3));
     require_done(camera->start());
-    for (std::uint64_t i = 0; i < 3; ++i) require_done(camera->queue({i, Stream::exposure(i), Stream::gain(i)}));
+    for (std::uint64_t i = 0; i < 3; ++i)
+      require_done(camera->queue({i, Stream::exposure(i), Stream::gain(i)}));
     Simulation simulation = value_of(simulation_of(spec));
     simulation.framerate_hz = 1 / to_seconds(mode.frame_duration);
     const PackedFormat packed = packed_format(format).value();
@@ -106,7 +117,8 @@ TEST_CASE("the pixels are those of the true exposure, in every format") {
       const TrueExposure truth = bench.true_exposure(buffer.sequence).value();
       Image<std::uint16_t> codes;
       sensor.expose({buffer.sequence, to_seconds(mode.frame_duration) * static_cast<double>(buffer.sequence),
-                     to_seconds(truth.exposure), truth.analogue_gain}, codes);
+                     to_seconds(truth.exposure), truth.analogue_gain},
+                    codes);
       std::vector<std::byte> expected(packed_stride(format, 32) * 24);
       pack_codes(codes, format, expected);
       INFO(name(format) << " frame " << i);
@@ -203,7 +215,8 @@ TEST_CASE("the strobe is high while each frame is exposed, lost ones too") {
   for (int i = 0; i < 20; ++i) stream.next();
   for (std::uint64_t frame = 0; frame < 20; ++frame) {
     const TrueExposure truth = stream.bench.true_exposure(frame).value();
-    const Edge rise = value_of(line.wait_edge(Duration::zero())), fall = value_of(line.wait_edge(Duration::zero()));
+    const Edge rise = value_of(line.wait_edge(Duration::zero())),
+               fall = value_of(line.wait_edge(Duration::zero()));
     INFO("frame " << frame);
     REQUIRE(rise.rising);
     REQUIRE_FALSE(fall.rising);
@@ -221,7 +234,8 @@ TEST_CASE("in virtual time a run is the same every time, stamps and bytes") {
       const CapturedBuffer buffer = stream.next();
       facts.push_back(buffer.sequence);
       facts.push_back(static_cast<std::uint64_t>(buffer.timestamp.since_boot.count()));
-      for (const std::byte b : buffer.pixels) hash = hash * 1099511628211u + std::to_integer<std::uint64_t>(b);
+      for (const std::byte b : buffer.pixels)
+        hash = hash * 1099511628211u + std::to_integer<std::uint64_t>(b);
       facts.push_back(hash);
     }
     return facts;
@@ -237,7 +251,9 @@ TEST_CASE("a camera that reports nothing says so, and offers no delays") {
   Stream stream(std::string(kTiny) + "&reports=no");
   CHECK_FALSE(stream.next().exposure);
   CHECK(virtual_camera(kTiny, clock)->capabilities().delays == ControlDelays{2, 1});
-  CHECK(virtual_camera(std::string(kTiny) + "&without=control-delay", clock)->capabilities().exposure_per_request);
+  CHECK(virtual_camera(std::string(kTiny) + "&without=control-delay", clock)
+            ->capabilities()
+            .exposure_per_request);
 }
 
 TEST_CASE("an unplugged camera says so in every call that needs it") {

@@ -1,4 +1,5 @@
-// The sensor as a whole: the same in, the same out; only the effects of the plan; exposure means what it says.
+// The sensor as a whole: the same in, the same out; only the effects of the plan; exposure means what it
+// says.
 #include "hal/sim/simulated_sensor.h"
 
 #include <vector>
@@ -15,7 +16,7 @@ using Codes = std::vector<std::uint16_t>;
 bool same(const Codes& a, const Codes& b) { return a == b; }  // without printing thousands of them
 
 Codes codes_of(const std::string& spec, int threads, PixelLayout layout = PixelLayout::Rgb, int bits = 8,
-                                    Shot shot = {7, 0.5, 0.016, 1}) {
+               Shot shot = {7, 0.5, 0.016, 1}) {
   WorkerPool pool(threads);
   SimulatedSensor sensor(value_of(simulation_of(spec)), layout, bits, pool);
   Image<std::uint16_t> codes;
@@ -24,7 +25,8 @@ Codes codes_of(const std::string& spec, int threads, PixelLayout layout = PixelL
 }
 
 const char* kEverything =
-    "night?size=64x48&with=rolling-shutter,distortion,vignetting,flare,mains-flicker,hot-pixels,drops,clock-jitter";
+    "night?size=64x48&with=rolling-shutter,distortion,vignetting,flare,mains-flicker,hot-pixels,drops,clock-"
+    "jitter";
 
 }  // namespace
 
@@ -33,7 +35,8 @@ TEST_CASE("the same seed gives the same codes, on one thread and on two") {
   CHECK(same(once, codes_of(kEverything, 2)));
   CHECK(same(once, codes_of(kEverything, 1)));
   CHECK_FALSE(same(once, codes_of(std::string(kEverything) + "&seed=2", 1)));
-  CHECK(same(codes_of(kEverything, 1, PixelLayout::BayerGrbg, 12), codes_of(kEverything, 2, PixelLayout::BayerGrbg, 12)));
+  CHECK(same(codes_of(kEverything, 1, PixelLayout::BayerGrbg, 12),
+             codes_of(kEverything, 2, PixelLayout::BayerGrbg, 12)));
 }
 
 TEST_CASE("without noise and response a code is radiance times exposure, up to saturation") {
@@ -55,7 +58,8 @@ TEST_CASE("without noise and response a code is radiance times exposure, up to s
 
 TEST_CASE("a Bayer picture is the colour picture seen through the mosaic") {
   const std::string spec = "still?size=64x48&without=noise,response";
-  const auto rgb = codes_of(spec, 1, PixelLayout::Rgb, 12), raw = codes_of(spec, 1, PixelLayout::BayerRggb, 12);
+  const auto rgb = codes_of(spec, 1, PixelLayout::Rgb, 12),
+             raw = codes_of(spec, 1, PixelLayout::BayerRggb, 12);
   const Mosaic mosaic(PixelLayout::BayerRggb);
   REQUIRE(raw.size() * 3 == rgb.size());
   for (int y = 0; y < 48; ++y)
@@ -68,8 +72,8 @@ TEST_CASE("a Bayer picture is the colour picture seen through the mosaic") {
 TEST_CASE("each effect that is switched on changes the picture, and only then") {
   const std::string base = "walk?size=160x120&without=motion-blur,noise,vignetting,response";
   const auto plain = codes_of(base, 1);
-  for (const char* effect : {"motion-blur", "rolling-shutter", "distortion", "vignetting", "flare", "mains-flicker",
-                             "hot-pixels", "noise", "response"}) {
+  for (const char* effect : {"motion-blur", "rolling-shutter", "distortion", "vignetting", "flare",
+                             "mains-flicker", "hot-pixels", "noise", "response"}) {
     INFO(effect);
     const std::string more = fmt::format("{}&with={}", base, effect);
     CHECK_FALSE(same(codes_of(more, 1), plain));
@@ -99,7 +103,8 @@ TEST_CASE("an effect that is off is not constructed") {
 
 TEST_CASE("costs are measured for what is on, touches pixels and can be left out") {
   WorkerPool pool(1);
-  const EffectCosts costs = measure_costs(value_of(simulation_of("fast?size=160x120")), PixelLayout::Rgb, 8, 0.016, 4, pool);
+  const EffectCosts costs =
+      measure_costs(value_of(simulation_of("fast?size=160x120")), PixelLayout::Rgb, 8, 0.016, 4, pool);
   const auto cost = [&](Effect effect) { return costs.effect_ms[static_cast<std::size_t>(effect)]; };
   CHECK(costs.frame_ms > 0);
   CHECK(costs.bare_ms > 0);
@@ -118,6 +123,7 @@ TEST_CASE("an exposure allocates nothing after the first") {
   Image<std::uint16_t> codes;
   sensor.expose({0, 0.5, 0.016, 1}, codes);
   const std::uint64_t before = allocations_so_far();
-  for (std::uint64_t i = 1; i < 6; ++i) sensor.expose({i, 0.5 + static_cast<double>(i) / 30, 0.016, 1}, codes);
+  for (std::uint64_t i = 1; i < 6; ++i)
+    sensor.expose({i, 0.5 + static_cast<double>(i) / 30, 0.016, 1}, codes);
   CHECK(allocations_so_far() == before);
 }

@@ -2,8 +2,8 @@
 
 #include "hal/fault/faulty_sync_line.h"
 #include "tests/contracts/clock_contract.h"
-#include "tests/contracts/sync_line_contract.h"
 #include "tests/contracts/expect.h"
+#include "tests/contracts/sync_line_contract.h"
 
 using namespace hdrcam;
 using std::chrono::milliseconds;
@@ -18,30 +18,36 @@ std::unique_ptr<SyncLine> line(SimulatedWire& wire, LineDirection direction) {
 
 TEST_CASE("the simulated sync line keeps the sync line contract") {
   SimulatedWire wire{SimTime()};
-  keeps_input_line_contract({.name = "simulated",
-                             .open = [&]() -> Result<std::unique_ptr<SyncLine>> { return line(wire, LineDirection::Input); },
-                             .drive = [&](bool active) { wire.drive(active); }});
-  keeps_output_line_contract({.name = "simulated",
-                              .open = [&]() -> Result<std::unique_ptr<SyncLine>> { return line(wire, LineDirection::Output); },
-                              .level = [&] { return wire.level(); }});
+  keeps_input_line_contract(
+      {.name = "simulated",
+       .open = [&]() -> Result<std::unique_ptr<SyncLine>> { return line(wire, LineDirection::Input); },
+       .drive = [&](bool active) { wire.drive(active); }});
+  keeps_output_line_contract(
+      {.name = "simulated",
+       .open = [&]() -> Result<std::unique_ptr<SyncLine>> { return line(wire, LineDirection::Output); },
+       .level = [&] { return wire.level(); }});
 }
 
 TEST_CASE("the faulty sync line without faults keeps the sync line contract") {
   SimulatedWire wire{SimTime()};
   const auto open = [&](LineDirection direction) -> Result<std::unique_ptr<SyncLine>> {
-    return std::unique_ptr<SyncLine>(std::make_unique<FaultySyncLine>(line(wire, direction), std::vector<LineFault>{}));
+    return std::unique_ptr<SyncLine>(
+        std::make_unique<FaultySyncLine>(line(wire, direction), std::vector<LineFault>{}));
   };
-  keeps_input_line_contract({.name = "faulty", .open = [&] { return open(LineDirection::Input); },
+  keeps_input_line_contract({.name = "faulty",
+                             .open = [&] { return open(LineDirection::Input); },
                              .drive = [&](bool active) { wire.drive(active); }});
-  keeps_output_line_contract({.name = "faulty", .open = [&] { return open(LineDirection::Output); },
+  keeps_output_line_contract({.name = "faulty",
+                              .open = [&] { return open(LineDirection::Output); },
                               .level = [&] { return wire.level(); }});
 }
 
 TEST_CASE("the virtual clock keeps the clock contract") {
   VirtualClock clock;
   keeps_clock_contract({.name = "virtual", .clock = clock, .stamp = [&](ClockDomain domain) {
-                          return clock.now().since_boot +
-                                 (domain == ClockDomain::Realtime ? VirtualClock::kRealtimeStart : Duration::zero());
+                          return clock.now().since_boot + (domain == ClockDomain::Realtime
+                                                               ? VirtualClock::kRealtimeStart
+                                                               : Duration::zero());
                         }});
 }
 
@@ -71,7 +77,8 @@ TEST_CASE("an output's pulses are an input's edges") {
   SimulatedWire wire{SimTime(clock)};
   SimulatedSyncLine output(wire, LineDirection::Output), input(wire, LineDirection::Input);
   require_done(output.pulse(milliseconds(7)));
-  const Edge rise = value_of(input.wait_edge(Duration::zero())), fall = value_of(input.wait_edge(Duration::zero()));
+  const Edge rise = value_of(input.wait_edge(Duration::zero())),
+             fall = value_of(input.wait_edge(Duration::zero()));
   CHECK(rise.rising);
   CHECK_FALSE(fall.rising);
   CHECK(fall.at - rise.at == milliseconds(7));
@@ -81,7 +88,8 @@ TEST_CASE("the faulty sync line fails where it was told to") {
   VirtualClock clock;
   SimulatedWire wire{SimTime(clock)};
   const auto faulty = [&](LineFaultKind kind) {
-    auto wrapped = std::make_unique<FaultySyncLine>(line(wire, LineDirection::Input), std::vector<LineFault>{{2, kind}});
+    auto wrapped =
+        std::make_unique<FaultySyncLine>(line(wire, LineDirection::Input), std::vector<LineFault>{{2, kind}});
     for (int i = 0; i < 4; ++i) wire.strobe(clock.now() + milliseconds(i), std::chrono::microseconds(200));
     for (int i = 0; i < 2; ++i) value_of(wrapped->wait_edge(milliseconds(10)));
     return wrapped;

@@ -20,9 +20,10 @@ TEST_CASE("a scene's name is enough; settings change what they name") {
   const Simulation plain = value_of(simulation_of("walk"));
   CHECK(plain.width == 320);
   CHECK(plain.scene.objects == 6);
-  const Simulation set = value_of(simulation_of(
-      "walk?seed=3&size=64x48&fps=60&objects=2&lamps=0&speed=0.5&camera=orbit&full-well=900&read-noise=3&black=0.06"
-      "&delay=3,1&drops=0.1&reports=no&response=gamma"));
+  const Simulation set =
+      value_of(simulation_of("walk?seed=3&size=64x48&fps=60&objects=2&lamps=0&speed=0.5&camera=orbit&full-"
+                             "well=900&read-noise=3&black=0.06"
+                             "&delay=3,1&drops=0.1&reports=no&response=gamma"));
   CHECK(set.scene.seed == 3);
   CHECK(set.width == 64);
   CHECK(set.height == 48);
@@ -55,7 +56,8 @@ TEST_CASE("with and without overrule the scene, and say so") {
 }
 
 TEST_CASE("every effect is found by its name") {
-  for (std::size_t i = 0; i < kEffects; ++i) CHECK(effect_of(name(static_cast<Effect>(i))) == static_cast<Effect>(i));
+  for (std::size_t i = 0; i < kEffects; ++i)
+    CHECK(effect_of(name(static_cast<Effect>(i))) == static_cast<Effect>(i));
   CHECK_FALSE(effect_of("sparkle"));
 }
 

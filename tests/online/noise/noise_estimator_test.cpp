@@ -35,7 +35,8 @@ TEST_CASE("shot noise is measured from a still scene, and nothing is claimed fro
     found.push_back(estimator.solve(guess).full_well);
   }
   INFO("found " << found[0] << " and " << found[1] << " electrons");
-  // interpolation is assumed to halve the noise of one frame; a still scene is not interpolated: up to 1.5 times too much
+  // interpolation is assumed to halve the noise of one frame; a still scene is not interpolated: up to 1.5
+  // times too much
   CHECK(found[0] > 350);
   CHECK(found[0] < 1050);
   // with a deeper well the step of eight bits hides the shot noise: only the order is certain

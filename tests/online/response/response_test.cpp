@@ -49,7 +49,8 @@ TEST_CASE("the leak is continuous at 0 and 1, and its slope is the derivative an
   for (const float x : {-3.f, -0.1f, 1.2f, 2.f, 50.f}) {
     const float h = 1e-2f * std::abs(x);
     float ignored = 0;
-    const float numeric = (response.leaky_value(1, x + h, &ignored) - response.leaky_value(1, x - h, &ignored)) / (2 * h);
+    const float numeric =
+        (response.leaky_value(1, x + h, &ignored) - response.leaky_value(1, x - h, &ignored)) / (2 * h);
     response.leaky_value(1, x, &slope);
     CHECK(slope == Approx(numeric).epsilon(0.02).margin(2e-6));
     CHECK(slope > 0);
@@ -94,7 +95,8 @@ TEST_CASE("pairs that say nothing are left out") {
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < scene.rows; ++y)
         for (int x = 0; x < scene.cols; ++x)
-          other.codes.at(c, y, x) = 128 + 100 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
+          other.codes.at(c, y, x) =
+              128 + 100 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
     CHECK_FALSE(estimator.add_pair(frames[0], other));
   }
   CHECK(estimator.pairs() == 0);

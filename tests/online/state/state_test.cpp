@@ -61,7 +61,8 @@ TEST_CASE("a warp by whole and by fractional pixels finds the values of a smooth
     warp_linear(image, uniform_flow(40, 60, dx, 1), linear, pool);
     for (int y = 6; y < 34; ++y)
       for (int x = 6; x < 54; ++x) {
-        const double truth = 2 + std::sin(0.31 * (x + static_cast<double>(dx)) + 1) * std::cos(0.23 * (y + 1));
+        const double truth =
+            2 + std::sin(0.31 * (x + static_cast<double>(dx)) + 1) * std::cos(0.23 * (y + 1));
         REQUIRE(cubic.at(1, y, x) == Approx(truth).margin(0.004));
         REQUIRE(linear.at(1, y, x) == Approx(truth).margin(0.02));
       }
@@ -72,7 +73,8 @@ TEST_CASE("a flow that leads nowhere repeats the border and reads nothing outsid
   WorkerPool pool(1);
   const auto image = texture(5, 7);
   Image<float> out;
-  for (const float wild : {1e9f, -1e9f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+  for (const float wild :
+       {1e9f, -1e9f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
     warp_cubic(image, uniform_flow(5, 7, wild, wild), 0.3f, out, pool);
     for (const float v : out.samples()) REQUIRE(std::isfinite(v));
     warp_linear(image, uniform_flow(5, 7, wild, wild), out, pool);
@@ -159,7 +161,8 @@ TEST_CASE("what is clipped in every frame stays a lower bound and is called unse
       filter.advance(frame, tables, still(scene.rows, scene.cols));
   }
   for (const float v : filter.state().variance.samples()) REQUIRE(v >= known_limit(4));
-  for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(4));  // the shortest exposure's bound
+  for (const float l : filter.state().radiance.samples())
+    REQUIRE(l == Approx(4));  // the shortest exposure's bound
 }
 
 TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {
@@ -167,7 +170,8 @@ TEST_CASE("a sample that contradicts the state is gated, one that agrees is not"
   WorkerPool pool(1);
   Fusion fusion({}, kRows, kCols, pool);
   fusion.set_white(4);
-  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols), Image<float>(1, kRows, kCols)};
+  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
   state.radiance.fill(0.2f);
   state.variance.fill(1e-5f);
   const ExposureTables tables(Response::gamma(2.2f), {}, 1);

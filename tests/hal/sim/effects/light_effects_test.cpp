@@ -51,10 +51,10 @@ TEST_CASE("flare scatters its share of a point into a halo and loses none of it"
   for (const float value : light.samples()) sum += static_cast<double>(value);
   CHECK(sum == Approx(1000).epsilon(1e-3));
   CHECK(light.at(0, 120, 160) == Approx(900).epsilon(0.01));
-  CHECK(light.at(0, 120, 170) > 0);                          // a halo..
-  CHECK(light.at(0, 120, 170) > light.at(0, 120, 190));      // that falls off
-  CHECK(light.at(0, 10, 10) == 0);                           // and ends
-  CHECK(light.at(1, 120, 170) == 0);                         // each colour for itself
+  CHECK(light.at(0, 120, 170) > 0);                      // a halo..
+  CHECK(light.at(0, 120, 170) > light.at(0, 120, 190));  // that falls off
+  CHECK(light.at(0, 10, 10) == 0);                       // and ends
+  CHECK(light.at(1, 120, 170) == 0);                     // each colour for itself
 }
 
 TEST_CASE("flare leaves an even picture as it is, whatever its size") {
@@ -91,7 +91,9 @@ TEST_CASE("an exposure of whole half periods of the mains does not flicker") {
   CHECK(std::abs(flicker.factor(0, 0.001) - 1) > 0.5);
 }
 
-TEST_CASE("motion blur takes one sample where nothing moves half a pixel, more as the way grows, and not without end") {
+TEST_CASE(
+    "motion blur takes one sample where nothing moves half a pixel, more as the way grows, and not without "
+    "end") {
   const MotionBlur blur({.most_samples = 16});
   CHECK(blur.samples(0) == 1);
   CHECK(blur.samples(0.5f) == 1);

@@ -21,7 +21,8 @@ Moments moments_of(const std::vector<float>& values) {
   Moments m;
   for (const float v : values) m.mean += static_cast<double>(v);
   m.mean /= static_cast<double>(values.size());
-  for (const float v : values) m.variance += (static_cast<double>(v) - m.mean) * (static_cast<double>(v) - m.mean);
+  for (const float v : values)
+    m.variance += (static_cast<double>(v) - m.mean) * (static_cast<double>(v) - m.mean);
   m.variance /= static_cast<double>(values.size());
   return m;
 }
@@ -70,8 +71,8 @@ TEST_CASE("quantisation rounds to the nearest code above the black level and sat
   CHECK(eight.code(-7) == 0);
   CHECK(twelve.code(0) == 256);
   CHECK(twelve.code(1) == 4095);
-  CHECK(twelve.code(0.5f) == 2176);       // 256 + 3839 / 2, rounded up
-  CHECK(twelve.code(-0.01f) == 218);      // below black the noise is still seen
+  CHECK(twelve.code(0.5f) == 2176);   // 256 + 3839 / 2, rounded up
+  CHECK(twelve.code(-0.01f) == 218);  // below black the noise is still seen
 }
 
 TEST_CASE("response curves run from 0 to 1, never fall, and the table is the formula") {
@@ -85,7 +86,8 @@ TEST_CASE("response curves run from 0 to 1, never fall, and the table is the for
       for (int i = 1; i <= 3000; ++i) {
         const float x = static_cast<float>(i) / 3000, value = curve.value(channel, x);
         REQUIRE(value > before);
-        REQUIRE(static_cast<double>(value) == Approx(ResponseCurve::exact(shape, channel, static_cast<double>(x))).margin(1e-4));
+        REQUIRE(static_cast<double>(value) ==
+                Approx(ResponseCurve::exact(shape, channel, static_cast<double>(x))).margin(1e-4));
         before = value;
       }
     }

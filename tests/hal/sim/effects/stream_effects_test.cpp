@@ -51,7 +51,8 @@ TEST_CASE("frames are dropped as often as asked and the same ones each time") {
 
 TEST_CASE("a sensor's clock drifts by its parts per million and stamps come late, never early") {
   const ClockJitter jitter({.latency_s = 40e-6, .drift_ppm = 20}, 1);
-  CHECK(jitter.stretched(std::chrono::seconds(100)) == std::chrono::seconds(100) + std::chrono::milliseconds(2));
+  CHECK(jitter.stretched(std::chrono::seconds(100)) ==
+        std::chrono::seconds(100) + std::chrono::milliseconds(2));
   double sum = 0;
   for (std::uint64_t i = 0; i < 10'000; ++i) {
     const Duration latency = jitter.latency(i);
