@@ -12,6 +12,10 @@
 namespace hdrcam {
 namespace {
 
+// linux/media.h has it as a shifted int
+constexpr std::uint32_t kLinkType = 0xfu << 28;
+static_assert(kLinkType == static_cast<std::uint32_t>(MEDIA_LNK_FL_LINK_TYPE));
+
 namespace fs = std::filesystem;
 
 struct Topology {
@@ -36,7 +40,7 @@ Result<Topology> topology_of(const DeviceNode& media) {
 }
 
 bool carries_light(const media_v2_link& link) {
-  return (link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_DATA_LINK &&
+  return (link.flags & kLinkType) == MEDIA_LNK_FL_DATA_LINK &&
          (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
 }
 
@@ -44,7 +48,7 @@ const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
   for (const media_v2_interface& interface : graph.interfaces) {
     if (interface.devnode.major != major(number) || interface.devnode.minor != minor(number)) continue;
     for (const media_v2_link& link : graph.links)
-      if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) == MEDIA_LNK_FL_INTERFACE_LINK &&
+      if ((link.flags & kLinkType) == MEDIA_LNK_FL_INTERFACE_LINK &&
           link.source_id == interface.id)
         for (const media_v2_entity& entity : graph.entities)
           if (entity.id == link.sink_id) return &entity;
@@ -55,7 +59,7 @@ const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
 // "/dev/v4l-subdev0"; empty for an entity without a node.
 std::string node_of(const Topology& graph, std::uint32_t entity) {
   for (const media_v2_link& link : graph.links) {
-    if ((link.flags & MEDIA_LNK_FL_LINK_TYPE) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity)
+    if ((link.flags & kLinkType) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity)
       continue;
     for (const media_v2_interface& interface : graph.interfaces) {
       if (interface.id != link.source_id) continue;
