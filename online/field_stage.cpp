@@ -58,12 +58,7 @@ Result<FitReport> FieldStage::advance(const ExposedFrame& frame, const RadianceS
   seen.to_previous = &to_previous;
   seen.from_previous = &from_previous;
   if (!depth.empty()) {
-    constexpr float kBelieved = 0.5f;  // weight of a prior that is known to 100 percent
-    inverse_depth_.reshape_like(depth.inverse_depth);
-    for (std::size_t i = 0; i < inverse_depth_.size(); ++i)
-      inverse_depth_.samples()[i] = depth.weight.samples()[i] >= kBelieved
-                                        ? std::min(1.f, depth.inverse_depth.samples()[i] * near_)
-                                        : std::numeric_limits<float>::quiet_NaN();
+    spread(depth);
     seen.inverse_depth = &inverse_depth_;
   }
   seen.T_world_camera = pose_->T_world_camera;
@@ -83,6 +78,23 @@ Result<FitReport> FieldStage::advance(const ExposedFrame& frame, const RadianceS
   for (double& loss : report.losses) loss /= taken;
   if (timing) timing("fit", watch.lap_ms());
   return report;
+}
+
+// The prior on the frame's own pixels, in the window's units; NaN where it is not believed.
+void FieldStage::spread(const DepthPrior& depth) {
+  constexpr float kBelieved = 0.5f;  // weight of a prior that is known to 100 percent
+  const int rows = variance_.rows(), cols = variance_.cols();
+  const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
+  inverse_depth_.reshape(1, rows, cols);
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const int v = y * grid_rows / rows, u = x * grid_cols / cols;
+        inverse_depth_.at(0, y, x) = depth.weight.at(0, v, u) >= kBelieved
+                                         ? std::min(1.f, depth.inverse_depth.at(0, v, u) * near_)
+                                         : std::numeric_limits<float>::quiet_NaN();
+      }
+  });
 }
 
 }  // namespace hdrcam

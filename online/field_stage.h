@@ -43,7 +43,7 @@ class FieldStage {
   const CameraPose& pose() const { return *pose_; }  // of the newest frame
 
  private:
-  const DepthPrior& depth_of(const FlowField& to_previous);
+  void spread(const DepthPrior& depth);
 
   WorkerPool& pool_;
   std::unique_ptr<PoseSource> poses_;

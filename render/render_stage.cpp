@@ -59,7 +59,8 @@ void RenderStage::look_into_field(const Moment& moment, HdrFrame& frame) {
   FieldViewRequest request;
   request.T_world_camera = moment.field->pose().T_world_camera;
   request.time_s = frame.facts.timestamp.seconds();
-  request.step = moment.field->fit().options().render_step;
+  // alone, the field is shown at full size; to fill what nobody saw, its own step will do
+  request.step = options_.layer == EmitLayer::Field ? 1 : moment.field->fit().options().render_step;
   renderer_.render(moment.field->field(), request, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
   enlarge(view_.radiance, request.step, rows, cols, radiance_, pool_);
