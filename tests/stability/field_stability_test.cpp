@@ -135,6 +135,19 @@ TEST_CASE("what is not a number never reaches the fit", "[stability]") {
   CHECK(stream.fit.counts().skipped == 0);
 }
 
+TEST_CASE("a depth prior that is partly wrong or not a number leaves the picture as it was", "[stability]") {
+  Stream stream;
+  Image<float> depth(1, stream.scene.rows, stream.scene.cols);
+  stream.run(6, 5, [&](int i, FieldObservation& seen) {
+    const float values[] = {0.2f, kNan, kInf, -1.f, 7.f, 0.f};
+    for (std::size_t p = 0; p < depth.size(); ++p) depth.samples()[p] = values[p % 6];
+    seen.inverse_depth = &depth;
+    seen.T_world_camera[3] = 0.02 * i;  // there is parallax, so that depth is looked for
+  });
+  CHECK(stream.fit.field().window.has_parallax());
+  for (std::size_t p = 0; p < stream.view.depth.size(); ++p) REQUIRE(stream.view.depth.samples()[p] >= 1);
+}
+
 TEST_CASE("huge and tiny densities stay finite", "[stability]") {
   const double bias = GENERATE(-1e4, -30.0, 30.0, 1e4);
   Pcg32 random(1);
