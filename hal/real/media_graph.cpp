@@ -40,16 +40,14 @@ Result<Topology> topology_of(const DeviceNode& media) {
 }
 
 bool carries_light(const media_v2_link& link) {
-  return (link.flags & kLinkType) == MEDIA_LNK_FL_DATA_LINK &&
-         (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
+  return (link.flags & kLinkType) == MEDIA_LNK_FL_DATA_LINK && (link.flags & MEDIA_LNK_FL_ENABLED) != 0;
 }
 
 const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
   for (const media_v2_interface& interface : graph.interfaces) {
     if (interface.devnode.major != major(number) || interface.devnode.minor != minor(number)) continue;
     for (const media_v2_link& link : graph.links)
-      if ((link.flags & kLinkType) == MEDIA_LNK_FL_INTERFACE_LINK &&
-          link.source_id == interface.id)
+      if ((link.flags & kLinkType) == MEDIA_LNK_FL_INTERFACE_LINK && link.source_id == interface.id)
         for (const media_v2_entity& entity : graph.entities)
           if (entity.id == link.sink_id) return &entity;
   }
@@ -59,8 +57,7 @@ const media_v2_entity* entity_of(const Topology& graph, dev_t number) {
 // "/dev/v4l-subdev0"; empty for an entity without a node.
 std::string node_of(const Topology& graph, std::uint32_t entity) {
   for (const media_v2_link& link : graph.links) {
-    if ((link.flags & kLinkType) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity)
-      continue;
+    if ((link.flags & kLinkType) != MEDIA_LNK_FL_INTERFACE_LINK || link.sink_id != entity) continue;
     for (const media_v2_interface& interface : graph.interfaces) {
       if (interface.id != link.source_id) continue;
       std::error_code missing;

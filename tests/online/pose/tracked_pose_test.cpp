@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <span>
+
 #include "online/pose/tracked_pose.h"
 
 #include <catch2/catch.hpp>
@@ -179,8 +182,9 @@ TEST_CASE("the same flow gives the same bytes", "[pose]") {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     CHECK(first[i].T_world_camera == second[i].T_world_camera);
     REQUIRE(first[i].depth_samples.size() == second[i].depth_samples.size());
-    CHECK(std::memcmp(first[i].depth_samples.data(), second[i].depth_samples.data(),
-                      first[i].depth_samples.size() * sizeof(DepthSample)) == 0);
+    const auto a = std::as_bytes(std::span(first[i].depth_samples));
+    const auto b = std::as_bytes(std::span(second[i].depth_samples));
+    CHECK(std::equal(a.begin(), a.end(), b.begin()));
   }
 }
 
