@@ -222,8 +222,8 @@ std::optional<Bytes> UvcDevice::streaming_request(const Transfer& transfer) {
 void UvcDevice::take_probe(std::span<const std::uint8_t> data) {
   if (data.size() < 8) return;
   if (data[3] >= 1 && data[3] <= kSizes.size()) probe_frame_ = data[3];
-  const std::uint32_t wanted =
-      data[4] | data[5] << 8 | data[6] << 16 | static_cast<std::uint32_t>(data[7]) << 24;
+  std::uint32_t wanted = 0;
+  for (std::size_t i = 8; i-- > 4;) wanted = wanted << 8 | data[i];
   probe_interval_100ns_ = nearest_interval(wanted);
 }
 
