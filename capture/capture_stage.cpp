@@ -28,9 +28,15 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
                                                          const CaptureOptions& options) {
   const StreamMode mode = TRY(camera.configure(options.mode, options.buffers));
   const CameraCapabilities& offers = camera.capabilities();
-  if (!offers.sets_exposure)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' does not let its exposure be set; choose a camera that does", offers.id)};
+  std::vector<Exposure> walked;
+  for (const ExposureRequest& exposure : offers.cycle)
+    walked.push_back({exposure.exposure, exposure.analogue_gain});
+  if (!offers.sets_exposure && walked.empty())
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle; choose a "
+                    "camera that does",
+                    offers.id)};
   for (const auto& delays : {options.delays, offers.delays})
     if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
                    std::max(delays->exposure, delays->gain) > kMostDelay))
@@ -40,7 +46,9 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
   if (strobe != nullptr && !strobe->capabilities().input)
     return Error{ErrorCode::Unsupported,
                  "the strobe line is an output; set sync.line to one that sees edges"};
-  const auto schedule = TRY(ExposureSchedule::create(cycle, offers, mode.frame_duration, mains));
+  const auto schedule =
+      TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
+                               : ExposureSchedule::observed(walked));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
 }
 
@@ -198,7 +206,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.analogue_gain = label.exposure.gain;
   facts.digital_gain = label.digital_gain;
   facts.exposure_source = label.source;
-  facts.slot = frame.proof.trusted() ? matcher_->slot_of(label) : -1;
+  facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
   if (sensor_ && codes_.linear)
     facts.black_level = sensor_->black_level / 65536 * static_cast<float>(1 << codes_.bits);
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
@@ -207,6 +215,12 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   frame.cookie = buffer.cookie;
   frame.shares = {picture_.clipped_share, picture_.dark_share};
   lost_since_emitted_ = 0;
+}
+
+// Of a camera that sets its exposures itself, requests know no slots.
+int CaptureStage::slot_of(const ExposureClaim& label) const {
+  if (camera_.capabilities().sets_exposure) return matcher_->slot_of(label);
+  return schedule_.nearest_slot(label.exposure);
 }
 
 void CaptureStage::count(const Judgement& proof) {

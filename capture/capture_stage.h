@@ -55,7 +55,8 @@ struct CapturedFrame {
 
 class CaptureStage {
  public:
-  // Configures the camera and checks the cycle against what it then offers. `strobe` may be null. Errors: the
+  // Configures the camera and checks the cycle against what it then offers; a camera that sets its exposures
+  // itself (a replayed one) has a cycle of its own, which is taken. `strobe` may be null. Errors: the
   // camera's own, and those of ExposureSchedule::create. The camera, the line and this stage belong to one
   // thread.
   static Result<std::unique_ptr<CaptureStage>> open(Camera& camera, SyncLine* strobe,
@@ -96,6 +97,7 @@ class CaptureStage {
   // Whether the buffer became a frame; if not, it was dropped and counted.
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
+  int slot_of(const ExposureClaim& label) const;
   void count(const Judgement& proof);
 
   Camera& camera_;

@@ -12,6 +12,12 @@ Duration nearest_multiple(Duration time, Duration period, Duration longest) {
   return std::min(multiples, std::max<Duration::rep>(1, longest / period)) * period;
 }
 
+Result<void> check_slots(std::span<const Exposure> cycle) {
+  if (!cycle.empty() && cycle.size() <= ExposureSchedule::kMaxSlots) return {};
+  return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
+                                               int{ExposureSchedule::kMaxSlots}, cycle.size())};
+}
+
 }  // namespace
 
 Duration half_period(Mains mains) {
@@ -36,9 +42,7 @@ Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
 Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycle,
                                                   const CameraCapabilities& camera, Duration frame_duration,
                                                   Mains mains) {
-  if (cycle.empty() || cycle.size() > kMaxSlots)
-    return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}; see --shutter",
-                                                 int{kMaxSlots}, cycle.size())};
+  TRY(check_slots(cycle));
   const Duration margin = frame_margin(camera);
   const Duration half = half_period(mains);
 
@@ -66,6 +70,27 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
     schedule.slots_[static_cast<std::size_t>(schedule.count_++)] = slot;
   }
   return schedule;
+}
+
+Result<ExposureSchedule> ExposureSchedule::observed(std::span<const Exposure> cycle) {
+  TRY(check_slots(cycle));
+  ExposureSchedule schedule;
+  for (const Exposure& exposure : cycle) {
+    schedule.slots_[static_cast<std::size_t>(schedule.count_++)] = {exposure, exposure, false};
+    schedule.shortest_frame_duration_ = std::max(schedule.shortest_frame_duration_, exposure.time);
+  }
+  return schedule;
+}
+
+int ExposureSchedule::nearest_slot(const Exposure& exposure) const {
+  const auto distance = [&](int i) {
+    return std::abs(log_product(slot(i).exposure) - log_product(exposure));
+  };
+  int nearest = 0, equals = 0;
+  for (int i = 1; i < count_; ++i)
+    if (distance(i) < distance(nearest)) nearest = i;
+  for (int i = 0; i < count_; ++i) equals += distance(i) == distance(nearest) ? 1 : 0;
+  return equals == 1 ? nearest : -1;
 }
 
 double ExposureSchedule::reference_exposure() const {

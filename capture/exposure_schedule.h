@@ -33,6 +33,9 @@ class ExposureSchedule {
   static Result<ExposureSchedule> create(std::span<const Exposure> cycle, const CameraCapabilities& camera,
                                          Duration frame_duration, Mains mains = Mains::Off);
 
+  // Of a camera that sets its exposures itself: taken as they are. Invalid for no slot or more than four.
+  static Result<ExposureSchedule> observed(std::span<const Exposure> cycle);
+
   // The time that a sensor needs in a frame besides its exposure.
   static Duration frame_margin(const CameraCapabilities& camera);
 
@@ -41,6 +44,8 @@ class ExposureSchedule {
   int slot_of(std::uint64_t request) const {
     return static_cast<int>(request % static_cast<std::uint64_t>(count_));
   }
+  // The one whose product is nearest; -1 where several slots share it.
+  int nearest_slot(const Exposure& exposure) const;
   const Exposure& exposure_of(std::uint64_t request) const { return slot(slot_of(request)).exposure; }
 
   // Of the longest exposure, with the sensor's margin.

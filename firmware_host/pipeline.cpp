@@ -1,5 +1,8 @@
 #include "firmware_host/pipeline.h"
 
+#include <algorithm>
+#include <thread>
+
 namespace hdrcam {
 namespace {
 
@@ -73,19 +76,22 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   return options;
 }
 
-Result<std::unique_ptr<Pipeline>> Pipeline::create(const PipelineOptions& options, const CameraFacts& camera,
-                                                   WorkerPool& pool) {
-  if (camera.layout != PixelLayout::Rgb && camera.layout != PixelLayout::Mono)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("frames of layout {} cannot be fitted yet; record RGB, or convert them",
-                             name(camera.layout))};
-  const std::optional<Response> response = known_response(camera);
-  return std::unique_ptr<Pipeline>(new Pipeline(options, camera, response ? &*response : nullptr, pool));
+Result<PipelineOptions> options_of(const Settings::Fit& fit) {
+  PipelineOptions options = options_of(TRY(parse_preset(fit.preset)), TRY(parse_layer(fit.emit)));
+  if (options.online.field) options.online.field->field.seed = static_cast<std::uint64_t>(fit.seed);
+  options.online.look_ahead = fit.lookahead;
+  options.online.code_noise = static_cast<float>(fit.code_noise);
+  return options;
 }
 
-Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response,
-                   WorkerPool& pool)
-    : camera_(camera), online_(options.online, camera, response, pool), render_(options.render, pool) {
+int thread_count(const Settings::Fit& fit) {
+  return fit.threads > 0 ? fit.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool)
+    : camera_(camera),
+      online_(options.online, camera, known_response(camera), pool),
+      render_(options.render, pool) {
   const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
   online_.set_timing(time);
   render_.set_timing(time);
@@ -97,6 +103,10 @@ Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
         ErrorCode::SizeChanged,
         fmt::format("frame {} is {}x{}, the clip is {}x{}; split the clip where its size changes",
                     raw.facts.sequence, raw.codes.cols(), raw.codes.rows(), camera_.width, camera_.height)};
+  if ((raw.facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) {
+    ++kept_out_;
+    return {};
+  }
   if (!first_time_) first_time_ = raw.facts.timestamp;
   return online_.ingest(raw, [&](const Moment& moment) { return render(moment, deliver); });
 }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "firmware_host/run_record.h"
+#include "firmware_host/settings.h"
 #include "hal/core/worker_pool.h"
 #include "hal/recording/recording.h"
 #include "online/online_stage.h"
@@ -27,26 +28,27 @@ struct PipelineOptions {
 // What a preset means for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
 Result<EmitLayer> parse_layer(std::string_view text);
+Result<PipelineOptions> options_of(const Settings::Fit& fit);
+// As many as were asked for; by default one for each processor.
+int thread_count(const Settings::Fit& fit);
 
 class Pipeline {
  public:
   // What leaves the pipeline. The frame is valid during the call.
   using Deliver = std::function<Result<void>(const HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
 
-  // Unsupported: a pixel layout that cannot be fitted yet.
-  static Result<std::unique_ptr<Pipeline>> create(const PipelineOptions& options, const CameraFacts& camera,
-                                                  WorkerPool& pool);
+  Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool);
 
-  // Errors: BadExposure, SizeChanged, and what `deliver` returns.
+  // A frame whose exposure is not proved, or whose pixels are damaged, is kept out. Errors: BadExposure,
+  // SizeChanged, and what `deliver` returns.
   Result<void> take(const RawFrame& raw, const Deliver& deliver);
   // Delivers what is still on its way. TooShort for a clip of one frame.
   Result<void> finish(const Deliver& deliver);
 
   const OnlineStage& online() const { return online_; }
+  int kept_out() const { return kept_out_; }  // frames
 
  private:
-  Pipeline(const PipelineOptions& options, const CameraFacts& camera, const Response* response,
-           WorkerPool& pool);
   Result<void> render(const Moment& moment, const Deliver& deliver);
 
   const CameraFacts camera_;
@@ -55,6 +57,7 @@ class Pipeline {
   HdrFrame frame_;
   FrameRecord record_;  // of the frame on its way; stages add to it
   std::optional<Instant> first_time_;
+  int kept_out_ = 0;
 };
 
 }  // namespace hdrcam

@@ -68,6 +68,12 @@ const char* name(PixelFormat format) {
   return "?";
 }
 
+std::optional<PixelFormat> pixel_format(std::string_view text) {
+  for (int i = 0; i <= static_cast<int>(PixelFormat::Bggr12Packed); ++i)
+    if (const auto format = static_cast<PixelFormat>(i); text == name(format)) return format;
+  return std::nullopt;
+}
+
 Result<void> check_exposure(const CameraCapabilities& camera, const ExposureRequest& request) {
   if (!camera.sets_exposure) return {};
   const auto microseconds = [](Duration d) { return static_cast<double>(d.count()) * 1e-3; };

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,7 @@ enum class PixelFormat {
   Bggr12Packed,  // 2 pixels in 3 bytes
 };
 const char* name(PixelFormat format);
+std::optional<PixelFormat> pixel_format(std::string_view name);
 
 // Frames from the one whose control was written to the first that shows it (libcamera's DelayedControls).
 struct ControlDelays {
@@ -66,24 +68,25 @@ struct StreamMode {
   Duration frame_duration{33'333'333};  // constant: the schedule must not move the frame rate
 };
 
-struct CameraCapabilities {
-  std::string id, model, driver;                                // id: what --camera takes
-  std::vector<StreamMode> modes;                                // with the shortest frame duration of each
-  Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
-  double gain_min = 1, gain_max = 1;                            // analogue
-  double gain_step = 0;                                         // 0: continuous
-  bool sets_exposure = false;         // false: fixed by somebody else, only frames come
-  bool reports_exposure = false;      // completed buffers say which exposure they got
-  bool exposure_per_request = false;  // a request's exposure is that of its own frame (request API, metadata)
-  std::optional<ControlDelays> delays;  // of a known sensor
-};
-
 // What the next frame should be exposed with. The cookie comes back with the buffer that completed the
 // request; whether that buffer shows this exposure is for capture/ to prove.
 struct ExposureRequest {
   std::uint64_t cookie = 0;
   Duration exposure{0};
   double analogue_gain = 1;
+};
+
+struct CameraCapabilities {
+  std::string id, model, driver;                                // id: what --camera takes
+  std::vector<StreamMode> modes;                                // with the shortest frame duration of each
+  Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
+  double gain_min = 1, gain_max = 1;                            // analogue
+  double gain_step = 0;                                         // 0: continuous
+  bool sets_exposure = false;          // false: fixed by somebody else, only frames come
+  std::vector<ExposureRequest> cycle;  // that its frames walk through, where it sets none and this is known
+  bool reports_exposure = false;       // completed buffers say which exposure they got
+  bool exposure_per_request = false;  // a request's exposure is that of its own frame (request API, metadata)
+  std::optional<ControlDelays> delays;  // of a known sensor
 };
 
 // Invalid, with the limits in the sentence, where the camera sets exposures but not this one.

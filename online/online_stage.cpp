@@ -31,18 +31,19 @@ struct OnlineStage::Step {
   bool advanced = false, emitted = false;
 };
 
-OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response,
-                         WorkerPool& pool)
+OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera,
+                         const std::optional<Response>& response, WorkerPool& pool)
     : options_(std::move(options)),
       camera_(camera),
       pool_(pool),
-      response_known_(response != nullptr),
-      response_(response != nullptr ? *response : prior_mean_response()),
+      response_known_(response.has_value()),
+      response_(response ? *response : prior_mean_response()),
       noise_estimator_(pool),
       motion_(options_.flow, camera.height, camera.width, pool),
       filter_(options_.state, camera.height, camera.width, pool) {
   settings_.bits = camera.bits;
-  noise_.code_noise = options_.code_noise;
+  settings_.layout = camera.layout;
+  noise_.code_noise = camera.linear ? 0 : options_.code_noise;  // raw codes went through no codec
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
 }
 
@@ -64,6 +65,9 @@ Result<void> OnlineStage::ingest(const RawFrame& raw, const Emit& emit) {
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
   settings_.reference_exposure = cycle_mean(waiting_);
+  if (response_known_)
+    settings_.black_level.fill(static_cast<float>(waiting_.front().facts.black_level * kMaxCode /
+                                                  static_cast<double>((1 << settings_.bits) - 1)));
   std::vector<ExposedFrame> frames;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     // the first frame has none before it: its interval is taken to be the second's

@@ -52,8 +52,9 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const Moment&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  // response: null where unknown, to be estimated.
-  OnlineStage(OnlineOptions options, const CameraFacts& camera, const Response* response, WorkerPool& pool);
+  // response: none where unknown, to be estimated.
+  OnlineStage(OnlineOptions options, const CameraFacts& camera, const std::optional<Response>& response,
+              WorkerPool& pool);
   ~OnlineStage();
 
   // Takes the next frame; emits what became ready. Errors: BadExposure, and whatever emit returns.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hal/pixel_pack.h"
+#include "hal/recording/exposure_cycle.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
@@ -15,10 +16,30 @@ Instant begin_of(const FrameFacts& facts) {
   return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot;
 }
 
+// The exposures that the recorded frames walk through, from the first few; empty where nothing repeats.
+Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
+  constexpr std::size_t kFrames = 24;
+  std::vector<FrameFacts> frames;
+  while (frames.size() < kFrames) {
+    auto facts = reader.next_facts();
+    if (!facts && facts.error().code == ErrorCode::Truncated && !frames.empty()) break;
+    const std::optional<FrameFacts> frame = TRY(std::move(facts));
+    if (!frame) break;
+    frames.push_back(*frame);
+  }
+  const ExposureCycle found = find_exposure_cycle(frames);
+  std::vector<ExposureRequest> cycle(static_cast<std::size_t>(found.period));
+  for (const FrameFacts& frame : frames)
+    if (const int slot = slot_of(found, frames.front(), frame); slot >= 0)
+      cycle[static_cast<std::size_t>(slot)] = {0, Instant::from_seconds(frame.exposure_s).since_boot,
+                                               frame.analogue_gain * frame.digital_gain};
+  return cycle;
+}
+
 class ReplayedCamera : public Camera, private BufferLease::Owner {
  public:
   ReplayedCamera(Storage& storage, std::string path, const CameraFacts& facts, PixelFormat format,
-                 ReplayPace pace, Clock& clock)
+                 std::vector<ExposureRequest> cycle, ReplayPace pace, Clock& clock)
       : storage_(storage), path_(std::move(path)), pace_(pace), clock_(clock) {
     mode_ = {format, facts.width, facts.height,
              Duration(static_cast<Duration::rep>(1e9 / facts.framerate_hz + 0.5))};
@@ -27,6 +48,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.driver = "replay";
     capabilities_.modes = {mode_};
     capabilities_.reports_exposure = true;
+    capabilities_.cycle = std::move(cycle);
   }
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
@@ -186,8 +208,8 @@ Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std
         fmt::format(
             "'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'",
             path, name(facts.layout), facts.bits)};
-  return std::unique_ptr<Camera>(
-      std::make_unique<ReplayedCamera>(storage, path, facts, *format, pace, clock));
+  return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(storage, path, facts, *format,
+                                                                  TRY(recorded_cycle(*reader)), pace, clock));
 }
 
 }  // namespace hdrcam

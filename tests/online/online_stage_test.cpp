@@ -19,7 +19,7 @@ struct Run {
 
 Run run(const test::MovingScene& scene, int frames, const OnlineOptions& options, int threads) {
   WorkerPool pool(threads);
-  OnlineStage stage(options, scene.camera(), nullptr, pool);
+  OnlineStage stage(options, scene.camera(), std::nullopt, pool);
   Emission emission({}, pool);
   HdrFrame frame;
   Run run;

@@ -16,7 +16,7 @@ void survives(const test::MovingScene& scene, int frames, const std::function<bo
   WorkerPool pool(2);
   PipelineOptions options = options_of(Preset::Fast, EmitLayer::Merged);
   options.online.field->field.steps_per_frame = 2;
-  auto pipeline = Pipeline::create(options, scene.camera(), pool).value();
+  Pipeline pipeline(options, scene.camera(), pool);
   int emitted = 0, taken = 0;
   const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
                                         const FrameRecord&) -> Result<void> {
@@ -30,10 +30,10 @@ void survives(const test::MovingScene& scene, int frames, const std::function<bo
   for (int i = 0; i < frames; ++i) {
     RawFrame raw = scene.frame(i);
     if (!change(raw, i)) continue;
-    REQUIRE(pipeline->take(raw, deliver).ok());
+    REQUIRE(pipeline.take(raw, deliver).ok());
     ++taken;
   }
-  REQUIRE(pipeline->finish(deliver).ok());
+  REQUIRE(pipeline.finish(deliver).ok());
   CHECK(emitted == taken);
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("2000 frames of a still scene do not drift") {
   scene.drift_px = scene.disc_px = 0;
   WorkerPool pool(1);
   PipelineOptions options = options_of(Preset::Fast, EmitLayer::State);
-  auto pipeline = Pipeline::create(options, scene.camera(), pool).value();
+  Pipeline pipeline(options, scene.camera(), pool);
   double early = 0, late = 0;
   int emitted = 0;
   const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
@@ -146,8 +146,8 @@ TEST_CASE("2000 frames of a still scene do not drift") {
     RawFrame& raw = cycle[static_cast<std::size_t>(i % 30)];
     raw.facts.sequence = static_cast<std::uint64_t>(i);
     raw.facts.timestamp = Instant::from_seconds(i / 30.);
-    REQUIRE(pipeline->take(raw, deliver).ok());
+    REQUIRE(pipeline.take(raw, deliver).ok());
   }
-  REQUIRE(pipeline->finish(deliver).ok());
+  REQUIRE(pipeline.finish(deliver).ok());
   CHECK(late / early == Approx(1).margin(0.01));
 }

@@ -1,0 +1,53 @@
+// One run of the pipeline into its outputs, whatever its frames come from, and the record of what it did. A
+// run may last for weeks: the record keeps the latest frames only. Thread-bound.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "firmware_host/outputs.h"
+#include "firmware_host/pipeline.h"
+#include "firmware_host/settings.h"
+
+namespace hdrcam {
+
+class FitRun {
+ public:
+  static constexpr std::size_t kFramesKept = 4096;  // at least, of the latest
+
+  // title: of the report; command: as it could be typed again. emitted: called for each frame that left.
+  static Result<std::unique_ptr<FitRun>> open(const Settings& settings, const CameraFacts& camera,
+                                              std::string title, std::string command, Storage& storage,
+                                              std::function<void(FrameRecord&)> emitted);
+
+  // Errors: those of Pipeline::take and of the disk.
+  Result<void> take(const RawFrame& frame);
+  // The stream has ended: emits what is still on its way and completes frames and previews. TooShort for
+  // fewer than two frames.
+  Result<void> finish();
+  // Writes what tells of the whole run; record() may be added to before.
+  Result<void> conclude();
+
+  RunRecord& record() { return record_; }
+  const Pipeline& pipeline() const { return pipeline_; }
+
+ private:
+  FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, Outputs outputs,
+         std::function<void(FrameRecord&)> emitted);
+  Result<void> deliver(const HdrFrame& frame, const ExposedFrame& input, const FrameRecord& facts);
+
+  WorkerPool pool_;
+  Pipeline pipeline_;
+  Outputs outputs_;
+  RunRecord record_;
+  std::function<void(FrameRecord&)> emitted_;
+  const Pipeline::Deliver deliver_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+// The flags that make the same fit and outputs, for the record: " --preset balanced --emit merged ...".
+std::string flags_of(const Settings::Fit& fit);
+
+}  // namespace hdrcam

@@ -1,0 +1,83 @@
+// A fixed number of captured frames, shared between the recorder and the fit without a copy. It is the one
+// bound on the memory of a live run: when all frames are held, capture has no room and the newest frame is
+// dropped, counted, and noted on the next one. The frame given back last is handed out first, so that a run
+// that keeps up touches little memory however large the pool is. Thread-safe; the pool outlives its frames.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "capture/capture_stage.h"
+
+namespace hdrcam {
+
+class FramePool {
+ public:
+  struct Slot {
+    CapturedFrame captured;
+    Instant arrived;  // when capture handed it over
+
+   private:
+    friend class FramePool;
+    FramePool* pool = nullptr;
+    std::atomic<int> holders{0};
+  };
+
+  // One holder's share of a frame; the frame is free again when the last share is gone.
+  class Share {
+   public:
+    Share() = default;
+    Share(Share&& other) noexcept : slot_(std::exchange(other.slot_, nullptr)) {}
+    Share& operator=(Share&& other) noexcept { return std::swap(slot_, other.slot_), *this; }
+    ~Share() {
+      if (slot_ != nullptr) release(*slot_);
+    }
+    Share another() const {
+      if (slot_ != nullptr) slot_->holders.fetch_add(1, std::memory_order_relaxed);
+      return Share(slot_);
+    }
+    explicit operator bool() const { return slot_ != nullptr; }
+    Slot& operator*() const { return *slot_; }
+    Slot* operator->() const { return slot_; }
+
+   private:
+    friend class FramePool;
+    explicit Share(Slot* slot) : slot_(slot) {}
+    Slot* slot_ = nullptr;
+  };
+
+  explicit FramePool(int frames) : slots_(static_cast<std::size_t>(frames)) {
+    free_.reserve(slots_.size());
+    for (std::size_t i = slots_.size(); i-- > 0;) slots_[i].pool = this, free_.push_back(&slots_[i]);
+  }
+
+  int size() const { return static_cast<int>(slots_.size()); }
+
+  // Empty when every frame is held.
+  Share take() {
+    const std::lock_guard lock(mutex_);
+    if (free_.empty()) return {};
+    Slot* slot = free_.back();
+    free_.pop_back();
+    slot->holders.store(1, std::memory_order_relaxed);
+    return Share(slot);
+  }
+
+ private:
+  static void release(Slot& slot) {
+    if (slot.holders.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    const std::lock_guard lock(slot.pool->mutex_);
+    slot.pool->free_.push_back(&slot);
+  }
+
+  std::vector<Slot> slots_;
+  std::mutex mutex_;
+  std::vector<Slot*> free_;
+};
+
+using FrameShare = FramePool::Share;
+
+}  // namespace hdrcam

@@ -1,0 +1,166 @@
+#include "firmware_host/live/live_session.h"
+
+#include <algorithm>
+
+#include "hal/clock.h"
+
+namespace hdrcam {
+namespace {
+
+int frames_in(std::size_t bytes, const CameraFacts& camera) {
+  const std::size_t frame = sizeof(std::uint16_t) * static_cast<std::size_t>(camera.width) *
+                            static_cast<std::size_t>(camera.height) *
+                            static_cast<std::size_t>(channels(camera.layout));
+  return static_cast<int>(std::clamp<std::size_t>(bytes / std::max<std::size_t>(1, frame),
+                                                  LiveOptions::kFewestFrames, LiveOptions::kMostFrames));
+}
+
+}  // namespace
+
+LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording,
+                         const LiveOptions& options)
+    : capture_(capture),
+      options_(options),
+      pool_(frames_in(options.memory_bytes, capture.facts())),
+      inbox_(capture.schedule().slots()) {
+  if (recording)
+    recorder_ = std::make_unique<Recorder>(std::move(recording), pool_.size(), [this] {
+      const std::lock_guard lock(mutex_);
+      ++counters_.recorded, --counters_.to_record;
+    });
+}
+
+LiveSession::~LiveSession() { (void)finish(); }
+
+Result<void> LiveSession::start() {
+  TRY(capture_.start());
+  begin_ = posix_clock().now();
+  thread_ = std::thread([this] { capture_frames(); });
+  return {};
+}
+
+void LiveSession::capture_frames() {
+  while (!ending_) {
+    capture_result_ = capture_one();
+    if (!capture_result_) break;
+    if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
+  }
+  const Result<void> stopped = capture_.stop();
+  if (capture_result_) capture_result_ = stopped;
+  inbox_.close();
+}
+
+Result<void> LiveSession::capture_one() {
+  take_learned_response();
+  FrameShare frame = pool_.take();
+  TRY(capture_.next(frame ? frame->captured : scratch_));
+  if (!frame && (frame = pool_.take())) std::swap(frame->captured, scratch_);  // room was made meanwhile
+  if (!frame) {
+    ++lost_here_;
+    const std::lock_guard lock(mutex_);
+    count_camera();
+    ++counters_.no_room;
+    return {};
+  }
+  frame->arrived = posix_clock().now();
+  if (lost_here_ > 0) {
+    frame->captured.lost_before += std::exchange(lost_here_, 0);
+    frame->captured.raw.facts.flags |= kFrameAfterDrop;
+  }
+  hand_on(std::move(frame));
+  return {};
+}
+
+void LiveSession::count_camera() { counters_.camera = capture_.counters(); }
+
+void LiveSession::hand_on(FrameShare frame) {
+  const bool fits = options_.fits && (frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0;
+  {
+    const std::lock_guard lock(mutex_);
+    count_camera();
+    if (fits) {
+      ++counters_.under_way;
+      arrivals_[arrival_count_++ % arrivals_.size()] = {frame->captured.raw.facts.sequence, frame->arrived};
+    } else if (options_.fits) {
+      ++counters_.unproved;
+    }
+    if (recorder_) ++counters_.to_record;
+  }
+  if (recorder_) recorder_->put(frame.another());
+  if (!fits) return;
+  const int shed = inbox_.put(std::move(frame));
+  if (shed == 0) return;
+  const std::lock_guard lock(mutex_);
+  counters_.shed += static_cast<std::uint64_t>(shed), counters_.under_way -= static_cast<std::uint64_t>(shed);
+}
+
+void LiveSession::take_learned_response() {
+  const std::lock_guard lock(mutex_);
+  if (!learned_) return;
+  capture_.learn_response(learned_->inverse, learned_->black_level);
+  learned_.reset();
+}
+
+FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<void()>& tick) {
+  constexpr Duration kTick = std::chrono::milliseconds(100);
+  for (;;) {
+    if (const auto why = reason_to_end(stop); why && !ending_) why_ = *why, ending_ = true;
+    if (tick) tick();
+    FitInbox::Taken taken = inbox_.take(kTick);
+    if (taken.shed > 0) {
+      const std::lock_guard lock(mutex_);
+      counters_.shed += static_cast<std::uint64_t>(taken.shed);
+      counters_.under_way -= static_cast<std::uint64_t>(taken.shed);
+    }
+    if (taken.frame || inbox_.ended()) return std::move(taken.frame);
+  }
+}
+
+std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop) const {
+  if (stop) return LiveEnd::Stopped;
+  if (recorder_ && recorder_->failed()) return LiveEnd::Stopped;
+  if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout)
+    return LiveEnd::Timeout;
+  return std::nullopt;
+}
+
+Duration LiveSession::emitted(std::uint64_t sequence) {
+  const Instant now = posix_clock().now();
+  const std::lock_guard lock(mutex_);
+  ++counters_.emitted, --counters_.under_way;
+  for (const Arrival& arrival : arrivals_)
+    if (arrival.sequence == sequence && arrival.at.since_boot > Duration::zero()) {
+      counters_.longest_latency = std::max(counters_.longest_latency, now - arrival.at);
+      return now - arrival.at;
+    }
+  return Duration::zero();
+}
+
+Result<LiveEnd> LiveSession::finish() {
+  if (!finished_) {
+    finished_ = true;
+    ending_ = true;
+    if (thread_.joinable()) thread_.join();
+    while (inbox_.take(Duration::zero()).frame) {
+    }
+    Result<void> recorded = recorder_ ? recorder_->finish() : Result<void>();
+    const std::lock_guard lock(mutex_);
+    count_camera();
+    counters_.unfinished += std::exchange(counters_.under_way, 0);
+    if (!recorded) capture_result_ = std::move(recorded);
+  }
+  if (!capture_result_) return capture_result_.error();
+  return why_;
+}
+
+void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, float black_level) {
+  const std::lock_guard lock(mutex_);
+  learned_ = {inverse, black_level};
+}
+
+LiveCounters LiveSession::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+}  // namespace hdrcam
