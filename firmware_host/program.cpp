@@ -28,11 +28,14 @@ struct ListedVerb {
 };
 constexpr ListedVerb kVerbs[] = {
     {"HDR", "replay", add_replay, "hdrcam replay walk.mkv -o out/%06d.exr --report out/report.html"},
+    {"HDR", "live", add_live, "hdrcam live --camera sim:walk --frames 90 -o out/%06d.exr"},
     {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
+    {"Recordings", "record", add_record, "hdrcam record --shutter 1ms,4ms,16ms --frames 300 -o walk.mkv"},
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
     {"Recordings", "info", add_info, "hdrcam info walk.mkv"},
     {"Recordings", "simulate", add_simulate, "hdrcam simulate walk -o walk.mkv --truth clips/walk"},
+    {"Devices", "calibrate", add_calibrate, "hdrcam calibrate delay --camera /dev/video0 -o camera.toml"},
     {"Devices", "list", add_list, "hdrcam list"},
 };
 
@@ -51,7 +54,7 @@ std::string help_text(const CLI::App& app) {
   std::string_view group;
   for (const ListedVerb& verb : kVerbs) {
     if (group != verb.group) text += fmt::format("\n{}:\n", group = verb.group);
-    text += fmt::format("  {:<9}{}\n           $ {}\n", verb.name,
+    text += fmt::format("  {:<11}{}\n             $ {}\n", verb.name,
                         app.get_subcommand(verb.name)->get_description(), verb.example);
   }
   text += "\n^C ends a run cleanly after the current frame; a second ^C ends it at once.\n\n";

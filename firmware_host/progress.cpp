@@ -28,37 +28,34 @@ std::string progress_line(const ProgressState& state) {
   return line;
 }
 
-Progress::Progress(std::FILE* stream, std::optional<int> total)
-    : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {
-  state_.total = total;
+StatusLine::StatusLine(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
+
+StatusLine::~StatusLine() {
+  if (terminal_ && shown_) fmt::print(stream_, "\n");
 }
 
-Progress::~Progress() {
-  if (terminal_ && shown_) fmt::print(stream_, "\n");
+bool StatusLine::due(Clock::time_point now) const {
+  return !shown_ || now - *shown_ >= (terminal_ ? Clock::duration(kTerminalInterval) : kLogInterval);
+}
+
+void StatusLine::show(const std::string& words, Clock::time_point now) {
+  shown_ = now;
+  if (!terminal_) {
+    fmt::print(stream_, "{}\n", words);
+  } else {
+    // Blanks overwrite the rest of a longer line before.
+    fmt::print(stream_, "\r{:<{}}", words, std::max(shown_width_, words.size()));
+    shown_width_ = words.size();
+  }
+  std::fflush(stream_);
 }
 
 void Progress::frame_done(double ms, std::optional<double> loss, Clock::time_point now) {
   state_.ms_per_frame = state_.done == 0 ? ms : (1 - kRecent) * state_.ms_per_frame + kRecent * ms;
   ++state_.done;
   state_.loss = loss;
-  const Clock::duration interval =
-      terminal_ ? Clock::duration(kTerminalInterval) : Clock::duration(kLogInterval);
   const bool last = state_.total && state_.done == *state_.total;
-  if (shown_ && now - *shown_ < interval && !last) return;
-  shown_ = now;
-  show();
-}
-
-void Progress::show() {
-  const std::string line = progress_line(state_);
-  if (!terminal_) {
-    fmt::print(stream_, "{}\n", line);
-  } else {
-    // Blanks overwrite the rest of a longer line before.
-    fmt::print(stream_, "\r{:<{}}", line, std::max(shown_width_, line.size()));
-    shown_width_ = line.size();
-  }
-  std::fflush(stream_);
+  if (last || line_.due(now)) line_.show(progress_line(state_), now);
 }
 
 }  // namespace hdrcam

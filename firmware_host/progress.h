@@ -20,28 +20,40 @@ struct ProgressState {
 // The words, without a line end.
 std::string progress_line(const ProgressState& state);
 
-class Progress {
+// One line of words that change: rewritten on a terminal, a line each elsewhere.
+class StatusLine {
  public:
   using Clock = std::chrono::steady_clock;
 
   // stream: usually stderr; whether it is a terminal is found out here.
-  Progress(std::FILE* stream, std::optional<int> total);
-  ~Progress();  // ends the rewritten line, so that what is printed next starts on a line of its own
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  explicit StatusLine(std::FILE* stream);
+  ~StatusLine();  // ends the rewritten line, so that what is printed next starts on a line of its own
+  StatusLine(const StatusLine&) = delete;
+  StatusLine& operator=(const StatusLine&) = delete;
 
-  // One more frame is done. It shows at most every 50 ms on a terminal, every second elsewhere, and always
-  // for the last.
+  // Whether it is time to show again: every 50 ms on a terminal, every second elsewhere.
+  bool due(Clock::time_point now = Clock::now()) const;
+  void show(const std::string& words, Clock::time_point now = Clock::now());
+
+ private:
+  std::FILE* const stream_;
+  const bool terminal_;
+  std::optional<Clock::time_point> shown_;
+  std::size_t shown_width_ = 0;
+};
+
+class Progress {
+ public:
+  using Clock = StatusLine::Clock;
+
+  Progress(std::FILE* stream, std::optional<int> total) : line_(stream) { state_.total = total; }
+
+  // One more frame is done. It shows when the line is due, and always for the last.
   void frame_done(double ms, std::optional<double> loss, Clock::time_point now = Clock::now());
 
  private:
-  void show();
-
-  std::FILE* const stream_;
-  const bool terminal_;
+  StatusLine line_;
   ProgressState state_;
-  std::optional<Clock::time_point> shown_;
-  std::size_t shown_width_ = 0;
 };
 
 }  // namespace hdrcam

@@ -47,6 +47,7 @@ Json json_of(const FrameRecord& frame) {
             {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
             {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
             {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
+  if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;
 }
@@ -121,6 +122,7 @@ std::string to_json(const RunRecord& record) {
                           {"mean_ms", stage.mean_ms},
                           {"p95_ms", stage.p95_ms},
                           {"max_ms", stage.max_ms}};
+  if (!record.counters.empty()) json["counters"] = object_of(record.counters);
   if (!record.scores.empty()) {
     Json& scores = json["scores"] = Json::object();
     for (const ScoreRow& score : record.scores)

@@ -33,6 +33,7 @@ struct FrameRecord {
       stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
   std::vector<NamedValue> losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
+  double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
   std::string note;  // what was out of the ordinary, in words: "step rolled back"; usually empty
 };
@@ -61,6 +62,7 @@ struct RunRecord {
   double deadline_ms = 0;  // per frame; 0: none
 
   int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped, or the report says so in red
+  std::vector<NamedValue> counters;  // frames by stage and reason, of a run on a camera: "dropped.shed"
   double wall_s = 0;
   double peak_memory_mib = 0;
 

@@ -29,6 +29,9 @@ void add_export(CLI::App& app, Verb& chosen);
 void add_info(CLI::App& app, Verb& chosen);
 void add_replay(CLI::App& app, Verb& chosen);
 void add_compare(CLI::App& app, Verb& chosen);
+void add_live(CLI::App& app, Verb& chosen);
+void add_record(CLI::App& app, Verb& chosen);
+void add_calibrate(CLI::App& app, Verb& chosen);
 void add_list(CLI::App& app, Verb& chosen);
 void add_simulate(CLI::App& app, Verb& chosen);
 

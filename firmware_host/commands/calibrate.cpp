@@ -1,0 +1,130 @@
+// hdrcam calibrate delay --camera ID -o camera.toml: after how many frames the camera's controls act,
+// measured from its pictures.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "capture/delay_calibration.h"
+#include "firmware_host/commands/command.h"
+#include "firmware_host/live/capture_setup.h"
+
+namespace hdrcam {
+namespace {
+
+struct CalibrateFlags {
+  std::string what, output;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Schedule};
+
+struct Pair {
+  Exposure shorter, longer;
+};
+
+// Neighbours on the ladder of the cycle's times, those in its middle first: there the fewest pixels are
+// clipped or dark.
+std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
+  std::vector<Exposure> ladder;
+  for (int i = 0; i < schedule.slots(); ++i) ladder.push_back({schedule.slot(i).exposure.time, 1});
+  std::sort(ladder.begin(), ladder.end(),
+            [](const Exposure& a, const Exposure& b) { return a.time < b.time; });
+  std::vector<Pair> pairs;
+  for (std::size_t i = 1; i < ladder.size(); ++i)
+    if (ladder[i].time >= 2 * ladder[i - 1].time) pairs.push_back({ladder[i - 1], ladder[i]});
+  std::rotate(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(pairs.size() / 2), pairs.end());
+  return pairs;
+}
+
+// Times at which a gain of 1 and one of at least 2 can be told apart: those of the cycle, shortest first.
+std::vector<Pair> gain_pairs(const ExposureSchedule& schedule, const CameraCapabilities& camera) {
+  std::vector<Pair> pairs;
+  const double most = std::min(camera.gain_max, 4 * camera.gain_min);
+  if (most < 2 * camera.gain_min) return pairs;
+  for (int i = 0; i < schedule.slots(); ++i) {
+    const Duration time = schedule.slot(i).exposure.time;
+    pairs.push_back({{time, camera.gain_min}, {time, most}});
+  }
+  return pairs;
+}
+
+// The first pair of exposures that gives an answer.
+Result<DelayEstimate> measure(Camera& camera, const CaptureOptions& options, const std::vector<Pair>& pairs,
+                              const std::atomic<bool>& stop) {
+  DelayEstimate estimate;
+  estimate.reason = "no two exposures of --shutter are a stop apart";
+  for (const Pair& pair : pairs) {
+    if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
+    estimate =
+        TRY(measure_delay(camera, options.mode, options.buffers, pair.shorter, pair.longer, options.unpack));
+    if (estimate.delay) break;
+  }
+  return estimate;
+}
+
+void print(const char* control, const DelayEstimate& estimate) {
+  if (!estimate.delay)
+    fmt::print("{}: unknown, {}\n", control, estimate.reason);
+  else
+    fmt::print("{}: acts {} frame(s) after its request ({:.0f} % of {} comparisons agree)\n", control,
+               *estimate.delay, 100 * estimate.agreement, estimate.comparisons);
+}
+
+Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
+  if (flags.what != "delay")
+    return Error{ErrorCode::Invalid,
+                 fmt::format("there is no calibration '{}'; calibrate delay", flags.what)};
+  Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
+  const auto camera = TRY(open_camera(settings.camera.id, around.storage));
+  if (!camera->capabilities().sets_exposure)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' does not let its exposure be set; there is no delay to "
+                             "measure",
+                             camera->capabilities().id)};
+  const CaptureSetup setup = TRY(capture_setup(settings, camera->capabilities()));
+  const StreamMode mode = TRY(camera->configure(setup.options.mode, setup.options.buffers));
+  const auto schedule =
+      TRY(ExposureSchedule::create(setup.cycle, camera->capabilities(), mode.frame_duration, setup.mains));
+
+  const DelayEstimate exposure = TRY(measure(*camera, setup.options, time_pairs(schedule), around.stop));
+  print("exposure", exposure);
+  if (!exposure.delay)
+    return Error{ErrorCode::Timeout,
+                 "the delay of the exposure could not be measured; point the camera at a still "
+                 "scene that is neither black nor clipped, or give other times by --shutter"};
+  DelayEstimate gain;
+  const auto gains = gain_pairs(schedule, camera->capabilities());
+  if (gains.empty()) {
+    fmt::print("gain: cannot be set\n");
+  } else {
+    gain = TRY(measure(*camera, setup.options, gains, around.stop));
+    print("gain", gain);
+  }
+  settings.camera.id = camera->capabilities().id;
+  settings.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
+  if (flags.output.empty()) {
+    fmt::print("use it by --control-delay {}, or let -o FILE write a configuration\n",
+               settings.camera.control_delay);
+    return {};
+  }
+  const std::string toml = to_toml(settings, {SettingGroup::Camera});
+  TRY(write_whole(around.storage, flags.output, std::as_bytes(std::span(toml))));
+  fmt::print("use it by --config {}\n", flags.output);
+  return {};
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<CalibrateFlags>();
+  CLI::App* verb = app.add_subcommand("calibrate", "measure a camera's control delay from its pictures");
+  verb->add_option("what", flags->what, "delay: frames from a request to the picture that shows it")
+      ->required();
+  verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml");
+  flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return calibrate(*flags, around); }; });
+}
+
+}  // namespace hdrcam

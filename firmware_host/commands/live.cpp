@@ -1,0 +1,117 @@
+// hdrcam live --camera ID -o out/%06d.exr: the main job, from a camera, as the frames come in.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/run_limits.h"
+#include "firmware_host/fit_run.h"
+#include "firmware_host/live/camera_run.h"
+#include "firmware_host/live/live_report.h"
+#include "firmware_host/progress.h"
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+namespace {
+
+struct LiveFlags {
+  std::uint64_t frames = 0;
+  double timeout_s = 0;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
+                                        SettingGroup::Fit,    SettingGroup::Output,   SettingGroup::Record};
+
+std::string command_line_of(const Settings& settings, const LiveFlags& flags) {
+  std::string text =
+      fmt::format("hdrcam live --camera {} --shutter {}", settings.camera.id, settings.schedule.shutter);
+  if (!settings.output.frames.empty()) text += fmt::format(" -o {}", settings.output.frames);
+  text += flags_of(settings.fit);
+  return flags.frames > 0 ? text + fmt::format(" --frames {}", flags.frames) : text;
+}
+
+// Once the fit has found the camera's response, the proof of exposures may use it.
+class ResponseReport {
+ public:
+  explicit ResponseReport(LiveSession& session) : session_(session) {}
+  void emitted(const OnlineStage& online, bool linear) {
+    if (linear || told_) return;
+    told_ = true;
+    session_.learn_response(online.response().inverse(1), online.black_level()[1]);
+  }
+
+ private:
+  LiveSession& session_;
+  bool told_ = false;
+};
+
+// Frames until the run is over, or the fit fails.
+Result<void> fit_all(LiveSession& session, FitRun& run, const std::atomic<bool>& stop,
+                     const std::function<void()>& tick) {
+  while (const FrameShare frame = session.next(stop, tick)) TRY(run.take(frame->captured.raw));
+  return {};
+}
+
+Result<void> live(const LiveFlags& flags, Surroundings& around) {
+  const Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
+  const auto camera = TRY(CameraRun::open(
+      settings, {.frames = flags.frames, .timeout = Instant::from_seconds(flags.timeout_s).since_boot},
+      around.storage));
+  LiveSession& session = camera->session();
+  for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
+
+  StatusLine line(stderr);
+  Stopwatch watch;
+  LiveMoment moment;
+  ResponseReport response(session);
+  std::unique_ptr<FitRun> run;
+  run = TRY(FitRun::open(settings, camera->facts(), camera->facts().name, command_line_of(settings, flags),
+                         around.storage, [&](FrameRecord& frame) {
+                           frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
+                           moment.latency_ms = frame.latency_ms;
+                           response.emitted(run->pipeline().online(), camera->facts().linear);
+                         }));
+  const auto tick = [&] {
+    if (!line.due()) return;
+    moment.seconds += watch.lap_ms() * 1e-3;
+    moment.counters = session.counters();
+    line.show(live_line(moment, true));
+  };
+
+  TRY(session.start());
+  Result<void> fitted = fit_all(session, *run, around.stop, tick);
+  if (fitted) fitted = run->finish();
+  const Result<LiveEnd> end = camera->finish();
+
+  const LiveCounters counters = session.counters();
+  RunRecord& record = run->record();
+  record.counters = named(counters);
+  record.captured = static_cast<int>(counters.captured());
+  record.emitted = static_cast<int>(counters.emitted);
+  record.dropped = static_cast<int>(counters.dropped());
+  record.notes.push_back(proof_of(counters.camera));
+  TRY(run->conclude());
+  fmt::print("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true), proof_of(counters.camera),
+             to_seconds(counters.longest_latency) * 1e3);
+  if (!settings.record.file.empty())
+    fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
+  if (!end) return end.error();
+  if (!fitted) return fitted;
+  return ended_by(end.value(), flags.frames > 0 || flags.timeout_s > 0, counters.captured());
+}
+
+}  // namespace
+
+void add_live(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<LiveFlags>();
+  CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames while they come in");
+  add_run_limits(*verb, flags->frames, flags->timeout_s);
+  flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return live(*flags, around); }; });
+}
+
+}  // namespace hdrcam

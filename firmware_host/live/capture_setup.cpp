@@ -1,0 +1,138 @@
+#include "firmware_host/live/capture_setup.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+#include <tuple>
+
+#include "hal/real/enumerate.h"
+#include "hal/real/sync_line_gpiod.h"
+#include "hal/replay/replayed_camera.h"
+#include "hal/sim/simulated_camera.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr std::string_view kSim = "sim:", kReplay = "replay:";
+constexpr int kUsualArea_px = 640 * 480;  // at most, where no size is named: what the fit can follow
+
+// Larger is better: raw before processed, more bits before fewer, whole chroma before shared, then as listed.
+std::tuple<bool, int, int, int> worth(PixelFormat format) {
+  const PixelCodes codes = codes_of(format);
+  const bool colour = codes.layout != PixelLayout::Mono;
+  const int chroma = format == PixelFormat::Rgb24 || format == PixelFormat::Bgr24 ? 3
+                     : format == PixelFormat::Yuyv                                ? 2
+                     : format == PixelFormat::Nv12                                ? 1
+                                                                                  : 0;
+  return {colour && codes.linear, colour ? codes.bits : 0, chroma, -static_cast<int>(format)};
+}
+
+std::string modes_of(const CameraCapabilities& camera) {
+  std::vector<std::string> texts;
+  for (const StreamMode& mode : camera.modes) {
+    std::string text = fmt::format("{} {}x{}", name(mode.format), mode.width, mode.height);
+    if (std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(std::move(text));
+  }
+  constexpr std::size_t kShown = 12;
+  const std::size_t hidden = texts.size() > kShown ? texts.size() - kShown : 0;
+  texts.resize(texts.size() - hidden);
+  return fmt::format("{}{}", fmt::join(texts, ", "), hidden > 0 ? fmt::format(" and {} more", hidden) : "");
+}
+
+// How well a mode suits: the smaller the better.
+std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& mode) {
+  if (wanted.width > 0 || wanted.height > 0)
+    return {(wanted.width > 0 ? std::abs(mode.width - wanted.width) : 0) +
+                (wanted.height > 0 ? std::abs(mode.height - wanted.height) : 0),
+            0};
+  const long area = static_cast<long>(mode.width) * mode.height;
+  return area <= kUsualArea_px ? std::pair{0L, -area} : std::pair{1L, area};
+}
+
+}  // namespace
+
+bool is_replayed(const std::string& id) { return id.starts_with(kReplay); }
+
+Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage) {
+  if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()));
+  if (is_replayed(id))
+    return open_replayed_camera(storage, id.substr(kReplay.size()), ReplayPace::AsRecorded, posix_clock());
+  return open_real_camera(id);
+}
+
+Result<std::unique_ptr<SyncLine>> open_strobe(const Settings::Sync& sync) {
+  if (sync.line.empty()) return std::unique_ptr<SyncLine>();
+  return open_gpio_line({.line = sync.line, .active_low = sync.active_low});
+}
+
+Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabilities& camera) {
+  std::optional<PixelFormat> format;
+  if (!wanted.format.empty()) {
+    format = pixel_format(wanted.format);
+    if (!format || std::none_of(camera.modes.begin(), camera.modes.end(),
+                                [&](const StreamMode& mode) { return mode.format == *format; }))
+      return Error{ErrorCode::Unsupported, fmt::format("'{}' has no format '{}'; it offers {}", camera.id,
+                                                       wanted.format, modes_of(camera))};
+  }
+  const StreamMode* best = nullptr;
+  const auto better = [&](const StreamMode& a, const StreamMode& b) {
+    if (worth(a.format) != worth(b.format)) return worth(a.format) > worth(b.format);
+    return misfit(wanted, a) < misfit(wanted, b);
+  };
+  for (const StreamMode& mode : camera.modes)
+    if ((!format || mode.format == *format) && (best == nullptr || better(mode, *best))) best = &mode;
+  if (best == nullptr)
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("'{}' has no format that hdrcam reads; 'hdrcam list' shows what it has", camera.id)};
+  StreamMode mode = *best;
+  if (wanted.width > 0) mode.width = wanted.width;
+  if (wanted.height > 0) mode.height = wanted.height;
+  if (wanted.framerate_hz > 0) mode.frame_duration = Duration(std::llround(1e9 / wanted.framerate_hz));
+  return mode;
+}
+
+Result<ControlDelays> parse_delays(std::string_view text) {
+  const auto comma = text.find(',');
+  const auto number = [&](std::string_view part) -> std::optional<int> {
+    while (part.starts_with(' ')) part.remove_prefix(1);
+    int value = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    if (error != std::errc{} || end != part.data() + part.size() || value < 0) return std::nullopt;
+    return value;
+  };
+  const auto exposure = number(text.substr(0, comma));
+  const auto gain = comma == std::string_view::npos ? exposure : number(text.substr(comma + 1));
+  if (!exposure || !gain)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' is not a control delay; write the frames of exposure and gain, like 2,1", text)};
+  return ControlDelays{*exposure, *gain};
+}
+
+Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabilities& camera) {
+  CaptureSetup setup;
+  CaptureOptions& options = setup.options;
+  options.mode = TRY(mode_for(settings.camera, camera));
+  options.buffers = settings.camera.buffers;
+  if (!settings.camera.control_delay.empty())
+    options.delays = TRY(parse_delays(settings.camera.control_delay));
+  if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
+  if (settings.camera.timestamp == "end") options.timestamp_mark = TimestampMark::ExposureEnd;
+  if (settings.camera.yuv_range == "full") options.unpack.yuv_range = YuvRange::Full;
+  if (!settings.sync.line.empty())
+    options.strobe =
+        settings.sync.strobe == "exposure" ? StrobePulse::SpansExposure : StrobePulse::MarksFrame;
+  if (settings.sync.strobe_delay != Settings::Sync().strobe_delay)
+    options.strobe_after_timestamp = TRY(parse_duration(settings.sync.strobe_delay));
+  constexpr int kPatience = 10;  // frames
+  options.patience = std::max(options.patience, kPatience * options.mode.frame_duration);
+  setup.cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
+  if (settings.schedule.mains != "off")
+    setup.mains = settings.schedule.mains == "60" ? Mains::Hz60 : Mains::Hz50;
+  return setup;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,76 @@
+#include "firmware_host/live/live_report.h"
+
+#include <fmt/ranges.h>
+
+namespace hdrcam {
+
+std::string live_line(const LiveMoment& moment, bool fits) {
+  const LiveCounters& counters = moment.counters;
+  const CaptureCounters& camera = counters.camera;
+  const double judged = static_cast<double>(camera.emitted);
+  const double proved = camera.emitted > 0 ? 100 * static_cast<double>(camera.proved) / judged : 0;
+  std::string line = fmt::format("{:.1f} s  captured {}", moment.seconds, counters.captured());
+  if (fits)
+    line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
+                        moment.latency_ms);
+  else
+    line += fmt::format("  recorded {}  dropped {}", counters.recorded, counters.dropped());
+  if (camera.lost_by_camera > 0) line += fmt::format("  lost {}", camera.lost_by_camera);
+  return line + fmt::format("  exposure proved {:.0f} %", proved);
+}
+
+std::string sentence_of(const LiveCounters& counters, bool fits) {
+  const std::pair<std::uint64_t, const char*> reasons[] = {
+      {counters.shed, "shed, the fit was busy"},        {counters.unproved, "exposure not proved"},
+      {counters.no_room, "no room, the disk was busy"}, {counters.camera.damaged, "damaged"},
+      {counters.camera.undecodable, "not decodable"},   {counters.unfinished, "not finished"},
+  };
+  std::vector<std::string> dropped;
+  for (const auto& [count, reason] : reasons)
+    if (count > 0) dropped.push_back(fmt::format("{} {}", count, reason));
+  const std::string why = dropped.empty() ? "" : fmt::format(" ({})", fmt::join(dropped, ", "));
+  std::string text = fits ? fmt::format("captured {} = emitted {} + dropped {}{}", counters.captured(),
+                                        counters.emitted, counters.dropped(), why)
+                          : fmt::format("captured {} = recorded {} + dropped {}{}", counters.captured(),
+                                        counters.recorded, counters.dropped(), why);
+  if (counters.camera.lost_by_camera > 0)
+    text += fmt::format("; {} more never came from the camera", counters.camera.lost_by_camera);
+  return text;
+}
+
+std::string proof_of(const CaptureCounters& camera) {
+  return fmt::format("exposures: {} proved, {} plausible, {} contradicted, {} unknown", camera.proved,
+                     camera.plausible, camera.contradicted, camera.unknown);
+}
+
+std::vector<NamedValue> named(const LiveCounters& counters) {
+  const CaptureCounters& camera = counters.camera;
+  const std::pair<const char*, std::uint64_t> values[] = {
+      {"captured", counters.captured()},
+      {"emitted", counters.emitted},
+      {"recorded", counters.recorded},
+      {"dropped", counters.dropped()},
+      {"dropped.shed", counters.shed},
+      {"dropped.unproved", counters.unproved},
+      {"dropped.no_room", counters.no_room},
+      {"dropped.damaged", camera.damaged},
+      {"dropped.undecodable", camera.undecodable},
+      {"dropped.unfinished", counters.unfinished},
+      {"camera.lost", camera.lost_by_camera},
+      {"camera.proved", camera.proved},
+      {"camera.plausible", camera.plausible},
+      {"camera.contradicted", camera.contradicted},
+      {"camera.unknown", camera.unknown},
+      {"camera.relabelled", camera.relabelled},
+      {"camera.unreported", camera.unreported},
+      {"camera.repeated_cookies", camera.repeated_cookies},
+      {"camera.requests_late", camera.requests_late},
+      {"camera.relocks", camera.relocks},
+  };
+  std::vector<NamedValue> list;
+  for (const auto& [name, value] : values) list.push_back({name, static_cast<double>(value)});
+  list.push_back({"longest_latency_ms", to_seconds(counters.longest_latency) * 1e3});
+  return list;
+}
+
+}  // namespace hdrcam

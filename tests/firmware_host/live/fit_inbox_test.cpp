@@ -1,0 +1,112 @@
+#include "firmware_host/live/fit_inbox.h"
+
+#include <set>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+constexpr Duration kNoWait{0};
+
+// Frame n of a camera that walks through `slots` exposures.
+FrameShare frame_of(FramePool& pool, std::uint64_t sequence, int slots) {
+  FrameShare frame = pool.take();
+  REQUIRE(frame);
+  frame->captured.raw.facts.sequence = sequence;
+  frame->captured.raw.facts.slot = static_cast<int>(sequence % static_cast<std::uint64_t>(slots));
+  return frame;
+}
+
+TEST_CASE("a fit that keeps up gets every frame") {
+  FramePool pool(12);
+  FitInbox inbox(3);
+  for (std::uint64_t n = 0; n < 50; ++n) {
+    CHECK(inbox.put(frame_of(pool, n, 3)) == 0);
+    const auto taken = inbox.take(kNoWait);
+    REQUIRE(taken.frame);
+    CHECK(taken.frame->captured.raw.facts.sequence == n);
+    CHECK(taken.shed == 0);
+  }
+}
+
+TEST_CASE("a fit that is slower than the camera still gets every exposure in turn, and none that is old") {
+  for (const int slots : {1, 2, 3, 4})
+    for (const int slower : {2, 3, 4, 6}) {
+      INFO(slots << " slots, camera " << slower << " times as fast as the fit");
+      FramePool pool(32);
+      FitInbox inbox(slots);
+      std::vector<std::uint64_t> fitted;
+      std::uint64_t shed = 0, next = 0;
+      for (int round = 0; round < 60; ++round) {
+        for (int i = 0; i < slower; ++i)
+          shed += static_cast<std::uint64_t>(inbox.put(frame_of(pool, next++, slots)));
+        const auto taken = inbox.take(kNoWait);
+        REQUIRE(taken.frame);
+        shed += static_cast<std::uint64_t>(taken.shed);
+        fitted.push_back(taken.frame->captured.raw.facts.sequence);
+        CHECK(next - fitted.back() <= static_cast<std::uint64_t>(slots + slower));
+      }
+      for (std::size_t i = 1; i < fitted.size(); ++i) {
+        CHECK(fitted[i] > fitted[i - 1]);
+        CHECK((fitted[i] - fitted[i - 1]) % static_cast<std::uint64_t>(slots) ==
+              1 % static_cast<unsigned>(slots));
+      }
+      std::uint64_t left = 0;
+      while (true) {
+        const auto taken = inbox.take(kNoWait);
+        shed += static_cast<std::uint64_t>(taken.shed);
+        if (!taken.frame) break;
+        ++left;
+      }
+      CHECK(fitted.size() + left + shed == next);
+    }
+}
+
+TEST_CASE("frames that are not of the schedule wait their turn, and the oldest goes when the inbox is full") {
+  FramePool pool(32);
+  FitInbox inbox(2);
+  int shed = 0;
+  for (std::uint64_t n = 0; n < 9; ++n) {
+    FrameShare frame = frame_of(pool, n, 2);
+    frame->captured.raw.facts.slot = -1;
+    shed += inbox.put(std::move(frame));
+  }
+  CHECK(shed == 4);
+  for (std::uint64_t n = 4; n < 9; ++n) {
+    const auto taken = inbox.take(kNoWait);
+    REQUIRE(taken.frame);
+    CHECK(taken.frame->captured.raw.facts.sequence == n);
+  }
+}
+
+TEST_CASE("a closed inbox gives what it has and then ends at once") {
+  FramePool pool(4);
+  FitInbox inbox(3);
+  inbox.put(frame_of(pool, 0, 3));
+  inbox.close();
+  CHECK_FALSE(inbox.ended());
+  CHECK(inbox.take(std::chrono::hours(1)).frame);
+  CHECK(inbox.ended());
+  CHECK_FALSE(inbox.take(std::chrono::hours(1)).frame);
+}
+
+TEST_CASE("a frame is free again when its last holder lets go, and is handed out first") {
+  FramePool pool(2);
+  FrameShare first = pool.take();
+  FrameShare second = pool.take();
+  CHECK_FALSE(pool.take());
+  const FramePool::Slot* slot = &*second;
+  {
+    const FrameShare also = second.another();
+    second = {};
+    CHECK_FALSE(pool.take());
+  }
+  const FrameShare again = pool.take();
+  REQUIRE(again);
+  CHECK(&*again == slot);
+}
+
+}  // namespace
+}  // namespace hdrcam

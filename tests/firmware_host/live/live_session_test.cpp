@@ -1,0 +1,179 @@
+#include "firmware_host/live/live_session.h"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <set>
+#include <thread>
+
+#include "hal/fault/faulty_storage.h"
+#include "hal/sim/sim_bench.h"
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+using std::chrono::milliseconds;
+const std::atomic<bool> kNeverStops{false};
+
+// A camera, its capture and a place for a recording.
+class Stand {
+ public:
+  explicit Stand(const std::string& scene,
+                 std::vector<Exposure> cycle = {{milliseconds(1), 1}, {milliseconds(4), 1}})
+      : simulation_(value_of(simulation_of(scene))), camera_(simulation_, SimTime(), 1) {
+    CaptureOptions options;
+    options.mode = {PixelFormat::Rgb24, simulation_.width, simulation_.height, simulation_.frame_duration()};
+    capture_ = value_of(CaptureStage::open(camera_, nullptr, cycle, Mains::Off, options));
+  }
+  CaptureStage& capture() { return *capture_; }
+  SimulatedCamera& camera() { return camera_; }
+
+  std::unique_ptr<RecordingWriter> record(Storage& storage) {
+    return value_of(create_recording(storage, path_, capture_->facts()));
+  }
+  // Sequence numbers of what was recorded.
+  std::vector<FrameFacts> recorded() const {
+    auto reader = value_of(open_recording(posix_storage(), path_));
+    std::vector<FrameFacts> frames;
+    for (;;) {
+      auto facts = reader->next_facts();
+      if (!facts) require_error(facts, ErrorCode::Truncated);
+      if (!facts || !*facts) return frames;
+      frames.push_back(**facts);
+    }
+  }
+  ~Stand() { std::filesystem::remove(path_); }
+
+ private:
+  const std::string path_ =
+      std::filesystem::temp_directory_path() / fmt::format("hdrcam_live_{}.mkv", ::getpid());
+  Simulation simulation_;
+  SimulatedCamera camera_;
+  std::unique_ptr<CaptureStage> capture_;
+};
+
+void check_sums(const LiveCounters& counters) {
+  CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.under_way);
+  CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
+}
+
+TEST_CASE(
+    "with a camera twice as fast as the fit the recording is complete and every frame is accounted for") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 200});
+  require_done(session.start());
+  std::atomic<bool> watching{true};
+  int looks = 0, wrong_sums = 0;
+  std::thread watcher([&] {
+    for (; watching; ++looks) {
+      const LiveCounters now = session.counters();
+      wrong_sums += now.captured() != now.emitted + now.dropped() + now.under_way;
+      wrong_sums += now.captured() != now.recorded + now.no_room + now.to_record + now.camera.dropped();
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  std::set<int> slots;
+  Duration oldest{0};
+  while (const FrameShare frame = session.next(kNeverStops, {})) {
+    std::this_thread::sleep_for(milliseconds(10));  // the fit
+    slots.insert(frame->captured.raw.facts.slot);
+    oldest = std::max(oldest, session.emitted(frame->captured.raw.facts.sequence));
+  }
+  CHECK(value_of(session.finish()) == LiveEnd::Frames);
+  watching = false;
+  watcher.join();
+  CHECK(looks > 100);
+  CHECK(wrong_sums == 0);
+  const LiveCounters counters = session.counters();
+  check_sums(counters);
+  CHECK(counters.under_way == 0);
+  CHECK(counters.to_record == 0);
+  CHECK(counters.captured() == 200);
+  CHECK(counters.shed >= 60);
+  CHECK(counters.no_room == 0);
+  CHECK(slots.size() == 2);
+  CHECK(oldest < milliseconds(200));
+  CHECK(counters.longest_latency == oldest);
+  const auto frames = stand.recorded();
+  CHECK(frames.size() == 200);
+  for (std::size_t i = 1; i < frames.size(); ++i) CHECK(frames[i].sequence > frames[i - 1].sequence);
+}
+
+TEST_CASE("a run that only records hands out no frame and keeps them all") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60, .fits = false});
+  require_done(session.start());
+  CHECK_FALSE(session.next(kNeverStops, {}));
+  CHECK(value_of(session.finish()) == LiveEnd::Frames);
+  const LiveCounters counters = session.counters();
+  CHECK(counters.captured() == 60);
+  CHECK(counters.recorded == 60);
+  CHECK(counters.dropped() == 0);
+  CHECK(stand.recorded().size() == 60);
+}
+
+TEST_CASE("a run ends when its time is up, and when it is told to") {
+  for (const bool told : {false, true}) {
+    Stand stand("still?size=64x48&fps=200");
+    LiveSession session(stand.capture(), nullptr,
+                        {.timeout = told ? Duration(0) : Duration(milliseconds(200))});
+    require_done(session.start());
+    std::atomic<bool> stop{false};
+    int frames = 0;
+    while (const FrameShare frame = session.next(stop, {})) {
+      session.emitted(frame->captured.raw.facts.sequence);
+      if (++frames == 20 && told) stop = true;
+    }
+    CHECK(value_of(session.finish()) == (told ? LiveEnd::Stopped : LiveEnd::Timeout));
+    CHECK(frames >= 10);
+    check_sums(session.counters());
+  }
+}
+
+TEST_CASE("a camera that is unplugged ends the run with all that it gave, fitted and recorded") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {});
+  require_done(session.start());
+  int frames = 0;
+  while (const FrameShare frame = session.next(kNeverStops, {})) {
+    session.emitted(frame->captured.raw.facts.sequence);
+    if (++frames == 30) SimBench(stand.camera()).unplug();
+  }
+  require_error(session.finish(), ErrorCode::Unplugged);
+  const LiveCounters counters = session.counters();
+  check_sums(counters);
+  CHECK(counters.under_way == 0);
+  CHECK(counters.recorded == counters.captured());
+  CHECK(stand.recorded().size() == counters.recorded);
+}
+
+TEST_CASE("a full disk ends the run with that error, and what was recorded before can be read") {
+  Stand stand("still?size=64x48&fps=200");
+  FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
+  LiveSession session(stand.capture(), stand.record(storage), {});
+  require_done(session.start());
+  while (const FrameShare frame = session.next(kNeverStops, {}))
+    session.emitted(frame->captured.raw.facts.sequence);
+  require_error(session.finish(), ErrorCode::NoSpace);
+  CHECK(stand.recorded().size() >= session.counters().recorded);
+  CHECK(session.counters().recorded > 1);
+}
+
+TEST_CASE("frames whose exposure is not proved are recorded, but kept out of the fit") {
+  Stand stand("still?size=64x48&fps=200&reports=no");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60});
+  require_done(session.start());
+  while (const FrameShare frame = session.next(kNeverStops, {})) {
+    CHECK((frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0);
+    session.emitted(frame->captured.raw.facts.sequence);
+  }
+  CHECK(value_of(session.finish()) == LiveEnd::Frames);
+  const LiveCounters counters = session.counters();
+  CHECK(counters.unproved > 0);
+  CHECK(counters.recorded == 60);
+  check_sums(counters);
+}
+
+}  // namespace
+}  // namespace hdrcam
