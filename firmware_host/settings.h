@@ -1,7 +1,7 @@
 // What a run on a camera is told. Every setting has a default that works, a key in a TOML file and a flag;
-// one list of fields (settings.cpp) feeds all three, the help and the printed configuration. What is given
-// last in this order wins: default, file, flag. Plain value; what the texts mean is checked by whoever uses
-// them.
+// one list of fields (setting_fields.h) feeds all three, the help and the printed configuration. What is
+// given last in this order wins: default, file, flag. Plain value; what the texts mean is checked by whoever
+// uses them.
 #pragma once
 
 #include <memory>

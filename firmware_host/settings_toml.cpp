@@ -1,0 +1,170 @@
+#include "firmware_host/settings_toml.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "firmware_host/setting_fields.h"
+#include "firmware_host/suggestion.h"
+
+#define TOML_EXCEPTIONS 0
+#include <toml++/toml.h>
+
+namespace hdrcam {
+namespace {
+
+// One key of the file with what it was given.
+struct Entry {
+  std::string key;  // "camera.format", or "camra" where there is no such table
+  const toml::node* node = nullptr;
+  std::uint32_t line = 0;
+};
+
+std::string_view table_of(std::string_view key) { return key.substr(0, key.find('.')); }
+std::string_view name_of(std::string_view key) { return key.substr(key.find('.') + 1); }
+
+std::vector<std::string> tables() {
+  std::vector<std::string> names;
+  for (const SettingField& field : setting_fields())
+    if (names.empty() || names.back() != table_of(field.key)) names.emplace_back(table_of(field.key));
+  return names;
+}
+
+// For people and for TOML: on one line, whatever is in it.
+std::string escaped(std::string_view text, std::string_view also = "") {
+  std::string out;
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (also.find(c) != std::string_view::npos) out += '\\';
+    if (code < 0x20 || code == 0x7f)
+      out += fmt::format("\\u{:04X}", code);
+    else
+      out += c;
+  }
+  return out;
+}
+
+Error at_line(const std::string& name, std::uint32_t line, const Error& error) {
+  return {error.code, fmt::format("{}:{}: {}", name, line, escaped(error.message))};
+}
+
+std::vector<Entry> entries_of(const toml::table& file) {
+  const auto known = tables();
+  std::vector<Entry> entries;
+  for (const auto& [key, node] : file) {
+    const toml::table* table = node.as_table();
+    if (!table || std::ranges::find(known, key.str()) == known.end()) {
+      entries.push_back({std::string(key.str()), &node, key.source().begin.line});
+      continue;
+    }
+    for (const auto& [name, value] : *table)
+      entries.push_back({fmt::format("{}.{}", key.str(), name.str()), &value, name.source().begin.line});
+  }
+  std::ranges::stable_sort(entries, {}, &Entry::line);
+  return entries;
+}
+
+// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it.
+std::string nearest_setting(const std::string& key) {
+  std::vector<std::string> keys, names;
+  for (const SettingField& field : setting_fields()) {
+    keys.emplace_back(field.key);
+    names.emplace_back(name_of(field.key));
+  }
+  if (nearest_word(key, keys)) return did_you_mean(key, keys);
+  const auto name = nearest_word(name_of(key), names);
+  if (!name) return "";
+  return did_you_mean(keys[static_cast<std::size_t>(std::ranges::find(names, *name) - names.begin())], keys);
+}
+
+Error no_such(const Entry& entry) {
+  const auto known = tables();
+  if (std::ranges::find(known, entry.key) != known.end())
+    return {ErrorCode::Invalid, fmt::format("'{0}' is a table; write [{0}] above its settings", entry.key)};
+  if (entry.node->is_table() && entry.key.find('.') == std::string::npos)
+    return {ErrorCode::Invalid, fmt::format("there is no table [{}]{}; there are {}", entry.key,
+                                            did_you_mean(entry.key, known), fmt::join(known, ", "))};
+  return {ErrorCode::Invalid,
+          fmt::format("there is no setting '{}'{}", entry.key, nearest_setting(entry.key))};
+}
+
+std::optional<SettingValue> scalar(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* real = node.as_floating_point()) return real->get();
+  if (const auto* truth = node.as_boolean()) return truth->get();
+  const auto* whole = node.as_integer();
+  if (!whole) return std::nullopt;
+  if (std::in_range<int>(whole->get())) return static_cast<int>(whole->get());
+  return static_cast<double>(whole->get());  // outside every range, and shown as it was written
+}
+
+// The parts of a list, joined as a flag takes them.
+std::optional<SettingValue> joined(const toml::array& array) {
+  std::vector<std::string> parts;
+  for (const toml::node& element : array) {
+    const auto part = scalar(element);
+    if (!part || std::holds_alternative<bool>(*part)) return std::nullopt;
+    parts.push_back(to_text(*part));
+  }
+  return fmt::format("{}", fmt::join(parts, ","));
+}
+
+const char* word_for(const toml::node& node) {
+  if (node.is_table()) return "a table";
+  if (node.is_array()) return "this list";
+  return "a date or time";
+}
+
+Result<void> take(const Entry& entry, Settings& settings) {
+  const auto fields = setting_fields();
+  const auto field = std::ranges::find(fields, entry.key, &SettingField::key);
+  if (field == fields.end()) return no_such(entry);
+  auto value = scalar(*entry.node);
+  if (field->list && entry.node->is_array()) value = joined(*entry.node->as_array());
+  if (!value) return not_accepted(*field, entry.key, word_for(*entry.node));
+  return set(*field, *value, entry.key, settings);
+}
+
+std::string quoted(const std::string& text) { return '"' + escaped(text, "\"\\") + '"'; }
+
+}  // namespace
+
+Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings) {
+  const auto dots = static_cast<std::size_t>(std::ranges::count(text, '.'));
+  if (text.size() > kMostTomlBytes || dots > kMostTomlDots)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' has {} bytes and {} dots; a file of settings has at most {} and {}", name,
+                             text.size(), dots, kMostTomlBytes, kMostTomlDots)};
+  const toml::parse_result parsed = toml::parse(text, name);
+  if (!parsed) {
+    const auto& at = parsed.error().source().begin;
+    return at_line(name, at.line,
+                   {ErrorCode::Invalid,
+                    fmt::format("not TOML at column {}: {}", at.column, parsed.error().description())});
+  }
+  for (const Entry& entry : entries_of(parsed.table()))
+    if (const auto taken = take(entry, settings); !taken) return at_line(name, entry.line, taken.error());
+  return {};
+}
+
+std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups) {
+  std::string text;
+  std::string_view table;
+  for (const SettingField& field : setting_fields()) {
+    if (std::ranges::find(groups, field.group) == groups.end()) continue;
+    if (table != table_of(field.key))
+      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", table = table_of(field.key));
+    const SettingValue value = value_of(field, settings);
+    const auto* words = std::get_if<std::string>(&value);
+    text += fmt::format("# {}\n{} = {}\n", describe(field), name_of(field.key),
+                        words ? quoted(*words) : to_text(value));
+  }
+  return text;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,302 @@
+#include "firmware_host/settings.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <random>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware_host/setting_fields.h"
+#include "firmware_host/settings_toml.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+using Catch::Matches;
+
+namespace {
+
+const std::vector<SettingGroup> kAllGroups{SettingGroup::Camera, SettingGroup::Schedule,
+                                           SettingGroup::Sync,   SettingGroup::Fit,
+                                           SettingGroup::Output, SettingGroup::Record};
+
+std::string file_with(const std::string& text) {
+  static const std::string folder = sample::scratch_folder("settings");
+  const std::string path = folder + "/live.toml";
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(text))).ok());
+  return path;
+}
+
+// What a verb of these groups makes of a command line.
+Result<Settings> from_flags(const std::vector<std::string>& words,
+                            const std::vector<SettingGroup>& groups = kAllGroups) {
+  CLI::App verb("", "live");
+  const SettingsFlags flags(verb, groups);
+  verb.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  return flags.read(posix_storage());
+}
+
+Result<Settings> from_toml(const std::string& text) {
+  Settings settings;
+  const auto read = read_toml(text, "live.toml", settings);
+  return read ? Result<Settings>(settings) : read.error();
+}
+
+std::string sentence(const Result<Settings>& refused) {
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Invalid);
+  return refused.error().message;
+}
+
+// A value that the field takes and that is not its default.
+std::string other_value(const SettingField& field) {
+  if (!field.choices.empty()) return field.choices.back();
+  if (std::holds_alternative<SettingPlace<bool>>(field.place)) return "true";
+  if (std::holds_alternative<SettingPlace<int>>(field.place)) return to_text(field.range.most);
+  if (std::holds_alternative<SettingPlace<double>>(field.place))
+    return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+  return "a \"quoted\" \\ word, wörtlich\tand\n=[#]";
+}
+
+Settings all_changed() {
+  Settings settings;
+  for (const SettingField& field : setting_fields())
+    REQUIRE(set_from_text(field, other_value(field), field.key, settings).ok());
+  return settings;
+}
+
+bool same(const Settings& a, const Settings& b) {
+  return std::ranges::all_of(
+      setting_fields(), [&](const SettingField& field) { return value_of(field, a) == value_of(field, b); });
+}
+
+}  // namespace
+
+TEST_CASE("a flag wins over the file, and the file over the default") {
+  const std::string path = file_with("[camera]\nwidth = 640\nheight = 480\n");
+  const auto settings = from_flags({"--config", path, "--width", "320"});
+  REQUIRE(settings.ok());
+  CHECK(settings.value().camera.width == 320);
+  CHECK(settings.value().camera.height == 480);
+  CHECK(settings.value().camera.buffers == 8);
+}
+
+TEST_CASE("a flag that repeats the default still wins over the file") {
+  const std::string path = file_with("[camera]\nbuffers = 12\n[sync]\nactive_low = true\n");
+  const auto settings = from_flags({"--config", path, "--buffers", "8", "--sync-active-low=false"});
+  REQUIRE(settings.ok());
+  CHECK(settings.value().camera.buffers == 8);
+  CHECK_FALSE(settings.value().sync.active_low);
+}
+
+TEST_CASE("every setting has a default that it takes, and another value") {
+  for (const SettingField& field : setting_fields()) {
+    INFO(field.key);
+    Settings settings;
+    const SettingValue fallback = value_of(field, settings);
+    CHECK(set(field, fallback, field.key, settings).ok());
+    CHECK(set_from_text(field, other_value(field), field.key, settings).ok());
+    CHECK(value_of(field, settings) != fallback);
+  }
+}
+
+TEST_CASE("every setting comes back from the printed configuration and from its flag") {
+  for (const SettingField& field : setting_fields()) {
+    INFO(field.key);
+    Settings changed;
+    REQUIRE(set_from_text(field, other_value(field), field.key, changed).ok());
+    const std::string toml = to_toml(changed, kAllGroups);
+    INFO(toml);
+    const auto printed = from_toml(toml);
+    REQUIRE(printed.ok());
+    CHECK(same(printed.value(), changed));
+
+    const std::string flag = std::string(field.flag).substr(std::string_view(field.flag).find("--"));
+    const auto flagged = from_flags({flag + "=" + other_value(field)});
+    REQUIRE(flagged.ok());
+    CHECK(same(flagged.value(), changed));
+  }
+}
+
+TEST_CASE("the printed configuration has a comment for every key and only the groups asked for") {
+  const std::string text = to_toml(Settings{}, {SettingGroup::Camera, SettingGroup::Sync});
+  CHECK_THAT(text, Contains("[camera]\n# a device") && Contains("\n\n[sync]\n# "));
+  CHECK_THAT(text, !Contains("[fit]") && !Contains("[schedule]"));
+  CHECK_THAT(to_toml(Settings{}, kAllGroups), Contains("\nshutter = \"1ms,4ms,16ms\"\n"));
+  const auto all = from_toml(to_toml(all_changed(), kAllGroups));
+  REQUIRE(all.ok());
+  CHECK(same(all.value(), all_changed()));
+}
+
+TEST_CASE("lists may be written as arrays, and numbers of a choice without quotes") {
+  const auto settings = from_toml(
+      "[camera]\ncontrol_delay = [2, 1]\nframerate = 30\n"
+      "[schedule]\nshutter = [\"1ms\", \"1/250\"]\ngain = [1, 2.5]\nmains = 50\n"
+      "[output]\nlayers = [\"depth\", \"flow\"]\n");
+  REQUIRE(settings.ok());
+  CHECK(settings.value().camera.control_delay == "2,1");
+  CHECK(settings.value().camera.framerate_hz == 30);
+  CHECK(settings.value().schedule.shutter == "1ms,1/250");
+  CHECK(settings.value().schedule.gain == "1,2.5");
+  CHECK(settings.value().schedule.mains == "50");
+  CHECK(settings.value().output.layers == "depth,flow");
+  const auto one = from_toml("schedule.gain = 4");
+  REQUIRE(one.ok());
+  CHECK(one.value().schedule.gain == "4");
+}
+
+TEST_CASE("a verb takes the flags of its groups, and a file with the keys of all") {
+  const std::string path = file_with("[fit]\npreset = \"fast\"\n[record]\nmemory_mib = 64\n");
+  const auto settings = from_flags({"--config", path}, {SettingGroup::Camera, SettingGroup::Record});
+  REQUIRE(settings.ok());
+  CHECK(settings.value().fit.preset == "fast");
+  CHECK(settings.value().record.memory_mib == 64);
+  CHECK_THROWS_AS(from_flags({"--preset", "fast"}, {SettingGroup::Camera}), CLI::ParseError);
+}
+
+TEST_CASE("the recording is written with -o by a verb that has no other output") {
+  const auto alone = from_flags({"-o", "walk.mkv"}, {SettingGroup::Camera, SettingGroup::Record});
+  REQUIRE(alone.ok());
+  CHECK(alone.value().record.file == "walk.mkv");
+  const auto both = from_flags({"-o", "out/%06d.exr", "--record", "walk.mkv"});
+  REQUIRE(both.ok());
+  CHECK(both.value().output.frames == "out/%06d.exr");
+  CHECK(both.value().record.file == "walk.mkv");
+}
+
+TEST_CASE("the help shows every flag with its default, under the title of its group") {
+  CLI::App verb("", "live");
+  const SettingsFlags flags(verb, kAllGroups);
+  const std::string help = verb.help();
+  for (const SettingField& field : setting_fields()) {
+    INFO(field.key);
+    CHECK_THAT(help, Contains(field.flag) && Contains(title(field.group)));
+    CHECK(verb.get_option(std::string(field.flag).substr(std::string_view(field.flag).find("--")))
+              ->get_group() == title(field.group));
+  }
+  CHECK_THAT(help, Contains("--buffers INT=8") && Contains("--shutter TEXT=1ms,4ms,16ms"));
+  CHECK_THAT(help, Contains("--config") && Contains("--print-config"));
+  CHECK_FALSE(flags.print_config());
+}
+
+TEST_CASE("an unknown key names the file, the line and the setting that was meant") {
+  CHECK(sentence(from_toml("[camera]\nwidth = 640\n\nformt = \"YUYV\"\n")) ==
+        "live.toml:4: there is no setting 'camera.formt' (did you mean 'camera.format'?)");
+  CHECK_THAT(sentence(from_toml("framerate = 30\n")), Contains("(did you mean 'camera.framerate'?)"));
+  CHECK_THAT(sentence(from_toml("[schedule]\nwidth = 30\n")), Contains("(did you mean 'camera.width'?)"));
+  CHECK_THAT(sentence(from_toml("[camera]\nperpendicular = 1\n")),
+             Contains("'camera.perpendicular'") && !Contains("did you mean"));
+  CHECK(sentence(from_toml("\n[camra]\nwidth = 640\n")) ==
+        "live.toml:2: there is no table [camra] (did you mean 'camera'?); "
+        "there are camera, schedule, sync, fit, output, record");
+  CHECK(sentence(from_toml("camera = 3")) ==
+        "live.toml:1: 'camera' is a table; write [camera] above its settings");
+  CHECK_THAT(sentence(from_toml("[[camera]]\nwidth = 640\n")), Contains("'camera' is a table"));
+}
+
+TEST_CASE("a value that a setting does not take is refused with what it takes") {
+  const auto refused = [](const std::string& text) { return sentence(from_toml(text)); };
+  CHECK(refused("[camera]\nwidth = 3\n") ==
+        "live.toml:2: camera.width takes a whole number, 16..65535 or 0, not 3");
+  CHECK(refused("[camera]\nwidth = \"wide\"\n") ==
+        "live.toml:2: camera.width takes a whole number, 16..65535 or 0, not 'wide'");
+  CHECK_THAT(refused("[camera]\nwidth = 99999999999\n"), Contains("not 99999999999"));
+  CHECK_THAT(refused("[camera]\nwidth = 640.5\n"), Contains("not 640.5"));
+  CHECK_THAT(refused("[camera]\nwidth = [640]\n"), Contains("not this list"));
+  CHECK_THAT(refused("[camera]\nwidth.px = 640\n"), Contains("not a table"));
+  CHECK_THAT(refused("[camera]\nid = 1979-05-27\n"), Contains("camera.id takes a text, not a date or time"));
+  CHECK_THAT(refused("[camera]\nid = 7\n"), Contains("camera.id takes a text, not 7"));
+  CHECK_THAT(refused("[sync]\nactive_low = 1\n"), Contains("takes true or false, not 1"));
+  CHECK_THAT(refused("[fit]\ncode_noise = nan\n"), Contains("takes a number, 0..20, not nan"));
+  CHECK_THAT(refused("[schedule]\nshutter = [true]\n"), Contains("takes a text or a list, not this list"));
+  CHECK(refused("[fit]\npreset = \"bset\"\n") ==
+        "live.toml:2: fit.preset takes fast, balanced or best, not 'bset' (did you mean 'best'?)");
+  CHECK_THAT(refused("[schedule]\nmains = 55\n"), Contains("takes off, 50 or 60, not 55"));
+}
+
+TEST_CASE("the first mistake of a file is the one that is reported") {
+  CHECK_THAT(sentence(from_toml("[output]\nstats = 3\n[camera]\nwidth = 3\n")), Contains("live.toml:2:"));
+}
+
+TEST_CASE("what a flag does not take is refused in the same words") {
+  CHECK(sentence(from_flags({"--width", "3"})) == "--width takes a whole number, 16..65535 or 0, not 3");
+  CHECK_THAT(sentence(from_flags({"--width", "12px"})), Contains("not '12px'"));
+  CHECK_THAT(sentence(from_flags({"--framerate", ""})), Contains("0.1..1000 or 0, not ''"));
+  CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not inf"));
+  CHECK_THAT(sentence(from_flags({"--compression", "zap"})), Contains("(did you mean 'zip'?)"));
+  CHECK_THAT(sentence(from_flags({"--sync-active-low=maybe"})), Contains("true or false, not 'maybe'"));
+}
+
+TEST_CASE("what is not TOML is refused with line and column") {
+  CHECK_THAT(sentence(from_toml("[camera]\nwidth = \n")),
+             Matches("live\\.toml:2: not TOML at column [0-9]+: .*"));
+  CHECK_THAT(sentence(from_toml("[camera]\nwidth = 640\n[camera]\nheight = 480\n")),
+             Matches("live\\.toml:3: not TOML at column [0-9]+: .*camera.*"));
+  CHECK_THAT(sentence(from_toml("[camera]\nwidth = 640\nwidth = 480\n")), Contains("live.toml:3:"));
+  CHECK_THAT(sentence(from_toml(std::string(kMostTomlBytes + 1, '\n'))),
+             Contains("65537 bytes") && Contains("at most 65536"));
+}
+
+TEST_CASE("a file that cannot be read is an error of its own kind") {
+  const auto missing = from_flags({"--config", "/no/such/live.toml"});
+  REQUIRE_FALSE(missing.ok());
+  CHECK(missing.error().code == ErrorCode::NotFound);
+  CHECK_THAT(missing.error().message, Contains("/no/such/live.toml"));
+}
+
+TEST_CASE("the deepest file that is read at all is refused without running out of stack") {
+  std::string dotted = "a";
+  for (std::size_t i = 0; i < kMostTomlDots; ++i) dotted += ".a";
+  CHECK_THAT(sentence(from_toml(dotted + " = 1")), Contains("there is no table [a]"));
+  CHECK_THAT(sentence(from_toml("[" + dotted + "]")), Contains("there is no table [a]"));
+  CHECK_THAT(sentence(from_toml(dotted + ".a = 1")), Contains("2001 dots"));
+  CHECK_THAT(sentence(from_toml("a = " + std::string(kMostTomlBytes - 8, '['))), Contains("not TOML"));
+}
+
+TEST_CASE("cut and mutated files are read or refused in one line, never worse") {
+  const std::string whole = to_toml(all_changed(), kAllGroups) +
+                            "[schedule.more]\na.b = [1, {c = 2}, 1979-05-27T07:32:00Z, '''x\ny''']\n";
+  constexpr std::string_view kPieces = "[]{}=\"'\\#.,\n\r\t-+_0x9enai\x80\xff\x01\x7f";
+  std::mt19937 random(20240229);
+  const auto pick = [&](std::size_t below) { return random() % below; };
+  int refused = 0;
+  for (int i = 0; i < 4000; ++i) {
+    std::string text = whole.substr(0, i % 2 == 0 ? pick(whole.size()) : whole.size());
+    for (std::size_t edits = pick(4); edits > 0 && !text.empty(); --edits) {
+      const std::size_t at = pick(text.size());
+      if (pick(2) == 0)
+        text[at] = kPieces[pick(kPieces.size())];
+      else
+        text.insert(at, text.substr(pick(text.size()), pick(12)));
+    }
+    const auto read = from_toml(text);
+    if (read.ok()) continue;
+    ++refused;
+    INFO(text << "\n-> " << read.error().message);
+    REQUIRE(read.error().code == ErrorCode::Invalid);
+    REQUIRE_THAT(read.error().message, Contains("live.toml:"));
+    REQUIRE(
+        std::ranges::none_of(read.error().message, [](unsigned char c) { return c < 0x20 || c == 0x7f; }));
+  }
+  CHECK(refused > 1000);
+}
+
+TEST_CASE("docs/configuration.md lists every setting as the program has it") {
+  const auto page = read_whole(posix_storage(), HDRCAM_SOURCE_DIR "/docs/configuration.md");
+  REQUIRE(page.ok());
+  const Settings defaults;
+  for (const SettingField& field : setting_fields()) {
+    const std::string fallback = to_text(value_of(field, defaults));
+    const std::string line = fmt::format("| `{}` | `{}` | {} | {} |", field.key, field.flag,
+                                         fallback.empty() ? "" : "`" + fallback + "`", describe(field));
+    INFO(line);
+    CHECK(page.value().find(line) != std::string::npos);
+  }
+}
