@@ -21,8 +21,8 @@ struct Settings {
   struct Camera {
     std::string id;             // "": the only camera; a device, "sim:SCENE", "replay:FILE"
     std::string format;         // "": the one that keeps most of the sensor's codes; or a name such as "YUYV"
-    int width = 0, height = 0;  // pixels; 0: as the camera offers first
-    double framerate_hz = 0;    // 0: as the mode has it
+    int width = 0, height = 0;  // pixels; 0: the largest of up to 640x480
+    double framerate_hz = 0;    // 0: as the camera usually runs, 30
     int buffers = 8;            // requests under way, 4..32
     std::string control_delay;  // "": what the driver says; "2,1": frames of exposure and gain
     double black_level = -1;    // codes of 255, of raw formats; -1: of the table of sensors

@@ -79,6 +79,7 @@ struct ExposureRequest {
 struct CameraCapabilities {
   std::string id, model, driver;                                // id: what --camera takes
   std::vector<StreamMode> modes;                                // with the shortest frame duration of each
+  Duration usual_frame_duration{33'333'333};                    // unless another is asked for
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
   double gain_step = 0;                                         // 0: continuous

@@ -10,6 +10,8 @@
 
 namespace hdrcam {
 
+enum class LineDirection { Input, Output };
+
 struct SyncLineCapabilities {
   bool output = false;  // drives pulses
   bool input = false;   // sees edges

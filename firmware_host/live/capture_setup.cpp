@@ -90,7 +90,8 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   StreamMode mode = *best;
   if (wanted.width > 0) mode.width = wanted.width;
   if (wanted.height > 0) mode.height = wanted.height;
-  if (wanted.framerate_hz > 0) mode.frame_duration = Duration(std::llround(1e9 / wanted.framerate_hz));
+  mode.frame_duration = wanted.framerate_hz > 0 ? Duration(std::llround(1e9 / wanted.framerate_hz))
+                                                : std::max(mode.frame_duration, camera.usual_frame_duration);
   return mode;
 }
 

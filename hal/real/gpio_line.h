@@ -10,10 +10,9 @@
 
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
+#include "hal/sync_line.h"
 
 namespace hdrcam {
-
-enum class LineDirection { Input, Output };
 
 struct GpioEvent {
   bool rising = true;

@@ -47,6 +47,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.model = facts.name;
     capabilities_.driver = "replay";
     capabilities_.modes = {mode_};
+    capabilities_.usual_frame_duration = mode_.frame_duration;
     capabilities_.reports_exposure = true;
     capabilities_.cycle = std::move(cycle);
   }

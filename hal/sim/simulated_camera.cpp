@@ -29,6 +29,7 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.driver = "sim";
   for (const PixelFormat format : kFormats)
     can.modes.push_back({format, s.width, s.height, std::chrono::milliseconds(2)});
+  can.usual_frame_duration = s.frame_duration();
   can.exposure_min = kExposureStep, can.exposure_max = s.frame_duration() - kReadout,
   can.exposure_step = kExposureStep;
   can.gain_min = 1, can.gain_max = 16;

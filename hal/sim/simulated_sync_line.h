@@ -33,8 +33,6 @@ class SimulatedWire {
   bool level_ = false;
 };
 
-enum class LineDirection { Input, Output };
-
 class SimulatedSyncLine : public SyncLine {
  public:
   // The wire outlives the line. An input sees the edges from now on.
