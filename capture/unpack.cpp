@@ -8,25 +8,31 @@ namespace hdrcam {
 
 Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
                             const UnpackSettings& settings) {
+  ExposedFrame frame;
+  TRY(unpack_into(raw, index, interval_s, settings, frame));
+  return frame;
+}
+
+Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
+                         ExposedFrame& frame) {
   const double exposure = raw.facts.exposure();
   if (!(exposure > 0) || !std::isfinite(exposure))
     return Error{ErrorCode::BadExposure,
                  fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite",
                              raw.facts.sequence, raw.facts.exposure_s,
                              raw.facts.analogue_gain * raw.facts.digital_gain)};
-  ExposedFrame frame;
   frame.facts = raw.facts;
   frame.index = index;
   frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
-  if (interval_s > 0)
-    frame.blur_fraction = static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s));
+  frame.blur_fraction =
+      interval_s > 0 ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
 
   const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
   if (is_bayer(settings.layout)) {
     demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes);
     for (float& code : frame.codes.samples()) code *= scale;
     remove_black_level(frame, settings.black_level);
-    return frame;
+    return {};
   }
   const int channels = raw.codes.channels();
   frame.codes.reshape(3, raw.codes.rows(), raw.codes.cols());
@@ -37,7 +43,7 @@ Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
       out[i] = std::min(kMaxCode, static_cast<float>(in[i]) * scale);
   }
   remove_black_level(frame, settings.black_level);
-  return frame;
+  return {};
 }
 
 void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level) {

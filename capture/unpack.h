@@ -23,6 +23,9 @@ struct UnpackSettings {
 // since the previous frame. Errors: BadExposure naming the frame and the value.
 Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
                             const UnpackSettings& settings);
+// The same into a frame whose storage is used again; undefined after an error.
+Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
+                         ExposedFrame& frame);
 
 // Changes the black level of a frame unpacked with none.
 void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level);

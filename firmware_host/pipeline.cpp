@@ -136,7 +136,8 @@ Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
     record_.provenance_share[i] =
         static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
   auto delivered = deliver(frame_, *moment.frame, record_);
-  record_ = {};
+  record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
+  record_.fit_steps = 0;
   return delivered;
 }
 

@@ -31,7 +31,7 @@ StageSummary summary_of(std::string name, std::vector<double> times_ms) {
 
 Json object_of(const std::vector<NamedValue>& values) {
   Json object = Json::object();
-  for (const NamedValue& entry : values) object[entry.name] = entry.value;
+  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
   return object;
 }
 
@@ -63,7 +63,7 @@ std::vector<StageSummary> stage_summaries(const RunRecord& record) {
     for (const NamedValue& stage : frame.stages_ms) {
       const auto known = std::find(names.begin(), names.end(), stage.name);
       const auto i = static_cast<std::size_t>(known - names.begin());
-      if (known == names.end()) names.push_back(stage.name), times_ms.emplace_back();
+      if (known == names.end()) names.emplace_back(stage.name), times_ms.emplace_back();
       times_ms[i].push_back(stage.value);
     }
   }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/core/result.h"
@@ -18,7 +19,7 @@
 namespace hdrcam {
 
 struct NamedValue {
-  std::string name;
+  std::string_view name;  // of static storage
   double value = 0;
 };
 

@@ -1,11 +1,14 @@
 #include "online/online_stage.h"
 
+#include <array>
 #include <cmath>
 
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
 namespace {
+
+constexpr std::size_t kMaxLookAhead = 2;  // frames
 
 // Geometric mean of the exposures of one cycle: the frames before the first exposure comes again.
 double cycle_mean(const std::deque<RawFrame>& frames) {
@@ -59,7 +62,13 @@ Result<void> OnlineStage::ingest(const RawFrame& raw, const Emit& emit) {
   }
   const double interval_s = to_seconds(raw.facts.timestamp - last_time_);
   last_time_ = raw.facts.timestamp;
-  return take(TRY(unpack(raw, arrived_++, interval_s, settings_)), emit);
+  auto step = spare_step();
+  if (auto unpacked = unpack_into(raw, arrived_, interval_s, settings_, step->frame); !unpacked) {
+    spare_.push_back(std::move(step));
+    return unpacked;
+  }
+  ++arrived_;
+  return take(std::move(step), emit);
 }
 
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
@@ -87,20 +96,27 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
     settings_.black_level = estimate.black_level;
     for (auto& frame : frames) remove_black_level(frame, settings_.black_level);
   }
-  for (auto& frame : frames) TRY(take(std::move(frame), emit));
+  for (auto& frame : frames) {
+    auto step = spare_step();
+    step->frame = std::move(frame);
+    TRY(take(std::move(step), emit));
+  }
   return {};
 }
 
-Result<void> OnlineStage::take(ExposedFrame frame, const Emit& emit) {
+std::unique_ptr<OnlineStage::Step> OnlineStage::spare_step() {
+  if (spare_.empty()) return std::make_unique<Step>();
+  auto step = std::move(spare_.back());
+  spare_.pop_back();
+  return step;
+}
+
+Result<void> OnlineStage::take(std::unique_ptr<Step> arrived, const Emit& emit) {
   constexpr std::size_t kMaxTables = 32;
   if (tables_.size() > kMaxTables) tables_.clear();
-  filter_.fusion().set_white(std::max(filter_.fusion().white(), 1 / frame.exposure));
-
-  if (spare_.empty()) spare_.push_back(std::make_unique<Step>());
-  steps_.push_back(std::move(spare_.back()));
-  spare_.pop_back();
+  steps_.push_back(std::move(arrived));
   Step& step = *steps_.back();
-  step.frame = std::move(frame);
+  filter_.fusion().set_white(std::max(filter_.fusion().white(), 1 / step.frame.exposure));
   step.advanced = step.emitted = false;
   const ExposureTables& tables = tables_for(step.frame.exposure);
 
@@ -167,10 +183,12 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
     moment.frame = &step.frame;
     moment.state = options_.look_ahead > 1 && !step.state.radiance.empty() ? &step.state : &filter_.state();
     moment.to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous;
-    for (std::size_t k = 1; k <= ahead; ++k) {
-      const Step& later = *steps_[i + k];
-      moment.ahead.push_back({&later.frame, &later.motion.from_previous, &tables_for(later.frame.exposure)});
+    std::array<Moment::Ahead, kMaxLookAhead> following;
+    for (std::size_t k = 0; k < ahead; ++k) {
+      const Step& later = *steps_[i + 1 + k];
+      following[k] = {&later.frame, &later.motion.from_previous, &tables_for(later.frame.exposure)};
     }
+    moment.ahead = {following.data(), ahead};
     moment.fusion = &filter_.fusion();
     moment.field = field_.get();
     moment.fit = field_ ? &step.fit : nullptr;
@@ -182,7 +200,7 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
   // the motion before the oldest frame not yet emitted is still needed to extrapolate
   while (steps_.size() > 3 && steps_[0]->emitted && steps_[1]->emitted && steps_[2]->emitted) {
     spare_.push_back(std::move(steps_.front()));
-    steps_.pop_front();
+    steps_.erase(steps_.begin());
   }
   return {};
 }
@@ -214,7 +232,7 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
     noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
     noise_ = noise_estimator_.solve(noise_);
-    for (auto& [exposure, tables] : tables_) tables = ExposureTables(response_, noise_, exposure);
+    for (auto& [exposure, tables] : tables_) tables.rebuild(response_, noise_);
   }
   if (timing_) timing_("noise", watch.lap_ms());
 }

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "capture/unpack.h"
@@ -39,7 +40,7 @@ struct Moment {
   const ExposedFrame* frame = nullptr;
   const RadianceState* state = nullptr;    // up to and with this frame
   const FlowField* to_previous = nullptr;  // null at the first frame
-  std::vector<Ahead> ahead;                // the following frames, nearest first
+  std::span<const Ahead> ahead;            // the following frames, nearest first
   Fusion* fusion = nullptr;
   const FieldStage* field = nullptr;  // fitted up to and with this frame; null without the field
   const FitReport* fit = nullptr;     // the fit's work on this frame
@@ -72,7 +73,8 @@ class OnlineStage {
   struct Step;  // one frame on its way through
 
   Result<void> bootstrap(const Emit& emit);
-  Result<void> take(ExposedFrame frame, const Emit& emit);
+  std::unique_ptr<Step> spare_step();
+  Result<void> take(std::unique_ptr<Step> step, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
   Result<void> fit(Step& step, const StateMotion* motion);
   Result<void> emit_ready(bool all, const Emit& emit);
@@ -96,7 +98,7 @@ class OnlineStage {
   MotionEstimator motion_;
   StateFilter filter_;
   std::unique_ptr<FieldStage> field_;         // made with the first frame
-  std::deque<std::unique_ptr<Step>> steps_;   // not yet emitted, oldest first, and one before them
+  std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and one before them
   std::vector<std::unique_ptr<Step>> spare_;  // to be used again
   Timing timing_;
 };

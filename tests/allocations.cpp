@@ -2,24 +2,31 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
+extern "C" const char __executable_start, etext;  // of the linker: where this program's own code lies
+
 namespace {
 
-std::atomic<std::uint64_t> allocations{0};
+std::atomic<std::uint64_t> allocations{0}, own_allocations{0};
 
-void* allocate(std::size_t size, std::size_t alignment) {
+bool is_own_code(const void* address) { return address >= &__executable_start && address < &etext; }
+
+// caller: the address to which operator new returns.
+void* allocate(std::size_t size, std::size_t alignment, const void* caller) {
   allocations.fetch_add(1, std::memory_order_relaxed);
+  if (is_own_code(caller)) own_allocations.fetch_add(1, std::memory_order_relaxed);
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }
 
-void* allocate_or_null(std::size_t size, std::size_t alignment) noexcept {
+void* allocate_or_null(std::size_t size, std::size_t alignment, const void* caller) noexcept {
   try {
-    return allocate(size, alignment);
+    return allocate(size, alignment, caller);
   } catch (const std::bad_alloc&) {
     return nullptr;
   }
@@ -27,15 +34,24 @@ void* allocate_or_null(std::size_t size, std::size_t alignment) noexcept {
 
 }  // namespace
 
-void* operator new(std::size_t size) { return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__); }
+void* operator new(std::size_t size) {
+  return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__, __builtin_return_address(0));
+}
+// The array forms would call the plain one from within the C++ library, and hide their caller.
+void* operator new[](std::size_t size) {
+  return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__, __builtin_return_address(0));
+}
+void* operator new[](std::size_t size, std::align_val_t alignment) {
+  return allocate(size, static_cast<std::size_t>(alignment), __builtin_return_address(0));
+}
 void* operator new(std::size_t size, std::align_val_t alignment) {
-  return allocate(size, static_cast<std::size_t>(alignment));
+  return allocate(size, static_cast<std::size_t>(alignment), __builtin_return_address(0));
 }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  return allocate_or_null(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+  return allocate_or_null(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__, __builtin_return_address(0));
 }
 void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
-  return allocate_or_null(size, static_cast<std::size_t>(alignment));
+  return allocate_or_null(size, static_cast<std::size_t>(alignment), __builtin_return_address(0));
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
@@ -45,5 +61,7 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std
 namespace hdrcam {
 
 std::uint64_t allocations_so_far() { return allocations.load(std::memory_order_relaxed); }
+
+std::uint64_t own_allocations_so_far() { return own_allocations.load(std::memory_order_relaxed); }
 
 }  // namespace hdrcam

@@ -7,5 +7,8 @@
 namespace hdrcam {
 
 std::uint64_t allocations_so_far();
+// Of these, those that the program's own code made, templates of the standard library included: not what a
+// shared library does inside its functions (OpenCV's optical flow takes its work space anew for each call).
+std::uint64_t own_allocations_so_far();
 
 }  // namespace hdrcam

@@ -101,7 +101,7 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
     gain = TRY(measure(*camera, setup.options, gains, around.stop));
     print("gain", gain);
   }
-  settings.camera.id = camera->capabilities().id;
+  if (settings.camera.id.empty()) settings.camera.id = camera->capabilities().id;
   settings.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
   if (flags.output.empty()) {
     fmt::print("use it by --control-delay {}, or let -o FILE write a configuration\n",

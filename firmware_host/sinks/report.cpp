@@ -73,7 +73,7 @@ std::vector<std::string> names_in(const RunRecord& record, std::vector<NamedValu
   std::vector<std::string> names;
   for (const FrameRecord& frame : record.frames)
     for (const NamedValue& entry : frame.*list)
-      if (std::find(names.begin(), names.end(), entry.name) == names.end()) names.push_back(entry.name);
+      if (std::find(names.begin(), names.end(), entry.name) == names.end()) names.emplace_back(entry.name);
   return names;
 }
 

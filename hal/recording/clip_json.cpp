@@ -189,10 +189,10 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   return frame;
 }
 
-// The slot of each frame as its exposures tell.
+// The slot of each frame as its exposures alone tell.
 std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
   std::vector<FrameFacts> facts;
-  for (const ClipFrame& frame : frames) facts.push_back(frame.facts);
+  for (const ClipFrame& frame : frames) facts.push_back(frame.facts), facts.back().slot = -1;
   const ExposureCycle cycle = find_exposure_cycle(facts);
   std::vector<int> slots;
   for (const FrameFacts& frame : facts) slots.push_back(slot_of(cycle, facts.front(), frame));

@@ -29,9 +29,9 @@ RadianceField start_field(const FieldOptions& options, const Intrinsics& camera,
           FieldNetworks<float>(shape_of(options, rows, cols), random), options.samples_per_ray, true};
 }
 
-// A grid in the new anchor's window from the same grid in the old one's.
+// A grid in the new anchor's window from the same grid in the old one's. `before` is room for one table.
 void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
-                const ViewGeometry<double>& moved) {
+                const ViewGeometry<double>& moved, std::vector<float>& before) {
   for (int l = 0; l < grid.shape().levels; ++l) {
     const HashLevel& level = grid.level(l);
     const std::span<float> table = grid.table(l);
@@ -39,7 +39,7 @@ void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
       std::fill(table.begin(), table.end(), 0.f);
       continue;
     }
-    const std::vector<float> before(table.begin(), table.end());
+    before.assign(table.begin(), table.end());
     const int vertices[3] = {static_cast<int>(level.cells[0]) + 1, static_cast<int>(level.cells[1]) + 1,
                              static_cast<int>(level.cells[2]) + 1};
     for (int slot = 0; slot < grid.shape().slots; ++slot)
@@ -330,7 +330,7 @@ void FieldFit::reanchor() {
   const PoseMatrix T_old_new = inverse(field_.window.move_anchor());
   const ViewGeometry<double> old_anchor(field_.window.frustum(), kIdentityPose),
       moved(field_.window.frustum(), T_old_new);
-  for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved);
+  for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved, table_before_);
   ++health_.counts().anchors_moved;
 }
 

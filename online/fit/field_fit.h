@@ -69,6 +69,7 @@ class FieldFit {
   std::vector<RayShard<float>> shards_;
   std::vector<PixelPicker> pickers_;  // by slot
   std::vector<TrainingRay> rays_;
+  std::vector<float> table_before_;  // the window was moved
   FieldProbe probe_;
   LearnedResponse<float>::Gradient d_response_{};
   AdamMoments response_moments_;

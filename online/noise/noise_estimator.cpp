@@ -25,11 +25,6 @@ float range_5x5(const Image<float>& image, int channel, int y, int x) {
   return most - least;
 }
 
-// What one bin says: variance = shot * shot_factor + read * read_factor + slope2 * code variance.
-struct Equation {
-  double shot_factor, read_factor, slope2, variance, weight;
-};
-
 }  // namespace
 
 void NoiseEstimator::Bin::add(float square, float x, float slope2) {
@@ -67,23 +62,23 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
     }
 }
 
-NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) const {
+NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
   constexpr std::size_t kMinSamples = 60;
   constexpr double kMaxWeight = 2000;
   constexpr double kMedianOfChi2 = 0.455;  // of one degree of freedom
-  std::vector<Equation> equations;
+  equations_.clear();
   for (const auto& [key, bin] : bins_) {
     if (bin.squares.size() < kMinSamples) continue;
-    auto squares = bin.squares;
-    const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-    std::nth_element(squares.begin(), middle, squares.end());
+    sorted_.assign(bin.squares.begin(), bin.squares.end());
+    const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+    std::nth_element(sorted_.begin(), middle, sorted_.end());
     const double x = bin.exposure_sum / bin.count, r = bin.ratio;
     // interpolation between pixels halves the noise of the warped frame
-    equations.push_back({x * (1 + 0.5 * r), 1 + 0.5 * r * r, 1.2 * bin.slope2_sum / bin.count,
-                         std::max(1e-14, static_cast<double>(*middle) / kMedianOfChi2),
-                         std::min(static_cast<double>(squares.size()), kMaxWeight)});
+    equations_.push_back({x * (1 + 0.5 * r), 1 + 0.5 * r * r, 1.2 * bin.slope2_sum / bin.count,
+                          std::max(1e-14, static_cast<double>(*middle) / kMedianOfChi2),
+                          std::min(static_cast<double>(sorted_.size()), kMaxWeight)});
   }
-  if (equations.size() < 4) return otherwise;
+  if (equations_.size() < 4) return otherwise;
 
   const double step = static_cast<double>(otherwise.code_step);
   NoiseModel best = otherwise;
@@ -91,7 +86,7 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) const {
   for (const double code_noise : {0., .3, .5, .8, 1.2, 1.6, 2., 2.6, 3.3}) {
     const double code_variance = step * step / 12 + code_noise * code_noise;
     double a11 = 0, a12 = 0, a22 = 0, b1 = 0, b2 = 0;
-    for (const Equation& e : equations) {
+    for (const Equation& e : equations_) {
       const double y = e.variance - e.slope2 * code_variance, w = e.weight / (e.variance * e.variance);
       a11 += w * e.shot_factor * e.shot_factor, a12 += w * e.shot_factor * e.read_factor;
       a22 += w * e.read_factor * e.read_factor, b1 += w * e.shot_factor * y, b2 += w * e.read_factor * y;
@@ -102,7 +97,7 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) const {
     if (shot <= 0) shot = 0, read = std::max(0., b2 / a22);
     shot = std::clamp(shot, 1. / 20000, 1. / 300);
     double misfit = 0;
-    for (const Equation& e : equations) {
+    for (const Equation& e : equations_) {
       const double model = e.shot_factor * shot + e.read_factor * read + e.slope2 * code_variance;
       const double relative = (e.variance - model) / (e.variance + model);
       misfit += e.weight * relative * relative;

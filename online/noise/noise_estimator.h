@@ -27,7 +27,7 @@ class NoiseEstimator {
 
   // The model that fits what was seen; `otherwise` where too little was. code_noise and code_step are taken
   // from `otherwise`: what a codec does sits at edges, where this estimator does not look.
-  NoiseModel solve(const NoiseModel& otherwise) const;
+  NoiseModel solve(const NoiseModel& otherwise);
 
  private:
   // One bin of brightness at one exposure ratio; the newest kCapacity differences are kept.
@@ -36,12 +36,20 @@ class NoiseEstimator {
     std::vector<float> squares;
     std::size_t next = 0;
     double count = 0, exposure_sum = 0, slope2_sum = 0, ratio = 1;
+    Bin() { squares.reserve(kCapacity); }
     void add(float square, float x, float slope2);
   };
 
   WorkerPool& pool_;
+  // What one bin says: variance = shot * shot_factor + read * read_factor + slope2 * code variance.
+  struct Equation {
+    double shot_factor, read_factor, slope2, variance, weight;
+  };
+
   std::map<std::pair<int, int>, Bin> bins_;  // half stops of brightness, quarter stops of exposure ratio
   Image<float> warped_, warped_mean_, mean_;
+  std::vector<Equation> equations_;  // of the last solve()
+  std::vector<float> sorted_;
 };
 
 }  // namespace hdrcam

@@ -124,11 +124,10 @@ double PointTracks::sigma_of(const History& history) const {
   return noise_px_ * std::sqrt(1 + options_.sigma_growth * history.age);
 }
 
-std::vector<double> PointTracks::inverse_depths() const {
-  std::vector<double> depths(points_.size());
+void PointTracks::inverse_depths(std::vector<double>& depths) const {
+  depths.resize(points_.size());
   std::transform(points_.begin(), points_.end(), depths.begin(),
                  [](const auto& p) { return p.inverse_depth; });
-  return depths;
 }
 
 void PointTracks::learn_noise(double scale, double rate) {

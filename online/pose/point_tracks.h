@@ -60,7 +60,7 @@ class PointTracks {
   void depth_samples(const RigidTransform& T_camera_world, std::vector<DepthSample>& samples) const;
 
   std::span<const ScenePoint> points() const { return points_; }
-  std::vector<double> inverse_depths() const;
+  void inverse_depths(std::vector<double>& depths) const;
   int seen() const;
 
  private:

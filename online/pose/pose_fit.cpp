@@ -132,9 +132,9 @@ bool point_residual(const ScenePoint& point, double inverse_depth, const Intrins
 }
 
 double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
-                    const Intrinsics& lens, const RigidTransform& T_camera_world) {
-  std::vector<double> errors;
-  errors.reserve(points.size());
+                    const Intrinsics& lens, const RigidTransform& T_camera_world,
+                    std::vector<double>& errors) {
+  errors.clear();
   for (std::size_t i = 0; i < points.size(); ++i) {
     PointResidual r;
     if (!points[i].seen || !point_residual(points[i], inverse_depths[i], lens, T_camera_world, r)) continue;

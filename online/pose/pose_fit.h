@@ -9,6 +9,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "online/pose/rigid_transform.h"
 
@@ -51,9 +52,10 @@ PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
                  std::span<double> inverse_depths);
 
 // What no depth can explain: the median residual across the epipolar lines, as a standard deviation in
-// sigmas.
+// sigmas. `errors` is room to work in.
 double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
-                    const Intrinsics& lens, const RigidTransform& T_camera_world);
+                    const Intrinsics& lens, const RigidTransform& T_camera_world,
+                    std::vector<double>& errors);
 
 // Squared residual in sigmas of one point, and how strongly its pixel depends on the inverse depth. false:
 // not in front of the camera.

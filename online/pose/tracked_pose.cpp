@@ -53,12 +53,13 @@ std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t 
 }
 
 void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
+  std::vector<double> errors;
   for (int round = 0; round < rounds; ++round) {
     const FitOptions options{
         .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
     heading.T_camera_world =
         fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
-    heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world);
+    heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world, errors);
   }
 }
 
@@ -100,7 +101,7 @@ void TrackedPose::track(const FlowField& from_previous) {
   tracks_.follow(from_previous);
   if (tracks_.seen() < options_.fewest_points) return lose();
 
-  depths_ = tracks_.inverse_depths();
+  tracks_.inverse_depths(depths_);
   trial_depths_ = depths_;
   const PoseFit turned = fit_pose(tracks_.points(), lens_, T_camera_world_,
                                   {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
@@ -122,7 +123,8 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
   const bool was_moving = pose_.motion == CameraMotion::General;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
     return accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
-  tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world), kNoiseLearning);
+  tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world, errors_),
+                      kNoiseLearning);
   tracks_.learn(depths_, lens_, moved.T_camera_world);
   accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
 }

@@ -49,8 +49,8 @@ class TrackedPose final : public PoseSource {
   Intrinsics lens_;
   PointTracks tracks_;
   RigidTransform T_camera_world_;
-  RigidTransform T_camera_previous_;           // the motion of the last frame
-  std::vector<double> depths_, trial_depths_;  // [points] of one frame
+  RigidTransform T_camera_previous_;                    // the motion of the last frame
+  std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
   bool started_ = false, depth_known_ = false;
   CameraPose pose_;
 };

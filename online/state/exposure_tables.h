@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 #include "capture/noise_model.h"
 #include "online/response/response.h"
@@ -16,7 +15,10 @@ namespace hdrcam {
 class ExposureTables {
  public:
   // exposure: relative, E / E_ref
-  ExposureTables(const Response& response, const NoiseModel& noise, float exposure);
+  ExposureTables(const Response& response, const NoiseModel& noise, float exposure) : exposure_(exposure) {
+    rebuild(response, noise);
+  }
+  void rebuild(const Response& response, const NoiseModel& noise);
 
   float exposure() const { return exposure_; }
 
@@ -45,7 +47,7 @@ class ExposureTables {
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)
   float exposure_;
   std::array<std::array<float, 257>, 3> radiance_{};
-  std::array<std::vector<float>, 3> variance_, code_;
+  std::array<std::array<float, kSegments + 2>, 3> variance_{}, code_{};
 };
 
 }  // namespace hdrcam

@@ -87,3 +87,17 @@ TEST_CASE("exposures that cannot be take no part in the search") {
   frames[20].sequence = 3;  // runs backwards
   CHECK(period_of(frames) == 0);
 }
+
+TEST_CASE("slots that the frames say themselves are the cycle, whatever came before it began") {
+  auto frames = frames_of({0.004, 0.004, 0.001, 0.016, 0.001, 0.016});
+  CHECK(find_exposure_cycle(frames).period == 0);
+  for (std::size_t i = 2; i < frames.size(); ++i) frames[i].slot = static_cast<int>((i + 1) % 2);
+  const auto cycle = find_exposure_cycle(frames);
+  REQUIRE(cycle.period == 2);
+  CHECK(cycle.recorded);
+  CHECK(cycle.exposures[0] == Approx(0.016));
+  CHECK(slot_of(cycle, frames.front(), frames[0]) == -1);
+  CHECK(slot_of(cycle, frames.front(), frames[2]) == 1);
+  frames[3].exposure_s = 0.001;  // says slot 0, but is not
+  CHECK_FALSE(find_exposure_cycle(frames).recorded);
+}

@@ -1,0 +1,66 @@
+#include "firmware_host/pipeline.h"
+
+#include <vector>
+
+#include "tests/allocations.h"
+#include "tests/contracts/expect.h"
+#include "tests/support/moving_scene.h"
+
+namespace hdrcam {
+namespace {
+
+// Radiance of each emitted frame, in a row.
+std::vector<float> emitted_by(const std::vector<RawFrame>& frames, const CameraFacts& camera, int* kept_out) {
+  WorkerPool pool(2);
+  Pipeline pipeline(options_of(Preset::Fast, EmitLayer::State), camera, pool);
+  std::vector<float> radiance;
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+                                        const FrameRecord&) -> Result<void> {
+    const auto samples = frame.radiance.samples();
+    radiance.insert(radiance.end(), samples.begin(), samples.end());
+    return {};
+  };
+  for (const RawFrame& frame : frames) require_done(pipeline.take(frame, deliver));
+  require_done(pipeline.finish(deliver));
+  *kept_out = pipeline.kept_out();
+  return radiance;
+}
+
+TEST_CASE("a frame whose exposure is not proved changes nothing that is emitted") {
+  const test::MovingScene scene;
+  std::vector<RawFrame> clean, mixed;
+  for (int i = 0; i < 12; ++i) {
+    clean.push_back(scene.frame(i)), mixed.push_back(scene.frame(i));
+    if (i % 4 != 2) continue;
+    RawFrame wrong = scene.frame(i);
+    wrong.facts.exposure_s *= 8;
+    wrong.facts.flags |= i == 2 ? kFrameExposureUnproved : kFrameDamaged;
+    mixed.push_back(std::move(wrong));
+  }
+  int none = 0, three = 0;
+  CHECK(emitted_by(clean, scene.camera(), &none) == emitted_by(mixed, scene.camera(), &three));
+  CHECK(none == 0);
+  CHECK(three == 3);
+}
+
+TEST_CASE("the fit allocates nothing per frame once it is warm, but for OpenCV inside its flow") {
+  const test::MovingScene scene;
+  for (const EmitLayer layer : {EmitLayer::State, EmitLayer::Merged}) {
+    WorkerPool pool(2);
+    PipelineOptions options = options_of(Preset::Fast, layer);
+    Pipeline pipeline(options, scene.camera(), pool);
+    const Pipeline::Deliver ignore = [](const HdrFrame&, const ExposedFrame&,
+                                        const FrameRecord&) -> Result<void> { return {}; };
+    constexpr int kWarm = 60, kCounted = 60;
+    std::vector<RawFrame> frames;
+    for (int i = 0; i < kWarm + kCounted; ++i) frames.push_back(scene.frame(i));
+    for (int i = 0; i < kWarm; ++i) require_done(pipeline.take(frames[static_cast<std::size_t>(i)], ignore));
+    const std::uint64_t before = own_allocations_so_far();
+    for (int i = kWarm; i < kWarm + kCounted; ++i)
+      require_done(pipeline.take(frames[static_cast<std::size_t>(i)], ignore));
+    CHECK(own_allocations_so_far() - before == 0);
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
