@@ -63,6 +63,7 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       mains_(mains),
       sensor_(known_sensor(camera.capabilities().model)),
       photometer_(first_response()) {
+  if (codes_.linear && !options_.black_level && !sensor_) most_black_ = PhotometricResponse::kMostBlack;
   collect_warnings();
 }
 
@@ -90,6 +91,18 @@ PhotometricResponse CaptureStage::first_response() const {
   if (options_.black_level) return PhotometricResponse::linear(*options_.black_level);
   if (sensor_) return PhotometricResponse::linear(sensor_->black_level * 255 / 65536);
   return PhotometricResponse::linear_unknown_black();
+}
+
+// No pixel is darker than black, so the darkest place seen so far bounds a black level that nobody tells.
+// Whether the bound became so much lower that earlier pictures must be forgotten.
+bool CaptureStage::narrow_black() {
+  constexpr float kNoise = 0.5f, kLeast = 1;  // codes of 255
+  if (!most_black_ || *most_black_ <= kLeast) return false;
+  const float bound = std::max(kLeast, picture_.darkest_code + kNoise);
+  if (bound > *most_black_ / 2) return false;
+  most_black_ = bound;
+  photometer_.set_response(PhotometricResponse::linear_unknown_black(bound));
+  return true;
 }
 
 void CaptureStage::collect_warnings() {
@@ -193,6 +206,10 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
 
 void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
   photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
+  if (narrow_black()) {
+    proof_.forget();
+    photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
+  }
   frame.proof = proof_.judge(matched.evidence, picture_, photometer_);
   if (frame.proof.unique) matcher_->learn(*frame.proof.unique);
   counters_.relocks = static_cast<std::uint64_t>(matcher_->relocks());
@@ -262,6 +279,7 @@ Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
 
 void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, float black_level) {
   photometer_.set_response(PhotometricResponse::known(inverse, black_level));
+  most_black_.reset();
   proof_.forget();
 }
 

@@ -90,6 +90,7 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   PhotometricResponse first_response() const;
+  bool narrow_black();
   void collect_warnings();
   void restart_matching();
   Result<void> top_up();
@@ -109,6 +110,7 @@ class CaptureStage {
   Mains mains_;
   std::optional<KnownSensor> sensor_;
   std::vector<std::string> warnings_;
+  std::optional<float> most_black_;  // codes of 255: what is known of a black level that nobody tells
 
   Photometer photometer_;
   PhotometricSignature picture_;

@@ -142,10 +142,12 @@ PhotometricResponse PhotometricResponse::linear(float black_level) {
   return response;
 }
 
-PhotometricResponse PhotometricResponse::linear_unknown_black() {
-  PhotometricResponse response(36, 1.8);
+// Black is taken to lie in the middle of what it can be. At the darkest code that is trusted it may be off by
+// a quarter of the light, which moves the logarithm of a ratio of two by less than `stretch`.
+PhotometricResponse PhotometricResponse::linear_unknown_black(float most) {
+  PhotometricResponse response(2 * most + 4, 1.05 + 0.75 * static_cast<double>(most / kMostBlack));
   response.linear_ = true;
-  response.black_ = 9;
+  response.black_ = most / 2;
   return response;
 }
 
@@ -181,6 +183,7 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   const float to_255 = 255.f / static_cast<float>((1 << bits) - 1);
   const auto clipped = static_cast<std::uint16_t>(PhotometricResponse::kClipped / to_255);
 
+  signature.darkest_code = 255;
   std::size_t site = 0;
   int clipped_sites = 0, dark_sites = 0;
   for (int j = 0; j < signature.rows; ++j) {
@@ -197,6 +200,7 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
         }
       }
       const float code = static_cast<float>(sum) / static_cast<float>(count) * to_255;
+      signature.darkest_code = std::min(signature.darkest_code, code);
       const float value = cut * 16 > count ? kInfinity : response_.log_exposure(code);
       signature.at_site[site] = value;
       clipped_sites += value == kInfinity, dark_sites += value == -kInfinity;

@@ -27,8 +27,9 @@ class PhotometricResponse {
   static PhotometricResponse unknown();
   // Raw codes; black level in codes of 255.
   static PhotometricResponse linear(float black_level);
-  // Raw codes whose black level nobody knows: 0..18 of 255. Only bright codes are trusted.
-  static PhotometricResponse linear_unknown_black();
+  // Raw codes whose black level nobody knows, only that it is 0..`most` codes of 255. Codes are trusted from
+  // where that no longer matters much.
+  static PhotometricResponse linear_unknown_black(float most = kMostBlack);
   // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
   static PhotometricResponse known(const Curve& inverse, float black_level);
 
@@ -37,7 +38,8 @@ class PhotometricResponse {
   // A measured ln ratio may be off by this factor, either way.
   double stretch() const { return stretch_; }
 
-  static constexpr float kClipped = 250;  // codes of 255 from here on may be cut off
+  static constexpr float kMostBlack = 18;  // codes of 255: of all sensors known
+  static constexpr float kClipped = 250;   // codes of 255 from here on may be cut off
 
  private:
   PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}
@@ -58,6 +60,7 @@ struct PhotometricSignature {
   int rows = 0, cols = 0;             // of the grid of sites: less for pictures below 160x120
   int sites = 0;
   float clipped_share = 0, dark_share = 0;  // of the sites
+  float darkest_code = 255;                 // of all sites, 0..255: black is not above it
 };
 
 // What lies at site (y, x) of one frame lies at (y + dy, x + dx) of another.

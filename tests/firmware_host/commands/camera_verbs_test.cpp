@@ -1,0 +1,227 @@
+// The verbs that run a camera, live, record and calibrate, as a user meets them, on simulated and replayed
+// cameras.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <thread>
+
+#include "firmware_host/exit_code.h"
+#include "firmware_host/program.h"
+#include "hal/recording/recording.h"
+#include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+using namespace hdrcam;
+
+namespace {
+
+struct Run {
+  int exit_code = -1;
+  std::string out, err;
+};
+
+Run run(const std::vector<std::string>& words) {
+  std::vector<const char*> args;
+  for (const std::string& word : words) args.push_back(word.c_str());
+  const std::atomic<bool> stop{false};
+  std::ostringstream out, err;
+  Run result;
+  result.exit_code = run_program(args, posix_storage(), stop, out, err);
+  result.out = out.str(), result.err = err.str();
+  return result;
+}
+
+void require_success(const std::vector<std::string>& words) {
+  const Run result = run(words);
+  INFO(result.err);
+  REQUIRE(result.exit_code == kExitOk);
+}
+
+void check_refused(const std::vector<std::string>& words, ErrorCode code, const std::string& named) {
+  const Run result = run(words);
+  INFO(result.err);
+  CHECK(result.exit_code == exit_code_of(code));
+  CHECK(result.err.find(named) != std::string::npos);
+}
+
+nlohmann::json json_in(const std::string& path) {
+  return nlohmann::json::parse(value_of(read_whole(posix_storage(), path)));
+}
+
+std::vector<RawFrame> frames_in(const std::string& path) {
+  auto reader = value_of(open_recording(posix_storage(), path));
+  std::vector<RawFrame> frames;
+  for (;;) {
+    auto next = reader->next();
+    if (!next) require_error(next, ErrorCode::Truncated);
+    if (!next || !*next) return frames;
+    frames.push_back(std::move(**next));
+  }
+}
+
+std::size_t files_in(const std::string& folder, const std::string& ending) {
+  std::size_t count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder))
+    count += file.path().string().ends_with(ending) ? 1 : 0;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
+  const std::string folder = sample::scratch_folder("live");
+  require_success({"live", "--camera", "sim:still?size=64x48&fps=60", "--format", "RGB24", "--shutter",
+                   "1ms,4ms", "--preset", "fast", "--emit", "state", "--frames", "40", "-o",
+                   folder + "/%06d.exr", "--record", folder + "/raw.mkv", "--stats", folder + "/stats.json"});
+  const auto stats = json_in(folder + "/stats.json");
+  const auto& counters = stats["counters"];
+  CHECK(counters["captured"] == 40);
+  CHECK(counters["recorded"] == 40);
+  CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 40);
+  CHECK(counters["camera.contradicted"] == 0);
+  CHECK(stats["emitted"].get<std::size_t>() == files_in(folder, ".exr"));
+  CHECK(files_in(folder, ".exr") > 0);
+  CHECK(stats["per_frame"][0]["latency_ms"].get<double>() > 0);
+  CHECK(frames_in(folder + "/raw.mkv").size() == 40);
+}
+
+TEST_CASE("a recording runs through live like a camera, to its end") {
+  const std::string folder = sample::scratch_folder("live_replay");
+  require_success({"record", "--camera", "sim:still?size=64x48&fps=60", "--format", "RGB24", "--shutter",
+                   "1ms,4ms", "--frames", "24", "-o", folder + "/raw.mkv"});
+  require_success({"live", "--camera", "replay:" + folder + "/raw.mkv", "--preset", "fast", "--emit", "state",
+                   "-o", folder + "/%06d.exr", "--stats", folder + "/stats.json"});
+  const auto counters = json_in(folder + "/stats.json")["counters"];
+  CHECK(counters["captured"] == 24);
+  CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 24);
+  CHECK(counters["camera.proved"].get<int>() >= 16);
+}
+
+TEST_CASE("a raw camera is recorded raw, and its recording becomes HDR frames") {
+  const std::string folder = sample::scratch_folder("live_raw");
+  require_success({"record", "--camera", "sim:still?size=64x48&fps=60", "--shutter", "1ms,4ms", "--frames",
+                   "12", "-o", folder + "/raw.mkv"});
+  auto reader = value_of(open_recording(posix_storage(), folder + "/raw.mkv"));
+  CHECK(reader->camera().layout == PixelLayout::BayerRggb);
+  CHECK(reader->camera().bits == 16);
+  CHECK(reader->camera().linear);
+  require_success({"replay", folder + "/raw.mkv", "--preset", "fast", "-o", folder + "/%06d.exr"});
+  CHECK(files_in(folder, ".exr") == 12);
+}
+
+TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {
+  const std::string folder = sample::scratch_folder("live_calibrated");
+  const std::string camera = "sim:still?size=96x72&fps=100&reports=no&delay=3,1";
+  require_success({"calibrate", "delay", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,4ms",
+                   "-o", folder + "/camera.toml"});
+  const std::string toml = value_of(read_whole(posix_storage(), folder + "/camera.toml"));
+  CHECK(toml.find("3,1") + toml.find("[3, 1]") != 2 * std::string::npos);
+  require_success({"record", "--config", folder + "/camera.toml", "--shutter", "1ms,4ms", "--frames", "60",
+                   "-o", folder + "/raw.mkv"});
+  const auto frames = frames_in(folder + "/raw.mkv");
+  REQUIRE(frames.size() == 60);
+  int flagged = 0;
+  double brightness[2] = {0, 0};
+  for (const RawFrame& frame : frames) {
+    if ((frame.facts.flags & kFrameExposureUnproved) != 0) {
+      ++flagged;
+      continue;
+    }
+    // The scene stands still: a frame is as bright as the others of its label.
+    double sum = 0;
+    for (const std::uint16_t code : frame.codes.samples()) sum += code;
+    double& expected = brightness[frame.facts.exposure_s > 0.002 ? 1 : 0];
+    if (expected == 0) expected = sum;
+    CHECK(sum == Approx(expected).epsilon(0.05));
+  }
+  CHECK(brightness[1] > 1.3 * brightness[0]);
+  CHECK(flagged <= 12);
+}
+
+TEST_CASE("what cannot be is said before the camera starts, each with its own exit code") {
+  const std::string sim = "sim:still?size=64x48";
+  check_refused({"live", "--camera", "sim:nosuch"}, ErrorCode::NotFound, "nosuch");
+  check_refused({"live", "--camera", "replay:/nonexistent.mkv"}, ErrorCode::NotFound, "/nonexistent.mkv");
+  check_refused({"live", "--camera", "/dev/video99"}, ErrorCode::NotFound, "/dev/video99");
+  check_refused({"live", "--camera", sim, "--format", "YUYV"}, ErrorCode::Unsupported, "YUYV");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,200ms"}, ErrorCode::BadExposure, "200 ms");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,4ms", "--gain", "1,99"}, ErrorCode::BadExposure,
+                "99");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,zwei"}, ErrorCode::Invalid, "zwei");
+  check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
+  check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
+  check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
+  check_refused({"record", "--camera", sim, "-o", "/nonexistent/x.mkv"}, ErrorCode::Permission,
+                "/nonexistent");
+  check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
+}
+
+// A killed recorder must leave a recording that reads up to its last frames, every one with its own exposure.
+// Which exposure a frame has shows in its picture: the scene stands still and makes no noise.
+void survives_kills(int kills) {
+  const std::string path = sample::scratch_folder("killed") + "/raw.mkv";
+  const std::string camera = "sim:still?size=64x48&fps=200&without=noise";
+  const auto key_of = [](const RawFrame& frame) {
+    double sum = 0;
+    for (const std::uint16_t code : frame.codes.samples()) sum += code;
+    return sum / static_cast<double>(frame.codes.size());
+  };
+  std::map<std::int64_t, double> brightness;  // by exposure, us
+  require_success({"record", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,2ms,4ms", "--frames",
+                   "40", "-o", path});
+  const auto label_of = [](const RawFrame& frame) { return std::llround(frame.facts.exposure_s * 1e6); };
+  for (const RawFrame& frame : frames_in(path)) brightness[label_of(frame)] = key_of(frame);
+  REQUIRE(brightness.size() == 3);
+
+  std::mt19937 random(20);
+  std::uniform_int_distribution<int> when_ms(60, 700);
+  std::size_t read = 0;
+  for (int i = 0; i < kills; ++i) {
+    std::filesystem::remove(path);
+    std::vector<std::string> words{HDRCAM_BINARY, "record",    "--camera",    camera, "--format",
+                                   "RGB24",       "--shutter", "1ms,2ms,4ms", "-o",   path};
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t silent;
+    posix_spawn_file_actions_init(&silent);
+    posix_spawn_file_actions_addopen(&silent, 2, "/dev/null", O_WRONLY, 0);
+    pid_t process = -1;
+    REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
+    posix_spawn_file_actions_destroy(&silent);
+    std::this_thread::sleep_for(std::chrono::milliseconds(when_ms(random)));
+    kill(process, SIGKILL);
+    int status = 0;
+    REQUIRE(waitpid(process, &status, 0) == process);
+    REQUIRE(WIFSIGNALED(status));
+    auto opened = open_recording(posix_storage(), path);
+    if (!opened) {  // killed before the first frame was whole
+      const ErrorCode code = opened.error().code;
+      CHECK((code == ErrorCode::NotFound || code == ErrorCode::Truncated || code == ErrorCode::NotRecording));
+      continue;
+    }
+    for (const RawFrame& frame : frames_in(path)) {
+      ++read;
+      const auto known = brightness.find(label_of(frame));
+      REQUIRE(known != brightness.end());
+      CHECK(key_of(frame) == Approx(known->second).epsilon(1e-6));
+    }
+  }
+  CHECK(read > static_cast<std::size_t>(20 * kills));
+}
+
+TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {
+  survives_kills(12);
+}
+
+TEST_CASE("a recorder that is killed at 200 moments leaves a readable recording each time", "[.][full]") {
+  survives_kills(200);
+}
