@@ -1,5 +1,7 @@
 #include "firmware_host/fit_run.h"
 
+#include <algorithm>
+
 #include "hal/core/cpu.h"
 
 namespace hdrcam {
@@ -14,12 +16,13 @@ std::string flags_of(const Settings::Fit& fit) {
 
 Result<std::unique_ptr<FitRun>> FitRun::open(const Settings& settings, const CameraFacts& camera,
                                              std::string title, std::string command, Storage& storage,
-                                             std::function<void(FrameRecord&)> emitted) {
+                                             std::function<void(FrameRecord&)> emitted,
+                                             ThreadPriority priority) {
   const PipelineOptions options = TRY(options_of(settings.fit));
   Outputs outputs = TRY(Outputs::open(settings.output, camera, storage));
   flush_denormals();
-  std::unique_ptr<FitRun> run(
-      new FitRun(options, camera, thread_count(settings.fit), std::move(outputs), std::move(emitted)));
+  std::unique_ptr<FitRun> run(new FitRun(options, camera, thread_count(settings.fit), priority,
+                                         std::move(outputs), std::move(emitted)));
   RunRecord& record = run->record_;
   record.title = std::move(title);
   record.command = std::move(command);
@@ -32,16 +35,16 @@ Result<std::unique_ptr<FitRun>> FitRun::open(const Settings& settings, const Cam
   return run;
 }
 
-FitRun::FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, Outputs outputs,
-               std::function<void(FrameRecord&)> emitted)
-    : pool_(threads),
+FitRun::FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads,
+               ThreadPriority priority, Outputs outputs, std::function<void(FrameRecord&)> emitted)
+    : pool_(threads, priority),
       pipeline_(options, camera, pool_),
       outputs_(std::move(outputs)),
       emitted_(std::move(emitted)),
       deliver_([this](const HdrFrame& frame, const ExposedFrame& input, const FrameRecord& facts) {
         return deliver(frame, input, facts);
       }) {
-  record_.frames.reserve(2 * kFramesKept);
+  record_.frames.reserve(kFramesKept);
 }
 
 Result<void> FitRun::take(const RawFrame& frame) {
@@ -53,10 +56,10 @@ Result<void> FitRun::deliver(const HdrFrame& frame, const ExposedFrame& input, c
   TRY(outputs_.emit(frame, input));
   ++record_.emitted;
   auto& frames = record_.frames;
-  if (frames.size() == 2 * kFramesKept)
-    frames.erase(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(kFramesKept));
-  frames.push_back(facts);
-  if (emitted_) emitted_(frames.back());
+  if (frames.size() < kFramesKept) frames.emplace_back();
+  FrameRecord& kept = frames[static_cast<std::size_t>(record_.emitted - 1) % kFramesKept];
+  kept = facts;
+  if (emitted_) emitted_(kept);
   return {};
 }
 
@@ -64,6 +67,9 @@ Result<void> FitRun::finish() {
   const Result<void> drained = pipeline_.finish(deliver_);
   TRY(outputs_.finish());
   const OnlineStage& online = pipeline_.online();
+  const auto oldest = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record_.emitted) % kFramesKept);
+  if (record_.frames.size() == kFramesKept)
+    std::rotate(record_.frames.begin(), record_.frames.begin() + oldest, record_.frames.end());
   record_.dropped = record_.captured - record_.emitted;
   record_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
   record_.peak_memory_mib = peak_memory_mib();

@@ -15,12 +15,14 @@ namespace hdrcam {
 
 class FitRun {
  public:
-  static constexpr std::size_t kFramesKept = 4096;  // at least, of the latest
+  static constexpr std::size_t kFramesKept = 4096;  // the latest
 
-  // title: of the report; command: as it could be typed again. emitted: called for each frame that left.
+  // priority: of the threads that it starts; title: of the report; command: as it could be typed again.
+  // emitted: called for each frame that left.
   static Result<std::unique_ptr<FitRun>> open(const Settings& settings, const CameraFacts& camera,
                                               std::string title, std::string command, Storage& storage,
-                                              std::function<void(FrameRecord&)> emitted);
+                                              std::function<void(FrameRecord&)> emitted,
+                                              ThreadPriority priority = ThreadPriority::Usual);
 
   // Errors: those of Pipeline::take and of the disk.
   Result<void> take(const RawFrame& frame);
@@ -34,8 +36,8 @@ class FitRun {
   const Pipeline& pipeline() const { return pipeline_; }
 
  private:
-  FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, Outputs outputs,
-         std::function<void(FrameRecord&)> emitted);
+  FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, ThreadPriority priority,
+         Outputs outputs, std::function<void(FrameRecord&)> emitted);
   Result<void> deliver(const HdrFrame& frame, const ExposedFrame& input, const FrameRecord& facts);
 
   WorkerPool pool_;

@@ -25,7 +25,7 @@ std::optional<Response> known_response(const CameraFacts& camera) {
   return Response(inverse);
 }
 
-void add_to(std::vector<NamedValue>& values, const char* stage, double ms) {
+void add_to(FrameValues& values, const char* stage, double ms) {
   for (NamedValue& value : values)
     if (value.name == stage) {
       value.value += ms;

@@ -29,7 +29,8 @@ StageSummary summary_of(std::string name, std::vector<double> times_ms) {
   return summary;
 }
 
-Json object_of(const std::vector<NamedValue>& values) {
+template <class Values>
+Json object_of(const Values& values) {
   Json object = Json::object();
   for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
   return object;

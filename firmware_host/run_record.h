@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/core/inline_list.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
 #include "online/response/response.h"
@@ -23,6 +24,9 @@ struct NamedValue {
   double value = 0;
 };
 
+// One frame's values: as many as there are stages, or terms of the fit, and some to spare.
+using FrameValues = InlineList<NamedValue, 24>;
+
 inline constexpr std::size_t kProvenances = 5;  // values of enum Provenance
 
 struct FrameRecord {
@@ -30,9 +34,9 @@ struct FrameRecord {
   double time_s = 0;    // since the first frame
   double exposure = 1;  // E / E_ref
   double total_ms = 0;  // from the frame's arrival in the pipeline until its work was done
-  std::vector<NamedValue>
+  FrameValues
       stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
-  std::vector<NamedValue> losses;  // weighted terms of the fit's last step; empty without the field
+  FrameValues losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
   double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1

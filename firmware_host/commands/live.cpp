@@ -1,8 +1,11 @@
 // hdrcam live --camera ID -o out/%06d.exr: the main job, from a camera, as the frames come in.
 #include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/run_limits.h"
@@ -10,6 +13,7 @@
 #include "firmware_host/live/camera_run.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/progress.h"
+#include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
@@ -47,11 +51,51 @@ class ResponseReport {
   bool told_ = false;
 };
 
-// Frames until the run is over, or the fit fails.
-Result<void> fit_all(LiveSession& session, FitRun& run, const std::atomic<bool>& stop,
-                     const std::function<void()>& tick) {
-  while (const FrameShare frame = session.next(stop, tick)) TRY(run.take(frame->captured.raw));
-  return {};
+// The fit on a thread of its own, behind capture and recorder where there is more to do than processors. Ends
+// with the run, or when the fit fails.
+class FitThread {
+ public:
+  FitThread(LiveSession& session, FitRun& run, const std::atomic<bool>& stop)
+      : thread_([this, &session, &run, &stop] {
+          set_priority_of_this_thread(ThreadPriority::Background);
+          flush_denormals();
+          while (const FrameShare frame = session.next(stop, {}))
+            if (result_ = run.take(frame->captured.raw); !result_) break;
+          if (result_) result_ = run.finish();
+          over_ = true;
+        }) {}
+  ~FitThread() {
+    if (thread_.joinable()) thread_.join();
+  }
+  bool over() const { return over_; }
+  Result<void> join() {
+    thread_.join();
+    return result_;
+  }
+
+ private:
+  std::atomic<bool> over_{false};
+  Result<void> result_;
+  std::thread thread_;
+};
+
+void show_progress(const LiveSession& session, const FitThread& fit, const std::atomic<double>& latency_ms) {
+  constexpr auto kLook = std::chrono::milliseconds(20);
+  StatusLine line(stderr);
+  Stopwatch watch;
+  for (double seconds = 0; !fit.over(); std::this_thread::sleep_for(kLook)) {
+    if (!line.due()) continue;
+    seconds += watch.lap_ms() * 1e-3;
+    line.show(live_line({seconds, session.counters(), latency_ms}, true));
+  }
+}
+
+void add_counters(RunRecord& record, const LiveCounters& counters) {
+  record.counters = named(counters);
+  record.captured = static_cast<int>(counters.captured());
+  record.emitted = static_cast<int>(counters.emitted);
+  record.dropped = static_cast<int>(counters.dropped());
+  record.notes.push_back(proof_of(counters.camera));
 }
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
@@ -63,36 +107,24 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
 
-  StatusLine line(stderr);
-  Stopwatch watch;
-  LiveMoment moment;
+  std::atomic<double> latency_ms{0};
   ResponseReport response(session);
   std::unique_ptr<FitRun> run;
-  run = TRY(FitRun::open(settings, camera->facts(), camera->facts().name, command_line_of(settings, flags),
-                         around.storage, [&](FrameRecord& frame) {
-                           frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
-                           moment.latency_ms = frame.latency_ms;
-                           response.emitted(run->pipeline().online(), camera->facts().linear);
-                         }));
-  const auto tick = [&] {
-    if (!line.due()) return;
-    moment.seconds += watch.lap_ms() * 1e-3;
-    moment.counters = session.counters();
-    line.show(live_line(moment, true));
-  };
-
+  run = TRY(FitRun::open(
+      settings, camera->facts(), camera->facts().name, command_line_of(settings, flags), around.storage,
+      [&](FrameRecord& frame) {
+        latency_ms = frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
+        response.emitted(run->pipeline().online(), camera->facts().linear);
+      },
+      ThreadPriority::Background));
   TRY(session.start());
-  Result<void> fitted = fit_all(session, *run, around.stop, tick);
-  if (fitted) fitted = run->finish();
+  FitThread fit(session, *run, around.stop);
+  show_progress(session, fit, latency_ms);
+  const Result<void> fitted = fit.join();
   const Result<LiveEnd> end = camera->finish();
 
   const LiveCounters counters = session.counters();
-  RunRecord& record = run->record();
-  record.counters = named(counters);
-  record.captured = static_cast<int>(counters.captured());
-  record.emitted = static_cast<int>(counters.emitted);
-  record.dropped = static_cast<int>(counters.dropped());
-  record.notes.push_back(proof_of(counters.camera));
+  add_counters(run->record(), counters);
   TRY(run->conclude());
   fmt::print("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true), proof_of(counters.camera),
              to_seconds(counters.longest_latency) * 1e3);

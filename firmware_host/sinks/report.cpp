@@ -62,14 +62,14 @@ std::vector<double> over_frames(const RunRecord& record,
   return averaged(values);
 }
 
-double value_named(const std::vector<NamedValue>& values, const std::string& wanted) {
+double value_named(const FrameValues& values, const std::string& wanted) {
   for (const NamedValue& entry : values)
     if (entry.name == wanted) return entry.value;
   return kHole;
 }
 
 // The names in the order in which they first occur in any frame.
-std::vector<std::string> names_in(const RunRecord& record, std::vector<NamedValue> FrameRecord::*list) {
+std::vector<std::string> names_in(const RunRecord& record, FrameValues FrameRecord::*list) {
   std::vector<std::string> names;
   for (const FrameRecord& frame : record.frames)
     for (const NamedValue& entry : frame.*list)
@@ -81,7 +81,7 @@ std::vector<double> sequence_axis(const RunRecord& record) {
   return over_frames(record, [](const FrameRecord& frame) { return static_cast<double>(frame.sequence); });
 }
 
-std::vector<ChartSeries> series_of(const RunRecord& record, std::vector<NamedValue> FrameRecord::*list) {
+std::vector<ChartSeries> series_of(const RunRecord& record, FrameValues FrameRecord::*list) {
   std::vector<ChartSeries> series;
   for (const std::string& name : names_in(record, list))
     series.push_back({name, series_colour(series.size()), over_frames(record, [&](const FrameRecord& frame) {

@@ -5,9 +5,13 @@
 
 namespace hdrcam {
 
-WorkerPool::WorkerPool(int threads) {
+WorkerPool::WorkerPool(int threads, ThreadPriority priority) {
   CHECK_GT(threads, 0);
-  for (int i = 1; i < threads; ++i) threads_.emplace_back([this] { serve(); });
+  for (int i = 1; i < threads; ++i)
+    threads_.emplace_back([this, priority] {
+      set_priority_of_this_thread(priority);
+      serve();
+    });
 }
 
 WorkerPool::~WorkerPool() {

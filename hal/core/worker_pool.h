@@ -10,12 +10,15 @@
 #include <type_traits>
 #include <vector>
 
+#include "hal/core/thread_priority.h"
+
 namespace hdrcam {
 
 class WorkerPool {
  public:
   // threads: 1.. ; the calling thread is one of them.
-  explicit WorkerPool(int threads);
+  // priority: of the threads that it starts.
+  explicit WorkerPool(int threads, ThreadPriority priority = ThreadPriority::Usual);
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;

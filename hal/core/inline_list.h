@@ -1,0 +1,43 @@
+// A list of at most N items that lives where it is declared: no allocation, copied as a value. More than N is
+// a bug of the caller's. Reentrant.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <initializer_list>
+
+#include "hal/core/check.h"
+
+namespace hdrcam {
+
+template <class T, std::size_t N>
+class InlineList {
+ public:
+  InlineList() = default;
+  InlineList(std::initializer_list<T> items) : size_(items.size()) {
+    CHECK_LE(items.size(), N);
+    std::copy(items.begin(), items.end(), items_.begin());
+  }
+
+  void push_back(const T& item) {
+    CHECK_LT(size_, N);
+    items_[size_++] = item;
+  }
+  void clear() { size_ = 0; }
+  bool empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  T* begin() { return items_.data(); }
+  T* end() { return items_.data() + size_; }
+  const T* begin() const { return items_.data(); }
+  const T* end() const { return items_.data() + size_; }
+  const T& front() const { return items_[0]; }
+  const T& operator[](std::size_t i) const { return items_[i]; }
+  T& operator[](std::size_t i) { return items_[i]; }
+
+ private:
+  std::array<T, N> items_{};
+  std::size_t size_ = 0;
+};
+
+}  // namespace hdrcam
