@@ -110,7 +110,8 @@ std::vector<Entry> entries_of(const toml::table& file) {
   return entries;
 }
 
-// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it.
+// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it; else where
+// to look.
 std::string nearest_setting(const std::string& key) {
   std::vector<std::string> keys, names;
   for (const SettingField& field : setting_fields()) {
@@ -119,7 +120,7 @@ std::string nearest_setting(const std::string& key) {
   }
   if (nearest_word(key, keys)) return did_you_mean(key, keys);
   const auto name = nearest_word(name_of(key), names);
-  if (!name) return "";
+  if (!name) return "; --print-config prints those that there are";
   return did_you_mean(keys[static_cast<std::size_t>(std::ranges::find(names, *name) - names.begin())], keys);
 }
 

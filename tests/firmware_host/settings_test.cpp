@@ -192,7 +192,7 @@ TEST_CASE("an unknown key names the file, the line and the setting that was mean
   CHECK_THAT(sentence(from_toml("framerate = 30\n")), Contains("(did you mean 'camera.framerate'?)"));
   CHECK_THAT(sentence(from_toml("[schedule]\nwidth = 30\n")), Contains("(did you mean 'camera.width'?)"));
   CHECK_THAT(sentence(from_toml("[camera]\nperpendicular = 1\n")),
-             Contains("'camera.perpendicular'") && !Contains("did you mean"));
+             Contains("'camera.perpendicular'; --print-config prints those that there are"));
   CHECK(sentence(from_toml("\n[camra]\nwidth = 640\n")) ==
         "live.toml:2: there is no table [camra] (did you mean 'camera'?); "
         "there are camera, schedule, sync, fit, output, record");
