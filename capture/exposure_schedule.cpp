@@ -49,14 +49,13 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
   ExposureSchedule schedule;
   for (const Exposure& asked : cycle) {
     if (asked.time + margin > frame_duration) {
-      const double fastest_hz = 1 / to_seconds(asked.time + margin);
+      const double fastest_hz = std::floor(100 / to_seconds(asked.time + margin)) / 100;
       return Error{
           ErrorCode::BadExposure,
-          fmt::format("shutter {} does not fit a frame of {} with {} of read-out; shorten it to {}, or lower "
-                      "--framerate to {:.2f}",
+          fmt::format("shutter {} does not fit a frame of {} with {} of read-out; shorten it to {}{}",
                       describe(asked.time), describe(frame_duration), describe(margin),
                       describe(std::max(Duration(0), frame_duration - margin)),
-                      std::floor(fastest_hz * 100) / 100)};
+                      fastest_hz > 0 ? fmt::format(", or lower --framerate to {:.2f}", fastest_hz) : "")};
     }
     Slot slot{asked, asked, false};
     if (half > Duration(0)) {

@@ -175,11 +175,14 @@ void unpack_raw(const std::byte* in, Packing packing, int bits, std::span<std::u
   }
 }
 
-Result<void> decode_jpeg(const CapturedBuffer& buffer, const JpegDecoder& decode,
+Result<void> decode_jpeg(const CapturedBuffer& buffer, const DecodeJpeg& decode,
                          Image<std::uint16_t>& codes) {
   if (!decode)
-    return Error{ErrorCode::Unsupported,
-                 "this build has no JPEG decoder for MJPEG frames; choose another pixel format"};
+    return Error{ErrorCode::Unsupported, "MJPEG frames need a JPEG decoder; choose another pixel format"};
+  if (buffer.mode.width <= 0 || buffer.mode.height <= 0)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("a stream of {}x{} has no pixels", buffer.mode.width, buffer.mode.height)};
+  codes.reshape(3, buffer.mode.height, buffer.mode.width);
   TRY(decode(buffer.pixels, codes));
   if (codes.rows() != buffer.mode.height || codes.cols() != buffer.mode.width || codes.channels() != 3)
     return Error{ErrorCode::Corrupt,

@@ -3,9 +3,8 @@
 // the picture has been of this size. Reentrant.
 #pragma once
 
-#include <functional>
-
 #include "hal/camera.h"
+#include "hal/jpeg_decoder.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
@@ -18,14 +17,11 @@ struct PixelCodes {
 };
 PixelCodes codes_of(PixelFormat format);
 
-// Decodes one JPEG picture into [rgb, rows, cols], 8-bit codes. Supplied by whoever links a JPEG library.
-using JpegDecoder = std::function<Result<void>(std::span<const std::byte> jpeg, Image<std::uint16_t>& rgb)>;
-
 enum class YuvRange { Limited, Full };  // luma 16..235 (BT.601, what UVC specifies) or 0..255
 
 struct PixelUnpackSettings {
   YuvRange yuv_range = YuvRange::Limited;
-  JpegDecoder decode_jpeg;  // only needed for Mjpeg
+  DecodeJpeg decode_jpeg;  // jpeg_decoder(); only needed for Mjpeg
 };
 
 // codes: [channels(layout), rows, cols], 0 .. 2^bits - 1. A stride of 0 means tightly packed rows. Errors:

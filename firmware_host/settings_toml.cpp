@@ -12,6 +12,10 @@
 #include "firmware_host/setting_fields.h"
 #include "firmware_host/suggestion.h"
 
+// toml++ 3.3 asserts what a damaged file can break and, with NDEBUG, lets the compiler assume it. Without
+// either it goes on to the branches that report the mistake.
+#undef NDEBUG
+#define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
@@ -49,8 +53,45 @@ std::string escaped(std::string_view text, std::string_view also = "") {
   return out;
 }
 
+// The parser recurses for every part of a dotted key and bounds only the brackets, so the dots bound its
+// stack.
+Result<void> check_size(std::string_view text, const std::string& name) {
+  const auto dots = static_cast<std::size_t>(std::ranges::count(text, '.'));
+  if (text.size() <= kMostTomlBytes && dots <= kMostTomlDots) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("'{}' has {} bytes and {} dots; a file of settings has at most {} and {}", name,
+                           text.size(), dots, kMostTomlBytes, kMostTomlDots)};
+}
+
 Error at_line(const std::string& name, std::uint32_t line, const Error& error) {
   return {error.code, fmt::format("{}:{}: {}", name, line, escaped(error.message))};
+}
+
+// Refuses letters such as é outside of quotes and comments, on which toml++ 3.3 has undefined behaviour, and
+// texts of several lines, which no setting is. Agrees with the parser up to the first mistake of a file.
+Result<void> check_letters(std::string_view text, const std::string& name) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::uint32_t line = 1;
+  char inside = '\n';  // of a quote or comment, by the character that opened it
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') {
+      ++line, inside = '\n';
+    } else if (inside == '"' && c == '\\' && !text.substr(i + 1).starts_with('\n')) {
+      ++i;
+    } else if (inside != '\n') {
+      if (c == inside && c != '#') inside = '\n';
+    } else if (c == '"' || c == '\'' || c == '#') {
+      inside = c;
+      if (c != '#' && text.substr(i).starts_with(std::string(3, c)))
+        return at_line(name, line, {ErrorCode::Invalid, "no setting is a text of several lines"});
+    } else if (static_cast<unsigned char>(c) >= 0x80) {
+      return at_line(name, line,
+                     {ErrorCode::Invalid, "a letter beyond ASCII outside of quotes; write \"é\""});
+    }
+  }
+  return {};
 }
 
 std::vector<Entry> entries_of(const toml::table& file) {
@@ -69,7 +110,8 @@ std::vector<Entry> entries_of(const toml::table& file) {
   return entries;
 }
 
-// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it.
+// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it; else where
+// to look.
 std::string nearest_setting(const std::string& key) {
   std::vector<std::string> keys, names;
   for (const SettingField& field : setting_fields()) {
@@ -78,7 +120,7 @@ std::string nearest_setting(const std::string& key) {
   }
   if (nearest_word(key, keys)) return did_you_mean(key, keys);
   const auto name = nearest_word(name_of(key), names);
-  if (!name) return "";
+  if (!name) return "; --print-config prints those that there are";
   return did_you_mean(keys[static_cast<std::size_t>(std::ranges::find(names, *name) - names.begin())], keys);
 }
 
@@ -135,11 +177,8 @@ std::string quoted(const std::string& text) { return '"' + escaped(text, "\"\\")
 }  // namespace
 
 Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings) {
-  const auto dots = static_cast<std::size_t>(std::ranges::count(text, '.'));
-  if (text.size() > kMostTomlBytes || dots > kMostTomlDots)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' has {} bytes and {} dots; a file of settings has at most {} and {}", name,
-                             text.size(), dots, kMostTomlBytes, kMostTomlDots)};
+  TRY(check_size(text, name));
+  TRY(check_letters(text, name));
   const toml::parse_result parsed = toml::parse(text, name);
   if (!parsed) {
     const auto& at = parsed.error().source().begin;

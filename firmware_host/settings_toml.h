@@ -8,8 +8,7 @@
 
 namespace hdrcam {
 
-// A file beyond these is not one of settings. The parser recurses for every part of a dotted key and bounds
-// only the brackets, so the dots bound its stack.
+// A file beyond these is not one of settings.
 constexpr std::size_t kMostTomlBytes = 64 << 10;
 constexpr std::size_t kMostTomlDots = 2000;
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "hal/jpeg_decoder.h"
 #include "hal/real/enumerate.h"
 #include "hal/real/sync_line_gpiod.h"
 #include "hal/replay/replayed_camera.h"
@@ -123,6 +124,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
   if (settings.camera.timestamp == "end") options.timestamp_mark = TimestampMark::ExposureEnd;
   if (settings.camera.yuv_range == "full") options.unpack.yuv_range = YuvRange::Full;
+  options.unpack.decode_jpeg = jpeg_decoder();
   if (!settings.sync.line.empty())
     options.strobe =
         settings.sync.strobe == "exposure" ? StrobePulse::SpansExposure : StrobePulse::MarksFrame;

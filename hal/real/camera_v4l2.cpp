@@ -34,7 +34,11 @@ struct Nodes {
 
 Result<Nodes> open_nodes(const std::string& path) {
   auto video = TRY(DeviceNode::open(path));
-  auto identity = TRY(identify(video));
+  auto identified = identify(video);
+  if (!identified && identified.error().sys_errno == ENOTTY)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' is not a camera; 'hdrcam list' shows those that there are", path), ENOTTY};
+  auto identity = TRY(std::move(identified));
   if (identity.queue_type == 0)
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' ({}) is not a camera that streams; 'hdrcam list' shows those that are",

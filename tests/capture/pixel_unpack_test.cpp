@@ -134,6 +134,7 @@ TEST_CASE("MJPEG goes through the decoder that was supplied", "[capture]") {
         ErrorCode::Unsupported);
   PixelUnpackSettings settings;
   settings.decode_jpeg = [](std::span<const std::byte> bytes, Image<std::uint16_t>& rgb) -> Result<void> {
+    CHECK(rgb.rows() == 2);
     rgb.reshape(3, 2, static_cast<int>(bytes.size()) * 2);
     rgb.fill(5);
     return {};

@@ -39,7 +39,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-const std::vector<std::string> kVerbs{"replay", "compare", "import", "export", "info", "simulate", "list"};
+const std::vector<std::string> kVerbs{"replay", "live", "compare",  "record",    "import",
+                                      "export", "info", "simulate", "calibrate", "list"};
 
 }  // namespace
 
