@@ -45,7 +45,8 @@ SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layou
       scene_(scene ? std::move(scene)
                    : std::make_shared<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
       lens_(lens_of(simulation_)),
-      renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool),
+      renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool,
+                simulation.sampling),
       quantiser_(bits, simulation.black_level * static_cast<float>((1 << bits) - 1)) {
   const Simulation& s = simulation_;
   const std::uint64_t seed = s.scene.seed;
@@ -74,13 +75,17 @@ CameraFacts SimulatedSensor::facts() const {
 }
 
 void SimulatedSensor::expose(const Shot& shot, Image<std::uint16_t>& codes) {
+  if (!light_lasts_) gather(shot), light_lasts_ = !scene_->moves();
+  read_out(shot, codes);
+}
+
+void SimulatedSensor::gather(const Shot& shot) {
   renderer_.render({shot.begin_s, shot.begin_s + shot.exposure_s}, light_);
   if (vignetting_)
     pool_.for_rows(light_.rows(), [&](int y0, int y1) {
       for (int y = y0; y < y1; ++y) vignetting_->apply_row(light_, y);
     });
   if (flare_) flare_->apply(light_, pool_);
-  read_out(shot, codes);
 }
 
 void SimulatedSensor::read_out(const Shot& shot, Image<std::uint16_t>& codes) {

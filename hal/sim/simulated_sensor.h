@@ -45,6 +45,7 @@ class SimulatedSensor {
   const Image<float>& light() const { return light_; }
 
  private:
+  void gather(const Shot& shot);
   void read_out(const Shot& shot, Image<std::uint16_t>& codes);
   void read_row(const Shot& shot, int channel, int y, std::span<float> electrons) const;
 
@@ -64,8 +65,9 @@ class SimulatedSensor {
   std::optional<HotPixels> hot_pixels_;
   std::optional<Noise> noise_;
   std::optional<ResponseCurve> response_;
-  Image<float> light_;      // [rgb, rows, cols]
-  Image<float> electrons_;  // [channels, rows, cols]
+  Image<float> light_;        // [rgb, rows, cols]
+  bool light_lasts_ = false;  // nothing moves: the next shot's light is this one's
+  Image<float> electrons_;    // [channels, rows, cols]
 };
 
 }  // namespace hdrcam
