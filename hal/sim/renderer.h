@@ -43,6 +43,7 @@ class Renderer {
   Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool,
            Sampling sampling = Sampling::Smooth);
 
+  const Shutter& shutter() const { return shutter_; }
   // light: [rgb, rows, cols] mean radiance
   void render(ExposureSpan span, Image<float>& light);
 
