@@ -29,7 +29,7 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.id = fmt::format("sim:{}", scene);
   can.model = "simulated sensor";
   can.driver = "sim";
-    can.modes.push_back({format, s.width, s.height, kShortestFrame});
+  for (const PixelFormat format : kFormats) can.modes.push_back({format, s.width, s.height, kShortestFrame});
   can.usual_frame_duration = s.frame_duration();
   can.exposure_min = can.exposure_step = kExposureStep;
   can.exposure_max = s.frame_duration() - readout_of(s.frame_duration());

@@ -3,7 +3,7 @@
 // results of one machine. --benchmark_repetitions=9 and the smallest time are what it takes on a busy one.
 #include <benchmark/benchmark.h>
 
-#include "hal/sim/simulated_sensor.h"
+#include "hal/sim/simulated_camera.h"
 
 namespace hdrcam {
 namespace {
@@ -57,9 +57,43 @@ void one_effect(benchmark::State& state) {
   expose_frames(state, s);
 }
 
+// From the request to the buffer, the exposures of the cycle 1, 4, 16 ms in turn; time itself costs nothing.
+void film(benchmark::State& state, const std::string& spec, Duration longest) {
+  VirtualClock clock;
+  SimulatedCamera camera(simulation(spec), SimTime(clock), 1);
+  const CameraCapabilities& can = camera.capabilities();
+  camera.configure({PixelFormat::Rgb24, 0, 0, can.usual_frame_duration}, 4).value();
+  camera.start().value();
+  std::uint64_t cookie = 0;
+  const auto queue = [&] {
+    const Duration exposures[] = {longest / 16, longest / 4, longest};
+    camera.queue({cookie, exposures[cookie % 3] / can.exposure_step * can.exposure_step, 1}).value();
+    ++cookie;
+  };
+  for (int i = 0; i < 4; ++i) queue();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(camera.wait(std::chrono::seconds(1)).value().pixels.data());
+    queue();
+  }
+}
+
+void camera_frame(benchmark::State& state) {
+  const auto& entry = scene_catalog()[static_cast<std::size_t>(state.range(0))];
+  state.SetLabel(entry.name);
+  film(state, entry.name, std::chrono::milliseconds(16));
+}
+
+void small_camera_frame(benchmark::State& state) {
+  const std::string spec = fmt::format("walk?size=32x24&fps=500&rays={}", state.range(0));
+  state.SetLabel(spec);
+  film(state, spec, std::chrono::microseconds(1600));
+}
+
 constexpr std::int64_t index(Effect effect) { return static_cast<std::int64_t>(effect); }
 
 BENCHMARK(scene_frame)->DenseRange(0, 5)->Unit(benchmark::kMillisecond);
+BENCHMARK(camera_frame)->DenseRange(0, 5)->Unit(benchmark::kMillisecond);
+BENCHMARK(small_camera_frame)->Arg(4)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(no_effect_code)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_effects_off)->Unit(benchmark::kMillisecond);
 BENCHMARK(one_effect)
