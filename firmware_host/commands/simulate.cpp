@@ -39,19 +39,22 @@ Result<Format> format_of(const SimulateFlags& flags) {
   return Format{bayer ? PixelLayout::BayerRggb : PixelLayout::Rgb, bits};
 }
 
-// One line an effect: is it on, what does it cost, why.
+// A frame as it is built up: each effect, what it adds, and why it is on or off.
 void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double exposure_s) {
   const Simulation& s = sensor.simulation();
-  fmt::print("{:<16} {:>3} {:>9}  {}\n", "effect", "on", "CPU ms", "why");
+  const auto line = [](std::string_view what, std::string_view on, std::string_view ms,
+                       std::string_view why) { fmt::print("{:<16} {:>3} {:>8}  {}\n", what, on, ms, why); };
+  const auto ms = [](double cost) { return fmt::format("{:.2f}", std::max(0.0, cost)); };
+  line("effect", "on", "CPU ms", "why");
+  line("(bare frame)", "", ms(costs.bare_ms), "rays, surfaces, codes");
   for (std::size_t i = 0; i < kEffects; ++i) {
     const auto effect = static_cast<Effect>(i);
     const auto cost = costs.effect_ms[i];
-    fmt::print("{:<16} {:>3} {:>9}  {}\n", name(effect), s.plan.on(effect) ? "yes" : "no",
-               cost ? fmt::format("{:.2f}", *cost) : "-", s.plan.why(effect));
+    line(name(effect), s.plan.on(effect) ? "yes" : "no", cost ? ms(*cost) : "-", s.plan.why(effect));
   }
-  fmt::print("a frame of {}x{}, {} exposed: {:.1f} ms of processor time; without these effects: {:.1f} ms\n",
-             s.width, s.height, describe(Instant::from_seconds(exposure_s).since_boot), costs.frame_ms,
-             costs.bare_ms);
+  line("(whole frame)", "", ms(costs.frame_ms),
+       fmt::format("{}x{}, {} exposed; processor time of all threads, +-{:.2f} ms", s.width, s.height,
+                   describe(Instant::from_seconds(exposure_s).since_boot), costs.noise_ms));
 }
 
 // Frames of the clip in turn: which moment of the scene, which exposure.
@@ -130,7 +133,8 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
                   SimulatedSensor& sensor, WorkerPool& pool, Outputs& outputs) {
   const Simulation& s = sensor.simulation();
   std::optional<TruthRenderer> truth_renderer;
-  if (outputs.truth) truth_renderer.emplace(*sensor.scene(), sensor.lens(), s.height, s.width, pool);
+  if (outputs.truth)
+    truth_renderer.emplace(*sensor.scene(), sensor.lens(), s.height, s.width, pool, sensor.vignetting());
   Progress progress(stderr, flags.frames);
   SceneTruth truth;
   RawFrame frame;
@@ -186,9 +190,9 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
   WorkerPool pool(flags.threads > 0 ? flags.threads : cores);
   SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
   if (flags.explain) {
-    constexpr int kRounds = 12;
+    constexpr Duration kPatience = std::chrono::seconds(4);
     const EffectCosts costs =
-        measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kRounds, pool);
+        measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kPatience, pool);
     print_plan(sensor, costs, timeline.longest_s());
   }
   if (flags.output.empty() && flags.truth.empty()) return {};

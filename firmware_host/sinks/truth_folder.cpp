@@ -58,11 +58,20 @@ Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& fol
   for (std::size_t i = 0; i < kEffects; ++i)
     if (truth.simulation_.plan.on(static_cast<Effect>(i)))
       json["options"]["effects"].push_back(name(static_cast<Effect>(i)));
+  const Simulation& s = truth.simulation_;
   json["axes"] = "x right, y down, z forward; c2w row-major 3x4";
-  json["sensor_gain_per_s"] = truth.simulation_.sensitivity_per_s;
-  json["radiance_to_sensor"] =
-      fmt::format("x = R*exposure_s*gain*{}, clip at 1", truth.simulation_.sensitivity_per_s);
+  json["sensor_gain_per_s"] = s.sensitivity_per_s;
+  json["radiance_to_sensor"] = fmt::format("x = R*exposure_s*gain*{}, clip at 1", s.sensitivity_per_s);
+  json["sensor_to_code"] =
+      "code = (b + (1-b)*crf(x)) * (2^bits-1), b = black_level; crf.csv: 1024 values, x = 0..1";
+  json["black_level"] = s.black_level;
+  json["full_well_e"] = s.full_well_e;
+  json["read_noise_e"] = s.plan.on(Effect::Noise) ? s.noise.read_noise_e : 0;
   json["fx"] = lens.fx_px, json["fy"] = lens.fy_px, json["cx"] = lens.cx_px, json["cy"] = lens.cy_px;
+  if (s.plan.on(Effect::Distortion)) {
+    json["distortion"] = {{"k1", s.distortion.k1}, {"k2", s.distortion.k2}};
+    json["distortion_of"] = "the ray r is seen at r*(1 + k1*|r|^2 + k2*|r|^4)";
+  }
   json["frames"] = nlohmann::ordered_json::array();
   json["moving_ids"] = nlohmann::ordered_json::array();
   const auto& objects = sensor.scene()->objects;
@@ -84,7 +93,8 @@ Result<void> TruthFolder::write_pictures(const SceneTruth& truth) {
 Result<void> TruthFolder::append(const SceneTruth& truth, const FrameFacts& facts) {
   TRY(write_pictures(truth));
   const double saturation = 1 / (simulation_.sensitivity_per_s * facts.exposure());
-  json_["frames"].push_back({{"time_s", facts.timestamp.seconds()},
+  json_["frames"].push_back({{"time_s", truth.time_s},
+                             {"sequence", facts.sequence},
                              {"exposure_s", facts.exposure_s},
                              {"gain", facts.analogue_gain},
                              {"r_sat", saturation},

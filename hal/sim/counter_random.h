@@ -3,9 +3,9 @@
 // 2014) on a counter. Value type, reentrant.
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <numbers>
+
+#include "hal/sim/ziggurat.h"
 
 namespace hdrcam {
 
@@ -22,16 +22,14 @@ class CounterRandom {
     return begin + (end - begin) * uniform(counter);
   }
 
-  // Two independent standard normal numbers (Box and Muller 1958); |n| <= 6.7.
+  // Two independent standard normal numbers.
   struct Pair {
     float a, b;
   };
   Pair normals(std::uint64_t counter) const {
     const std::uint64_t word = bits(counter);
-    const float u = (static_cast<float>(word >> 40) + 0.5f) * 0x1p-24f;
-    const float turn = static_cast<float>(word & 0xffffff) * 0x1p-24f * 2 * std::numbers::pi_v<float>;
-    const float radius = std::sqrt(-2 * std::log(u));
-    return {radius * std::cos(turn), radius * std::sin(turn)};
+    return {normal(static_cast<std::uint32_t>(word), word),
+            normal(static_cast<std::uint32_t>(word >> 32), ~word)};
   }
 
  private:
@@ -40,6 +38,10 @@ class CounterRandom {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
     return z ^ (z >> 31);
+  }
+  // From 32 random bits and, once in eighty times, from more that follow from `seed`.
+  static float normal(std::uint32_t random, std::uint64_t seed) {
+    return kZiggurat.normal(random, [&] { return seed = mix(seed + kStep); });
   }
 
   std::uint64_t key_;

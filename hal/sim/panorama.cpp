@@ -150,7 +150,7 @@ Panorama::Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool
       const float s = (static_cast<float>(x) + 0.5f) / static_cast<float>(side_) * 2 - 1;
       const Vec3 d = normalized(direction_of(row / side_, s, t));
       texels_[static_cast<std::size_t>(row * side_ + x)] =
-          exp2(stops_at(kind, {d, std::atan2(d.x, d.z), -d.y, noise_seed}));
+          texel_of(exp2(stops_at(kind, {d, std::atan2(d.x, d.z), -d.y, noise_seed})));
     }
   });
 }
@@ -158,23 +158,25 @@ Panorama::Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool
 Colour Panorama::at(Vec3 d) const {
   const float ax = std::abs(d.x), ay = std::abs(d.y), az = std::abs(d.z);
   int face;
-  float s, t;
+  float s, t, away;
   if (az >= ax && az >= ay)
-    face = d.z > 0 ? 4 : 5, s = d.x / az, t = d.y / az;
+    face = d.z > 0 ? 4 : 5, s = d.x, t = d.y, away = az;
   else if (ax >= ay)
-    face = d.x > 0 ? 0 : 1, s = d.z / ax, t = d.y / ax;
+    face = d.x > 0 ? 0 : 1, s = d.z, t = d.y, away = ax;
   else
-    face = d.y > 0 ? 2 : 3, s = d.x / ay, t = d.z / ay;
+    face = d.y > 0 ? 2 : 3, s = d.x, t = d.z, away = ay;
+  s *= 1 / away, t *= 1 / away;
   const float half = 0.5f * static_cast<float>(side_), last = static_cast<float>(side_) - 1.001f;
   const float x = std::clamp((s + 1) * half - 0.5f, 0.f, last),
               y = std::clamp((t + 1) * half - 0.5f, 0.f, last);
   const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
   const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const Colour* above =
+  const Texel* above =
       &texels_[(static_cast<std::size_t>(face * side_ + y0)) * static_cast<std::size_t>(side_)];
-  const Colour* below = above + side_;
-  return (above[x0] * (1 - fx) + above[x0 + 1] * fx) * (1 - fy) +
-         (below[x0] * (1 - fx) + below[x0 + 1] * fx) * fy;
+  const Texel* below = above + side_;
+  const Texel top = above[x0] + fx * (above[x0 + 1] - above[x0]);
+  const Texel bottom = below[x0] + fx * (below[x0 + 1] - below[x0]);
+  return colour_of(top + fy * (bottom - top));
 }
 
 }  // namespace hdrcam

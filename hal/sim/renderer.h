@@ -1,7 +1,9 @@
 // Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its
-// exposure. Work is spent where the picture asks for it: four rays a pixel on smooth surfaces at rest, twice
-// as many on outlines, as many as the motion is long under motion blur. Thread-bound; owns its buffers,
-// allocates nothing after the first frame of a size; the result does not depend on the number of threads.
+// exposure. Work is spent where the picture asks for it: four rays find out what a pixel sees; one surface is
+// painted as often as the pixel's way over it is long, be it that the surface is slanted or that it moves;
+// where several surfaces meet there are twice as many rays. Rays try only the objects that their tile of the
+// picture can see. Thread-bound; owns its buffers, allocates nothing after the first frame of a size; the
+// result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -29,37 +31,57 @@ struct Shutter {
   std::optional<RollingShutter> rolling;
 };
 
+// Rays of a pixel at least.
+enum class Sampling {
+  Smooth,  // four
+  Quick,   // one, through its centre: outlines are jagged, a frame costs a third
+};
+
 class Renderer {
  public:
   // The scene outlives the renderer, and so does the pool.
-  Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool);
+  Renderer(const Scene& scene, Lens lens, Shutter shutter, int rows, int cols, WorkerPool& pool,
+           Sampling sampling = Sampling::Smooth);
 
+  const Shutter& shutter() const { return shutter_; }
   // light: [rgb, rows, cols] mean radiance
   void render(ExposureSpan span, Image<float>& light);
 
  private:
-  static constexpr int kTile = 16;        // pixels: the grain of the decision how much blur there is..
+  static constexpr int kTile = 16;        // pixels: the grain of the decisions what is near and how blurred..
   static constexpr int kProbe = 4;        // ..from rays that are so far apart
   static constexpr int kMostViews = 256;  // instants at which the scene is posed for one frame
-  static constexpr int kLeastSamples = 4;
+  static constexpr int kRays = 4;         // of a smooth pixel, at least
+  // Objects that rays of a tile can meet.
+  using Near = std::span<const std::uint8_t>;
 
   void pose_views(double begin_s, double end_s);
   const View& view_at(double time_s) const;
   double row_delay_s(int row) const { return shutter_.rolling ? shutter_.rolling->delay_s(row) : 0; }
+  void find_near_objects();
+  Near near(int tile_y, int tile_x) const;
   void measure_blur(ExposureSpan span);
   void spread_blur();
-  Colour mean_radiance(ExposureSpan span, int y, int x, int samples) const;
+  void render_tile(ExposureSpan span, int tile_y, int tile_x, Image<float>& light) const;
+  Hit cast(const View& view, int y, int x, Vec2 place, Near objects) const;
+  Colour mean_radiance(ExposureSpan row, int y, int x, int along_motion, Near objects) const;
+  Colour mean_of_many(ExposureSpan row, int y, int x, int samples, Near objects) const;
 
   const Scene& scene_;
   Lens lens_;
   Shutter shutter_;
   int rows_, cols_;
+  int tile_rows_, tile_cols_;
   WorkerPool& pool_;
+  const Sampling sampling_;
   const PixelSamples samples_;
   std::vector<View> views_;  // at even steps from first_s_
   double first_s_ = 0, step_s_ = 0;
   int view_count_ = 0;
-  Image<float> tile_blur_, spread_blur_;  // [1, tiles, tiles] pixels
+  std::vector<RayBox> reach_;             // of each object, over all views
+  Image<std::uint8_t> near_;              // [tile rows, tile cols, objects] indices, the first..
+  Image<std::uint8_t> near_count_;        // [1, tile rows, tile cols] ..so many
+  Image<float> tile_blur_, spread_blur_;  // [1, tile rows, tile cols] pixels
 };
 
 }  // namespace hdrcam

@@ -49,6 +49,7 @@ PosedObject pose_of(const SceneObject& object, double time_s);
 
 struct Scene {
   std::string name;
+  static constexpr int kDome = 0;    // the first object is the dome; all others lie within it
   std::vector<SceneObject> objects;  // at most 255: ids are bytes
   std::vector<Texture> textures;
   Panorama panorama;  // painted on Shape::Dome

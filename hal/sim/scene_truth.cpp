@@ -2,16 +2,21 @@
 
 namespace hdrcam {
 
-TruthRenderer::TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool)
+TruthRenderer::TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool,
+                             const Vignetting* vignetting)
     : scene_(scene),
       lens_(lens),
       rows_(rows),
       cols_(cols),
       pool_(pool),
+      vignetting_(vignetting),
       sharp_(scene, lens, {}, rows, cols, pool) {}
 
 void TruthRenderer::render(double now_s, double next_s, SceneTruth& truth) {
+  truth.time_s = now_s;
   sharp_.render({now_s, now_s}, truth.radiance);
+  if (vignetting_ != nullptr)
+    for (int y = 0; y < rows_; ++y) vignetting_->apply_row(truth.radiance, y);
   truth.depth.reshape(1, rows_, cols_);
   truth.flow.reshape(3, rows_, cols_);
   truth.ids.reshape(1, rows_, cols_);

@@ -1,14 +1,17 @@
-// What is known of a frame besides its pixels, as an ideal sensor would see it: global shutter, sharp, no
-// noise; the lens's distortion is kept, so that it lies pixel on pixel over the frames.
+// What is known of a frame besides its pixels, as an ideal sensor behind the same lens would see it: sharp,
+// all rows at one instant, without flare, flicker or noise. What the lens does to every picture alike,
+// distortion and vignetting, is kept, so that the truth lies over the frames pixel on pixel and stop on stop.
 #pragma once
 
 #include <cstdint>
 
+#include "hal/sim/effects/vignetting.h"
 #include "hal/sim/renderer.h"
 
 namespace hdrcam {
 
 struct SceneTruth {
+  double time_s = 0;      // the instant, in the time of the scene
   Image<float> radiance;  // [rgb, rows, cols]
   Image<float> depth;     // [1, rows, cols] camera z, metres
   Image<float>
@@ -20,8 +23,9 @@ struct SceneTruth {
 // Thread-bound; owns its buffers.
 class TruthRenderer {
  public:
-  // The scene and the pool outlive it.
-  TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool);
+  // The scene, the pool and the vignetting, which may be null, outlive it.
+  TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool,
+                const Vignetting* vignetting = nullptr);
 
   // At the instant now_s of the scene; the flow leads to next_s.
   void render(double now_s, double next_s, SceneTruth& truth);
@@ -33,6 +37,7 @@ class TruthRenderer {
   Lens lens_;
   int rows_, cols_;
   WorkerPool& pool_;
+  const Vignetting* vignetting_;
   Renderer sharp_;
   View now_, next_;
 };

@@ -9,13 +9,15 @@
 namespace hdrcam {
 namespace {
 
-constexpr Duration kReadout =
-    std::chrono::milliseconds(1);  // of a frame duration in which nothing is exposed
+constexpr Duration kShortestFrame = std::chrono::milliseconds(1);
 constexpr Duration kExposureStep = std::chrono::microseconds(10);
 constexpr Duration kFirstExposure = std::chrono::milliseconds(4);  // until a control acts
 constexpr PixelFormat kFormats[] = {PixelFormat::Rgb24,        PixelFormat::Bgr24,       PixelFormat::Rggb8,
                                     PixelFormat::Rggb10,       PixelFormat::Rggb12,      PixelFormat::Rggb16,
                                     PixelFormat::Rggb10Packed, PixelFormat::Rggb12Packed};
+
+// The part of a frame in which nothing is exposed.
+Duration readout_of(Duration frame) { return std::min<Duration>(std::chrono::milliseconds(1), frame / 8); }
 
 ControlDelays delays_of(const Simulation& s) {
   return s.plan.on(Effect::ControlDelay) ? s.control_delay : ControlDelays{};
@@ -27,11 +29,10 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.id = fmt::format("sim:{}", scene);
   can.model = "simulated sensor";
   can.driver = "sim";
-  for (const PixelFormat format : kFormats)
-    can.modes.push_back({format, s.width, s.height, std::chrono::milliseconds(2)});
+  for (const PixelFormat format : kFormats) can.modes.push_back({format, s.width, s.height, kShortestFrame});
   can.usual_frame_duration = s.frame_duration();
-  can.exposure_min = kExposureStep, can.exposure_max = s.frame_duration() - kReadout,
-  can.exposure_step = kExposureStep;
+  can.exposure_min = can.exposure_step = kExposureStep;
+  can.exposure_max = s.frame_duration() - readout_of(s.frame_duration());
   can.gain_min = 1, can.gain_max = 16;
   can.sets_exposure = true;
   can.reports_exposure = s.reports_exposure;
@@ -89,7 +90,7 @@ Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buff
   simulation_.height =
       near_size(wanted.height, simulation_.height, packed.layout == PixelLayout::Rgb ? 1 : 2);
   if (wanted.frame_duration > Duration::zero())
-    simulation_.framerate_hz = 1 / to_seconds(std::max<Duration>(wanted.frame_duration, 2 * kReadout));
+    simulation_.framerate_hz = 1 / to_seconds(std::max(wanted.frame_duration, kShortestFrame));
   mode_ = {wanted.format, simulation_.width, simulation_.height, simulation_.frame_duration()};
   capabilities_ = capabilities_of(simulation_);
   sensor_ = std::make_unique<SimulatedSensor>(simulation_, packed.layout, packed.bits, pool_);

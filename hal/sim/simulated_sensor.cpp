@@ -5,6 +5,8 @@
 namespace hdrcam {
 namespace {
 
+constexpr float kCapacity = 1.1f;  // of a pixel, in full wells
+
 // What the stream's format decides.
 Simulation for_layout(Simulation simulation, PixelLayout layout) {
   const bool raw = layout != PixelLayout::Rgb;
@@ -45,7 +47,8 @@ SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layou
       scene_(scene ? std::move(scene)
                    : std::make_shared<Scene>(make_scene(simulation.scene, face_px(simulation.width), pool))),
       lens_(lens_of(simulation_)),
-      renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool),
+      renderer_(*scene_, lens_, shutter_of(simulation_), simulation.height, simulation.width, pool,
+                simulation.sampling),
       quantiser_(bits, simulation.black_level * static_cast<float>((1 << bits) - 1)) {
   const Simulation& s = simulation_;
   const std::uint64_t seed = s.scene.seed;
@@ -53,12 +56,43 @@ SimulatedSensor::SimulatedSensor(const Simulation& simulation, PixelLayout layou
       if_on<Vignetting>(s.plan, Effect::Vignetting, s.vignetting, lens_.intrinsics, s.height, s.width);
   flare_ = if_on<Flare>(s.plan, Effect::Flare, s.flare, s.height, s.width);
   flicker_ = if_on<MainsFlicker>(s.plan, Effect::MainsFlicker, s.mains_flicker);
-  rolling_ = shutter_of(s).rolling;
   if (s.plan.on(Effect::Mosaic)) mosaic_.emplace(layout);
   hot_pixels_ =
       if_on<HotPixels>(s.plan, Effect::HotPixels, s.hot_pixels, seed, channels(layout), s.height, s.width);
   noise_ = if_on<Noise>(s.plan, Effect::Noise, s.noise, seed);
   response_ = if_on<ResponseCurve>(s.plan, Effect::Response, s.response);
+}
+
+bool SimulatedSensor::has(Effect effect) const {
+  switch (effect) {
+    case Effect::MotionBlur:
+      return renderer_.shutter().blur.has_value();
+    case Effect::RollingShutter:
+      return renderer_.shutter().rolling.has_value();
+    case Effect::Distortion:
+      return lens_.distortion.has_value();
+    case Effect::Vignetting:
+      return vignetting_.has_value();
+    case Effect::Flare:
+      return flare_.has_value();
+    case Effect::MainsFlicker:
+      return flicker_.has_value();
+    case Effect::Mosaic:
+      return mosaic_.has_value();
+    case Effect::HotPixels:
+      return hot_pixels_.has_value();
+    case Effect::Noise:
+      return noise_.has_value();
+    case Effect::Quantisation:
+      return true;
+    case Effect::Response:
+      return response_.has_value();
+    case Effect::ControlDelay:
+    case Effect::Drops:
+    case Effect::ClockJitter:
+      break;
+  }
+  return false;
 }
 
 CameraFacts SimulatedSensor::facts() const {
@@ -74,13 +108,17 @@ CameraFacts SimulatedSensor::facts() const {
 }
 
 void SimulatedSensor::expose(const Shot& shot, Image<std::uint16_t>& codes) {
+  if (!light_lasts_) gather(shot), light_lasts_ = !scene_->moves();
+  read_out(shot, codes);
+}
+
+void SimulatedSensor::gather(const Shot& shot) {
   renderer_.render({shot.begin_s, shot.begin_s + shot.exposure_s}, light_);
   if (vignetting_)
     pool_.for_rows(light_.rows(), [&](int y0, int y1) {
       for (int y = y0; y < y1; ++y) vignetting_->apply_row(light_, y);
     });
   if (flare_) flare_->apply(light_, pool_);
-  read_out(shot, codes);
 }
 
 void SimulatedSensor::read_out(const Shot& shot, Image<std::uint16_t>& codes) {
@@ -110,15 +148,15 @@ void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<f
     std::copy_n(light_.row(channel, y), electrons.size(), electrons.begin());
   double per_light =
       shot.exposure_s * simulation_.sensitivity_per_s * static_cast<double>(simulation_.full_well_e);
-  if (flicker_)
-    per_light *= flicker_->factor(shot.begin_s + (rolling_ ? rolling_->delay_s(y) : 0), shot.exposure_s);
+  if (flicker_) {
+    const auto& rolling = renderer_.shutter().rolling;
+    per_light *= flicker_->factor(shot.begin_s + (rolling ? rolling->delay_s(y) : 0), shot.exposure_s);
+  }
   for (float& e : electrons) e *= static_cast<float>(per_light);
   if (hot_pixels_) hot_pixels_->add(channel, y, static_cast<float>(shot.exposure_s), electrons);
   if (noise_) {
     const auto row = static_cast<std::uint64_t>(channel * light_.rows() + y);
-    noise_->apply(electrons, simulation_.full_well_e, shot.sequence, row * electrons.size());
-  } else {
-    for (float& e : electrons) e = std::min(e, simulation_.full_well_e);
+    noise_->apply(electrons, kCapacity * simulation_.full_well_e, shot.sequence, row * electrons.size());
   }
 }
 

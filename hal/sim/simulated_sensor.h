@@ -1,10 +1,11 @@
 // The sensor: a scene, a lens, and the effects of the plan in the order in which light, then charge meets
 // them. An exposure goes in, codes come out:
 //   light = flicker . flare . vignetting . mean radiance over the pixel and the exposure
-//   electrons = N(light * seconds * sensitivity * full well + leaks), clipped at the full well, plus read
-//   noise code = quantised(response(gain * electrons / full well))
-// An effect that the plan has off is not constructed. Thread-bound; allocates nothing after the first frame;
-// the same simulation and shot give the same codes on any number of threads.
+//   electrons = N(light * seconds * sensitivity * full well + leaks), at most 1.1 full wells, plus read noise
+//   code = quantised(response(gain * electrons / full well))
+// A pixel holds a tenth more than codes can say, so that noise does not make a saturated pixel look
+// unsaturated. An effect that the plan has off is not constructed. Thread-bound; allocates nothing after the
+// first frame; the same simulation and shot give the same codes on any number of threads.
 #pragma once
 
 #include <memory>
@@ -37,6 +38,9 @@ class SimulatedSensor {
     return simulation_;
   }  // as constructed: without what the layout rules out
   const Lens& lens() const { return lens_; }
+  const Vignetting* vignetting() const { return vignetting_ ? &*vignetting_ : nullptr; }
+  // Is it in the way of light and charge? Those of the stream are the camera's.
+  bool has(Effect effect) const;
   CameraFacts facts() const;
 
   // codes: [channels(layout), rows, cols], reshaped
@@ -45,6 +49,7 @@ class SimulatedSensor {
   const Image<float>& light() const { return light_; }
 
  private:
+  void gather(const Shot& shot);
   void read_out(const Shot& shot, Image<std::uint16_t>& codes);
   void read_row(const Shot& shot, int channel, int y, std::span<float> electrons) const;
 
@@ -59,13 +64,13 @@ class SimulatedSensor {
   std::optional<Vignetting> vignetting_;
   std::optional<Flare> flare_;
   std::optional<MainsFlicker> flicker_;
-  std::optional<RollingShutter> rolling_;
   std::optional<Mosaic> mosaic_;
   std::optional<HotPixels> hot_pixels_;
   std::optional<Noise> noise_;
   std::optional<ResponseCurve> response_;
-  Image<float> light_;      // [rgb, rows, cols]
-  Image<float> electrons_;  // [channels, rows, cols]
+  Image<float> light_;        // [rgb, rows, cols]
+  bool light_lasts_ = false;  // nothing moves: the next shot's light is this one's
+  Image<float> electrons_;    // [channels, rows, cols]
 };
 
 }  // namespace hdrcam

@@ -73,6 +73,12 @@ Result<void> set_drops(Simulation& s, std::string_view key, std::string_view val
   return {};
 }
 
+Result<void> set_rays(Simulation& s, std::string_view key, std::string_view value) {
+  if (value != "1" && value != "4") return invalid(key, value, "give 1 or 4");
+  s.sampling = value == "1" ? Sampling::Quick : Sampling::Smooth;
+  return {};
+}
+
 Result<void> set_reports(Simulation& s, std::string_view key, std::string_view value) {
   if (value != "yes" && value != "no") return invalid(key, value, "give yes or no");
   s.reports_exposure = value == "yes";
@@ -125,6 +131,7 @@ constexpr Setting kSettings[] = {
     {"response", "linear, gamma or film", set_response},
     {"delay", "frames from control to effect: exposure,gain; 0..6", set_delay},
     {"drops", "probability that a frame is lost, 0..1", set_drops},
+    {"rays", "of a pixel at least: 4, or 1 for a quick and jagged picture", set_rays},
     {"reports", "yes or no: buffers say their exposure", set_reports},
     {"with", "effects to add, separated by commas",
      [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},

@@ -19,6 +19,7 @@
 #include "hal/sim/effects/response_curve.h"
 #include "hal/sim/effects/rolling_shutter.h"
 #include "hal/sim/effects/vignetting.h"
+#include "hal/sim/renderer.h"
 #include "hal/sim/scene_catalog.h"
 
 namespace hdrcam {
@@ -32,6 +33,7 @@ struct Simulation {
   float full_well_e = 6000;          // electrons at relative exposure 1, gain 1
   float black_level = 0;             // share of the code range, 0..0.2
   bool reports_exposure = true;      // with each buffer, as embedded data
+  Sampling sampling = Sampling::Smooth;
   EffectPlan plan;
 
   MotionBlurSettings motion_blur;

@@ -1,5 +1,6 @@
 #include "hal/sim/texture.h"
 
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -71,6 +72,18 @@ Colour stripes(Place p) {
   return grey(1.3f * wave * (0.6f + 0.4f * cross_wave) + 0.6f * grain) + tint(p.seed, wave > 0 ? 1 : 2, 0.8f);
 }
 
+// Of numbers that an int holds; std::floor is a call on machines that have no instruction for it.
+int floor_of(float x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < static_cast<float>(truncated));
+}
+
+// Exact at powers of two and straight in between, which is all that a mip level needs; x >= 1.
+float rough_log2(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return static_cast<float>(bits) * 0x1p-23f - 127;
+}
+
 Colour pattern_at(Pattern pattern, Place p) {
   switch (pattern) {
     case Pattern::Stone:
@@ -95,41 +108,42 @@ Texture::Texture(Pattern pattern, std::uint64_t seed) {
     for (int x = 0; x < kSide; ++x) {
       const Place place{(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide, seed,
                         noise_seed};
-      Colour& texel = levels_[0][static_cast<std::size_t>(y * kSide + x)];
-      texel = exp2(pattern_at(pattern, place));
-      sum += luminance(texel);
+      const Colour colour = exp2(pattern_at(pattern, place));
+      levels_[0][static_cast<std::size_t>(y * kSide + x)] = texel_of(colour);
+      sum += luminance(colour);
     }
-  for (Colour& texel : levels_[0]) texel = texel * (kSide * kSide / sum);
+  for (Texel& texel : levels_[0]) texel *= kSide * kSide / sum;
   for (std::size_t level = 1; level < kLevels; ++level) {
     const std::size_t side = kSide >> level;
-    const std::vector<Colour>& finer = levels_[level - 1];
+    const std::vector<Texel>& finer = levels_[level - 1];
     for (std::size_t y = 0; y < side; ++y)
       for (std::size_t x = 0; x < side; ++x) {
-        const Colour* corner = &finer[4 * y * side + 2 * x];
+        const Texel* corner = &finer[4 * y * side + 2 * x];
         levels_[level].push_back((corner[0] + corner[1] + corner[2 * side] + corner[2 * side + 1]) * 0.25f);
       }
   }
 }
 
-Colour Texture::bilinear(int level, float u, float v) const {
+Texel Texture::bilinear(int level, float u, float v) const {
   const int side = kSide >> level, mask = side - 1;
   const float x = u * static_cast<float>(side) - 0.5f, y = v * static_cast<float>(side) - 0.5f;
-  const float x_floor = std::floor(x), y_floor = std::floor(y);
-  const float fx = x - x_floor, fy = y - y_floor;
-  const int x0 = static_cast<int>(x_floor) & mask, y0 = static_cast<int>(y_floor) & mask;
-  const int x1 = (x0 + 1) & mask, y1 = (y0 + 1) & mask;
-  const Colour* texels = levels_[static_cast<std::size_t>(level)].data();
-  const Colour* above = texels + y0 * side;
-  const Colour* below = texels + y1 * side;
-  return (above[x0] * (1 - fx) + above[x1] * fx) * (1 - fy) + (below[x0] * (1 - fx) + below[x1] * fx) * fy;
+  const int x_floor = floor_of(x), y_floor = floor_of(y);
+  const float fx = x - static_cast<float>(x_floor), fy = y - static_cast<float>(y_floor);
+  const int x0 = x_floor & mask, y0 = y_floor & mask, x1 = (x0 + 1) & mask, y1 = (y0 + 1) & mask;
+  const Texel* texels = levels_[static_cast<std::size_t>(level)].data();
+  const Texel* above = texels + y0 * side;
+  const Texel* below = texels + y1 * side;
+  const Texel top = above[x0] + fx * (above[x1] - above[x0]);
+  const Texel bottom = below[x0] + fx * (below[x1] - below[x0]);
+  return top + fy * (bottom - top);
 }
 
-Colour Texture::at(float u, float v, float texels_per_pixel) const {
-  if (texels_per_pixel <= 1) return bilinear(0, u, v);
-  const float level = std::min(std::log2(texels_per_pixel), kLevels - 1.001f);
+Colour Texture::at(float u, float v, float covered) const {
+  if (!(covered > 1)) return colour_of(bilinear(0, u, v));
+  const float level = std::min(rough_log2(covered) / 2, kLevels - 1.001f);  // a level's texel covers four
   const int finer = static_cast<int>(level);
-  const float t = level - static_cast<float>(finer);
-  return bilinear(finer, u, v) * (1 - t) + bilinear(finer + 1, u, v) * t;
+  const Texel fine = bilinear(finer, u, v), coarse = bilinear(finer + 1, u, v);
+  return colour_of(fine + (level - static_cast<float>(finer)) * (coarse - fine));
 }
 
 }  // namespace hdrcam

@@ -13,21 +13,25 @@ namespace hdrcam {
 
 enum class Pattern { Stone, Tiles, Facade, Stripes };
 
+// A colour as one register: the fourth lane is idle.
+using Texel = float __attribute__((vector_size(16)));
+inline Texel texel_of(Colour c) { return Texel{c.x, c.y, c.z, 0}; }
+inline Colour colour_of(Texel t) { return {t[0], t[1], t[2]}; }
+
 // A tile that repeats in both directions without a seam, with a mip pyramid. Its mean luminance is about 1.
 class Texture {
  public:
   static constexpr int kSide = 256;  // texels
   Texture(Pattern pattern, std::uint64_t seed);
 
-  // (u, v) in tiles; texels_per_pixel >= 0: how many texels of the finest level one sample covers, for the
-  // filter.
-  Colour at(float u, float v, float texels_per_pixel) const;
+  // (u, v) in tiles; covered: how many texels of the finest level lie under one sample, for the filter.
+  Colour at(float u, float v, float covered) const;
 
  private:
   static constexpr int kLevels = 8;  // 256 .. 2 texels a side
-  Colour bilinear(int level, float u, float v) const;
+  Texel bilinear(int level, float u, float v) const;
 
-  std::array<std::vector<Colour>, kLevels> levels_;  // [side, side]
+  std::array<std::vector<Texel>, kLevels> levels_;  // [side, side]
 };
 
 enum class Environment { Street, Hall, NightCity };
@@ -41,7 +45,7 @@ class Panorama {
 
  private:
   int side_;
-  std::vector<Colour> texels_;  // [6, side, side]
+  std::vector<Texel> texels_;  // [6, side, side]
 };
 
 }  // namespace hdrcam

@@ -1,6 +1,7 @@
 #include "hal/sim/view.h"
 
 #include <limits>
+#include <ranges>
 
 namespace hdrcam {
 namespace {
@@ -114,17 +115,17 @@ Vec2 unrolled(const SceneObject& object, const Hit& hit) {
 
 void View::bound(Seen& seen, float radius) {
   if (radius == kNever) {
-    seen.x0 = seen.y0 = -kNever, seen.x1 = seen.y1 = kNever;
+    seen.bounds = {-kNever, kNever, -kNever, kNever};
     return;
   }
   const float r = radius * seen.size;
   if (seen.centre.z < -r) {  // behind
-    seen.x0 = seen.y0 = kNever, seen.x1 = seen.y1 = -kNever;
+    seen.bounds = {kNever, -kNever, kNever, -kNever};
     return;
   }
   const Interval across = seen_interval(seen.centre.x, seen.centre.z, r);
   const Interval down = seen_interval(seen.centre.y, seen.centre.z, r);
-  seen.x0 = across.begin, seen.x1 = across.end, seen.y0 = down.begin, seen.y1 = down.end;
+  seen.bounds = {across.begin, across.end, down.begin, down.end};
 }
 
 void View::pose_at(const Scene& scene, double time_s) {
@@ -140,8 +141,10 @@ void View::pose_at(const Scene& scene, double time_s) {
     Seen& seen = seen_[i];
     const Mat3& R_world_object = posed.T_world_object.rotation;
     const Vec3 offset = camera_.position - posed.T_world_object.position;
-    seen.R_object_camera = transposed_times(R_world_object, camera_.rotation);
-    seen.eye = transposed_times(R_world_object, offset);
+    const Mat3 R = transposed_times(R_world_object, camera_.rotation);
+    const float shrink = 1 / posed.size;
+    seen.shrunk_R_object_camera = {R.c0 * shrink, R.c1 * shrink, R.c2 * shrink};
+    seen.shrunk_eye = transposed_times(R_world_object, offset) * shrink;
     seen.centre = transposed_times(camera_.rotation, offset * -1);
     seen.size = posed.size;
     bound(seen, bounding_radius(object));
@@ -153,40 +156,52 @@ void View::pose_at(const Scene& scene, double time_s) {
 }
 
 Hit View::cast(Vec2 ray) const {
-  Hit hit;
-  hit.depth_m = kNever;
-  Vec3 eye, direction;  // of the nearest hit, in its object's coordinates
-  int axis = 0;
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    const Seen& seen = seen_[i];
-    if (ray.x < seen.x0 || ray.x > seen.x1 || ray.y < seen.y0 || ray.y > seen.y1) continue;
-    const SceneObject& object = scene_->objects[i];
-    const float shrink = 1 / seen.size;
-    const Vec3 o = seen.eye * shrink, d = seen.R_object_camera * Vec3{ray.x, ray.y, 1} * shrink;
-    float t = kNever;
-    BoxHit box;
-    switch (object.shape) {
-      case Shape::Ball:
-        t = meet_ball(o, d, object.half_size_m.x);
-        break;
-      case Shape::Box:
-        box = meet_box(o, d, object.half_size_m), t = box.t;
-        break;
-      case Shape::Panel:
-        t = meet_panel(o, d, object.half_size_m);
-        break;
-      case Shape::Ground:
-        t = meet_ground(o, d, object.half_size_m.x);
-        break;
-      case Shape::Dome:
-        t = meet_dome(o, d, object.half_size_m.x);
-        break;
-    }
-    if (t >= hit.depth_m) continue;
-    hit.depth_m = t, hit.object = static_cast<int>(i);
-    eye = o, direction = d, axis = box.axis;
+  return nearest_of(ray, std::views::iota(Scene::kDome + 1, static_cast<int>(seen_.size())));
+}
+
+Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const { return nearest_of(ray, objects); }
+
+// Of these objects and, behind all, the dome.
+template <class Objects>
+Hit View::nearest_of(Vec2 ray, const Objects& objects) const {
+  int nearest = Scene::kDome;
+  Meeting where{kNever};
+  for (const int object : objects) {
+    if (!bounds(object).holds(ray)) continue;
+    const Meeting met = meet(object, ray);
+    if (met.depth_m < where.depth_m) where = met, nearest = object;
   }
-  hit.point = eye + direction * hit.depth_m;
+  return hit_at(ray, nearest, nearest == Scene::kDome ? meet(Scene::kDome, ray) : where);
+}
+
+View::Meeting View::meet(int index, Vec2 ray) const {
+  const Seen& seen = seen_[static_cast<std::size_t>(index)];
+  const SceneObject& object = scene_->objects[static_cast<std::size_t>(index)];
+  const Vec3 eye = seen.shrunk_eye, direction = seen.shrunk_R_object_camera * Vec3{ray.x, ray.y, 1};
+  switch (object.shape) {
+    case Shape::Ball:
+      return {meet_ball(eye, direction, object.half_size_m.x)};
+    case Shape::Box: {
+      const BoxHit met = meet_box(eye, direction, object.half_size_m);
+      return {met.t, met.axis};
+    }
+    case Shape::Panel:
+      return {meet_panel(eye, direction, object.half_size_m)};
+    case Shape::Ground:
+      return {meet_ground(eye, direction, object.half_size_m.x)};
+    case Shape::Dome:
+      break;
+  }
+  return {meet_dome(eye, direction, object.half_size_m.x)};
+}
+
+Hit View::hit_at(Vec2 ray, int index, Meeting where) const {
+  const Seen& seen = seen_[static_cast<std::size_t>(index)];
+  const Vec3 eye = seen.shrunk_eye, direction = seen.shrunk_R_object_camera * Vec3{ray.x, ray.y, 1};
+  Hit hit;
+  hit.depth_m = where.depth_m, hit.object = index;
+  hit.point = eye + direction * where.depth_m;
+  const int axis = where.axis;
   const SceneObject& object = scene_->objects[static_cast<std::size_t>(hit.object)];
   switch (object.shape) {
     case Shape::Ball: {
@@ -221,9 +236,10 @@ Colour View::radiance(const Hit& hit, float footprint) const {
     return scene_->panorama.at(hit.point) * (object.gain * scene_->radiance_scale);
   const Vec2 place = unrolled(object, hit);
   const Seen& seen = seen_[static_cast<std::size_t>(hit.object)];
-  const Vec3 to_eye = normalized(seen.eye * (1 / seen.size) - hit.point);
-  const float slant = std::sqrt(std::max(0.05f, dot(to_eye, hit.normal)));
-  const float texels = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / (seen.size * slant);
+  const Vec3 to_eye = seen.shrunk_eye - hit.point;
+  const float away = length(to_eye), facing = std::max(0.05f * away, dot(to_eye, hit.normal));
+  const float side = Texture::kSide * object.tiles_per_m * footprint * hit.depth_m / seen.size;
+  const float texels = side * side * away / facing;
   const Texture& texture = scene_->textures[static_cast<std::size_t>(object.texture)];
   const Colour colour =
       texture.at(place.x * object.tiles_per_m, place.y * object.tiles_per_m, texels) * object.colour;

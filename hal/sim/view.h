@@ -3,6 +3,8 @@
 // without allocating after the first time; the other methods are reentrant.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "hal/sim/scene.h"
@@ -17,11 +19,30 @@ struct Hit {
   Vec3 normal;        // there, facing the ray; not of the dome
 };
 
+// A box of rays.
+struct RayBox {
+  float x0 = 0, x1 = 0, y0 = 0, y1 = 0;
+
+  bool holds(Vec2 ray) const { return ray.x >= x0 && ray.x <= x1 && ray.y >= y0 && ray.y <= y1; }
+  bool meets(const RayBox& other) const {
+    return x0 <= other.x1 && x1 >= other.x0 && y0 <= other.y1 && y1 >= other.y0;
+  }
+  void include(const RayBox& other) {
+    x0 = std::min(x0, other.x0), x1 = std::max(x1, other.x1);
+    y0 = std::min(y0, other.y0), y1 = std::max(y1, other.y1);
+  }
+  void include(Vec2 ray) { include({ray.x, ray.x, ray.y, ray.y}); }
+};
+
 class View {
  public:
   void pose_at(const Scene& scene, double time_s);
 
   Hit cast(Vec2 ray) const;
+  // As cast(ray), for who knows that no object but these and the dome can be met.
+  Hit cast(Vec2 ray, std::span<const std::uint8_t> objects) const;
+  // Rays outside never meet the object; everything, for dome and ground.
+  const RayBox& bounds(int object) const { return seen_[static_cast<std::size_t>(object)].bounds; }
   // footprint: width of the sample, in rays, for the filter of the textures.
   Colour radiance(const Hit& hit, float footprint) const;
   // Where a point of an object is seen: the ray, and its depth (<= 0: behind the camera).
@@ -31,17 +52,27 @@ class View {
 
  private:
   struct Seen {
-    Mat3 R_object_camera;
-    Vec3 eye;                              // the camera, in the object's coordinates
-    Vec3 centre;                           // the object, in camera axes
-    float size = 1;                        // pulse
-    float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  // rays outside never meet it
+    RayBox bounds;
+    // Of the object before its pulse: lengths shrink as the object grows.
+    Mat3 shrunk_R_object_camera;
+    Vec3 shrunk_eye;  // the camera, in the object's coordinates
+    Vec3 centre;      // the object, in camera axes
+    float size = 1;   // pulse
+  };
+  // Where a ray first meets an object; at infinity where it does not.
+  struct Meeting {
+    float depth_m;
+    int axis = 0;  // through which a box is entered
   };
   struct Light {
     Vec3 position;  // world
     Colour power;   // irradiance at one metre
   };
   static void bound(Seen& seen, float radius);
+  Meeting meet(int object, Vec2 ray) const;
+  template <class Objects>
+  Hit nearest_of(Vec2 ray, const Objects& objects) const;
+  Hit hit_at(Vec2 ray, int object, Meeting where) const;
   Colour lit(const Hit& hit, Colour albedo) const;
 
   const Scene* scene_ = nullptr;

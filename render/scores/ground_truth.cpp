@@ -64,8 +64,10 @@ Result<void> GroundTruth::read_facts() {
   if (!truth) return truth.error();
   try {
     cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
-    for (const auto& frame : clip.value().at("frames"))
+    for (const auto& frame : clip.value().at("frames")) {
+      numbers_.push_back(frame.value("sequence", frames()));
       exposures_s_.push_back(frame.at("exposure_s").get<double>());
+    }
     shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
     for (const int id : truth.value().value("moving_ids", std::vector<int>{}))
       if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;

@@ -33,6 +33,9 @@ class GroundTruth {
   int rows() const { return rows_; }
   int cols() const { return cols_; }
   double exposure_s(int frame) const { return exposures_s_[static_cast<std::size_t>(frame)]; }
+  // What an HDR frame of it is called: the sensor's counter where the clip says it (a gap is a dropped
+  // frame), otherwise the frame's place in the clip.
+  int number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
   double shortest_saturation() const { return shortest_saturation_; }
 
   // Each reads one picture of a frame in [0, frames()). Errors: those of read_exr; SizeChanged. The optional
@@ -51,6 +54,7 @@ class GroundTruth {
   std::string folder_;
   int rows_ = 0, cols_ = 0;
   std::vector<double> exposures_s_;
+  std::vector<int> numbers_;
   double shortest_saturation_ = 0;
   std::array<bool, 256> moving_ids_{};
   bool anything_moves_ = false;

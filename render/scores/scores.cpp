@@ -53,13 +53,16 @@ class ClipScoring {
  private:
   Result<void> choose_frames() {
     for (int i = options_.skip; i < truth_.frames() - options_.skip; ++i)
-      (estimates_.contains(i) ? frames_ : scores_.missing).push_back(i);
+      if (const int number = truth_.number(i); estimates_.contains(number))
+        frames_.push_back(i);
+      else
+        scores_.missing.push_back(number);
     if (frames_.empty())
       return Error{
           ErrorCode::NotFound,
           fmt::format(
               "none of the {} frames of the clip can be compared with {} skipped at either end; check "
-              "that the estimates are numbered from 0",
+              "that the estimates are numbered as the frames of the clip are",
               truth_.frames(), options_.skip)};
     return {};
   }
@@ -96,7 +99,7 @@ class ClipScoring {
     for (const int frame : frames_) {
       TRY(unless_stopped());
       const Image<float> g = TRY(truth_.radiance(frame));
-      const Estimate e = TRY(estimates_.read(frame, truth_.rows(), truth_.cols()));
+      const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
       for (int c = 0; c < 3; ++c)
         for (std::size_t i = 0; i < g.plane_size(); i += 11)
           if (const float t = g.plane(c)[i], v = e.radiance.plane(c)[i]; t > from && t < to && v > 0)
@@ -121,11 +124,11 @@ class ClipScoring {
   Result<void> score(int frame) {
     TRY(unless_stopped());
     const Image<float> g = TRY(truth_.radiance(frame));
-    const Estimate e = TRY(estimates_.read(frame, truth_.rows(), truth_.cols()));
+    const Estimate e = TRY(estimates_.read(truth_.number(frame), truth_.rows(), truth_.cols()));
     PreviousFrame now{frame, comparable_pair(g, e.radiance, scores_.shared), TRY(truth_.moving_mask(frame)),
                       TRY(truth_.motion(frame))};
     FrameScores& scored = scores_.frames.emplace_back();
-    scored.frame = frame;
+    scored.frame = truth_.number(frame);
     scored.picture = score_picture(now.pair, now.moving);
     // half-stop phases, ties to even
     phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(

@@ -26,7 +26,7 @@ struct ScoreOptions {
 };
 
 struct FrameScores {
-  int frame = 0;
+  int frame = 0;  // its number (GroundTruth::number)
   PictureScores picture;
   std::optional<double> flicker_stops;  // to the frame before; none where that, or the motion, is missing
 };
@@ -42,7 +42,7 @@ struct ClipScores {
   std::optional<double> flow_backward_epe_px;  // where they carry flow to the previous frame
   std::optional<double> flow_forward_epe_px;   // to the next frame
   std::vector<FrameScores> frames;
-  std::vector<int> missing;  // frames of the clip, skipped ones aside, without an estimate
+  std::vector<int> missing;  // numbers of the clip's frames, skipped ones aside, without an estimate
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for

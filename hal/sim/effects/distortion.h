@@ -20,17 +20,16 @@ class Distortion {
     return {ray.x * factor, ray.y * factor};
   }
 
-  // The inverse, by Newton's method on the radius: 1e-6 after five steps within a half field of view of 45
-  // degrees.
+  // The inverse: three terms of its series, then two of Newton's steps; 1e-6 within a half field of view of
+  // 45 degrees.
   Vec2 undistorted(Vec2 seen) const {
-    const float wanted = std::sqrt(seen.x * seen.x + seen.y * seen.y);
-    if (wanted == 0) return seen;
-    float r = wanted;
-    for (int step = 0; step < 5; ++step) {
-      const float r2 = r * r;
-      r -= (r * (1 + r2 * (k1_ + r2 * k2_)) - wanted) / (1 + r2 * (3 * k1_ + 5 * r2 * k2_));
+    const float seen2 = seen.x * seen.x + seen.y * seen.y;
+    float factor = 1 - seen2 * (k1_ + seen2 * (k2_ - 3 * k1_ * k1_));
+    for (int step = 0; step < 2; ++step) {
+      const float r2 = seen2 * factor * factor;
+      factor -= (factor * (1 + r2 * (k1_ + r2 * k2_)) - 1) / (1 + r2 * (3 * k1_ + 5 * r2 * k2_));
     }
-    return {seen.x * (r / wanted), seen.y * (r / wanted)};
+    return {seen.x * factor, seen.y * factor};
   }
 
  private:

@@ -1,6 +1,7 @@
 #include "hal/sim/effects/noise.h"
 
 #include <algorithm>
+#include <array>
 
 namespace hdrcam {
 namespace {
@@ -9,17 +10,23 @@ namespace {
 constexpr float kGaussianFrom_e = 20;
 constexpr std::uint64_t kShotStream = 0x73686f74, kReadStream = 0x72656164;
 
+constexpr int kMostCounts = 100;  // of a small mean: sure to 1e-30
+constexpr auto kInverse = [] {
+  std::array<float, kMostCounts + 1> inverse{};
+  for (std::size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1 / static_cast<float>(n);
+  return inverse;
+}();
+
 }  // namespace
 
 float poisson(float mean, float u) {
   float probability = std::exp(-mean), sum = probability;
-  float count = 0;
-  while (u >= sum && count < 100) {
-    ++count;
-    probability *= mean / count;
+  std::size_t count = 0;
+  while (u >= sum && count < kMostCounts) {
+    probability *= mean * kInverse[++count];
     sum += probability;
   }
-  return count;
+  return static_cast<float>(count);
 }
 
 void Noise::apply(std::span<float> electrons, float full_well_e, std::uint64_t sequence,

@@ -256,6 +256,38 @@ TEST_CASE("a camera that reports nothing says so, and offers no delays") {
             .exposure_per_request);
 }
 
+TEST_CASE("a running camera allocates nothing once the first frame has come") {
+  Stream stream("night?size=32x24&drops=0.1&with=clock-jitter,rolling-shutter");
+  stream.next();
+  bool good = true;
+  const std::uint64_t before = allocations_so_far();
+  for (int i = 0; i < 50; ++i) {
+    good &= stream.camera->wait(std::chrono::seconds(1)).ok();  // and back at once
+    good &= stream.camera->queue({stream.next_cookie++, milliseconds(1), 1}).ok();
+  }
+  const std::uint64_t after = allocations_so_far();
+  CHECK(good);
+  CHECK(after == before);
+}
+
+TEST_CASE("five hundred and a thousand small frames a second can be asked for") {
+  for (const int fps : {500, 1000}) {
+    VirtualClock clock;
+    const auto camera = virtual_camera(fmt::format("walk?size=32x24&rays=1&fps={}", fps), clock);
+    const Duration frame = Duration(std::chrono::seconds(1)) / fps;
+    const CameraCapabilities& can = camera->capabilities();
+    CHECK(can.usual_frame_duration == frame);
+    value_of(camera->configure({PixelFormat::Rgb24, 32, 24, can.usual_frame_duration}, 2));
+    CHECK(can.exposure_max < frame);
+    CHECK(can.exposure_max > frame * 3 / 4);
+    require_done(camera->start());
+    require_done(camera->queue({0, can.exposure_max, 1}));
+    require_done(camera->queue({1, can.exposure_max, 1}));
+    const Instant first = value_of(camera->wait(frame * 4)).timestamp;
+    CHECK(value_of(camera->wait(frame * 4)).timestamp - first == frame);
+  }
+}
+
 TEST_CASE("an unplugged camera says so in every call that needs it") {
   Stream stream(kTiny);
   stream.next();

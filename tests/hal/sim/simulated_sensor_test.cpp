@@ -2,6 +2,8 @@
 // says.
 #include "hal/sim/simulated_sensor.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "hal/sim/effect_costs.h"
@@ -81,7 +83,30 @@ TEST_CASE("each effect that is switched on changes the picture, and only then") 
   }
 }
 
-TEST_CASE("an effect that is off is not constructed") {
+TEST_CASE("an effect that is off is not there, one that is on is, and each for itself") {
+  WorkerPool pool(1);
+  const std::string bare = "walk?size=32x24&without=motion-blur,noise,vignetting,response,control-delay";
+  const auto scene = SimulatedSensor(value_of(simulation_of(bare)), PixelLayout::Rgb, 8, pool).scene();
+  const auto has_exactly = [&](const Simulation& simulation, std::vector<Effect> wanted, PixelLayout layout) {
+    const SimulatedSensor sensor(simulation, layout, 8, pool, scene);
+    wanted.push_back(Effect::Quantisation);
+    for (std::size_t i = 0; i < kEffects; ++i) {
+      const auto effect = static_cast<Effect>(i);
+      INFO(name(effect));
+      CHECK(sensor.has(effect) == (std::find(wanted.begin(), wanted.end(), effect) != wanted.end()));
+    }
+  };
+  has_exactly(value_of(simulation_of(bare)), {}, PixelLayout::Rgb);
+  has_exactly(value_of(simulation_of(bare + "&with=response")), {Effect::Mosaic}, PixelLayout::BayerRggb);
+  for (std::size_t i = 0; i < kEffects; ++i) {
+    const auto effect = static_cast<Effect>(i);
+    if (effect == Effect::Mosaic || effect >= Effect::ControlDelay) continue;  // the format's; the stream's
+    has_exactly(value_of(simulation_of(fmt::format("{}&with={}", bare, name(effect)))), {effect},
+                PixelLayout::Rgb);
+  }
+}
+
+TEST_CASE("an effect that is off holds no memory") {
   const auto allocations = [](const std::string& spec) {
     WorkerPool pool(1);
     const Simulation simulation = value_of(simulation_of(spec));
@@ -101,20 +126,48 @@ TEST_CASE("an effect that is off is not constructed") {
   }
 }
 
-TEST_CASE("costs are measured for what is on, touches pixels and can be left out") {
+TEST_CASE("costs are measured for what is on, touches pixels and can be left out, and add up to the frame") {
   WorkerPool pool(1);
-  const EffectCosts costs =
-      measure_costs(value_of(simulation_of("fast?size=160x120")), PixelLayout::Rgb, 8, 0.016, 4, pool);
+  const EffectCosts costs = measure_costs(value_of(simulation_of("fast?size=160x120")), PixelLayout::Rgb, 8,
+                                          0.016, std::chrono::milliseconds(500), pool);
   const auto cost = [&](Effect effect) { return costs.effect_ms[static_cast<std::size_t>(effect)]; };
   CHECK(costs.frame_ms > 0);
   CHECK(costs.bare_ms > 0);
   CHECK(costs.bare_ms < costs.frame_ms);
   REQUIRE(cost(Effect::MotionBlur));
+  CHECK(*cost(Effect::MotionBlur) > 0);
   REQUIRE(cost(Effect::Noise));
-  CHECK(*cost(Effect::Noise) > 0);
   CHECK_FALSE(cost(Effect::Flare));
   CHECK_FALSE(cost(Effect::Quantisation));
   CHECK_FALSE(cost(Effect::ControlDelay));
+  double sum_ms = costs.bare_ms;
+  for (const auto& each : costs.effect_ms) sum_ms += each.value_or(0);
+  CHECK(sum_ms == Approx(costs.frame_ms));
+}
+
+TEST_CASE("what falls on a scene at rest is kept, and what changes all the same does change") {
+  const auto two_frames = [](const std::string& spec) {
+    WorkerPool pool(1);
+    SimulatedSensor sensor(value_of(simulation_of(spec)), PixelLayout::Rgb, 8, pool);
+    Image<std::uint16_t> first, second;
+    sensor.expose({0, 0.5, 0.004, 1}, first);
+    sensor.expose({1, 0.533, 0.004, 1}, second);
+    return same({first.samples().begin(), first.samples().end()},
+                {second.samples().begin(), second.samples().end()});
+  };
+  CHECK(two_frames("still?size=64x48&without=noise"));
+  CHECK_FALSE(two_frames("still?size=64x48"));
+  CHECK_FALSE(two_frames("still?size=64x48&without=noise&with=mains-flicker"));
+  CHECK_FALSE(two_frames("walk?size=64x48&without=noise"));
+}
+
+TEST_CASE("one ray a pixel shows the same scene, only rougher") {
+  const std::string spec = "walk?size=160x120&without=noise";
+  const Codes smooth = codes_of(spec, 1), rough = codes_of(spec + "&rays=1", 1);
+  double difference = 0;
+  for (std::size_t i = 0; i < smooth.size(); ++i) difference += std::abs(smooth[i] - rough[i]);
+  CHECK_FALSE(same(smooth, rough));
+  CHECK(difference / static_cast<double>(smooth.size()) < 6);  // codes of 255
 }
 
 TEST_CASE("an exposure allocates nothing after the first") {
