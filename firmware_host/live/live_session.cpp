@@ -78,12 +78,10 @@ void LiveSession::hand_on(FrameShare frame) {
   {
     const std::lock_guard lock(mutex_);
     count_camera();
-    if (fits) {
+    if (fits)
       ++counters_.under_way;
-      arrivals_[arrival_count_++ % arrivals_.size()] = {frame->captured.raw.facts.sequence, frame->arrived};
-    } else if (options_.fits) {
+    else if (options_.fits)
       ++counters_.unproved;
-    }
     if (recorder_) ++counters_.to_record;
   }
   if (recorder_) recorder_->put(frame.another());
@@ -107,10 +105,12 @@ FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<
     if (const auto why = reason_to_end(stop); why && !ending_) why_ = *why, ending_ = true;
     if (tick) tick();
     FitInbox::Taken taken = inbox_.take(kTick);
-    if (taken.shed > 0) {
+    if (taken.frame) {
       const std::lock_guard lock(mutex_);
       counters_.shed += static_cast<std::uint64_t>(taken.shed);
       counters_.under_way -= static_cast<std::uint64_t>(taken.shed);
+      arrivals_[arrival_count_++ % arrivals_.size()] = {taken.frame->captured.raw.facts.sequence,
+                                                        taken.frame->arrived};
     }
     if (taken.frame || inbox_.ended()) return std::move(taken.frame);
   }

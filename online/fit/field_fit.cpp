@@ -108,6 +108,9 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
     shards_.emplace_back(field_.networks, kRaysPerShard, most_samples);
   for (int i = 0; i < field_.window.slots(); ++i) pickers_.emplace_back(rows, cols);
   rays_.resize(static_cast<std::size_t>(options.rays_per_step));
+  for (HashGrid<float>* grid : {&field_.networks.still.grid, &field_.networks.moving.grid})
+    for (int l = 0; l < grid->shape().levels; ++l)
+      table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));
 }
 
 Result<void> FieldFit::observe(const FieldObservation& seen, const Response& response) {

@@ -44,6 +44,7 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
   box_mean(a.codes, 2, mean_, pool_);
   const float ratio = a.exposure / b.exposure;
   const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * 4));
+  std::array<Bin, kBrightnesses>& bins = bins_[ratio_key];
   for (int y = kMargin; y < a.codes.rows() - kMargin; y += kStride)
     for (int x = kMargin; x < a.codes.cols() - kMargin; x += kStride) {
       if (a_to_b.confidence.at(0, y, x) < kMinConfidence) continue;
@@ -54,8 +55,8 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
         const float mean = mean_.at(c, y, x);
         const float exposure = response.exposure_of(c, mean), slope = response.slope(c, mean);
         const float d = response.exposure_of(c, za) - response.exposure_of(c, zb) * ratio;
-        const int key = static_cast<int>(std::floor(std::log2(std::max(1e-4f, exposure)) * 2));
-        Bin& bin = bins_[{key, ratio_key}];
+        const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(1e-4f, exposure))));
+        Bin& bin = bins[static_cast<std::size_t>(std::clamp(half_stops, 0, kBrightnesses - 1))];
         bin.ratio = static_cast<double>(ratio);
         bin.add(d * d, exposure, slope * slope);
       }
@@ -67,17 +68,18 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
   constexpr double kMaxWeight = 2000;
   constexpr double kMedianOfChi2 = 0.455;  // of one degree of freedom
   equations_.clear();
-  for (const auto& [key, bin] : bins_) {
-    if (bin.squares.size() < kMinSamples) continue;
-    sorted_.assign(bin.squares.begin(), bin.squares.end());
-    const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-    std::nth_element(sorted_.begin(), middle, sorted_.end());
-    const double x = bin.exposure_sum / bin.count, r = bin.ratio;
-    // interpolation between pixels halves the noise of the warped frame
-    equations_.push_back({x * (1 + 0.5 * r), 1 + 0.5 * r * r, 1.2 * bin.slope2_sum / bin.count,
-                          std::max(1e-14, static_cast<double>(*middle) / kMedianOfChi2),
-                          std::min(static_cast<double>(sorted_.size()), kMaxWeight)});
-  }
+  for (const auto& [ratio, bins] : bins_)
+    for (const Bin& bin : bins) {
+      if (bin.squares.size() < kMinSamples) continue;
+      sorted_.assign(bin.squares.begin(), bin.squares.end());
+      const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+      std::nth_element(sorted_.begin(), middle, sorted_.end());
+      const double x = bin.exposure_sum / bin.count, r = bin.ratio;
+      // interpolation between pixels halves the noise of the warped frame
+      equations_.push_back({x * (1 + 0.5 * r), 1 + 0.5 * r * r, 1.2 * bin.slope2_sum / bin.count,
+                            std::max(1e-14, static_cast<double>(*middle) / kMedianOfChi2),
+                            std::min(static_cast<double>(sorted_.size()), kMaxWeight)});
+    }
   if (equations_.size() < 4) return otherwise;
 
   const double step = static_cast<double>(otherwise.code_step);

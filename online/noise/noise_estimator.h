@@ -4,8 +4,8 @@
 // term for what a codec did tried beside them. Thread-bound.
 #pragma once
 
+#include <array>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include "capture/exposed_frame.h"
@@ -18,7 +18,11 @@ namespace hdrcam {
 
 class NoiseEstimator {
  public:
-  explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {}
+  explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {
+    constexpr std::size_t kUsualRatios = 16;
+    sorted_.reserve(Bin::kCapacity);
+    equations_.reserve(kUsualRatios * kBrightnesses);
+  }
 
   // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the
   // larger, and interpolating b halves only the smaller.
@@ -30,7 +34,8 @@ class NoiseEstimator {
   NoiseModel solve(const NoiseModel& otherwise);
 
  private:
-  // One bin of brightness at one exposure ratio; the newest kCapacity differences are kept.
+  // One bin of brightness at one exposure ratio; the newest kCapacity differences are kept. All bins of a
+  // ratio are made when it is first seen, so that a scene that brightens later takes no memory.
   struct Bin {
     static constexpr std::size_t kCapacity = 4096;
     std::vector<float> squares;
@@ -46,7 +51,9 @@ class NoiseEstimator {
     double shot_factor, read_factor, slope2, variance, weight;
   };
 
-  std::map<std::pair<int, int>, Bin> bins_;  // half stops of brightness, quarter stops of exposure ratio
+  static constexpr int kBrightnesses = 28;  // half stops below full exposure
+
+  std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
   Image<float> warped_, warped_mean_, mean_;
   std::vector<Equation> equations_;  // of the last solve()
   std::vector<float> sorted_;

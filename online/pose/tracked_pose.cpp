@@ -73,7 +73,10 @@ bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; 
 }  // namespace
 
 TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options)
-    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {}
+    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {
+  for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
+    room->reserve(static_cast<std::size_t>(options.tracks.points));
+}
 
 const CameraPose& TrackedPose::next(const FrameFacts&, const FlowField& to_previous,
                                     const FlowField& from_previous) {

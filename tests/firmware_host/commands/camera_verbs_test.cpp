@@ -89,7 +89,7 @@ TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
   CHECK(counters["camera.contradicted"] == 0);
   CHECK(stats["emitted"].get<std::size_t>() == files_in(folder, ".exr"));
   CHECK(files_in(folder, ".exr") > 0);
-  CHECK(stats["per_frame"][0]["latency_ms"].get<double>() > 0);
+  for (const auto& frame : stats["per_frame"]) CHECK(frame["latency_ms"].get<double>() > 0);
   CHECK(frames_in(folder + "/raw.mkv").size() == 40);
 }
 

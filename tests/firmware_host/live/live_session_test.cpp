@@ -93,7 +93,7 @@ TEST_CASE(
   CHECK(counters.shed >= 60);
   CHECK(counters.no_room == 0);
   CHECK(slots.size() == 2);
-  CHECK(oldest < milliseconds(200));
+  CHECK(oldest < milliseconds(500));  // with a queue that only grows, a second
   CHECK(counters.longest_latency == oldest);
   const auto frames = stand.recorded();
   CHECK(frames.size() == 200);
