@@ -34,7 +34,7 @@ struct Shutter {
 // Rays of a pixel at least.
 enum class Sampling {
   Smooth,  // four
-  Quick,   // one, through its centre: outlines are jagged, a frame costs a third
+  Quick,   // one, through its centre: outlines are jagged
 };
 
 class Renderer {
