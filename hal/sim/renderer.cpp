@@ -65,14 +65,15 @@ void Renderer::pose_views(double begin_s, double end_s) {
   const double steps = scene_.moves() ? std::ceil((end_s - begin_s) / kStep_s) : 0;
   view_count_ = 1 + static_cast<int>(std::min<double>(steps, kMostViews - 1));
   first_s_ = begin_s;
-  step_s_ = view_count_ > 1 ? (end_s - begin_s) / (view_count_ - 1) : 0;
+  const double step_s = view_count_ > 1 ? (end_s - begin_s) / (view_count_ - 1) : 0;
+  views_per_s_ = step_s > 0 ? 1 / step_s : 0;
   for (int i = 0; i < view_count_; ++i)
-    views_[static_cast<std::size_t>(i)].pose_at(scene_, begin_s + i * step_s_);
+    views_[static_cast<std::size_t>(i)].pose_at(scene_, begin_s + i * step_s);
 }
 
 const View& Renderer::view_at(double time_s) const {
   if (view_count_ == 1) return views_[0];
-  const double nearest = std::clamp<double>((time_s - first_s_) / step_s_, 0, view_count_ - 1) + 0.5;
+  const double nearest = std::clamp<double>((time_s - first_s_) * views_per_s_, 0, view_count_ - 1) + 0.5;
   return views_[static_cast<std::size_t>(nearest)];
 }
 

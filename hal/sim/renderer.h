@@ -34,7 +34,7 @@ struct Shutter {
 // Rays of a pixel at least.
 enum class Sampling {
   Smooth,  // four
-  Quick,   // one, through its centre: outlines are jagged, a frame costs a third
+  Quick,   // one, through its centre: outlines are jagged
 };
 
 class Renderer {
@@ -76,7 +76,7 @@ class Renderer {
   const Sampling sampling_;
   const PixelSamples samples_;
   std::vector<View> views_;  // at even steps from first_s_
-  double first_s_ = 0, step_s_ = 0;
+  double first_s_ = 0, views_per_s_ = 0;
   int view_count_ = 0;
   std::vector<RayBox> reach_;             // of each object, over all views
   Image<std::uint8_t> near_;              // [tile rows, tile cols, objects] indices, the first..

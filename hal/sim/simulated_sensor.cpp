@@ -1,5 +1,6 @@
 #include "hal/sim/simulated_sensor.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace hdrcam {
@@ -124,35 +125,38 @@ void SimulatedSensor::gather(const Shot& shot) {
 void SimulatedSensor::read_out(const Shot& shot, Image<std::uint16_t>& codes) {
   const int rows = light_.rows(), cols = light_.cols();
   codes.reshape(channels(layout_), rows, cols);
-  electrons_.reshape(channels(layout_), rows, cols);
+  electrons_.reshape(1, rows, cols);
   const float gain = static_cast<float>(shot.gain) / simulation_.full_well_e;
   pool_.for_rows(rows, [&](int y0, int y1) {
+    const std::span<float> charge(electrons_.row(0, y0),
+                                  static_cast<std::size_t>(cols));  // of each row in turn
     for (int channel = 0; channel < codes.channels(); ++channel)
       for (int y = y0; y < y1; ++y) {
-        const std::span<float> electrons(electrons_.row(channel, y), static_cast<std::size_t>(cols));
-        read_row(shot, channel, y, electrons);
+        read_row(shot, channel, y, charge);
+        const auto code = [&](float e) { return quantiser_.code(e * gain); };
+        const auto curved = [&](float e) { return quantiser_.code(response_->value(channel, e * gain)); };
         std::uint16_t* row = codes.row(channel, y);
-        for (int x = 0; x < cols; ++x) {
-          const float value = electrons[static_cast<std::size_t>(x)] * gain;
-          row[x] = quantiser_.code(response_ ? response_->value(channel, value) : value);
-        }
+        response_ ? std::transform(charge.begin(), charge.end(), row, curved)
+                  : std::transform(charge.begin(), charge.end(), row, code);
       }
   });
 }
 
 // The charge of one row, as it is read.
 void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<float> electrons) const {
-  if (mosaic_)
-    mosaic_->pick_row(light_, y, electrons);
-  else
-    std::copy_n(light_.row(channel, y), electrons.size(), electrons.begin());
   double per_light =
       shot.exposure_s * simulation_.sensitivity_per_s * static_cast<double>(simulation_.full_well_e);
   if (flicker_) {
     const auto& rolling = renderer_.shutter().rolling;
     per_light *= flicker_->factor(shot.begin_s + (rolling ? rolling->delay_s(y) : 0), shot.exposure_s);
   }
-  for (float& e : electrons) e *= static_cast<float>(per_light);
+  if (mosaic_) {
+    mosaic_->pick_row(light_, y, electrons);
+    for (float& e : electrons) e *= static_cast<float>(per_light);
+  } else {
+    std::transform(light_.row(channel, y), light_.row(channel, y) + electrons.size(), electrons.begin(),
+                   [&](float light) { return light * static_cast<float>(per_light); });
+  }
   if (hot_pixels_) hot_pixels_->add(channel, y, static_cast<float>(shot.exposure_s), electrons);
   if (noise_) {
     const auto row = static_cast<std::uint64_t>(channel * light_.rows() + y);

@@ -70,7 +70,7 @@ class SimulatedSensor {
   std::optional<ResponseCurve> response_;
   Image<float> light_;        // [rgb, rows, cols]
   bool light_lasts_ = false;  // nothing moves: the next shot's light is this one's
-  Image<float> electrons_;    // [channels, rows, cols]
+  Image<float> electrons_;    // [1, rows, cols] room for a row where a band of rows begins
 };
 
 }  // namespace hdrcam

@@ -131,7 +131,7 @@ constexpr Setting kSettings[] = {
     {"response", "linear, gamma or film", set_response},
     {"delay", "frames from control to effect: exposure,gain; 0..6", set_delay},
     {"drops", "probability that a frame is lost, 0..1", set_drops},
-    {"rays", "of a pixel at least: 4, or 1 for a quick and jagged picture", set_rays},
+    {"rays", "of a pixel at least: 4, or 1: quicker, outlines are jagged", set_rays},
     {"reports", "yes or no: buffers say their exposure", set_reports},
     {"with", "effects to add, separated by commas",
      [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},

@@ -1,6 +1,7 @@
 // What a simulated frame of 320x240 costs on one thread: the scenes of the catalogue, a frame without effects
-// against a renderer and a rounding loop that know none, and each effect alone. hal/sim/README.md holds the
-// results of one machine. --benchmark_repetitions=9 and the smallest time are what it takes on a busy one.
+// against a renderer and a rounding loop that know none, each effect alone, and all together.
+// hal/sim/README.md holds the results of one machine. --benchmark_repetitions=9 and the smallest time are
+// what it takes on a busy one.
 #include <benchmark/benchmark.h>
 
 #include "hal/sim/simulated_camera.h"
@@ -57,6 +58,13 @@ void one_effect(benchmark::State& state) {
   expose_frames(state, s);
 }
 
+void every_effect(benchmark::State& state) {
+  Simulation s = simulation(kBare);
+  for (std::size_t i = 0; i < kEffects; ++i)
+    if (static_cast<Effect>(i) != Effect::Mosaic) s.plan.switch_on(static_cast<Effect>(i), "measured");
+  expose_frames(state, s);
+}
+
 // From the request to the buffer, the exposures of the cycle 1, 4, 16 ms in turn; time itself costs nothing.
 void film(benchmark::State& state, const std::string& spec, Duration longest) {
   VirtualClock clock;
@@ -89,6 +97,8 @@ void small_camera_frame(benchmark::State& state) {
   film(state, spec, std::chrono::microseconds(1600));
 }
 
+void quick_frame(benchmark::State& state) { film(state, "walk?rays=1", std::chrono::milliseconds(16)); }
+
 constexpr std::int64_t index(Effect effect) { return static_cast<std::int64_t>(effect); }
 
 BENCHMARK(scene_frame)->DenseRange(0, 5)->Unit(benchmark::kMillisecond);
@@ -96,6 +106,8 @@ BENCHMARK(camera_frame)->DenseRange(0, 5)->Unit(benchmark::kMillisecond);
 BENCHMARK(small_camera_frame)->Arg(4)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(no_effect_code)->Unit(benchmark::kMillisecond);
 BENCHMARK(all_effects_off)->Unit(benchmark::kMillisecond);
+BENCHMARK(quick_frame)->Unit(benchmark::kMillisecond);
+BENCHMARK(every_effect)->Unit(benchmark::kMillisecond);
 BENCHMARK(one_effect)
     ->DenseRange(index(Effect::MotionBlur), index(Effect::MainsFlicker))
     ->Arg(index(Effect::HotPixels))

@@ -148,6 +148,51 @@ TEST_CASE("a scene is as good after an hour: camera and objects stay where they 
   }
 }
 
+TEST_CASE("the rays that may meet an object hold every point of it") {
+  Stage stage(small("fast?objects=24&lamps=6&pulse=0.3"));
+  View view;
+  int seen = 0;
+  for (const double time_s : {0.0, 0.7, 2.9}) {
+    view.pose_at(stage.scene, time_s);
+    for (std::size_t i = 2; i < stage.scene.objects.size(); ++i) {  // dome and ground have no bounds
+      const SceneObject& object = stage.scene.objects[i];
+      for (const float x : {-1.f, 0.f, 1.f})
+        for (const float y : {-1.f, 0.f, 1.f})
+          for (const float z : {-1.f, 0.f, 1.f}) {
+            Vec3 point = object.half_size_m * Vec3{x, y, object.shape == Shape::Panel ? 0 : z};
+            if (object.shape == Shape::Ball) point = normalized(Vec3{x, y, z}) * object.half_size_m.x;
+            const Vec3 ray = view.project(static_cast<int>(i), point);
+            if (ray.z <= 0) continue;
+            ++seen;
+            RayBox box = view.bounds(static_cast<int>(i));
+            const float rounding = 1e-5f;
+            box.x0 -= rounding, box.x1 += rounding, box.y0 -= rounding, box.y1 += rounding;
+            REQUIRE(box.holds({ray.x, ray.y}));
+          }
+    }
+  }
+  CHECK(seen > 1000);
+}
+
+TEST_CASE("a ray that is told what it can meet meets the same as one that tries everything") {
+  Stage stage(small("fast?objects=24&lamps=6"));
+  View view;
+  view.pose_at(stage.scene, 0.7);
+  std::vector<std::uint8_t> near;
+  int objects_met = 0;
+  for (float y = -0.4f; y < 0.4f; y += 0.02f)
+    for (float x = -0.5f; x < 0.5f; x += 0.02f) {
+      near.clear();
+      for (int i = Scene::kDome + 1; i < static_cast<int>(stage.scene.objects.size()); ++i)
+        if (view.bounds(i).holds({x, y})) near.push_back(static_cast<std::uint8_t>(i));
+      const Hit told = view.cast({x, y}, near), tried = view.cast({x, y});
+      REQUIRE(told.object == tried.object);
+      REQUIRE(told.depth_m == tried.depth_m);
+      objects_met += told.object > 1;
+    }
+  CHECK(objects_met > 100);
+}
+
 TEST_CASE("seeds make other scenes, settings make what they say") {
   WorkerPool pool(1);
   const Scene first = make_scene(small("walk?seed=1").scene, 32, pool),
