@@ -1,7 +1,6 @@
 #include "hal/sim/view.h"
 
 #include <limits>
-#include <ranges>
 
 namespace hdrcam {
 namespace {
@@ -156,17 +155,22 @@ void View::pose_at(const Scene& scene, double time_s) {
 }
 
 Hit View::cast(Vec2 ray) const {
-  return nearest_of(ray, std::views::iota(Scene::kDome + 1, static_cast<int>(seen_.size())));
+  return nearest_of(ray, static_cast<int>(seen_.size()) - Scene::kDome - 1,
+                    [](int i) { return Scene::kDome + 1 + i; });
 }
 
-Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const { return nearest_of(ray, objects); }
+Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const {
+  return nearest_of(ray, static_cast<int>(objects.size()),
+                    [objects](int i) { return static_cast<int>(objects[static_cast<std::size_t>(i)]); });
+}
 
-// Of these objects and, behind all, the dome.
-template <class Objects>
-Hit View::nearest_of(Vec2 ray, const Objects& objects) const {
+// Of `count` objects, the i-th of which is object_at(i), and, behind all, the dome.
+template <class ObjectAt>
+Hit View::nearest_of(Vec2 ray, int count, const ObjectAt& object_at) const {
   int nearest = Scene::kDome;
   Meeting where{kNever};
-  for (const int object : objects) {
+  for (int i = 0; i < count; ++i) {
+    const int object = object_at(i);
     if (!bounds(object).holds(ray)) continue;
     const Meeting met = meet(object, ray);
     if (met.depth_m < where.depth_m) where = met, nearest = object;
