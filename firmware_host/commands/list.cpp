@@ -24,10 +24,11 @@ struct Section {
   const char* none;
 };
 constexpr Section kSections[] = {
-    {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or let 'hdrcam simulate' make a recording"},
+    {DeviceKind::Camera, "camera", "Cameras",
+     "none; connect one, or take a simulated one: --camera sim:walk"},
     {DeviceKind::GpioChip, "gpio", "GPIO chips", "none; a sync line needs one"},
     {DeviceKind::Graphics, "graphics", "Graphics devices",
-     "none used; this hdrcam is built without Vulkan and computes on the CPU"},
+     "none known to Vulkan; hdrcam computes on the processor"},
 };
 
 void print_text(const std::vector<FoundDevice>& devices) {

@@ -10,6 +10,7 @@
 #include "hal/real/gpio_line.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/v4l2_modes.h"
+#include "hal/real/vulkan_devices.h"
 
 namespace hdrcam {
 namespace {
@@ -111,12 +112,18 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
 }
 
 void add_graphics(std::vector<FoundDevice>& devices) {
-  for (const std::string& node : nodes_named("dri"))
-    devices.push_back({DeviceKind::Graphics,
-                       "",
-                       node,
-                       {},
-                       {"this hdrcam is built without Vulkan and computes on the CPU"}});
+  const auto found = vulkan_devices();
+  if (!found) {
+    devices.push_back({DeviceKind::Graphics, "", "none through Vulkan", {}, {found.error().message}});
+    return;
+  }
+  for (const VulkanDevice& device : found.value()) {
+    FoundDevice listed{DeviceKind::Graphics, "", device.name, {}, {}};
+    listed.facts.push_back(fmt::format("{} device, Vulkan {}, {:.1f} GiB of its own", device.kind, device.api,
+                                       device.memory_gib));
+    listed.missing.push_back("not used: this hdrcam computes on the processor");
+    devices.push_back(std::move(listed));
+  }
 }
 
 // For the case that there is no camera: the nodes that exist and may not be opened.

@@ -164,6 +164,52 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
 }
 
+// The program as a process of its own, silent.
+pid_t started(std::vector<std::string> words) {
+  words.insert(words.begin(), HDRCAM_BINARY);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t silent;
+  posix_spawn_file_actions_init(&silent);
+  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
+  pid_t process = -1;
+  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
+  posix_spawn_file_actions_destroy(&silent);
+  return process;
+}
+
+TEST_CASE("^C is how a run without limits ends well; one that was to go on says that it was stopped") {
+  for (const bool limited : {false, true}) {
+    const std::string folder = sample::scratch_folder(limited ? "live_cut_short" : "live_ended");
+    std::vector<std::string> words{"live",
+                                   "--camera",
+                                   "sim:still?size=64x48&fps=60",
+                                   "--format",
+                                   "RGB24",
+                                   "--preset",
+                                   "fast",
+                                   "--emit",
+                                   "state",
+                                   "-o",
+                                   folder + "/%06d.exr",
+                                   "--record",
+                                   folder + "/raw.mkv"};
+    if (limited) words.insert(words.end(), {"--frames", "100000"});
+    const pid_t process = started(words);
+    for (int i = 0; i < 1000 && files_in(folder, ".exr") < 5; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    kill(process, SIGINT);
+    int status = 0;
+    REQUIRE(waitpid(process, &status, 0) == process);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == (limited ? kExitInterrupted : kExitOk));
+    auto reader = value_of(open_recording(posix_storage(), folder + "/raw.mkv"));
+    REQUIRE(reader->frame_count());  // the index is there: the recording was finished
+    CHECK(static_cast<std::size_t>(*reader->frame_count()) >= files_in(folder, ".exr"));
+  }
+}
+
 // A killed recorder must leave a recording that reads up to its last frames, every one with its own exposure.
 // Which exposure a frame has shows in its picture: the scene stands still and makes no noise.
 void survives_kills(int kills) {
@@ -186,17 +232,8 @@ void survives_kills(int kills) {
   std::size_t read = 0;
   for (int i = 0; i < kills; ++i) {
     std::filesystem::remove(path);
-    std::vector<std::string> words{HDRCAM_BINARY, "record",    "--camera",    camera, "--format",
-                                   "RGB24",       "--shutter", "1ms,2ms,4ms", "-o",   path};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t silent;
-    posix_spawn_file_actions_init(&silent);
-    posix_spawn_file_actions_addopen(&silent, 2, "/dev/null", O_WRONLY, 0);
-    pid_t process = -1;
-    REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
-    posix_spawn_file_actions_destroy(&silent);
+    const pid_t process =
+        started({"record", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,2ms,4ms", "-o", path});
     std::this_thread::sleep_for(std::chrono::milliseconds(when_ms(random)));
     kill(process, SIGKILL);
     int status = 0;

@@ -1,0 +1,23 @@
+// The graphics devices that Vulkan knows, software ones included. The loader is opened when asked for, so
+// that neither build nor program depends on it. Reentrant.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+struct VulkanDevice {
+  std::string name;       // as its driver says
+  std::string kind;       // "discrete", "integrated", "virtual", "software", "other"
+  std::string api;        // "1.3.239"
+  double memory_gib = 0;  // of its own heaps
+};
+
+// NotFound where no loader or no driver is installed, Unsupported in a build without Vulkan's headers: each
+// says what to install.
+Result<std::vector<VulkanDevice>> vulkan_devices();
+
+}  // namespace hdrcam
