@@ -183,6 +183,8 @@ TEST_CASE("^C is how a run without limits ends well; one that was to go on says 
   for (const bool limited : {false, true}) {
     const std::string folder = sample::scratch_folder(limited ? "live_cut_short" : "live_ended");
     std::vector<std::string> words{"live",
+                                   "--shutter",
+                                   "1ms,4ms",
                                    "--camera",
                                    "sim:still?size=64x48&fps=60",
                                    "--format",
