@@ -1,7 +1,6 @@
 #include "hal/sim/view.h"
 
 #include <limits>
-#include <ranges>
 
 namespace hdrcam {
 namespace {
@@ -156,17 +155,20 @@ void View::pose_at(const Scene& scene, double time_s) {
 }
 
 Hit View::cast(Vec2 ray) const {
-  return nearest_of(ray, std::views::iota(Scene::kDome + 1, static_cast<int>(seen_.size())));
+  return nearest_of(ray, seen_.size() - 1, [](std::size_t i) { return static_cast<int>(i) + 1; });
 }
 
-Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const { return nearest_of(ray, objects); }
+Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const {
+  return nearest_of(ray, objects.size(), [&](std::size_t i) { return int{objects[i]}; });
+}
 
-// Of these objects and, behind all, the dome.
-template <class Objects>
-Hit View::nearest_of(Vec2 ray, const Objects& objects) const {
+// Of the objects object_at(0) .. object_at(count - 1) and, behind all, the dome.
+template <class Object>
+Hit View::nearest_of(Vec2 ray, std::size_t count, Object object_at) const {
   int nearest = Scene::kDome;
   Meeting where{kNever};
-  for (const int object : objects) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const int object = object_at(i);
     if (!bounds(object).holds(ray)) continue;
     const Meeting met = meet(object, ray);
     if (met.depth_m < where.depth_m) where = met, nearest = object;
