@@ -155,21 +155,19 @@ void View::pose_at(const Scene& scene, double time_s) {
 }
 
 Hit View::cast(Vec2 ray) const {
-  return nearest_of(ray, static_cast<int>(seen_.size()) - Scene::kDome - 1,
-                    [](int i) { return Scene::kDome + 1 + i; });
+  return nearest_of(ray, seen_.size() - 1, [](std::size_t i) { return static_cast<int>(i) + 1; });
 }
 
 Hit View::cast(Vec2 ray, std::span<const std::uint8_t> objects) const {
-  return nearest_of(ray, static_cast<int>(objects.size()),
-                    [objects](int i) { return static_cast<int>(objects[static_cast<std::size_t>(i)]); });
+  return nearest_of(ray, objects.size(), [&](std::size_t i) { return int{objects[i]}; });
 }
 
-// Of `count` objects, the i-th of which is object_at(i), and, behind all, the dome.
-template <class ObjectAt>
-Hit View::nearest_of(Vec2 ray, int count, const ObjectAt& object_at) const {
+// Of the objects object_at(0) .. object_at(count - 1) and, behind all, the dome.
+template <class Object>
+Hit View::nearest_of(Vec2 ray, std::size_t count, Object object_at) const {
   int nearest = Scene::kDome;
   Meeting where{kNever};
-  for (int i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const int object = object_at(i);
     if (!bounds(object).holds(ray)) continue;
     const Meeting met = meet(object, ray);

@@ -70,8 +70,8 @@ class View {
   };
   static void bound(Seen& seen, float radius);
   Meeting meet(int object, Vec2 ray) const;
-  template <class ObjectAt>
-  Hit nearest_of(Vec2 ray, int count, const ObjectAt& object_at) const;
+  template <class Object>
+  Hit nearest_of(Vec2 ray, std::size_t count, Object object_at) const;
   Hit hit_at(Vec2 ray, int object, Meeting where) const;
   Colour lit(const Hit& hit, Colour albedo) const;
 
