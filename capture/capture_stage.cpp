@@ -125,6 +125,11 @@ void CaptureStage::restart_matching() {
   proof_.forget();
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   pending_.reset();
+  const CameraCapabilities& offers = camera_.capabilities();
+  const Duration margin = ExposureSchedule::frame_margin(offers);
+  if (options_.adapt && offers.sets_exposure)
+    adaptation_.emplace(first(exposures_of(schedule_), schedule_.slots()), offers.exposure_min,
+                        std::min(offers.exposure_max, mode_.frame_duration - margin), offers.gain_max);
   under_way_ = lost_since_emitted_ = 0;
 }
 
@@ -199,6 +204,7 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
     return false;
   }
   judge(buffer, matched, frame);
+  follow_light(frame);
   ++counters_.emitted;
   count(frame.proof);
   return true;
@@ -232,6 +238,12 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   frame.cookie = buffer.cookie;
   frame.shares = {picture_.clipped_share, picture_.dark_share};
   lost_since_emitted_ = 0;
+}
+
+void CaptureStage::follow_light(const CapturedFrame& frame) {
+  if (!adaptation_) return;
+  const auto cycle = adaptation_->observe(frame.raw.facts.slot, frame.shares);
+  if (cycle && change_cycle(first(*cycle, schedule_.slots()))) ++counters_.cycle_changes;
 }
 
 // Of a camera that sets its exposures itself, requests know no slots.

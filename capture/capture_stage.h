@@ -10,7 +10,7 @@
 #include <memory>
 #include <optional>
 
-#include "capture/exposure_advice.h"
+#include "capture/exposure_adaptation.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 
@@ -24,6 +24,7 @@ struct CaptureOptions {
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
+  bool adapt = false;  // the cycle follows the light (exposure_adaptation.h)
   PixelUnpackSettings unpack{};
   Duration patience{2'000'000'000};  // without a frame for so long is a Timeout
 };
@@ -41,6 +42,7 @@ struct CaptureCounters {
   std::uint64_t repeated_cookies = 0;
   std::uint64_t requests_late = 0;  // no free buffer when a request was due
   std::uint64_t relocks = 0;        // cadences found again
+  std::uint64_t cycle_changes = 0;  // to follow the light
 
   std::uint64_t dropped() const { return damaged + undecodable; }
 };
@@ -97,6 +99,7 @@ class CaptureStage {
   Result<void> drain_strobe();
   // Whether the buffer became a frame; if not, it was dropped and counted.
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
+  void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
   int slot_of(const ExposureClaim& label) const;
   void count(const Judgement& proof);
@@ -116,6 +119,7 @@ class CaptureStage {
   PhotometricSignature picture_;
   ExposureProof proof_;
   std::optional<FrameMatcher> matcher_;
+  std::optional<ExposureAdaptation> adaptation_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
   int under_way_ = 0, depth_ = 0;           // requests with the camera now, and as many as it takes
   int lost_since_emitted_ = 0;

@@ -101,6 +101,8 @@ std::vector<SettingField> schedule_fields() {
            "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
       list(kSchedule<&S::gain>, "schedule.gain", "--gain", "analogue gains of the cycle, or one for all",
            "1"),
+      any(kSchedule<&S::adapt>, "schedule.adapt", "--adapt",
+          "the cycle follows the light: highlights kept in the shortest, shadows in the longest exposure"),
       choice(kSchedule<&S::mains>, "schedule.mains", "--mains",
              "Hz of the supply of lamps; long exposures become whole half periods", {"off", "50", "60"}),
   };

@@ -32,6 +32,7 @@ struct Settings {
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times
     std::string gain;                      // analogue gains of the cycle, or one for all; "": 1
+    bool adapt = false;                    // the cycle follows the light
     std::string mains = "off";             // "50" or "60": exposures of whole half periods
   } schedule;
   struct Sync {

@@ -119,6 +119,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   CaptureOptions& options = setup.options;
   options.mode = TRY(mode_for(settings.camera, camera));
   options.buffers = settings.camera.buffers;
+  options.adapt = settings.schedule.adapt;
   if (!settings.camera.control_delay.empty())
     options.delays = TRY(parse_delays(settings.camera.control_delay));
   if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);

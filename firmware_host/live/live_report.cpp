@@ -66,6 +66,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.repeated_cookies", camera.repeated_cookies},
       {"camera.requests_late", camera.requests_late},
       {"camera.relocks", camera.relocks},
+      {"camera.cycle_changes", camera.cycle_changes},
   };
   std::vector<NamedValue> list;
   for (const auto& [name, value] : values) list.push_back({name, static_cast<double>(value)});
