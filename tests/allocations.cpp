@@ -15,7 +15,7 @@ std::atomic<std::uint64_t> allocations{0}, own_allocations{0};
 bool is_own_code(const void* address) { return address >= &__executable_start && address < &etext; }
 
 // caller: the address to which operator new returns.
-void* allocate(std::size_t size, std::size_t alignment, const void* caller) {
+[[maybe_unused]] void* allocate(std::size_t size, std::size_t alignment, const void* caller) {
   allocations.fetch_add(1, std::memory_order_relaxed);
   if (is_own_code(caller)) own_allocations.fetch_add(1, std::memory_order_relaxed);
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
@@ -24,7 +24,8 @@ void* allocate(std::size_t size, std::size_t alignment, const void* caller) {
   return memory;
 }
 
-void* allocate_or_null(std::size_t size, std::size_t alignment, const void* caller) noexcept {
+[[maybe_unused]] void* allocate_or_null(std::size_t size, std::size_t alignment,
+                                        const void* caller) noexcept {
   try {
     return allocate(size, alignment, caller);
   } catch (const std::bad_alloc&) {
@@ -34,6 +35,15 @@ void* allocate_or_null(std::size_t size, std::size_t alignment, const void* call
 
 }  // namespace
 
+// The thread sanitizer brings operators of its own; a build with it counts nothing.
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define HDRCAM_OPERATORS_ARE_TAKEN
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define HDRCAM_OPERATORS_ARE_TAKEN
+#endif
+#ifndef HDRCAM_OPERATORS_ARE_TAKEN
 void* operator new(std::size_t size) {
   return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__, __builtin_return_address(0));
 }
@@ -57,6 +67,7 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+#endif
 
 namespace hdrcam {
 
