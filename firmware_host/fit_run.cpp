@@ -64,7 +64,7 @@ Result<void> FitRun::deliver(const HdrFrame& frame, const ExposedFrame& input, c
 }
 
 Result<void> FitRun::finish() {
-  const Result<void> drained = pipeline_.finish(deliver_);
+  Result<void> drained = pipeline_.finish(deliver_);
   TRY(outputs_.finish());
   const OnlineStage& online = pipeline_.online();
   const auto oldest = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record_.emitted) % kFramesKept);

@@ -26,6 +26,7 @@ struct Pair {
 // clipped or dark.
 std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
   std::vector<Exposure> ladder;
+  ladder.reserve(ExposureSchedule::kMaxSlots);
   for (int i = 0; i < schedule.slots(); ++i) ladder.push_back({schedule.slot(i).exposure.time, 1});
   std::sort(ladder.begin(), ladder.end(),
             [](const Exposure& a, const Exposure& b) { return a.time < b.time; });

@@ -120,7 +120,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   TRY(session.start());
   FitThread fit(session, *run, around.stop);
   show_progress(session, fit, latency_ms);
-  const Result<void> fitted = fit.join();
+  Result<void> fitted = fit.join();
   const Result<LiveEnd> end = camera->finish();
 
   const LiveCounters counters = session.counters();

@@ -22,8 +22,8 @@ class FramePool {
 
    private:
     friend class FramePool;
-    FramePool* pool = nullptr;
-    std::atomic<int> holders{0};
+    FramePool* pool_ = nullptr;
+    std::atomic<int> holders_{0};
   };
 
   // One holder's share of a frame; the frame is free again when the last share is gone.
@@ -36,7 +36,7 @@ class FramePool {
       if (slot_ != nullptr) release(*slot_);
     }
     Share another() const {
-      if (slot_ != nullptr) slot_->holders.fetch_add(1, std::memory_order_relaxed);
+      if (slot_ != nullptr) slot_->holders_.fetch_add(1, std::memory_order_relaxed);
       return Share(slot_);
     }
     explicit operator bool() const { return slot_ != nullptr; }
@@ -51,7 +51,7 @@ class FramePool {
 
   explicit FramePool(int frames) : slots_(static_cast<std::size_t>(frames)) {
     free_.reserve(slots_.size());
-    for (std::size_t i = slots_.size(); i-- > 0;) slots_[i].pool = this, free_.push_back(&slots_[i]);
+    for (std::size_t i = slots_.size(); i-- > 0;) slots_[i].pool_ = this, free_.push_back(&slots_[i]);
   }
 
   int size() const { return static_cast<int>(slots_.size()); }
@@ -62,15 +62,15 @@ class FramePool {
     if (free_.empty()) return {};
     Slot* slot = free_.back();
     free_.pop_back();
-    slot->holders.store(1, std::memory_order_relaxed);
+    slot->holders_.store(1, std::memory_order_relaxed);
     return Share(slot);
   }
 
  private:
   static void release(Slot& slot) {
-    if (slot.holders.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-    const std::lock_guard lock(slot.pool->mutex_);
-    slot.pool->free_.push_back(&slot);
+    if (slot.holders_.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    const std::lock_guard lock(slot.pool_->mutex_);
+    slot.pool_->free_.push_back(&slot);
   }
 
   std::vector<Slot> slots_;

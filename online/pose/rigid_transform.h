@@ -34,11 +34,16 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
+// Of a PoseMatrix: row-major 3x4.
+inline std::size_t entry(int row, int col) {
+  return static_cast<std::size_t>(row) * 4 + static_cast<std::size_t>(col);
+}
+
 inline RigidTransform from_matrix(const PoseMatrix& m) {
   RigidTransform T;
   for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) T.R(row, col) = m[static_cast<std::size_t>(row * 4 + col)];
-    T.t(row) = m[static_cast<std::size_t>(row * 4 + 3)];
+    for (int col = 0; col < 3; ++col) T.R(row, col) = m[entry(row, col)];
+    T.t(row) = m[entry(row, 3)];
   }
   return T;
 }
@@ -46,8 +51,8 @@ inline RigidTransform from_matrix(const PoseMatrix& m) {
 inline PoseMatrix to_matrix(const RigidTransform& T) {
   PoseMatrix m{};
   for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) m[static_cast<std::size_t>(row * 4 + col)] = T.R(row, col);
-    m[static_cast<std::size_t>(row * 4 + 3)] = T.t(row);
+    for (int col = 0; col < 3; ++col) m[entry(row, col)] = T.R(row, col);
+    m[entry(row, 3)] = T.t(row);
   }
   return m;
 }
