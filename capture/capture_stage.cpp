@@ -73,7 +73,7 @@ FrameMatcherOptions CaptureStage::matching() const {
   matching.frame_duration = mode_.frame_duration;
   matching.strobe = strobe_ == nullptr ? StrobePulse::Absent : options_.strobe;
   matching.strobe_after_timestamp = options_.strobe_after_timestamp;
-  matching.timestamp_mark = options_.timestamp_mark;
+  matching.timestamp_mark = options_.timestamp_mark.value_or(offers.timestamp_mark);
   if (options_.delays) {
     matching.delays = options_.delays;
   } else if (offers.exposure_per_request) {
@@ -196,6 +196,8 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   counters_.lost_by_camera += static_cast<std::uint64_t>(matched.lost_before);
   counters_.repeated_cookies += matched.cookie_repeated;
   counters_.unreported += !buffer.exposure;
+  counters_.strobed += matched.strobed;
+  counters_.controls_late += buffer.control_late;
   lost_since_emitted_ += matched.lost_before;
   const bool damaged = buffer.damaged;
   if (damaged || !unpack_pixels(buffer, options_.unpack, frame.raw.codes)) {

@@ -23,8 +23,8 @@ struct CaptureOptions {
   std::optional<float> black_level{};     // codes of 255; default: of the table of sensors, for raw formats
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
-  TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
-  bool adapt = false;  // the cycle follows the light (exposure_adaptation.h)
+  std::optional<TimestampMark> timestamp_mark{};  // default: what the camera says
+  bool adapt = false;                             // the cycle follows the light (exposure_adaptation.h)
   PixelUnpackSettings unpack{};
   Duration patience{2'000'000'000};  // without a frame for so long is a Timeout
 };
@@ -40,6 +40,8 @@ struct CaptureCounters {
   std::uint64_t relabelled = 0;  // of the plausible: by the pictures alone
   std::uint64_t unreported = 0;  // frames without an exposure from the driver
   std::uint64_t repeated_cookies = 0;
+  std::uint64_t strobed = 0;        // frames to which a pulse of the strobe line belongs
+  std::uint64_t controls_late = 0;  // frames whose exposure was written late
   std::uint64_t requests_late = 0;  // no free buffer when a request was due
   std::uint64_t relocks = 0;        // cadences found again
   std::uint64_t cycle_changes = 0;  // to follow the light

@@ -102,12 +102,20 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
   PhotometricSignature picture;
   Image<std::uint16_t> codes;
   std::uint64_t cookie = 0, index = 0, sequence = 0;
-  const auto queue_next = [&]() -> Result<void> {
-    const Exposure next = asked[cookie % kAsked] = calibration.next();
-    return camera.queue({cookie++, next.time, next.gain});
+  // Whether there was a free buffer: a device may have fewer than it was asked for. If not, the exposure
+  // waits.
+  std::optional<Exposure> pending;
+  const auto queue_next = [&]() -> Result<bool> {
+    if (!pending) pending = calibration.next();
+    const Result<void> queued = camera.queue({cookie, pending->time, pending->gain});
+    if (!queued && queued.error().code == ErrorCode::Busy) return false;
+    TRY(Result<void>(queued));
+    asked[cookie++ % kAsked] = *pending;
+    pending.reset();
+    return true;
   };
   const auto run = [&]() -> Result<void> {
-    for (int i = 0; i < buffers; ++i) TRY(queue_next());
+    for (int i = 0; i < buffers && TRY(queue_next()); ++i) continue;
     for (int i = 0; i < frames; ++i) {
       std::optional<std::uint64_t> completed;
       {

@@ -132,6 +132,7 @@ ExposureProof::Explanations ExposureProof::explain() const {
   }
   assigned[0] = kOdd;
   result.odd_if_newest_is_odd = fewest_odd(1, 1, kBound, assigned);
+  result.fewest_odd = odd_if(best);
   result.fits_nothing = result.odd_if_newest_is_odd < odd_if(best);
   if (odd_if(best) <= kMostOdd && odd_if(best) + kMargin <= second &&
       odd_if(best) < result.odd_if_newest_is_odd)
@@ -149,6 +150,16 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
     ++(ratio->allows(claimed - other.judgement.label.log_value()) ? votes.in_favour : votes.against);
   }
   return votes;
+}
+
+// Whether the claim needs more odd frames than the best explanation does. One that is further off than any
+// that were counted needs them all.
+bool ExposureProof::another_explains_better(double claimed, const Explanations& explanations) const {
+  const Frame& newest = back(0);
+  for (int i = 0; i < newest.value_count; ++i)
+    if (std::abs(newest.values[static_cast<std::size_t>(i)] - claimed) <= kSame)
+      return explanations.odd_if[static_cast<std::size_t>(i)] > explanations.fewest_odd;
+  return explanations.fewest_odd < kNever;
 }
 
 // How far the truth may be from a label that the neighbours confirm: the best ratio's own width, and through
@@ -209,9 +220,11 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   for (int i = 1; i < evidence.claim_count; ++i)
     claims_agree &= std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - claimed) <= kSame;
 
-  if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour)) {
+  if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
+      another_explains_better(claimed, explanations)) {
     judgement.verdict = Verdict::Contradicted;
-  } else if (!claims_agree) {
+  } else if (!claims_agree ||
+             (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;
   } else if (!told_apart_ && judgement.label.source == ExposureSource::Embedded && votes.in_favour >= 2) {
     judgement.verdict = Verdict::Proved;  // the sensor says so itself, and the light did not change

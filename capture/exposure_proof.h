@@ -16,8 +16,10 @@
 //    not unique, no claim                        -> unknown
 //    not unique, and the frame fits nothing, or
 //      its claim contradicts the ratios to its
-//      neighbours at least as often as it agrees -> contradicted
-//    not unique, claims disagree                 -> unknown
+//      neighbours at least as often as it agrees,
+//      or another exposure explains them better  -> contradicted
+//    not unique, claims disagree, or the best
+//      is a doubtful prediction                  -> unknown
 //    not unique, nothing contradicts             -> plausible
 // 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and keep out of the fit.
 //
@@ -52,6 +54,7 @@ struct FrameEvidence {
   static constexpr int kMaxClaims = 3;
   std::array<ExposureClaim, kMaxClaims> claims{};
   int claim_count = 0;
+  bool prediction_doubtful = false;      // the controls of this frame were written late
   std::optional<Duration> strobe_width;  // as measured; only where the pulse is as long as the exposure
 
   void add(const ExposureClaim& claim) { claims[static_cast<std::size_t>(claim_count++)] = claim; }
@@ -97,6 +100,7 @@ class ExposureProof {
   struct Explanations {
     std::array<int, kValues> odd_if{};
     int odd_if_newest_is_odd = 0;
+    int fewest_odd = kNever;
     std::optional<int> unique;  // index into the newest frame's values
     bool fits_nothing = false;  // the newest frame is the odd one
   };
@@ -115,6 +119,7 @@ class ExposureProof {
     int against = 0, in_favour = 0;
   };
   Votes neighbours_on(double claimed) const;
+  bool another_explains_better(double claimed, const Explanations& explanations) const;
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;

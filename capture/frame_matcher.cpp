@@ -17,7 +17,7 @@ Instant MatchedFrame::centre(Duration exposure) const {
 }
 
 FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule)
-    : options_(options), schedule_(schedule) {
+    : options_(options), schedule_(schedule), interval_(options.frame_duration) {
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
   const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
@@ -33,13 +33,14 @@ ExposureRequest FrameMatcher::next_request() {
     const ControlDelay::Writes writes = twin_->frame_started(cookie);
     request = {cookie, writes.exposure, writes.analogue_gain};
   }
-  asked_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true};
+  asked_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true, false};
   return request;
 }
 
 void FrameMatcher::strobe(const Edge& edge) {
   const bool lost_edges = pulse_count_ > 0 && edge.sequence != edge_sequence_ + 1;
   edge_sequence_ = edge.sequence;
+  if (lost_edges) last_pulse_.reset();
   if (edge.rising) {
     pulses_[pulse_count_++ % kPulses] = {edge.at, std::nullopt};
   } else if (line_high_ && !lost_edges) {
@@ -50,15 +51,35 @@ void FrameMatcher::strobe(const Edge& edge) {
 }
 
 // Frame intervals between the buffer before and this one; at least one.
-int FrameMatcher::frames_since_last(const CapturedBuffer& buffer) const {
+int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse) const {
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
-  const double by_time = static_cast<double>((buffer.timestamp - timestamp_).count()) /
-                         static_cast<double>(options_.frame_duration.count());
   const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
-  const double rounded = std::round(by_time);
-  const bool on_grid = rounded >= 1 && std::abs(by_time - rounded) <= kOffGrid;
-  const double frames = on_grid ? rounded : by_number;
+  const double elapsed =
+      static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(interval_.count());
+  const double by_time = std::round(elapsed);
+  const bool on_grid =
+      interval_count_ >= kConfirmed && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
+  const double by_strobe = pulse && last_pulse_ ? static_cast<double>(*pulse - *last_pulse_) : 0;
+  const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
+  const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
+}
+
+// The duration that the camera keeps is the median of the last intervals from number to number, once a few
+// were seen: one long interval is a lost frame, many are a slow camera.
+void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
+  if (buffer.sequence <= sequence_ || buffer.timestamp <= timestamp_) return;
+  const auto steps = static_cast<Duration::rep>(buffer.sequence - sequence_);
+  intervals_[interval_count_++ % kIntervals] = (buffer.timestamp - timestamp_) / steps;
+  if (interval_count_ < kConfirmed) return;
+  auto sorted = intervals_;
+  const auto end = sorted.begin() + static_cast<int>(std::min<std::uint64_t>(interval_count_, kIntervals));
+  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
+  std::nth_element(sorted.begin(), middle, end);
+  constexpr double kJitter = 0.3;
+  const auto agreed = static_cast<double>(options_.frame_duration.count());
+  const bool kept = std::abs(static_cast<double>(middle->count()) - agreed) <= kJitter * agreed;
+  interval_ = kept ? options_.frame_duration : *middle;
 }
 
 // The request that was completed had its turn when the frame after the one before began, and kept it while
@@ -89,6 +110,22 @@ std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, in
   return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
 }
 
+// Whether the controls that the prediction rests upon were written so late that the frame may show others.
+bool FrameMatcher::may_show_earlier(std::uint64_t index) const {
+  const auto changed_late = [&](int delay, auto&& value) {
+    const std::int64_t frame = static_cast<std::int64_t>(index) + shift_ - delay;
+    const Asked* asked = written_at(frame);
+    for (int back = 1; asked != nullptr && asked->late && back <= kMaxShift; ++back) {
+      const Asked* before = written_at(frame - back);
+      if (before == nullptr || value(*before) != value(*asked)) return true;
+      asked = before;
+    }
+    return false;
+  };
+  return changed_late(options_.delays->exposure, [](const Asked& asked) { return asked.request.exposure; }) ||
+         changed_late(options_.delays->gain, [](const Asked& asked) { return asked.request.analogue_gain; });
+}
+
 // What the driver says of this frame. A report without gain is completed by the prediction, or by a schedule
 // that has only one gain.
 std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buffer,
@@ -108,23 +145,26 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
                        buffer.exposure_embedded ? ExposureSource::Embedded : ExposureSource::Reported};
 }
 
-// The pulse whose rising edge lies where this frame's should, within a quarter of a frame.
-const FrameMatcher::Pulse* FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
-  if (options_.strobe == StrobePulse::Absent) return nullptr;
+// The pulse, counted from the first, whose rising edge lies where this frame's should, within a quarter of a
+// frame.
+std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
+  if (options_.strobe == StrobePulse::Absent) return std::nullopt;
   const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
-  const Pulse* nearest = nullptr;
-  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(pulse_count_, kPulses); ++i) {
-    const Pulse& pulse = pulses_[(pulse_count_ - 1 - i) % kPulses];
-    const Duration off = std::chrono::abs(pulse.rise - expected);
-    if (off > options_.frame_duration / 4) continue;
-    if (nearest == nullptr || off < std::chrono::abs(nearest->rise - expected)) nearest = &pulse;
+  std::optional<std::uint64_t> nearest;
+  Duration least = interval_ / 4;
+  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(pulse_count_, kPulses); ++back) {
+    const std::uint64_t pulse = pulse_count_ - back;
+    const Duration off = std::chrono::abs(pulses_[pulse % kPulses].rise - expected);
+    if (off <= least) least = off, nearest = pulse;
   }
   return nearest;
 }
 
 MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   MatchedFrame frame;
-  const int advance = started_ ? frames_since_last(buffer) : 0;
+  const auto pulse = pulse_of(buffer);
+  const int advance = started_ ? frames_since_last(buffer, pulse) : 0;
+  if (started_) learn_interval(buffer);
   frame.lost_before = std::max(0, advance - 1);
   frame.cookie_repeated = started_ && buffer.cookie <= highest_cookie_;
   index_ += static_cast<std::uint64_t>(advance);
@@ -133,20 +173,30 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   frame.mark = options_.timestamp_mark;
   sequence_ = buffer.sequence;
   timestamp_ = buffer.timestamp;
+  last_pulse_ = pulse;
   highest_cookie_ = started_ ? std::max(highest_cookie_, buffer.cookie) : buffer.cookie;
   started_ = true;
 
+  if (Asked& asked = asked_[buffer.cookie % kRequests]; asked.request.cookie == buffer.cookie)
+    asked.late = buffer.control_late;
   note_turns(buffer.cookie, frame.cookie_repeated, advance);
   const auto predicted = predicted_for(index_, shift_);
   if (const auto reported = reported_in(buffer, predicted)) frame.evidence.add(*reported);
   if (predicted) frame.evidence.add(*predicted);
-
-  const Pulse* pulse = pulse_of(buffer);
-  if (pulse != nullptr && options_.strobe == StrobePulse::SpansExposure) {
-    frame.strobe_rise = pulse->rise;
-    frame.evidence.strobe_width = pulse->width;
-  }
+  frame.evidence.prediction_doubtful = predicted && may_show_earlier(index_);
+  if (pulse) match_strobe(pulses_[*pulse % kPulses], frame);
   return frame;
+}
+
+// The kernel took the edge's time in its interrupt handler; the driver may have been slower.
+void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
+  frame.strobed = true;
+  if (options_.strobe == StrobePulse::MarksFrame) {
+    frame.timestamp = pulse.rise + -options_.strobe_after_timestamp;
+  } else {
+    frame.strobe_rise = pulse.rise;
+    frame.evidence.strobe_width = pulse.width;
+  }
 }
 
 bool FrameMatcher::explains_lessons(int shift) const {

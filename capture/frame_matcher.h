@@ -4,9 +4,11 @@
 // corrects the prediction, so that one missed frame start, or a delay that was wrong all along, is made good
 // within a cycle.
 //
-// Frames are counted by two witnesses, the driver's sequence number and its timestamp; where they disagree
-// the time decides if it lies on the grid of the frame duration, else the number (counters restart in
-// standby, and miss drops). Thread-bound; bounded state, no allocation.
+// Frames are counted by three witnesses: the driver's sequence number, its timestamp, and strobe pulses. Two
+// that agree decide. Where number and time disagree and there is no strobe, the time decides if it lies on
+// the grid of the frame duration, else the number (counters restart in standby, and miss drops). The frame
+// duration is the one that is seen: not every camera keeps the one that it agreed to. Thread-bound; bounded
+// state, no allocation.
 #pragma once
 
 #include <array>
@@ -21,9 +23,6 @@ namespace hdrcam {
 
 // What the strobe line means on this sensor.
 enum class StrobePulse { Absent, MarksFrame, SpansExposure };
-// Where in a frame the driver takes its timestamp.
-enum class TimestampMark { ExposureBegin, ExposureEnd };
-
 struct FrameMatcherOptions {
   Duration frame_duration{33'333'333};
   // Controls are written as the frame of their own request begins (hal/camera.h), and show so many frames
@@ -40,9 +39,10 @@ struct MatchedFrame {
   std::uint64_t index = 0;  // of the frame at the sensor: 0 for the first, counting those that never came
   int lost_before = 0;      // frames between the one before and this one
   bool cookie_repeated = false;  // the request was completed before: the cookie says nothing
-  Instant timestamp;             // the driver's
+  Instant timestamp;             // the driver's; the strobe's where that marks the frame
   TimestampMark mark = TimestampMark::ExposureBegin;
-  std::optional<Instant> strobe_rise;
+  bool strobed = false;                // a pulse of the strobe line belongs to it
+  std::optional<Instant> strobe_rise;  // of a pulse that spans the exposure
 
   // The middle of an exposure of this length: by the strobe where there was one.
   Instant centre(Duration exposure) const;
@@ -68,17 +68,22 @@ class FrameMatcher {
   // The slot of the schedule that the last matched frame was asked for, where its exposure is this one; -1
   // unknown.
   int slot_of(const ExposureClaim& label) const;
+  // From frame to frame, as seen lately.
+  Duration frame_duration() const { return interval_; }
   // Frames by which the prediction had to be shifted so far; changes of it are cadences found again.
   int shift() const { return shift_; }
   int relocks() const { return relocks_; }
 
  private:
   static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kLessons = 3, kMaxShift = 4;
+  static constexpr int kIntervals = 8,
+                       kConfirmed = 3;  // intervals looked at, and needed to know the duration
 
   struct Asked {
     ExposureRequest request;  // as it was queued
     int slot = -1;            // that it stands for, though part of it may be held back
     bool valid = false;
+    bool late = false;  // its controls were written late
   };
   struct Pulse {
     Instant rise;
@@ -89,13 +94,16 @@ class FrameMatcher {
     double log_value = 0;
   };
 
-  int frames_since_last(const CapturedBuffer& buffer) const;
+  int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse) const;
+  void learn_interval(const CapturedBuffer& buffer);
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
   std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
   const Asked* written_at(std::int64_t index) const;
-  const Pulse* pulse_of(const CapturedBuffer& buffer) const;
+  bool may_show_earlier(std::uint64_t index) const;
+  std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
+  void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
   bool explains_lessons(int shift) const;
 
   FrameMatcherOptions options_;
@@ -107,12 +115,16 @@ class FrameMatcher {
   bool started_ = false;
   std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
   Instant timestamp_;
+  Duration interval_;
+  std::array<Duration, kIntervals> intervals_{};  // from number to number, the last ones
+  std::uint64_t interval_count_ = 0;
   // By frame: the cookie of the request whose controls were written as it began.
   std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
   std::array<Pulse, kPulses> pulses_{};
   std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
   bool line_high_ = false;
+  std::optional<std::uint64_t> last_pulse_;  // of the frame before; none where an edge was lost since
 
   std::array<Lesson, kLessons> lessons_{};
   int lesson_count_ = 0, shift_ = 0, relocks_ = 0;

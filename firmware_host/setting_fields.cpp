@@ -88,7 +88,7 @@ std::vector<SettingField> camera_fields() {
       number(kCamera<&C::black_level>, "camera.black_level", "--black-level",
              "black level of raw formats, in codes of 255", {0, 255, -1}, "of the table of sensors"),
       choice(kCamera<&C::timestamp>, "camera.timestamp", "--timestamp",
-             "which moment of an exposure the driver stamps", {"begin", "end"}),
+             "which moment of an exposure the driver stamps; driver: as it says", {"driver", "begin", "end"}),
       choice(kCamera<&C::yuv_range>, "camera.yuv_range", "--yuv-range",
              "luma of YUV formats: limited is 16..235, full is 0..255", {"limited", "full"}),
   };

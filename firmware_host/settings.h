@@ -26,7 +26,8 @@ struct Settings {
     int buffers = 8;            // requests under way, 4..32
     std::string control_delay;  // "": what the driver says; "2,1": frames of exposure and gain
     double black_level = -1;    // codes of 255, of raw formats; -1: of the table of sensors
-    std::string timestamp = "begin";    // of the exposure, or "end": what the driver stamps
+    std::string timestamp =
+        "driver";  // "begin" or "end" of the exposure, or what the driver says of its stamp
     std::string yuv_range = "limited";  // or "full"
   } camera;
   struct Schedule {

@@ -62,6 +62,9 @@ struct ControlDelays {
   friend bool operator==(const ControlDelays&, const ControlDelays&) = default;
 };
 
+// Where in a frame the driver takes its timestamp; the end is that of the last line's exposure.
+enum class TimestampMark { ExposureBegin, ExposureEnd };
+
 struct StreamMode {
   PixelFormat format = PixelFormat::Rgb24;
   int width = 0, height = 0;            // pixels
@@ -88,6 +91,7 @@ struct CameraCapabilities {
   bool reports_exposure = false;       // completed buffers say which exposure they got
   bool exposure_per_request = false;  // a request's exposure is that of its own frame (request API, metadata)
   std::optional<ControlDelays> delays;  // of a known sensor
+  TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
 };
 
 // Invalid, with the limits in the sentence, where the camera sets exposures but not this one.
@@ -121,13 +125,18 @@ class BufferLease {
 };
 
 struct CapturedBuffer {
-  std::uint64_t cookie = 0;    // of the request that it completed
-  std::uint64_t sequence = 0;  // the driver's counter; a gap is a dropped frame
-  Instant timestamp;           // as the driver takes it: start or end of the frame, see its documentation
-  bool damaged = false;        // the driver says that the pixels are incomplete
+  std::uint64_t cookie = 0;          // of the request that it completed
+  std::uint64_t sequence = 0;        // the driver's counter; a gap is a dropped frame
+  Instant timestamp;                 // taken where the capabilities' timestamp_mark says
+  bool damaged = false;              // the driver says that the pixels are incomplete
   std::optional<Duration> exposure;  // as reported with the frame, where it is
   std::optional<double> analogue_gain, digital_gain;
-  bool exposure_embedded = false;  // the report comes from the sensor's embedded data, not from a prediction
+  // The report comes from the sensor's embedded data, not from a prediction. Neither V4L2 nor libcamera tells
+  // the two apart, so of real cameras it is never said.
+  bool exposure_embedded = false;
+  // Where controls act "now": this request's exposure was written late, or never. The frame may show an
+  // earlier request's instead of the one that the control's delay predicts.
+  bool control_late = false;
   StreamMode mode;
   std::size_t stride = 0;             // bytes a row (of the first plane)
   std::span<const std::byte> pixels;  // all planes, one after the other; valid as long as the lease

@@ -123,6 +123,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   if (!settings.camera.control_delay.empty())
     options.delays = TRY(parse_delays(settings.camera.control_delay));
   if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
+  if (settings.camera.timestamp == "begin") options.timestamp_mark = TimestampMark::ExposureBegin;
   if (settings.camera.timestamp == "end") options.timestamp_mark = TimestampMark::ExposureEnd;
   if (settings.camera.yuv_range == "full") options.unpack.yuv_range = YuvRange::Full;
   options.unpack.decode_jpeg = jpeg_decoder();

@@ -96,7 +96,8 @@ void describe_exposure(const lc::Camera& camera, CameraCapabilities& capabilitie
   capabilities.exposure_min = microseconds(std::max(1, exposure.min().get<std::int32_t>()));
   capabilities.exposure_max = microseconds(exposure.max().get<std::int32_t>());
   capabilities.exposure_step = has_algorithms(camera) ? microseconds(1) : microseconds(100);
-  // Without algorithms "AnalogueGain" is the position of a slider, not a factor, and is left at 1.
+  // Without algorithms "AnalogueGain" is the position of a slider, 1 at the device's default and 4 at its
+  // highest whatever that amplifies: not a factor, and left at 1.
   if (!has_algorithms(camera) || !offers(camera, lc::controls::AnalogueGain)) return;
   const auto& gain = camera.controls().at(lc::controls::AnalogueGain.id());
   capabilities.gain_min = gain.min().get<float>(), capabilities.gain_max = gain.max().get<float>();
@@ -135,7 +136,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
         camera_(std::move(camera)),
         clock_(clock),
         capabilities_(capabilities_of(*camera_)),
-        paced_(!has_algorithms(*camera_)) {
+        paced_(capabilities_.sets_exposure && !has_algorithms(*camera_)) {
     camera_->requestCompleted.connect(this, &LibcameraCamera::on_completed);
     camera_->disconnected.connect(this, &LibcameraCamera::on_disconnected);
   }
@@ -216,11 +217,15 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     lc::Request& request = *free->request;
     request.reuse(lc::Request::ReuseBuffers);
     if (std::exchange(first_request_, false)) take_over(request.controls());
-    set_exposure(request.controls(), wanted);
+    const auto turn = set_exposure(request.controls(), wanted);
     free->state = State::Queued, free->cookie = wanted.cookie;
     if (const int code = camera_->queueRequest(&request); code != 0) {
       free->state = State::Free;
       return libcamera_error(unplugged() ? -ENODEV : code, capabilities_.id, "queue a request");
+    }
+    if (turn) {
+      const std::lock_guard completions(completions_mutex_);
+      pacer_.written(*turn, clock_.now());
     }
     return {};
   }
@@ -263,6 +268,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     std::unique_ptr<lc::Request> request;
     State state = State::Free;
     std::uint64_t cookie = 0;
+    bool control_late = false;  // written by libcamera's thread before the completion is told
   };
 
   void give_back(int index) override {
@@ -305,29 +311,46 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
                                 microseconds(limits.max().get<std::int64_t>()));
   }
 
+  // Its position 1 is the device's default; where that is the highest too, libcamera divides by zero.
+  bool has_gain_slider() const {
+    return paced_ && offers(*camera_, lc::controls::AnalogueGain) &&
+           camera_->controls().at(lc::controls::AnalogueGain.id()).max().get<float>() > 1;
+  }
+
   // Automatics off, frame duration constant: with the start of the stream, or (pipelines that ignore that)
   // the first frame.
   void take_over(lc::ControlList& controls) const {
     if (offers(*camera_, lc::controls::AeEnable)) controls.set(lc::controls::AeEnable, false);
     if (offers(*camera_, lc::controls::AwbEnable)) controls.set(lc::controls::AwbEnable, false);
+    if (has_gain_slider()) controls.set(lc::controls::AnalogueGain, 1.F);
     if (!has_algorithms(*camera_)) return;
     const std::int64_t duration_us = std::chrono::duration_cast<microseconds>(mode_.frame_duration).count();
     const std::array limits{duration_us, duration_us};
     controls.set(lc::controls::FrameDurationLimits, lc::Span<const std::int64_t, 2>(limits));
   }
 
-  void set_exposure(lc::ControlList& controls, const ExposureRequest& wanted) {
-    if (!capabilities_.sets_exposure) return;
-    ExposureRequest now = wanted;
+  // What the request brings with it: its own exposure, or (paced) that of the next frame, whose turn it is.
+  std::optional<ControlPacer::Turn> set_exposure(lc::ControlList& controls, const ExposureRequest& wanted) {
+    std::optional<ControlPacer::Turn> turn;
+    if (!capabilities_.sets_exposure) return turn;
     if (paced_) {
       const std::lock_guard completions(completions_mutex_);
       pacer_.queued(wanted);
-      now = pacer_.current();
+      turn = pacer_.next();
     }
+    const ExposureRequest& now = turn ? turn->request : wanted;
     controls.set(lc::controls::ExposureTime,
                  static_cast<std::int32_t>(std::chrono::duration_cast<microseconds>(now.exposure).count()));
     if (!paced_ && offers(*camera_, lc::controls::AnalogueGain))
       controls.set(lc::controls::AnalogueGain, static_cast<float>(now.analogue_gain));
+    return turn;
+  }
+
+  Instant timestamp_of(lc::Request& request, const lc::FrameMetadata& frame) const {
+    const std::int64_t stamp_ns = request.metadata()
+                                      .get(lc::controls::SensorTimestamp)
+                                      .value_or(static_cast<std::int64_t>(frame.timestamp));
+    return instant_of_recent_stamp(clock_, Duration(stamp_ns));
   }
 
   CapturedBuffer delivered(std::size_t index) {
@@ -339,9 +362,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     buffer.lease = BufferLease(*this, static_cast<int>(index));
     buffer.cookie = slot.cookie;
     buffer.sequence = frame.sequence;
-    const std::int64_t stamp_ns =
-        metadata.get(lc::controls::SensorTimestamp).value_or(static_cast<std::int64_t>(frame.timestamp));
-    buffer.timestamp = instant_of_recent_stamp(clock_, Duration(stamp_ns));
+    buffer.timestamp = timestamp_of(*slot.request, frame);
+    buffer.control_late = slot.control_late;
     buffer.damaged = frame.status != lc::FrameMetadata::FrameSuccess;
     if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
       buffer.exposure = microseconds(*exposure_us);
@@ -359,10 +381,12 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   // Both are called by libcamera's own thread.
   void on_completed(lc::Request* request) {
     if (request->status() == lc::Request::RequestCancelled) return;
+    const auto index = static_cast<std::size_t>(request->cookie());
+    const Instant timestamp = timestamp_of(*request, buffers_->buffer(index).metadata());
     {
       const std::lock_guard completions(completions_mutex_);
-      completed_[(first_ + count_++) % completed_.size()] = static_cast<std::size_t>(request->cookie());
-      pacer_.completed();
+      completed_[(first_ + count_++) % completed_.size()] = index;
+      if (paced_) slots_[index].control_late = pacer_.completed(timestamp);
     }
     changed_.notify_one();
   }
@@ -382,7 +406,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   std::shared_ptr<lc::Camera> camera_;
   Clock& clock_;
   CameraCapabilities capabilities_;
-  bool paced_;
+  bool paced_;  // exposures are written when queued, see ControlPacer
   StreamMode mode_;
   std::size_t stride_ = 0;
   std::unique_ptr<LibcameraBuffers> buffers_;

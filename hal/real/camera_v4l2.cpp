@@ -110,6 +110,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       mode.frame_duration = *fixed;
     control_.describe(capabilities_);
     TRY(stream_.allocate(buffers));
+    const bool requests = per_request_ && control_.exists() && stream_.takes_requests();
+    capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
+    capabilities_.timestamp_mark = stream_.timestamp_mark();
     slots_.resize(static_cast<std::size_t>(stream_.buffers()));
     return mode;
   }
@@ -124,8 +127,6 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       if (slot.state == State::Queued) slot.state = State::Free;
     pacer_.restart(), queued_ = 0, last_write_ = {}, wake_.clear();
     TRY(stream_.start());
-    const bool requests = per_request_ && control_.exists() && stream_.request_fd(0) >= 0;
-    capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
     started_ = true;
     return {};
   }
@@ -213,7 +214,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   Result<void> write_due_exposure() {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
-    return due ? control_.write(*due) : Result<void>();
+    if (!due) return {};
+    const Result<void> wrote = control_.write(due->request);
+    if (wrote) pacer_.written(*due, clock_.now());
+    return wrote;
   }
 
   Result<void> sleep_until_ready(Duration left) {
@@ -253,7 +257,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (capabilities_.reports_exposure)
       if (const auto applied = control_.read(stream_.request_fd(filled.index)))
         buffer.exposure = applied->exposure, buffer.analogue_gain = applied->analogue_gain;
-    pacer_.completed();
+    if (const bool late = pacer_.completed(buffer.timestamp);
+        control_.exists() && !capabilities_.exposure_per_request)
+      buffer.control_late = late;
     last_write_ = write_due_exposure();  // this frame is whole all the same: the next queue() tells
     return buffer;
   }

@@ -1,9 +1,11 @@
 // When to write a control that acts "now" and not with a frame of its own (a sensor sub-device, a USB
 // camera): one request's exposure per frame, as soon as the frame before it is complete. So a request written
 // at frame k shows at frame k + delay, with the delay of the device and nothing else, however many requests
-// wait in the queue. No allocation. Thread-compatible.
+// wait in the queue. A write that a busy machine made late breaks that promise, and is told. No allocation.
+// Thread-compatible.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -16,24 +18,65 @@ class ControlPacer {
  public:
   static constexpr int kDepth = 64;  // buffers of a stream, at most
 
-  void restart() { queued_ = completed_ = written_ = 0; }
+  // The exposure of one frame, to be written now.
+  struct Turn {
+    std::uint64_t index = 0;
+    ExposureRequest request;
+  };
 
-  void queued(const ExposureRequest& request) { ring_[queued_++ % kDepth] = request; }
-  void completed() { ++completed_; }
+  void restart() { *this = {}; }
+  void queued(const ExposureRequest& request) { ring_[queued_++ % kDepth] = {request, true}; }
 
-  // The exposure to write now, once; nullopt where it is written already or not yet known.
-  std::optional<ExposureRequest> due() {
-    if (completed_ >= queued_ || written_ > completed_) return std::nullopt;
-    written_ = completed_ + 1;
-    return current();
+  // The exposure of the next frame; nullopt where it is not yet known.
+  std::optional<Turn> next() const {
+    if (completed_ >= queued_) return std::nullopt;
+    return Turn{completed_, ring_[completed_ % kDepth].request};
   }
-  // The exposure of the next frame, written already or not. There is one in the queue.
-  const ExposureRequest& current() const { return ring_[completed_ % kDepth]; }
+  // The same, once: nullopt where it is written already.
+  std::optional<Turn> due() const { return unwritten_ > completed_ ? std::nullopt : next(); }
+
+  void written(const Turn& turn, Instant now) {
+    if (turn.index < unwritten_) return;
+    unwritten_ = turn.index + 1;
+    if (turn.index == completed_) ring_[turn.index % kDepth].late = turn.index > 0 && is_late(now - begun_);
+  }
+  // A frame is complete; the driver stamped it so. Whether its request's exposure was written late, or never.
+  bool completed(Instant timestamp) {
+    if (completed_ > 0) interval_.add(timestamp - begun_);
+    begun_ = timestamp;
+    return ring_[completed_++ % kDepth].late;
+  }
 
  private:
-  std::array<ExposureRequest, kDepth> ring_{};
+  struct Entry {
+    ExposureRequest request;
+    bool late = true;  // until it is written
+  };
+
+  // A median that follows slowly: one outlier moves it by a 32nd.
+  struct RunningMedian {
+    std::optional<Duration> value;
+    void add(Duration sample) {
+      if (!value) value = sample;
+      const Duration step = std::max(std::chrono::abs(*value) / 32, Duration(10'000));
+      *value += std::clamp(sample - *value, -step, step);
+    }
+  };
+
+  // Where in a frame a camera takes over what was written nobody knows. But the control's delay was measured
+  // with writes at the usual time, and holds for those.
+  bool is_late(Duration after_timestamp) {
+    const bool late =
+        usual_.value && interval_.value && after_timestamp > *usual_.value + *interval_.value / 4;
+    usual_.add(after_timestamp);
+    return late;
+  }
+
+  std::array<Entry, kDepth> ring_{};
   std::uint64_t queued_ = 0, completed_ = 0;
-  std::uint64_t written_ = 0;  // requests before this one are written or were missed
+  std::uint64_t unwritten_ = 0;     // requests before this one are written or were missed
+  Instant begun_;                   // timestamp of the frame completed last
+  RunningMedian interval_, usual_;  // from timestamp to timestamp, and to the write for the next frame
 };
 
 }  // namespace hdrcam

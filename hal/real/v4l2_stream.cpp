@@ -71,6 +71,8 @@ Result<void> V4l2Stream::allocate(int buffers) {
 Result<void> V4l2Stream::map(int index) {
   BufferCall call(queue_type_, index);
   TRY(video_.demand(VIDIOC_QUERYBUF, &call.buffer, "describe its buffers"));
+  const bool at_start = (call.buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  timestamp_mark_ = at_start ? TimestampMark::ExposureBegin : TimestampMark::ExposureEnd;
   void* memory =
       ::mmap(nullptr, call.length(), PROT_READ | PROT_WRITE, MAP_SHARED, video_.fd(), call.offset());
   if (memory == MAP_FAILED) return device_error(errno, video_.path(), "map its buffers");

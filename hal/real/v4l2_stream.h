@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/core/instant.h"
+#include "hal/camera.h"
 #include "hal/real/device_node.h"
 
 namespace hdrcam {
@@ -33,6 +33,10 @@ class V4l2Stream {
   // Of this buffer's media request; -1 where there is none. Holds the controls of its last frame until
   // renew().
   int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request_fd; }
+
+  // As the driver's queue says, once buffers are allocated.
+  bool takes_requests() const { return media_ != nullptr; }
+  TimestampMark timestamp_mark() const { return timestamp_mark_; }
 
   Result<void> start();
   Result<void> stop();
@@ -62,6 +66,7 @@ class V4l2Stream {
   const DeviceNode* media_;
   std::uint32_t queue_type_;
   std::vector<Buffer> buffers_;
+  TimestampMark timestamp_mark_ = TimestampMark::ExposureEnd;
 };
 
 }  // namespace hdrcam

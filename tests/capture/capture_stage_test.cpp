@@ -222,6 +222,42 @@ TEST_CASE("a wrong delay is found from the pictures within three rounds", "[capt
   }
 }
 
+TEST_CASE("a control that was written late makes no label wrong, not even in the dark", "[capture]") {
+  for (const int latency : {0, 1, 3}) {
+    SensorSettings settings{.per_request = false, .latency = latency, .gain_latency = latency, .pan_px = 1};
+    const CaptureOptions options{.delays = ControlDelays{latency, latency}};
+    const SensorFaults faults{.written_late = 0.1};
+    const Tally bright = run(settings, faults, 3, 300, options);
+    CAPTURE(latency, describe(bright));
+    CHECK(bright.trusted_wrong == 0);
+    CHECK(bright.proved + bright.plausible >= 285);
+    CHECK(bright.relabelled >= 15);
+    settings.key = 1e-4;
+    const Tally dark = run(settings, faults, 3, 300, options);
+    CAPTURE(describe(dark));
+    CHECK(dark.trusted_wrong == 0);
+    CHECK(dark.unknown >= 15);
+    CHECK(dark.plausible >= 240);
+  }
+}
+
+TEST_CASE("a camera that is slower than it agreed loses no frames", "[capture]") {
+  for (const Duration kept : {Duration(66ms), Duration(100ms)}) {
+    const SensorSettings settings{
+        .per_request = false, .latency = 2, .gain_latency = 2, .kept_frame = kept, .pan_px = 1};
+    const Tally tally = run(settings, {}, 3, 200, {.delays = ControlDelays{2, 2}});
+    CAPTURE(describe(tally));
+    CHECK(tally.counters.lost_by_camera == 0);
+    CHECK(tally.trusted_wrong == 0);
+    CHECK(tally.proved >= 190);
+    const Tally lossy =
+        run(settings, {.drop = 0.1, .hide_drops = true}, 3, 200, {.delays = ControlDelays{2, 2}});
+    CAPTURE(describe(lossy));
+    CHECK(lossy.counters.lost_by_camera >= 10);
+    CHECK(lossy.proved_wrong == 0);
+  }
+}
+
 TEST_CASE("a camera about which nothing is known has its frames labelled by their pictures", "[capture]") {
   const SensorSettings settings{
       .kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1};

@@ -94,10 +94,10 @@ Result<void> SensorModel::queue(const ExposureRequest& request) {
   return {};
 }
 
-// The request at the head of the queue has its turn as frame `frame_` begins.
-void SensorModel::write_controls(const ExposureRequest& request) {
+// The request at the head of the queue has its turn as frame `frame_` begins, or is too late for it.
+void SensorModel::write_controls(const ExposureRequest& request, bool late) {
   const auto write = [&](int latency, auto&& set) {
-    const std::size_t from = frame_ + static_cast<std::size_t>(latency);
+    const std::size_t from = frame_ + static_cast<std::size_t>(latency) + (late ? 1 : 0);
     while (schedule_of_frame_.size() <= from) schedule_of_frame_.push_back(schedule_of_frame_.back());
     for (std::size_t i = from; i < schedule_of_frame_.size(); ++i) set(schedule_of_frame_[i]);
   };
@@ -203,16 +203,17 @@ Result<CapturedBuffer> SensorModel::wait(Duration) {
   if (queued_.empty()) return Error{ErrorCode::Timeout, "no request is queued"};
   std::normal_distribution<> normal;
   const int lost = happens(faults_.drop) ? faults_.drop_run : 0;
+  const bool late = happens(faults_.written_late);
   Controls controls;
   for (int i = 0; i <= lost; ++i) {
-    write_controls(queued_.front());
+    write_controls(queued_.front(), late && i == 0);
     // The exposure of a lost frame is spent on it when controls go by frames; a request waits for a frame
     // that comes.
     if (i == lost || !settings_.per_request) controls = applied(completed_);
     expose_frame(controls, clock_);
     ++frame_;
     if (i == lost || !faults_.hide_drops) ++sequence_;
-    if (i == lost || !faults_.freeze_time) clock_ = clock_ + kFrame;
+    if (i == lost || !faults_.freeze_time) clock_ = clock_ + settings_.kept_frame;
   }
   truth_ = log_product({controls.time, controls.gain});
   paint(std::exp(truth_));
@@ -224,8 +225,10 @@ Result<CapturedBuffer> SensorModel::wait(Duration) {
   if (completed_ > 1 && happens(faults_.cookie_doubled)) buffer.cookie = last_cookie_;
   last_cookie_ = buffer.cookie;
   buffer.sequence = sequence_;
-  buffer.timestamp = clock_ + (-kFrame + Duration(static_cast<Duration::rep>(5e4 * normal(random_))));
+  buffer.timestamp =
+      clock_ + (-settings_.kept_frame + Duration(static_cast<Duration::rep>(5e4 * normal(random_))));
   buffer.damaged = happens(faults_.damage);
+  buffer.control_late = late;
   if (settings_.reports && !happens(faults_.report_missing)) {
     const Controls& told = before_ && happens(faults_.report_late) ? *before_ : controls;
     buffer.exposure = told.time;

@@ -35,6 +35,7 @@ struct SensorFaults {
   Duration clip_time{10'000'000};
   bool clips_always = false;   // the sensor cannot do longer ones and does not say so
   bool never_applied = false;  // the exposure stays that of the first frame
+  double written_late = 0;     // a control is written after its frame began, and the driver's side says so
   double slip = 0;             // from here on every exposure comes one frame earlier than asked
   double strobe_lost = 0;
 };
@@ -46,12 +47,13 @@ struct SensorSettings {
   int latency = 0;          // frames: exposure
   int gain_latency = 0;
   bool reports = false, embedded = false;
-  Duration strobe_offset{0};  // of the pulse's rise against the timestamp
-  double pan_px = 2;          // per frame
-  bool object = true;         // a disc that moves across
-  double light_walk = 0.01;   // rms change of the light per frame, ln
-  double cut = 0;             // probability per frame of another scene
-  double key = 1;             // radiance of the median against the saturation of 4 ms
+  Duration kept_frame{33'333'333};  // from frame to frame, whatever was agreed
+  Duration strobe_offset{0};        // of the pulse's rise against the timestamp
+  double pan_px = 2;                // per frame
+  bool object = true;               // a disc that moves across
+  double light_walk = 0.01;         // rms change of the light per frame, ln
+  double cut = 0;                   // probability per frame of another scene
+  double key = 1;                   // radiance of the median against the saturation of 4 ms
   unsigned seed = 1;
 };
 
@@ -84,7 +86,7 @@ class SensorModel : public Camera, private BufferLease::Owner {
   Controls asked_for(const ExposureRequest& request) const {
     return {request.exposure, request.analogue_gain};
   }
-  void write_controls(const ExposureRequest& request);
+  void write_controls(const ExposureRequest& request, bool late);
   Controls applied(std::size_t request);
   void expose_frame(const Controls& controls, Instant begin);
   void paint(double product);

@@ -79,14 +79,14 @@ void SimulatedPin::drive(bool high) const {
 
 bool SimulatedPin::level() const { return first_line(value_) == "1"; }
 
-UsbCamera::UsbCamera(int latency_frames, int rate_hz, std::string_view strobe_file) {
+UsbCamera::UsbCamera(int latency_frames, int rate_hz, std::string_view strobe_file, int lose_every) {
   static int plugged_in = 0;
   name_ = "hdrcam camera " + std::to_string(++plugged_in) + ".";
   const std::string latency = std::to_string(latency_frames), rate = std::to_string(rate_hz),
-                    strobe(strobe_file);
-  const char* arguments[] = {"./hdrcam_usb_camera", "--name", name_.c_str(), "--latency",
-                             latency.c_str(),       "--rate", rate.c_str(),  "--strobe",
-                             strobe.c_str(),        nullptr};
+                    strobe(strobe_file), lose = std::to_string(lose_every);
+  const char* arguments[] = {"./hdrcam_usb_camera", "--name",       name_.c_str(), "--latency",
+                             latency.c_str(),       "--rate",       rate.c_str(),  "--strobe",
+                             strobe.c_str(),        "--lose-every", lose.c_str(),  nullptr};
   process_ = start_program(arguments);
   (void)node();
   settle();

@@ -30,8 +30,10 @@ class SimulatedPin {
 // A simulated USB camera in a process of its own; the plug is pulled when it goes out of scope.
 class UsbCamera {
  public:
-  // latency: frames from a setting to the picture that shows it. rate: unless the host asks for another.
-  explicit UsbCamera(int latency_frames, int rate_hz = 30, std::string_view strobe_file = "");
+  // latency: frames from a setting to the picture that shows it. rate: unless the host asks for another. Of
+  // every `lose_every` frames the last is exposed but never sent; 0: all are sent.
+  explicit UsbCamera(int latency_frames, int rate_hz = 30, std::string_view strobe_file = "",
+                     int lose_every = 0);
   ~UsbCamera();
   UsbCamera(const UsbCamera&) = delete;
   UsbCamera& operator=(const UsbCamera&) = delete;

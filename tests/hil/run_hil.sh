@@ -6,7 +6,7 @@
 #   tests/hil/run_hil.sh BUILD [ARGUMENT...]              hdrcam_hil of that build folder, with Catch2's arguments
 #   HIL_PROGRAM='PROGRAM ARGUMENT...' tests/hil/run_hil.sh BUILD    another program, in the folder with the binaries
 #
-# exit: 0 passed, 1 failed, 2 could not set up, 124 took too long (HIL_TIMEOUT seconds, 480).
+# exit: 0 passed, 1 failed, 2 could not set up, 124 took too long (HIL_TIMEOUT seconds, 900).
 # needs: apt with Debian 12's lists, g++, make, xz, python3. Packages are unpacked under HIL_CACHE (build/hil), never installed;
 # the first run fetches 320 MB and takes a minute more.
 set -eu
@@ -133,7 +133,7 @@ boot() {
       -device "virtio-9p-pci,fsdev=${tag%%=*},mount_tag=${tag%%=*}")
   done
   # One processor: emulating two takes longer.
-  LD_LIBRARY_PATH=$libraries timeout "${HIL_TIMEOUT:-480}" "$qemu" "${firmware[@]}" -M q35 -accel tcg -cpu max -m 1024 \
+  LD_LIBRARY_PATH=$libraries timeout "${HIL_TIMEOUT:-900}" "$qemu" "${firmware[@]}" -M q35 -accel tcg -cpu max -m 1024 \
     -display none -no-reboot -nodefaults -serial file:serial.txt "${shares[@]}" -kernel kernel/boot/vmlinuz-"$release" \
     -initrd initramfs -append "console=ttyS0 panic=-1 quiet" < /dev/null
 }

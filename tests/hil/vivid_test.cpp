@@ -1,8 +1,10 @@
 // The kernel's virtual camera: it takes a control with each frame (request API) and has every pixel format.
 #include <linux/v4l2-controls.h>
 
+#include <array>
 #include <optional>
 
+#include "capture/capture_stage.h"
 #include "hal/real/camera_v4l2.h"
 #include "tests/contracts/camera_contract.h"
 #include "tests/contracts/expect.h"
@@ -20,6 +22,15 @@ constexpr StreamMode kMode{PixelFormat::Yuyv, 640, 360, milliseconds(33)};
 
 std::unique_ptr<Camera> vivid(const V4l2Options& options = {}) {
   return value_of(open_v4l2_camera(video_node("vivid-000-vid-cap"), options));
+}
+
+// Below the middle: the driver writes text above.
+double mean_green(const Image<std::uint16_t>& codes) {
+  double sum = 0;
+  const int rows = codes.rows() / 2, first = codes.rows() - rows;
+  for (int y = first; y < codes.rows(); ++y)
+    for (int x = 0; x < codes.cols(); ++x) sum += codes.at(1, y, x);
+  return sum / (static_cast<double>(rows) * codes.cols());
 }
 
 TEST_CASE("vivid keeps the camera contract") {
@@ -71,6 +82,46 @@ TEST_CASE("a frame of vivid carries the control of its own request") {
     queue();
   }
   CHECK(*bright > *dark + 30);
+}
+
+TEST_CASE("vivid's frames are labelled with the control of their own request") {
+  constexpr Exposure kCycle[] = {{milliseconds(5), 1}, {milliseconds(10), 1}, {milliseconds(20), 1}};
+  constexpr int kFrames = 120;
+  const auto camera = vivid(kBrightnessIsExposure);
+  const auto stage =
+      value_of(CaptureStage::open(*camera, nullptr, kCycle, Mains::Off, {.mode = kMode, .buffers = 8}));
+  CHECK(stage->warnings().empty());
+  require_done(stage->start());
+  CapturedFrame frame;
+  std::array<std::optional<double>, 3> mean{};  // of green, by slot
+  int trusted = 0, reported = 0;
+  for (int i = 0; i < kFrames; ++i) {
+    require_done(stage->next(frame));
+    const FrameFacts& facts = frame.raw.facts;
+    INFO("frame " << i);
+    const std::size_t slot = frame.cookie % 3;
+    CHECK(facts.exposure_s == Approx(to_seconds(kCycle[slot].time)));
+    reported += facts.exposure_source == ExposureSource::Reported ? 1 : 0;
+    trusted += frame.proof.trusted() ? 1 : 0;
+    const double shown = mean_green(frame.raw.codes);
+    if (mean[slot]) REQUIRE(shown == Approx(*mean[slot]).margin(8));
+    mean[slot] = shown;
+  }
+  fmt::print("vivid: {} frames, {} reported, {} trusted, {} proved, {} contradicted\n", kFrames, reported,
+             trusted, stage->counters().proved, stage->counters().contradicted);
+  CHECK(reported == kFrames);
+  CHECK(*mean[0] < *mean[1] - 5);
+  CHECK(*mean[1] < *mean[2] - 5);
+}
+
+TEST_CASE("a camera says where in a frame its driver takes the timestamp") {
+  const auto of_vivid = vivid();
+  value_of(of_vivid->configure(kMode, 4));
+  CHECK((of_vivid->capabilities().timestamp_mark == TimestampMark::ExposureEnd));
+  const UsbCamera plugged(0);
+  const auto of_usb = value_of(open_v4l2_camera(plugged.node()));
+  value_of(of_usb->configure({PixelFormat::Yuyv, 320, 240, milliseconds(33)}, 4));
+  CHECK((of_usb->capabilities().timestamp_mark == TimestampMark::ExposureBegin));
 }
 
 TEST_CASE("vivid delivers every format that it agrees to") {

@@ -113,27 +113,67 @@ TEST_CASE("the gain codes of known sensors are those of their data sheets") {
     }
 }
 
-TEST_CASE("paced controls are written once per frame, that of the next frame") {
+// A camera of 30 frames a second whose controls are written 20 ms after each frame's timestamp.
+struct PacedStream {
   ControlPacer pacer;
-  CHECK_FALSE(pacer.due().has_value());
-  for (std::uint64_t k = 0; k < 8; ++k) pacer.queued({.cookie = k});
-  for (std::uint64_t frame = 0; frame < 8; ++frame) {
+  Instant frame_begin{milliseconds(1000)};
+
+  explicit PacedStream(std::uint64_t requests) {
+    for (std::uint64_t k = 0; k < requests; ++k) pacer.queued({.cookie = k});
+  }
+  void write(milliseconds after_timestamp = milliseconds(20)) {
     const auto due = pacer.due();
     REQUIRE(due.has_value());
-    CHECK(due->cookie == frame);
-    CHECK_FALSE(pacer.due().has_value());
-    pacer.completed();
+    pacer.written(*due, frame_begin + after_timestamp);
   }
-  CHECK_FALSE(pacer.due().has_value());  // the queue ran dry
-  pacer.queued({.cookie = 8});
-  CHECK(pacer.due()->cookie == 8);
+  // Whether the frame's own control was late.
+  bool complete() {
+    frame_begin = frame_begin + milliseconds(33);
+    return pacer.completed(frame_begin);
+  }
+};
+
+TEST_CASE("paced controls are written once per frame, that of the next frame") {
+  PacedStream stream(8);
+  CHECK_FALSE(ControlPacer().due().has_value());
+  for (std::uint64_t frame = 0; frame < 8; ++frame) {
+    CHECK(stream.pacer.due()->request.cookie == frame);
+    stream.write();
+    CHECK_FALSE(stream.pacer.due().has_value());
+    CHECK_FALSE(stream.complete());
+  }
+  CHECK_FALSE(stream.pacer.due().has_value());  // the queue ran dry
+  stream.pacer.queued({.cookie = 8});
+  CHECK(stream.pacer.due()->request.cookie == 8);
 }
 
-TEST_CASE("a paced control that was missed is not written late") {
-  ControlPacer pacer;
-  for (std::uint64_t k = 0; k < 8; ++k) pacer.queued({.cookie = k});
-  pacer.completed(), pacer.completed(), pacer.completed();
-  CHECK(pacer.due()->cookie == 3);
+TEST_CASE("a paced control that was missed is not written any more, and its frame says so") {
+  PacedStream stream(8);
+  stream.write();
+  CHECK_FALSE(stream.complete());
+  CHECK(stream.complete());
+  CHECK(stream.complete());
+  CHECK(stream.pacer.due()->request.cookie == 3);
+}
+
+TEST_CASE("a paced control that is written late says so, and only that one") {
+  PacedStream stream(64);
+  for (int frame = 0; frame < 60; ++frame) {
+    const bool late = frame == 20 || frame == 40;
+    stream.write(milliseconds(late ? 32 : 18 + frame % 3));
+    INFO("frame " << frame);
+    REQUIRE(stream.complete() == late);
+  }
+}
+
+TEST_CASE("a paced control that was overtaken by its frame is late") {
+  PacedStream stream(8);
+  stream.write();
+  stream.complete();
+  const auto due = stream.pacer.due();
+  CHECK(stream.complete());
+  stream.pacer.written(*due, stream.frame_begin);
+  CHECK(stream.pacer.due()->request.cookie == 2);
 }
 
 TEST_CASE("an exposure beyond a camera's limits is refused with the limits") {

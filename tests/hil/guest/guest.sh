@@ -23,7 +23,7 @@ udevadm settle
 echo "HIL-READY $(uptime) s"
 
 export HIL_GPIO=/sys/devices/platform/$($bb cat $chip/dev_name)/$($bb cat $chip/bank0/chip_name)
-$bb timeout ${HIL_LIMIT:-600} /bin/busybox sh /hil/command.sh > /hil/out.txt 2>&1
+$bb timeout ${HIL_LIMIT:-870} /bin/busybox sh /hil/command.sh > /hil/out.txt 2>&1
 echo "HIL-END rc=$? $(uptime) s"
 $bb sync
 $bb poweroff -f

@@ -1,18 +1,20 @@
 // A USB camera in user space. The kernel's own uvcvideo driver binds to it; exposure and gain really change
 // the picture, `latency` frames after they were set, and every picture says what it was taken with
-// (picture_stamp.h). usage: hdrcam_usb_camera [--port N] [--latency FRAMES] [--name TEXT] [--strobe
-// PULL_FILE]
-//   PULL_FILE is the `pull` attribute of a gpio-sim line, which is raised while a frame is transferred.
+// (picture_stamp.h).
+// usage: hdrcam_usb_camera [--latency FRAMES] [--rate HZ] [--name TEXT] [--strobe PULL_FILE] [--lose-every N]
+//   PULL_FILE is the `pull` attribute of a gpio-sim line, which is raised while a frame is transferred; of
+//   every N frames the last is exposed but never sent.
 #include <fcntl.h>
 #include <poll.h>
+#include <sched.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <deque>
 #include <string>
 #include <string_view>
@@ -26,6 +28,7 @@ namespace {
 
 struct Options {
   int latency = 1, rate_hz = 30;
+  std::uint32_t lose_every = 0;  // 0: none
   std::string name = "hdrcam test camera", strobe;
 };
 
@@ -35,36 +38,49 @@ std::uint64_t now_ns() {
   return static_cast<std::uint64_t>(now.tv_sec) * 1'000'000'000 + static_cast<std::uint64_t>(now.tv_nsec);
 }
 
-// A ramp over four decades of light, with stripes, and a black square that moves.
+// A ramp over four decades of light, with stripes, and a black square that moves; luma as the device's colour
+// descriptor says: BT.709's transfer, 16 to 235.
 class Scene {
  public:
   void paint(PictureSize size, std::uint32_t frame, const CameraSettings& settings, std::uint8_t* yuyv) {
     prepare(size);
-    const float amplify =
-        static_cast<float>(settings.exposure_100us) * 0.1F * static_cast<float>(settings.gain_16ths) / 16.F;
-    const float offset = static_cast<float>(settings.brightness) + 0.5F;
-    for (std::size_t i = 0; i < light_.size(); ++i) {
-      yuyv[2 * i] = static_cast<std::uint8_t>(std::clamp(light_[i] * amplify + offset, 0.F, 255.F));
-      yuyv[2 * i + 1] = 128;
-    }
+    const auto luma = luma_of_light(settings);
+    for (std::size_t i = 0; i < light_.size(); ++i) yuyv[2 * i] = luma[light_[i]], yuyv[2 * i + 1] = 128;
     const int left = static_cast<int>(frame * 4 % static_cast<std::uint32_t>(size.width));
     for (int y = size.height / 2; y < size.height * 5 / 8; ++y)
-      for (int x = left; x < std::min(left + 16, size.width); ++x) yuyv[2 * (y * size.width + x)] = 0;
+      for (int x = left; x < std::min(left + 16, size.width); ++x) yuyv[2 * (y * size.width + x)] = 16;
   }
 
  private:
+  static constexpr int kLevels = 256;  // of light, equal ratios
+  static constexpr float kDecades = 4;
+
+  // The brightest light saturates in 0.1 ms at gain 1.
+  static std::array<std::uint8_t, kLevels> luma_of_light(const CameraSettings& settings) {
+    const float amplify =
+        static_cast<float>(settings.exposure_100us) * static_cast<float>(settings.gain_16ths) / 16.F;
+    std::array<std::uint8_t, kLevels> luma{};
+    for (int i = 0; i < kLevels; ++i) {
+      const float decades = kDecades * (static_cast<float>(i) / (kLevels - 1) - 1);
+      const float light = std::min(1.F, amplify * std::pow(10.F, decades));
+      const float signal = light < 0.018F ? 4.5F * light : 1.099F * std::pow(light, 0.45F) - 0.099F;
+      const float code = 16.5F + 219.F * signal + static_cast<float>(settings.brightness);
+      luma[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(std::clamp(code, 0.F, 255.F));
+    }
+    return luma;
+  }
   void prepare(PictureSize size) {
     const auto pixels = static_cast<std::size_t>(size.width * size.height);
     if (light_.size() == pixels) return;
     light_.resize(pixels);
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) {
-        const float decades = -1.5F + 4.F * static_cast<float>(x) / static_cast<float>(size.width);
-        const float stripes = (y / 8) % 2 == 0 ? 1.F : 1.2F;
-        light_[static_cast<std::size_t>(y * size.width + x)] = std::pow(10.F, decades) * stripes;
+        const int stripes = (y / 8) % 2 == 0 ? 0 : 6;
+        const int level = x * (kLevels - 6) / size.width + stripes;
+        light_[static_cast<std::size_t>(y * size.width + x)] = static_cast<std::uint8_t>(level);
       }
   }
-  std::vector<float> light_;  // codes per millisecond, [rows, cols]
+  std::vector<std::uint8_t> light_;  // level, [rows, cols]
 };
 
 class UsbCamera {
@@ -123,20 +139,25 @@ class UsbCamera {
     next_frame_ns_ += period;
     if (next_frame_ns_ + 5 * period < now_ns())
       next_frame_ns_ = now_ns() + period;  // after a long pause, no catching up
-    if (sent_ < payload_.size()) return;   // the last frame is still on the wire: this one is lost
     history_.push_back(device_.settings());
     while (history_.size() > static_cast<std::size_t>(options_.latency) + 1) history_.pop_front();
     const CameraSettings& applied = history_.front();
+    const std::uint32_t frame = frame_++;
+    if (sent_ < payload_.size()) return;  // the last frame is still on the wire: this one is lost
+    if (options_.lose_every > 0 && frame % options_.lose_every == options_.lose_every - 1) {
+      strobe(true), strobe(false);
+      return;
+    }
     const PictureSize size = device_.size();
     payload_.resize(2 + static_cast<std::size_t>(size.width * size.height) * 2);
     toggle_ ^= 1;
     payload_[0] = 2,
     payload_[1] = static_cast<std::uint8_t>(0x80 | 0x02 | toggle_);  // header, end of frame [2.4.3.3]
-    scene_.paint(size, frame_, applied, payload_.data() + 2);
+    scene_.paint(size, frame, applied, payload_.data() + 2);
     PictureStamp stamp;
-    stamp.frame = frame_++, stamp.exposure_100us = applied.exposure_100us;
+    stamp.frame = frame, stamp.exposure_100us = applied.exposure_100us;
     stamp.gain_16ths = applied.gain_16ths, stamp.brightness = applied.brightness;
-    std::memcpy(payload_.data() + 2, &stamp, sizeof stamp);
+    write_stamp(stamp, payload_.data() + 2);
     sent_ = 0;
     strobe(true);
     pump();
@@ -185,9 +206,12 @@ int main(int argc, char** argv) {
     const std::string_view flag = argv[i];
     if (flag == "--rate") options.rate_hz = std::atoi(argv[i + 1]);
     if (flag == "--latency") options.latency = std::atoi(argv[i + 1]);
+    if (flag == "--lose-every") options.lose_every = static_cast<std::uint32_t>(std::atoi(argv[i + 1]));
     if (flag == "--name") options.name = argv[i + 1];
     if (flag == "--strobe") options.strobe = argv[i + 1];
   }
+  const sched_param before_all{.sched_priority = 10};  // a camera does not wait for its host's processor
+  (void)::sched_setscheduler(0, SCHED_FIFO, &before_all);
   auto link = hdrcam::hil::UsbIpLink::plug_in();
   if (!link) {
     std::perror(

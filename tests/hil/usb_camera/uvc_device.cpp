@@ -9,9 +9,9 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::array<std::uint32_t, 3> kIntervals_100ns{166667, 333333,
-                                                        666667};  // 60, 30, 15 frames a second
-constexpr std::size_t kProbeLength = 34;                          // [4.3.1.1], UVC 1.1
+constexpr std::array<std::uint32_t, 4> kIntervals_100ns{166667, 333333, 666667,
+                                                        2'000'000};  // 60, 30, 15, 5 frames a second
+constexpr std::size_t kProbeLength = 34;                             // [4.3.1.1], UVC 1.1
 constexpr std::uint32_t kClock_hz = 48'000'000;
 constexpr std::uint8_t kCameraTerminal = 1, kProcessingUnit = 2, kOutputTerminal = 3;
 

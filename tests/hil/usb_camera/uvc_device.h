@@ -1,5 +1,5 @@
 // A USB Video Class 1.1 camera without the wire: descriptors, control requests, format negotiation. It has
-// what the product needs of a webcam: exposure (mode and time), gain, brightness, three picture sizes in
+// what the product needs of a webcam: exposure (mode and time), gain, brightness, four picture sizes in
 // YUYV, a bulk endpoint. Numbers in brackets are chapters of "USB Device Class Definition for Video Devices,
 // revision 1.1". Thread-bound.
 #pragma once
@@ -18,7 +18,8 @@ namespace hdrcam::hil {
 struct PictureSize {
   int width, height;
 };
-constexpr std::array kSizes{PictureSize{320, 240}, PictureSize{640, 480}, PictureSize{1280, 720}};
+constexpr std::array kSizes{PictureSize{320, 240}, PictureSize{640, 480}, PictureSize{1280, 720},
+                            PictureSize{160, 120}};
 
 struct CameraSettings {
   std::uint8_t exposure_mode = 1;  // manual [A.9.4]
