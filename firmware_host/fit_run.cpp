@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "hal/core/cpu.h"
 
 namespace hdrcam {
 
@@ -20,7 +19,6 @@ Result<std::unique_ptr<FitRun>> FitRun::open(const Settings& settings, const Cam
                                              ThreadPriority priority) {
   const PipelineOptions options = TRY(options_of(settings.fit));
   Outputs outputs = TRY(Outputs::open(settings.output, camera, storage));
-  flush_denormals();
   std::unique_ptr<FitRun> run(new FitRun(options, camera, thread_count(settings.fit), priority,
                                          std::move(outputs), std::move(emitted)));
   RunRecord& record = run->record_;
