@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-
 namespace hdrcam {
 
 std::string flags_of(const Settings::Fit& fit) {

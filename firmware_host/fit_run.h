@@ -1,5 +1,6 @@
 // One run of the pipeline into its outputs, whatever its frames come from, and the record of what it did. A
-// run may last for weeks: the record keeps the latest frames only. Thread-bound.
+// run may last for weeks: the record keeps the latest frames only. Thread-bound; that thread flushes
+// denormals (hal/core/cpu.h) if it wants the speed of it.
 #pragma once
 
 #include <chrono>

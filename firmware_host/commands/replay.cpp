@@ -8,6 +8,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/fit_run.h"
 #include "firmware_host/progress.h"
+#include "hal/core/cpu.h"
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"
 
@@ -53,6 +54,7 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const std::string title =
       camera.name.empty() ? std::filesystem::path(flags.recording).stem().string() : camera.name;
 
+  flush_denormals();
   std::optional<Error> ended_early;  // reported after everything that was done is safe on disk
   std::unique_ptr<FitRun> run;
   {
