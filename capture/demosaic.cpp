@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace hdrcam {
 namespace {
@@ -35,32 +36,84 @@ int mirrored(int i, int count) {
   return std::clamp(i, 0, count - 1);
 }
 
-// The 5x5 neighbourhood of one pixel, reduced to the sums of the paper's figure 2; coefficients are eighths.
-struct Neighbourhood {
-  std::array<const std::uint16_t*, 5> row;
-  std::array<int, 5> col;
-
-  float at(int dy, int dx) const {
-    return static_cast<float>(row[static_cast<std::size_t>(dy + 2)][col[static_cast<std::size_t>(dx + 2)]]);
-  }
-  float centre() const { return at(0, 0); }
-  float across() const { return at(0, -1) + at(0, 1); }
-  float down() const { return at(-1, 0) + at(1, 0); }
-  float across2() const { return at(0, -2) + at(0, 2); }
-  float down2() const { return at(-2, 0) + at(2, 0); }
-  float diagonal() const { return at(-1, -1) + at(-1, 1) + at(1, -1) + at(1, 1); }
-
-  float green() const { return (4 * centre() + 2 * (across() + down()) - across2() - down2()) / 8; }
-  // a colour at a green pixel whose neighbours of that colour lie across, or down
-  float colour_across() const {
-    return (5 * centre() + 4 * across() - across2() - diagonal() + 0.5f * down2()) / 8;
-  }
-  float colour_down() const {
-    return (5 * centre() + 4 * down() - down2() - diagonal() + 0.5f * across2()) / 8;
-  }
-  // red at blue, blue at red
-  float opposite() const { return (6 * centre() + 2 * diagonal() - 1.5f * (across2() + down2())) / 8; }
+// One line through a red or blue pixel: two greens beside it, two of its own colour beyond them.
+struct Line {
+  float gradient, green;
 };
+Line along(float far_before, float green_before, float own, float green_after, float far_after) {
+  const float bend = 2 * own - far_before - far_after;
+  // The colour's own curvature sharpens the green, but never beyond the greens that were seen: at the border
+  // of something clipped it would ring.
+  const float green = std::clamp((green_before + green_after) / 2 + bend / 4,
+                                 std::min(green_before, green_after), std::max(green_before, green_after));
+  return {std::abs(green_before - green_after) + std::abs(bend), green};
+}
+
+// Green where the mosaic has none: along the line on which the picture changes less.
+void fill_green(const Image<std::uint16_t>& mosaic, RedAt red, float* green) {
+  const int rows = mosaic.rows(), cols = mosaic.cols();
+  for (int y = 0; y < rows; ++y) {
+    const auto row = [&](int dy) { return mosaic.row(0, mirrored(y + dy, rows)); };
+    const std::uint16_t* const near[5] = {row(-2), row(-1), row(0), row(1), row(2)};
+    float* out = green + static_cast<std::size_t>(y) * static_cast<std::size_t>(cols);
+    for (int x = 0; x < cols; ++x) {
+      const float own = near[2][x];
+      if (((x ^ red.x) & 1) != ((y ^ red.y) & 1)) {
+        out[x] = own;
+        continue;
+      }
+      const int a = mirrored(x - 2, cols), b = mirrored(x - 1, cols), d = mirrored(x + 1, cols),
+                e = mirrored(x + 2, cols);
+      const Line across = along(near[2][a], near[2][b], own, near[2][d], near[2][e]);
+      const Line down = along(near[0][x], near[1][x], own, near[3][x], near[4][x]);
+      out[x] = across.gradient < down.gradient   ? across.green
+               : down.gradient < across.gradient ? down.green
+                                                 : (across.green + down.green) / 2;
+    }
+  }
+}
+
+// The differences of one colour to green where the mosaic has that colour: smooth, as colours change less
+// than light.
+class Difference {
+ public:
+  Difference(const Image<std::uint16_t>& mosaic, const Image<float>& rgb) : mosaic_(mosaic), rgb_(rgb) {}
+  float at(int y, int x) const {
+    const int v = mirrored(y, mosaic_.rows()), u = mirrored(x, mosaic_.cols());
+    return static_cast<float>(mosaic_.at(0, v, u)) - rgb_.at(1, v, u);
+  }
+
+ private:
+  const Image<std::uint16_t>& mosaic_;
+  const Image<float>& rgb_;
+};
+
+// channel: 0 or 2; (sy, sx): the parity of the pixels that have it.
+void fill_colour(const Image<std::uint16_t>& mosaic, int channel, int sy, int sx, Image<float>& rgb) {
+  const Difference difference(mosaic, rgb);
+  for (int y = 0; y < mosaic.rows(); ++y) {
+    const float* green = rgb.row(1, y);
+    float* out = rgb.row(channel, y);
+    const bool own_row = (y & 1) == sy;
+    for (int x = 0; x < mosaic.cols(); ++x) {
+      const bool own_col = (x & 1) == sx;
+      if (own_row && own_col) {
+        out[x] = static_cast<float>(mosaic.at(0, y, x));
+      } else if (own_row) {
+        out[x] = green[x] + (difference.at(y, x - 1) + difference.at(y, x + 1)) / 2;
+      } else if (own_col) {
+        out[x] = green[x] + (difference.at(y - 1, x) + difference.at(y + 1, x)) / 2;
+      } else {  // of the two diagonals, the one along which the difference changes less
+        const float a = difference.at(y - 1, x - 1), b = difference.at(y + 1, x + 1),
+                    c = difference.at(y - 1, x + 1), d = difference.at(y + 1, x - 1);
+        const float falling = std::abs(a - b), rising = std::abs(c - d);
+        out[x] = green[x] + (falling < rising   ? (a + b) / 2
+                             : rising < falling ? (c + d) / 2
+                                                : (a + b + c + d) / 4);
+      }
+    }
+  }
+}
 
 }  // namespace
 
@@ -68,28 +121,11 @@ void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_
   const int rows = mosaic.rows(), cols = mosaic.cols();
   CHECK_LE(2, std::min(rows, cols));
   const RedAt red = red_at(layout);
-  rgb.reshape(3, rows, cols);
-  Neighbourhood near{};
-  for (int y = 0; y < rows; ++y) {
-    for (int d = -2; d <= 2; ++d)
-      near.row[static_cast<std::size_t>(d + 2)] = mosaic.row(0, mirrored(y + d, rows));
-    const bool red_row = (y & 1) == red.y;
-    for (int x = 0; x < cols; ++x) {
-      for (int d = -2; d <= 2; ++d) near.col[static_cast<std::size_t>(d + 2)] = mirrored(x + d, cols);
-      const bool red_col = (x & 1) == red.x;
-      std::array<float, 3> colour{};
-      if (red_row == red_col) {  // a red or a blue pixel
-        colour = {near.opposite(), near.green(), near.opposite()};
-        colour[red_row ? 0 : 2] = near.centre();
-      } else {  // green: the colour of its row lies across, the other one down
-        colour[1] = near.centre();
-        colour[red_row ? 0 : 2] = near.colour_across();
-        colour[red_row ? 2 : 0] = near.colour_down();
-      }
-      for (int c = 0; c < 3; ++c)
-        rgb.at(c, y, x) = std::clamp(colour[static_cast<std::size_t>(c)], 0.f, max_code);
-    }
-  }
+  rgb.reshape(3, mosaic.rows(), mosaic.cols());
+  fill_green(mosaic, red, rgb.plane(1));
+  fill_colour(mosaic, 0, red.y, red.x, rgb);
+  fill_colour(mosaic, 2, 1 - red.y, 1 - red.x, rgb);
+  for (float& code : rgb.samples()) code = std::clamp(code, 0.f, max_code);
 }
 
 }  // namespace hdrcam

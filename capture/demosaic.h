@@ -1,6 +1,8 @@
-// Bayer mosaic -> three full channels by gradient-corrected bilinear interpolation: Malvar, He and Cutler,
-// "High-quality linear interpolation for demosaicing of Bayer-patterned color images", ICASSP 2004. Linear,
-// 5x5, so that noise and exposure pass through it as through any linear filter. Reentrant.
+// Bayer mosaic -> three full channels, along edges: green by the direction of the smaller gradient, corrected
+// by the curvature of the colour that is there (Hamilton and Adams, "Adaptive color plan interpolation in
+// single sensor color electronic camera", US 5629734, 1997), but never beyond its neighbours; red and blue by
+// their difference to green. Scaling the codes scales the result, so an exposure passes through it as through
+// a linear filter. Reentrant.
 #pragma once
 
 #include <cstdint>

@@ -25,8 +25,8 @@ namespace hdrcam {
 
 #define CHECK_COMPARE_(a, op, b)                                                  \
   do {                                                                            \
-    const auto& check_a_ = (a);                                                   \
-    const auto& check_b_ = (b);                                                   \
+    const auto check_a_ = (a);                                                    \
+    const auto check_b_ = (b);                                                    \
     if (!(check_a_ op check_b_))                                                  \
       ::hdrcam::check_failed(__FILE__, __LINE__, #a " " #op " " #b,               \
                              fmt::format("({} against {})", check_a_, check_b_)); \

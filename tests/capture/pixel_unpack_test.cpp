@@ -194,6 +194,21 @@ TEST_CASE("demosaicing keeps what is constant or linear, in every layout", "[cap
   }
 }
 
+TEST_CASE("the border of something clipped neither rings nor takes on colour", "[capture]") {
+  constexpr int kDark = 20, kClipped = 1023;
+  const auto lower = [](int, int y, int) { return y < 9 ? kDark : kClipped; };
+  const auto right = [](int, int, int x) { return x < 11 ? kDark : kClipped; };
+  for (const PixelLayout layout : kBayer)
+    for (const bool upright : {false, true}) {
+      Image<float> rgb;
+      demosaic(upright ? mosaic_of(layout, 18, 22, right) : mosaic_of(layout, 18, 22, lower), layout,
+               kClipped, rgb);
+      for (int y = 0; y < 18; ++y)
+        for (int x = 0; x < 22; ++x)
+          for (int c = 0; c < 3; ++c) CHECK(rgb.at(c, y, x) == (upright ? right(c, y, x) : lower(c, y, x)));
+    }
+}
+
 TEST_CASE("a Bayer frame becomes an exposed frame of three channels", "[capture]") {
   RawFrame raw;
   raw.facts.exposure_s = 0.004;
