@@ -36,6 +36,12 @@ std::string command_line_of(const Settings& settings, const LiveFlags& flags) {
   return flags.frames > 0 ? text + fmt::format(" --frames {}", flags.frames) : text;
 }
 
+bool keeps_nothing(const Settings& settings) {
+  const Settings::Output& output = settings.output;
+  return output.frames.empty() && output.preview.empty() && output.sheet.empty() && output.stats.empty() &&
+         output.report.empty() && settings.record.file.empty();
+}
+
 // Once the fit has found the camera's response, the proof of exposures may use it.
 class ResponseReport {
  public:
@@ -106,6 +112,8 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
       around.storage));
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
+  if (keeps_nothing(settings))
+    fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
 
   std::atomic<double> latency_ms{0};
   ResponseReport response(session);
