@@ -1,4 +1,7 @@
-// The process: signals, the real disk, the real standard streams. Everything else is program.cpp.
+// The process: signals, the real disk, the real standard streams, the log. Everything else is program.cpp.
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
 #include <csignal>
 
 #include <atomic>
@@ -23,9 +26,16 @@ void stop_cleanly_once(int signal) {
   sigaction(signal, &action, nullptr);
 }
 
+// What the libraries below remark goes where progress goes; the standard output is for results.
+void log_to_standard_error() {
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("hdrcam"));
+  spdlog::set_pattern("note: %v");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  log_to_standard_error();
   stop_cleanly_once(SIGINT);
   stop_cleanly_once(SIGTERM);
   const std::span<const char* const> args(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0));
