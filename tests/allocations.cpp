@@ -6,6 +6,15 @@
 #include <cstdlib>
 #include <new>
 
+// A sanitizer brings operators of its own; a build with one counts nothing.
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+#define HDRCAM_OPERATORS_ARE_TAKEN
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer) || __has_feature(address_sanitizer)
+#define HDRCAM_OPERATORS_ARE_TAKEN
+#endif
+#endif
+
 extern "C" const char __executable_start, etext;  // of the linker: where this program's own code lies
 
 namespace {
@@ -35,14 +44,6 @@ bool is_own_code(const void* address) { return address >= &__executable_start &&
 
 }  // namespace
 
-// The thread sanitizer brings operators of its own; a build with it counts nothing.
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define HDRCAM_OPERATORS_ARE_TAKEN
-#endif
-#elif defined(__SANITIZE_THREAD__)
-#define HDRCAM_OPERATORS_ARE_TAKEN
-#endif
 #ifndef HDRCAM_OPERATORS_ARE_TAKEN
 void* operator new(std::size_t size) {
   return allocate(size, __STDCPP_DEFAULT_NEW_ALIGNMENT__, __builtin_return_address(0));
@@ -63,6 +64,10 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
 void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {
   return allocate_or_null(size, static_cast<std::size_t>(alignment), __builtin_return_address(0));
 }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
@@ -72,6 +77,14 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std
 namespace hdrcam {
 
 std::uint64_t allocations_so_far() { return allocations.load(std::memory_order_relaxed); }
+
+bool allocations_are_counted() {
+#ifdef HDRCAM_OPERATORS_ARE_TAKEN
+  return false;
+#else
+  return true;
+#endif
+}
 
 std::uint64_t own_allocations_so_far() { return own_allocations.load(std::memory_order_relaxed); }
 

@@ -5,18 +5,13 @@
 #include <dlfcn.h>
 #include <vulkan/vulkan_core.h>
 
-#include <memory>
+#include <utility>
 #endif
 
 namespace hdrcam {
 
 #ifdef HDRCAM_HAVE_VULKAN
 namespace {
-
-struct CloseLibrary {
-  void operator()(void* library) const { dlclose(library); }
-};
-using Library = std::unique_ptr<void, CloseLibrary>;
 
 const char* kind_of(VkPhysicalDeviceType type) {
   switch (type) {
@@ -101,10 +96,11 @@ class Instance {
 }  // namespace
 
 Result<std::vector<VulkanDevice>> vulkan_devices() {
-  const Library library(dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL));
-  if (!library)
+  // Never closed: drivers leave something behind on each thread that has used them.
+  static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr)
     return Error{ErrorCode::NotFound, "there is no Vulkan loader; install libvulkan1 and a driver"};
-  const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library.get(), "vkGetInstanceProcAddr"));
+  const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
   if (get == nullptr)
     return Error{ErrorCode::NotFound, "libvulkan.so.1 is no Vulkan loader; install libvulkan1 anew"};
   const Instance instance = TRY(Instance::create(get));
