@@ -14,11 +14,10 @@ std::string flags_of(const Settings::Fit& fit) {
 
 Result<std::unique_ptr<FitRun>> FitRun::open(const Settings& settings, const CameraFacts& camera,
                                              std::string title, std::string command, Storage& storage,
-                                             std::function<void(FrameRecord&)> emitted,
-                                             ThreadPriority priority) {
+                                             std::function<void(FrameRecord&)> emitted, FrameSource source) {
   const PipelineOptions options = TRY(options_of(settings.fit));
   Outputs outputs = TRY(Outputs::open(settings.output, camera, storage));
-  std::unique_ptr<FitRun> run(new FitRun(options, camera, thread_count(settings.fit), priority,
+  std::unique_ptr<FitRun> run(new FitRun(options, camera, thread_count(settings.fit), source,
                                          std::move(outputs), std::move(emitted)));
   RunRecord& record = run->record_;
   record.title = std::move(title);
@@ -32,16 +31,19 @@ Result<std::unique_ptr<FitRun>> FitRun::open(const Settings& settings, const Cam
   return run;
 }
 
-FitRun::FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads,
-               ThreadPriority priority, Outputs outputs, std::function<void(FrameRecord&)> emitted)
-    : pool_(threads, priority),
+FitRun::FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, FrameSource source,
+               Outputs outputs, std::function<void(FrameRecord&)> emitted)
+    : pool_(threads, source == FrameSource::Camera ? ThreadPriority::Background : ThreadPriority::Usual),
       pipeline_(options, camera, pool_),
       outputs_(std::move(outputs)),
+      frames_kept_(source == FrameSource::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max()),
       emitted_(std::move(emitted)),
       deliver_([this](const HdrFrame& frame, const ExposedFrame& input, const FrameRecord& facts) {
         return deliver(frame, input, facts);
       }) {
-  record_.frames.reserve(kFramesKept);
+  if (source == FrameSource::Clip) return;
+  record_.frames.resize(kFramesKept);  // so that the memory is really there, not only reserved
+  record_.frames.clear();
 }
 
 Result<void> FitRun::take(const RawFrame& frame) {
@@ -53,8 +55,8 @@ Result<void> FitRun::deliver(const HdrFrame& frame, const ExposedFrame& input, c
   TRY(outputs_.emit(frame, input));
   ++record_.emitted;
   auto& frames = record_.frames;
-  if (frames.size() < kFramesKept) frames.emplace_back();
-  FrameRecord& kept = frames[static_cast<std::size_t>(record_.emitted - 1) % kFramesKept];
+  if (frames.size() < frames_kept_) frames.emplace_back();
+  FrameRecord& kept = frames[static_cast<std::size_t>(record_.emitted - 1) % frames_kept_];
   kept = facts;
   if (emitted_) emitted_(kept);
   return {};
@@ -64,8 +66,8 @@ Result<void> FitRun::finish() {
   Result<void> drained = pipeline_.finish(deliver_);
   TRY(outputs_.finish());
   const OnlineStage& online = pipeline_.online();
-  const auto oldest = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record_.emitted) % kFramesKept);
-  if (record_.frames.size() == kFramesKept)
+  const auto oldest = static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record_.emitted) % frames_kept_);
+  if (record_.frames.size() == frames_kept_)
     std::rotate(record_.frames.begin(), record_.frames.begin() + oldest, record_.frames.end());
   record_.dropped = record_.captured - record_.emitted;
   record_.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();

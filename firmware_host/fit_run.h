@@ -1,10 +1,10 @@
-// One run of the pipeline into its outputs, whatever its frames come from, and the record of what it did. A
-// run may last for weeks: the record keeps the latest frames only. Thread-bound; that thread flushes
-// denormals (hal/core/cpu.h) if it wants the speed of it.
+// One run of the pipeline into its outputs, whatever its frames come from, and the record of what it did.
+// Thread-bound; that thread flushes denormals (hal/core/cpu.h) if it wants the speed of it.
 #pragma once
 
 #include <chrono>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -14,16 +14,19 @@
 
 namespace hdrcam {
 
+// A clip ends, and its record tells of every frame. A camera may run for weeks: the record keeps the latest
+// frames, in memory that is there from the start, and the threads of the fit stand back behind capture.
+enum class FrameSource { Clip, Camera };
+
 class FitRun {
  public:
-  static constexpr std::size_t kFramesKept = 4096;  // the latest
+  static constexpr std::size_t kFramesKept = 2048;  // the latest of a camera
 
-  // priority: of the threads that it starts; title: of the report; command: as it could be typed again.
+  // title: of the report; command: as it could be typed again.
   // emitted: called for each frame that left.
   static Result<std::unique_ptr<FitRun>> open(const Settings& settings, const CameraFacts& camera,
                                               std::string title, std::string command, Storage& storage,
-                                              std::function<void(FrameRecord&)> emitted,
-                                              ThreadPriority priority = ThreadPriority::Usual);
+                                              std::function<void(FrameRecord&)> emitted, FrameSource source);
 
   // Errors: those of Pipeline::take and of the disk.
   Result<void> take(const RawFrame& frame);
@@ -37,7 +40,7 @@ class FitRun {
   const Pipeline& pipeline() const { return pipeline_; }
 
  private:
-  FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, ThreadPriority priority,
+  FitRun(const PipelineOptions& options, const CameraFacts& camera, int threads, FrameSource source,
          Outputs outputs, std::function<void(FrameRecord&)> emitted);
   Result<void> deliver(const HdrFrame& frame, const ExposedFrame& input, const FrameRecord& facts);
 
@@ -45,6 +48,7 @@ class FitRun {
   Pipeline pipeline_;
   Outputs outputs_;
   RunRecord record_;
+  const std::size_t frames_kept_;
   std::function<void(FrameRecord&)> emitted_;
   const Pipeline::Deliver deliver_;
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

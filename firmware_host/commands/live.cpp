@@ -124,7 +124,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
         latency_ms = frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
         response.emitted(run->pipeline().online(), camera->facts().linear);
       },
-      ThreadPriority::Background));
+      FrameSource::Camera));
   TRY(session.start());
   FitThread fit(session, *run, around.stop);
   show_progress(session, fit, latency_ms);

@@ -60,11 +60,13 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   {
     Progress progress(stderr, total);
     run = TRY(FitRun::open(
-        flags.settings, camera, title, command_line_of(flags), around.storage, [&](const FrameRecord& frame) {
+        flags.settings, camera, title, command_line_of(flags), around.storage,
+        [&](const FrameRecord& frame) {
           progress.frame_done(frame.total_ms, frame.losses.empty()
                                                   ? std::nullopt
                                                   : std::optional(frame.losses.front().value));
-        }));
+        },
+        FrameSource::Clip));
     const int& captured = run->record().captured;
     while (flags.frames == 0 || captured < flags.frames) {
       if (around.stop) {

@@ -44,8 +44,9 @@ Growth growth_over(std::uint64_t frames, std::uint64_t warm) {
   Settings settings;
   settings.fit.preset = "fast";
   settings.fit.threads = 2;
-  auto run = value_of(FitRun::open(settings, capture->facts(), "long", "", posix_storage(),
-                                   [&](FrameRecord& frame) { session.emitted(frame.sequence); }));
+  auto run = value_of(FitRun::open(
+      settings, capture->facts(), "long", "", posix_storage(),
+      [&](FrameRecord& frame) { session.emitted(frame.sequence); }, FrameSource::Camera));
   const std::atomic<bool> never{false};
   require_done(session.start());
   Growth growth;
