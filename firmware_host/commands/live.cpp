@@ -12,16 +12,13 @@
 #include "firmware_host/fit_run.h"
 #include "firmware_host/live/camera_run.h"
 #include "firmware_host/live/live_report.h"
-#include "firmware_host/progress.h"
 #include "hal/core/cpu.h"
-#include "hal/core/stopwatch.h"
 
 namespace hdrcam {
 namespace {
 
 struct LiveFlags {
-  std::uint64_t frames = 0;
-  double timeout_s = 0;
+  RunLimits limits;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -33,7 +30,7 @@ std::string command_line_of(const Settings& settings, const LiveFlags& flags) {
       fmt::format("hdrcam live --camera {} --shutter {}", settings.camera.id, settings.schedule.shutter);
   if (!settings.output.frames.empty()) text += fmt::format(" -o {}", settings.output.frames);
   text += flags_of(settings.fit);
-  return flags.frames > 0 ? text + fmt::format(" --frames {}", flags.frames) : text;
+  return flags.limits.frames > 0 ? text + fmt::format(" --frames {}", flags.limits.frames) : text;
 }
 
 bool keeps_nothing(const Settings& settings) {
@@ -85,15 +82,9 @@ class FitThread {
   std::thread thread_;
 };
 
-void show_progress(const LiveSession& session, const FitThread& fit, const std::atomic<double>& latency_ms) {
+void show_progress(const LiveSession& session, const FitThread& fit) {
   constexpr auto kLook = std::chrono::milliseconds(20);
-  StatusLine line(stderr);
-  Stopwatch watch;
-  for (double seconds = 0; !fit.over(); std::this_thread::sleep_for(kLook)) {
-    if (!line.due()) continue;
-    seconds += watch.lap_ms() * 1e-3;
-    line.show(live_line({seconds, session.counters(), latency_ms}, true));
-  }
+  for (LiveStatus status(session, true); !fit.over(); std::this_thread::sleep_for(kLook)) status.update();
 }
 
 void add_counters(RunRecord& record, const LiveCounters& counters) {
@@ -107,27 +98,24 @@ void add_counters(RunRecord& record, const LiveCounters& counters) {
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
-  const auto camera = TRY(CameraRun::open(
-      settings, {.frames = flags.frames, .timeout = Instant::from_seconds(flags.timeout_s).since_boot},
-      around.storage));
+  const auto camera = TRY(CameraRun::open(settings, flags.limits.options(true), around.storage));
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
   if (keeps_nothing(settings))
     fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
 
-  std::atomic<double> latency_ms{0};
   ResponseReport response(session);
   std::unique_ptr<FitRun> run;
   run = TRY(FitRun::open(
       settings, camera->facts(), camera->facts().name, command_line_of(settings, flags), around.storage,
       [&](FrameRecord& frame) {
-        latency_ms = frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
+        frame.latency_ms = to_seconds(session.emitted(frame.sequence)) * 1e3;
         response.emitted(run->pipeline().online(), camera->facts().linear);
       },
       FrameSource::Camera));
   TRY(session.start());
   FitThread fit(session, *run, around.stop);
-  show_progress(session, fit, latency_ms);
+  show_progress(session, fit);
   Result<void> fitted = fit.join();
   const Result<LiveEnd> end = camera->finish();
 
@@ -140,7 +128,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
     fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
   if (!end) return end.error();
   if (!fitted) return fitted;
-  return ended_by(end.value(), flags.frames > 0 || flags.timeout_s > 0, counters.captured());
+  return flags.limits.ended_by(end.value(), counters.captured());
 }
 
 }  // namespace
@@ -148,7 +136,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
 void add_live(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<LiveFlags>();
   CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames while they come in");
-  add_run_limits(*verb, flags->frames, flags->timeout_s);
+  flags->limits.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return live(*flags, around); }; });

@@ -7,15 +7,12 @@
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_run.h"
 #include "firmware_host/live/live_report.h"
-#include "firmware_host/progress.h"
-#include "hal/core/stopwatch.h"
 
 namespace hdrcam {
 namespace {
 
 struct RecordFlags {
-  std::uint64_t frames = 0;
-  double timeout_s = 0;
+  RunLimits limits;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -27,30 +24,20 @@ Result<void> record(const RecordFlags& flags, Surroundings& around) {
   if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "record where to? give -o walk.mkv, or set record.file"};
-  const auto camera = TRY(CameraRun::open(
-      settings,
-      {.frames = flags.frames, .timeout = Instant::from_seconds(flags.timeout_s).since_boot, .fits = false},
-      around.storage));
+  const auto camera = TRY(CameraRun::open(settings, flags.limits.options(false), around.storage));
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
 
   TRY(session.start());
   {
-    StatusLine line(stderr);
-    Stopwatch watch;
-    LiveMoment moment;
-    session.next(around.stop, [&] {
-      if (!line.due()) return;
-      moment.seconds += watch.lap_ms() * 1e-3;
-      moment.counters = session.counters();
-      line.show(live_line(moment, false));
-    });
+    LiveStatus status(session, false);
+    session.next(around.stop, [&] { status.update(); });
   }
   const Result<LiveEnd> end = camera->finish();
   const LiveCounters counters = session.counters();
   fmt::print("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
   if (!end) return end.error();
-  return ended_by(end.value(), flags.frames > 0 || flags.timeout_s > 0, counters.captured());
+  return flags.limits.ended_by(end.value(), counters.captured());
 }
 
 }  // namespace
@@ -59,7 +46,7 @@ void add_record(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<RecordFlags>();
   CLI::App* verb =
       app.add_subcommand("record", "record a camera's frames, raw, each with its proved exposure");
-  add_run_limits(*verb, flags->frames, flags->timeout_s);
+  flags->limits.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return record(*flags, around); }; });

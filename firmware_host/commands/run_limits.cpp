@@ -4,13 +4,18 @@
 
 namespace hdrcam {
 
-void add_run_limits(CLI::App& verb, std::uint64_t& frames, double& timeout_s) {
+void RunLimits::add_to(CLI::App& verb) {
   verb.add_option("--frames", frames, "stop after so many frames [until ^C]")->check(CLI::PositiveNumber);
   verb.add_option("--timeout", timeout_s, "stop after so many seconds [until ^C]")
       ->check(CLI::PositiveNumber);
 }
 
-Result<void> ended_by(LiveEnd end, bool limited, std::uint64_t captured) {
+LiveOptions RunLimits::options(bool fits) const {
+  return {.frames = frames, .timeout = Instant::from_seconds(timeout_s).since_boot, .fits = fits};
+}
+
+Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {
+  const bool limited = frames > 0 || timeout_s > 0;
   if (end != LiveEnd::Stopped || !limited) return {};
   return Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", captured)};
 }

@@ -11,10 +11,15 @@ class App;
 
 namespace hdrcam {
 
-// The flags --frames and --timeout.
-void add_run_limits(CLI::App& verb, std::uint64_t& frames, double& timeout_s);
+struct RunLimits {
+  std::uint64_t frames = 0;  // 0: until ^C
+  double timeout_s = 0;      // 0: until ^C
 
-// ^C is how a run without limits ends; one that was to go on is Interrupted.
-Result<void> ended_by(LiveEnd end, bool limited, std::uint64_t captured);
+  // The flags --frames and --timeout.
+  void add_to(CLI::App& verb);
+  LiveOptions options(bool fits) const;
+  // ^C is how a run without limits ends; one that was to go on is Interrupted.
+  Result<void> ended_by(LiveEnd end, std::uint64_t captured) const;
+};
 
 }  // namespace hdrcam

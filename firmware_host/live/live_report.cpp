@@ -4,19 +4,24 @@
 
 namespace hdrcam {
 
-std::string live_line(const LiveMoment& moment, bool fits) {
-  const LiveCounters& counters = moment.counters;
+std::string live_line(double seconds, const LiveCounters& counters, bool fits) {
   const CaptureCounters& camera = counters.camera;
   const double judged = static_cast<double>(camera.emitted);
   const double proved = camera.emitted > 0 ? 100 * static_cast<double>(camera.proved) / judged : 0;
-  std::string line = fmt::format("{:.1f} s  captured {}", moment.seconds, counters.captured());
+  std::string line = fmt::format("{:.1f} s  captured {}", seconds, counters.captured());
   if (fits)
     line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
-                        moment.latency_ms);
+                        to_seconds(counters.latency) * 1e3);
   else
     line += fmt::format("  recorded {}  dropped {}", counters.recorded, counters.dropped());
   if (camera.lost_by_camera > 0) line += fmt::format("  lost {}", camera.lost_by_camera);
   return line + fmt::format("  exposure proved {:.0f} %", proved);
+}
+
+void LiveStatus::update() {
+  if (!line_.due()) return;
+  seconds_ += watch_.lap_ms() * 1e-3;
+  line_.show(live_line(seconds_, session_.counters(), fits_));
 }
 
 std::string sentence_of(const LiveCounters& counters, bool fits) {

@@ -5,18 +5,28 @@
 #include <vector>
 
 #include "firmware_host/live/live_session.h"
+#include "firmware_host/progress.h"
 #include "firmware_host/run_record.h"
+#include "hal/core/stopwatch.h"
 
 namespace hdrcam {
 
-struct LiveMoment {
-  double seconds = 0;  // since the start
-  LiveCounters counters;
-  double latency_ms = 0;  // of the last emission
-};
+// "12.0 s  captured 360  emitted 118  dropped 240  latency 210 ms  exposure proved 100 %".
+std::string live_line(double seconds, const LiveCounters& counters, bool fits);
 
-// "12.0 s  captured 360  emitted 118  dropped 240  latency 210 ms  proved 100 %".
-std::string live_line(const LiveMoment& moment, bool fits);
+// That line on the terminal, of a run under way. Thread-bound; the session outlives it.
+class LiveStatus {
+ public:
+  LiveStatus(const LiveSession& session, bool fits) : session_(session), fits_(fits), line_(stderr) {}
+  void update();  // where it is due
+
+ private:
+  const LiveSession& session_;
+  const bool fits_;
+  StatusLine line_;
+  Stopwatch watch_;
+  double seconds_ = 0;
+};
 
 // "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and what the camera lost.
 std::string sentence_of(const LiveCounters& counters, bool fits);

@@ -86,10 +86,15 @@ void LiveSession::hand_on(FrameShare frame) {
   }
   if (recorder_) recorder_->put(frame.another());
   if (!fits) return;
-  const int shed = inbox_.put(std::move(frame));
-  if (shed == 0) return;
-  const std::lock_guard lock(mutex_);
-  counters_.shed += static_cast<std::uint64_t>(shed), counters_.under_way -= static_cast<std::uint64_t>(shed);
+  if (const int shed = inbox_.put(std::move(frame)); shed > 0) {
+    const std::lock_guard lock(mutex_);
+    count_shed(shed);
+  }
+}
+
+void LiveSession::count_shed(int frames) {
+  counters_.shed += static_cast<std::uint64_t>(frames);
+  counters_.under_way -= static_cast<std::uint64_t>(frames);
 }
 
 void LiveSession::take_learned_response() {
@@ -107,8 +112,7 @@ FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<
     FitInbox::Taken taken = inbox_.take(kTick);
     if (taken.frame) {
       const std::lock_guard lock(mutex_);
-      counters_.shed += static_cast<std::uint64_t>(taken.shed);
-      counters_.under_way -= static_cast<std::uint64_t>(taken.shed);
+      count_shed(taken.shed);
       arrivals_[arrival_count_++ % arrivals_.size()] = {taken.frame->captured.raw.facts.sequence,
                                                         taken.frame->arrived};
     }
@@ -130,8 +134,9 @@ Duration LiveSession::emitted(std::uint64_t sequence) {
   ++counters_.emitted, --counters_.under_way;
   for (const Arrival& arrival : arrivals_)
     if (arrival.sequence == sequence && arrival.at.since_boot > Duration::zero()) {
-      counters_.longest_latency = std::max(counters_.longest_latency, now - arrival.at);
-      return now - arrival.at;
+      counters_.latency = now - arrival.at;
+      counters_.longest_latency = std::max(counters_.longest_latency, counters_.latency);
+      return counters_.latency;
     }
   return Duration::zero();
 }

@@ -44,7 +44,8 @@ struct LiveCounters {
   std::uint64_t emitted = 0;     // left as an HDR frame
   std::uint64_t under_way = 0;   // waits for the fit, or is in it
   std::uint64_t recorded = 0, to_record = 0;
-  Duration longest_latency{0};  // from the frame's arrival to its emission
+  Duration latency{0},
+      longest_latency{0};  // from a frame's arrival to its emission: the last one, the longest
 
   std::uint64_t captured() const { return camera.captured; }
   std::uint64_t dropped() const { return camera.dropped() + no_room + shed + unproved + unfinished; }
@@ -89,6 +90,7 @@ class LiveSession {
   Result<void> capture_one();
   void count_camera();
   void hand_on(FrameShare frame);
+  void count_shed(int frames);
   void take_learned_response();
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
 
