@@ -15,6 +15,7 @@
 #include "firmware_host/exit_code.h"
 #include "firmware_host/program.h"
 #include "hal/real/enumerate.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 

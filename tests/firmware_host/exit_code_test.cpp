@@ -4,6 +4,7 @@
 #include <string>
 
 #include "hal/storage.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 

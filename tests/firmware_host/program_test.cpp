@@ -12,6 +12,7 @@
 
 #include "firmware_host/exit_code.h"
 #include "firmware_host/version.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 

@@ -14,6 +14,7 @@
 #include "firmware_host/setting_fields.h"
 #include "firmware_host/settings_toml.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 

@@ -17,6 +17,7 @@
 #include "firmware_host/exit_code.h"
 #include "firmware_host/program.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
 #include <catch2/catch.hpp>
 

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/places.h"
+
 #include <catch2/catch.hpp>
 
 namespace {

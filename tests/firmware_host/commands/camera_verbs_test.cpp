@@ -18,6 +18,7 @@
 #include "hal/recording/recording.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
 using namespace hdrcam;
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hal/storage.h"
+#include "tests/places.h"
 #include "tests/render/scores/synthetic_clip.h"
 
 #include <catch2/catch.hpp>

@@ -11,6 +11,7 @@
 #include "hal/fault/faulty_storage.h"
 #include "render/exr.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>

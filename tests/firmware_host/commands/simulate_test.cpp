@@ -10,6 +10,7 @@
 #include "render/scores/scores.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
 
 using namespace hdrcam;
 
