@@ -1,6 +1,7 @@
 #include "hal/recording/ffv1.h"
 
 extern "C" {
+#include <libavutil/crc.h>
 #include <libavutil/opt.h>
 }
 
@@ -77,6 +78,22 @@ void unpack(const AVFrame& frame, Image<std::uint16_t>& codes) {
       }
     }
   }
+}
+
+// Whether every slice matches its checksum (RFC 9043, section 4.9): the library's decoder fills a slice that
+// does not from the picture before, and says nothing.
+bool slices_are_whole(const AVPacket& packet) {
+  constexpr int kFooterBytes = 8;  // size of the slice, 3 bytes; its state, 1; checksum over all of it, 4
+  const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
+  for (int end = packet.size; end > 0;) {
+    if (end < kFooterBytes) return false;
+    const std::uint8_t* footer = packet.data + end - kFooterBytes;
+    const int size = (footer[0] << 16 | footer[1] << 8 | footer[2]) + kFooterBytes;
+    if (size > end) return false;
+    end -= size;
+    if (av_crc(table, 0, packet.data + end, static_cast<std::size_t>(size)) != 0) return false;
+  }
+  return true;
 }
 
 Error corrupt(const char* what, int code) {
@@ -172,7 +189,6 @@ Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecPa
   context.width = camera.width;  // the checked facts, not the unchecked track header
   context.height = camera.height;
   context.pix_fmt = decoder.format_ = pixel_format(camera.layout, camera.bits);
-  context.err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
   context.thread_count = 0;
   context.thread_type = FF_THREAD_SLICE;
   if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)
@@ -181,6 +197,8 @@ Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecPa
 }
 
 Result<void> Ffv1Decoder::decode(const AVPacket& packet, Image<std::uint16_t>& codes) {
+  if (!slices_are_whole(packet))
+    return Error{ErrorCode::Corrupt, "the pixels of a frame do not match their checksum"};
   int code = avcodec_send_packet(context_.get(), &packet);
   if (code >= 0) code = avcodec_receive_frame(context_.get(), frame_.get());
   if (code < 0) return corrupt("the pixels of a frame cannot be decoded", code);

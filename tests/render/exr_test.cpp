@@ -9,6 +9,8 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -58,6 +60,24 @@ TEST_CASE("an OpenEXR picture comes back: float exactly, half to its eleven bits
       REQUIRE(read_full[i] == full.plane(0)[i]);
     }
     REQUIRE_FALSE(image.find("Z").has_value());
+  }
+}
+
+TEST_CASE("the compression that was asked for is the one that the header names") {
+  const Image<float> half = ramp(0, 1), full = ramp(0, 1);
+  using namespace std::string_literals;
+  // the attribute as the format lays it out: name, type, size, and the number of the method
+  const auto attribute = [](char method) {
+    return "compression\0compression\0\1\0\0\0"s + std::string(1, method);
+  };
+  for (const auto& [compression, method] :
+       {std::pair{ExrCompression::None, '\0'}, {ExrCompression::Zip, '\3'}, {ExrCompression::Piz, '\4'}}) {
+    ExrPicture picture = picture_of(half, full);
+    picture.compression = compression;
+    const auto bytes = encode_exr(picture);
+    REQUIRE(bytes.ok());
+    const std::string text(reinterpret_cast<const char*>(bytes.value().data()), bytes.value().size());
+    CHECK(text.find(attribute(method)) != std::string::npos);
   }
 }
 

@@ -40,7 +40,9 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
   const ExrImage& image = read.value();
   CHECK(image.names == std::vector<std::string>{"B", "G", "R"});
   const float half_precision = 0x1p-11f;
+  CHECK(value_in(image, "R", 3, 30) == Approx(frame.radiance.at(0, 3, 30)).epsilon(half_precision));
   CHECK(value_in(image, "G", 3, 30) == Approx(frame.radiance.at(1, 3, 30)).epsilon(half_precision));
+  CHECK(value_in(image, "B", 3, 30) == Approx(frame.radiance.at(2, 3, 30)).epsilon(half_precision));
 
   const ExrAttributes& facts = image.attributes;
   CHECK(*facts.exposure_s == Approx(0.004));

@@ -1,0 +1,45 @@
+#include "tests/allocations.h"
+
+#include <memory>
+#include <new>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+TEST_CASE("the counter sees every way in which this program allocates, on any thread") {
+  if (!allocations_are_counted()) {
+    WARN("a sanitizer brings operators of its own: no test counts allocations in this build");
+    return;
+  }
+  struct alignas(64) Line {
+    char bytes[64];
+  };
+  // Called directly, the operators cannot be optimised away as a new expression may be.
+  const auto counted = [](auto&& allocate, auto&& release) {
+    const std::uint64_t all = allocations_so_far(), own = own_allocations_so_far();
+    void* memory = allocate();
+    const bool seen = allocations_so_far() == all + 1 && own_allocations_so_far() == own + 1;
+    release(memory);
+    return seen;
+  };
+  constexpr auto kLine = std::align_val_t(alignof(Line));
+  CHECK(counted([] { return ::operator new(24); }, [](void* m) { ::operator delete(m); }));
+  CHECK(counted([] { return ::operator new[](24); }, [](void* m) { ::operator delete[](m); }));
+  CHECK(counted([] { return ::operator new(24, std::nothrow); }, [](void* m) { ::operator delete(m); }));
+  CHECK(counted([] { return ::operator new(sizeof(Line), kLine); },
+                [](void* m) { ::operator delete(m, kLine); }));
+  CHECK(counted([] { return ::operator new[](sizeof(Line), kLine); },
+                [](void* m) { ::operator delete[](m, kLine); }));
+
+  const std::uint64_t before = own_allocations_so_far();
+  std::vector<int> numbers(1000);
+  numbers[999] = 1;
+  CHECK(own_allocations_so_far() > before);
+  const std::uint64_t between = own_allocations_so_far();
+  std::thread([] { std::make_unique<std::string>(200, 'x')->back() = 'y'; }).join();
+  CHECK(own_allocations_so_far() > between);
+}

@@ -1,0 +1,76 @@
+// The coded picture alone, without the container, whose own checksums would notice first.
+#include "hal/recording/ffv1.h"
+
+#include <algorithm>
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+struct Parameters {
+  AVCodecParameters* codec = avcodec_parameters_alloc();
+  ~Parameters() { avcodec_parameters_free(&codec); }
+};
+
+TEST_CASE("a flipped bit in a coded picture is noticed by the decoder itself, from the slices' checksums") {
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 12, 96, 72);
+  const auto frames = sample::frames(camera, 1, 17);
+  Ffv1Encoder encoder = value_of(Ffv1Encoder::open(camera));
+  Parameters parameters;
+  REQUIRE(avcodec_parameters_from_context(parameters.codec, encoder.context()) >= 0);
+  AVPacket* packet = value_of(encoder.encode(frames[0].codes));
+  REQUIRE(packet->size > 5000);
+
+  Ffv1Decoder decoder = value_of(Ffv1Decoder::open(camera, *parameters.codec));
+  Image<std::uint16_t> codes;
+  require_done(decoder.decode(*packet, codes));
+  REQUIRE(sample::same(codes, frames[0].codes));
+
+  int flips = 0, noticed = 0;
+  for (int byte = 0; byte < packet->size; byte += 37) {
+    packet->data[byte] ^= 0x10;
+    Ffv1Decoder fresh = value_of(Ffv1Decoder::open(camera, *parameters.codec));
+    ++flips, noticed += fresh.decode(*packet, codes).error().code == ErrorCode::Corrupt ? 1 : 0;
+    packet->data[byte] ^= 0x10;
+  }
+  CHECK(noticed == flips);
+}
+
+TEST_CASE("a program that knows nothing of this one finds red where the format has it") {
+  for (const int bits : {8, 10}) {
+    const CameraFacts camera = sample::camera(PixelLayout::Rgb, bits, 32, 24);
+    Image<std::uint16_t> codes(3, camera.height, camera.width);
+    for (int c = 0; c < 3; ++c)
+      std::fill_n(codes.plane(c), codes.plane_size(), static_cast<std::uint16_t>(50 * (c + 1)));
+    Ffv1Encoder encoder = value_of(Ffv1Encoder::open(camera));
+    const AVPacket* packet = value_of(encoder.encode(codes));
+
+    libav::CodecContext player(avcodec_alloc_context3(avcodec_find_decoder(AV_CODEC_ID_FFV1)));
+    Parameters parameters;
+    REQUIRE(avcodec_parameters_from_context(parameters.codec, encoder.context()) >= 0);
+    REQUIRE(avcodec_parameters_to_context(player.get(), parameters.codec) >= 0);
+    REQUIRE(avcodec_open2(player.get(), nullptr, nullptr) >= 0);
+    const libav::Frame frame(av_frame_alloc());
+    REQUIRE(avcodec_send_packet(player.get(), packet) >= 0);
+    REQUIRE(avcodec_receive_frame(player.get(), frame.get()) >= 0);
+    if (bits == 8) {
+      REQUIRE(frame->format == AV_PIX_FMT_0RGB32);
+      CHECK((*reinterpret_cast<const std::uint32_t*>(frame->data[0]) & 0xffffffu) ==
+            (50u << 16 | 100u << 8 | 150u));
+    } else {
+      REQUIRE(frame->format == AV_PIX_FMT_GBRP10);
+      const auto first_of = [&](int plane) {
+        return *reinterpret_cast<const std::uint16_t*>(frame->data[plane]);
+      };
+      CHECK(first_of(0) == 100);  // green
+      CHECK(first_of(1) == 150);  // blue
+      CHECK(first_of(2) == 50);   // red
+    }
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
