@@ -1,4 +1,5 @@
 // ^C as the process sees it. The program is held in a system call by a FIFO that nobody writes to.
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -23,13 +24,18 @@
 
 namespace {
 
-// Returns once the program itself runs, with no handler of this process left in it.
+// What it prints is not of this test. Returns once the program itself runs, with no handler of this process
+// left in it.
 pid_t started(std::vector<std::string> words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   pid_t process = -1;
-  REQUIRE(posix_spawn(&process, argv.front(), nullptr, nullptr, argv.data(), environ) == 0);
+  posix_spawn_file_actions_t silent;
+  posix_spawn_file_actions_init(&silent);
+  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
+  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
+  posix_spawn_file_actions_destroy(&silent);
   return process;
 }
 
