@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# Puts the deliberate faults of this folder into a copy of the tree, one after the other, and fails where the named tests
+# stay green. ./run mutants [NAME..] calls it; README.md says what a mutant is and how to add one.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+
+copy=build/mutants
+tests=$copy/build/release/tests/hdrcam_tests
+limit_s=300 # for one named test; one that hangs is no longer green
+
+fail() { printf 'mutants: %s\n' "$*" >&2; exit 1; }
+
+# field WORD FILE: what stands behind "WORD: " in a patch's header, a line each.
+field() { sed -n "/^--- /q; s/^$1: //p" "$2"; }
+
+# The tree as git sees it, uncommitted files included. Only what differs is written, so that the build stays incremental.
+sync_copy() {
+  local file
+  mkdir -p "$copy"
+  git ls-files --cached --others --exclude-standard | while read -r file; do
+    [ -f "$file" ] || continue
+    cmp -s "$file" "$copy/$file" && continue
+    mkdir -p "$copy/$(dirname "$file")"
+    cp --no-preserve=timestamps "$file" "$copy/$file"
+  done
+  comm -13 <(git ls-files --cached --others --exclude-standard | sort) \
+    <(cd "$copy" && find . -path ./build -prune -o -type f -print | sed 's|^\./||' | sort) |
+    while read -r file; do rm "$copy/$file"; done
+}
+
+build_copy() { cmake --build "$copy/build/release" --target hdrcam_tests >"$copy/build/$1.log" 2>&1; }
+
+# The quotes let Catch2 take commas and brackets of a name as they are.
+run_test() { timeout "$limit_s" "$tests" "\"$1\"" >"$copy/build/$2.log" 2>&1; }
+
+# try NAME: prints the verdict; returns 1 unless every named test fails.
+try() {
+  local name=$1 patch=tests/mutants/$1.patch verdict=caught survived='' test
+  if ! patch --dry-run --force --silent -p1 -d "$copy" <"$patch" >/dev/null; then
+    echo 'PATCH NO LONGER APPLIES'
+    return 1
+  fi
+  patch --force --silent --no-backup-if-mismatch -p1 -d "$copy" <"$patch"
+  if ! build_copy "$name"; then
+    verdict='DOES NOT BUILD'
+  else
+    while read -r test; do
+      run_test "$test" "$name" && survived=$test
+    done < <(field Test "$patch")
+    [ -z "$survived" ] || verdict="SURVIVED '$survived'"
+  fi
+  patch --reverse --force --silent --no-backup-if-mismatch -p1 -d "$copy" <"$patch"
+  echo "$verdict"
+  [ "$verdict" = caught ]
+}
+
+names=("$@")
+if [ ${#names[@]} = 0 ]; then
+  for patch in tests/mutants/*.patch; do names+=("$(basename "$patch" .patch)"); done
+fi
+for name in "${names[@]}"; do
+  [ -f "tests/mutants/$name.patch" ] || fail "there is no tests/mutants/$name.patch"
+  [ -n "$(field Fault "tests/mutants/$name.patch")" ] || fail "$name.patch does not say what is wrong ('Fault: ..')"
+  [ -n "$(field Test "tests/mutants/$name.patch")" ] || fail "$name.patch does not name a test ('Test: ..')"
+done
+
+sync_copy
+mkdir -p "$copy/build"
+(cd "$copy" && CI=true ./run build hdrcam_tests) >"$copy/build/unmutated.log" 2>&1 || { cat "$copy/build/unmutated.log" >&2; fail "the tree itself does not build"; }
+while read -r test; do
+  # Catch2 returns the number of tests that it lists
+  [ "$("$tests" --list-test-names-only "\"$test\"" | grep -cFx -- "$test")" = 1 ] || fail "there is no test '$test'"
+  run_test "$test" unmutated || { tail -30 "$copy/build/unmutated.log" >&2; fail "'$test' fails without any fault"; }
+done < <(for name in "${names[@]}"; do field Test "tests/mutants/$name.patch"; done | sort -u)
+
+uncaught=0
+printf '%-28s%-26s%s\n' mutant verdict 'seconds'
+for name in "${names[@]}"; do
+  start=$SECONDS
+  verdict=$(try "$name") || uncaught=$((uncaught + 1))
+  printf '%-28s%-26s%d\n' "$name" "$verdict" $((SECONDS - start))
+done
+echo
+echo "$((${#names[@]} - uncaught)) of ${#names[@]} mutants caught"
+[ "$uncaught" = 0 ]

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# run_sanitized.sh address|thread TESTS [FILTER..]: runs the sanitized test program with the options that it needs here.
+# Ends at the first finding. ./run sanitize calls it.
+set -euo pipefail
+here=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
+kind=$1 tests=$2
+shift 2
+
+# No Vulkan driver is loaded: Mesa's leak when they are unloaded, and their threads have locks that cannot be seen.
+export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null
+# Programs started by tests inherit these.
+export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
+export UBSAN_OPTIONS=print_stacktrace=1
+export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$here/thread_sanitizer.supp"
+
+# Kernels with much address randomisation put mappings where the thread sanitizer has its shadow.
+fixed_addresses=()
+if [ "$kind" = thread ] && setarch -R true 2>/dev/null; then fixed_addresses=(setarch -R); fi
+exec "${fixed_addresses[@]}" "$tests" "$@"
