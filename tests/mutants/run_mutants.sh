@@ -30,8 +30,9 @@ sync_copy() {
 
 build_copy() { cmake --build "$copy/build/release" --target hdrcam_tests >"$copy/build/$1.log" 2>&1; }
 
-# The quotes let Catch2 take commas and brackets of a name as they are.
-run_test() { timeout "$limit_s" "$tests" "\"$1\"" >"$copy/build/$2.log" 2>&1; }
+# A name as Catch2 takes it: a comma would separate, a bracket open a tag.
+escaped() { printf '%s' "$1" | sed 's/[\\,[]/\\&/g'; }
+run_test() { timeout "$limit_s" "$tests" "$(escaped "$1")" >"$copy/build/$2.log" 2>&1; }
 
 # try NAME: prints the verdict; returns 1 unless every named test fails.
 try() {
@@ -64,21 +65,22 @@ for name in "${names[@]}"; do
   [ -n "$(field Test "tests/mutants/$name.patch")" ] || fail "$name.patch does not name a test ('Test: ..')"
 done
 
+export CI=true
 sync_copy
 mkdir -p "$copy/build"
-(cd "$copy" && CI=true ./run build hdrcam_tests) >"$copy/build/unmutated.log" 2>&1 || { cat "$copy/build/unmutated.log" >&2; fail "the tree itself does not build"; }
+(cd "$copy" && ./run build hdrcam_tests) >"$copy/build/unmutated.log" 2>&1 || { cat "$copy/build/unmutated.log" >&2; fail "the tree itself does not build"; }
 while read -r test; do
-  # Catch2 returns the number of tests that it lists
-  [ "$("$tests" --list-test-names-only "\"$test\"" | grep -cFx -- "$test")" = 1 ] || fail "there is no test '$test'"
+  # Catch2 exits with the number of tests that it lists
+  [ "$("$tests" --list-test-names-only "$(escaped "$test")" || true)" = "$test" ] || fail "there is no test '$test'"
   run_test "$test" unmutated || { tail -30 "$copy/build/unmutated.log" >&2; fail "'$test' fails without any fault"; }
 done < <(for name in "${names[@]}"; do field Test "tests/mutants/$name.patch"; done | sort -u)
 
 uncaught=0
-printf '%-28s%-26s%s\n' mutant verdict 'seconds'
+printf '%-32s%-26s %s\n' mutant verdict 'seconds'
 for name in "${names[@]}"; do
   start=$SECONDS
   verdict=$(try "$name") || uncaught=$((uncaught + 1))
-  printf '%-28s%-26s%d\n' "$name" "$verdict" $((SECONDS - start))
+  printf '%-32s%-26s %d\n' "$name" "$verdict" $((SECONDS - start))
 done
 echo
 echo "$((${#names[@]} - uncaught)) of ${#names[@]} mutants caught"
