@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/suggestion.h"
+#include "firmware_host/settings/suggestion.h"
 #include "firmware_host/version.h"
 
 namespace hdrcam {

@@ -9,9 +9,9 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/run_limits.h"
-#include "firmware_host/fit_run.h"
 #include "firmware_host/live/camera_run.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/fit_run.h"
 #include "hal/core/cpu.h"
 
 namespace hdrcam {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
-#include "firmware_host/fit_run.h"
-#include "firmware_host/progress.h"
+#include "firmware_host/run/fit_run.h"
+#include "firmware_host/run/progress.h"
 #include "hal/core/cpu.h"
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"

@@ -10,7 +10,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/commands/command.h"
-#include "firmware_host/progress.h"
+#include "firmware_host/run/progress.h"
 #include "firmware_host/sinks/truth_folder.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/sim/effect_costs.h"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "firmware_host/live/live_session.h"
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 #include "hal/storage.h"
 
 namespace hdrcam {

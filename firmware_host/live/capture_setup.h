@@ -6,7 +6,7 @@
 #include <string>
 
 #include "capture/capture_stage.h"
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 #include "hal/camera.h"
 #include "hal/storage.h"
 #include "hal/sync_line.h"

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "firmware_host/live/live_session.h"
-#include "firmware_host/progress.h"
-#include "firmware_host/run_record.h"
+#include "firmware_host/run/progress.h"
+#include "firmware_host/sinks/run_record.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {

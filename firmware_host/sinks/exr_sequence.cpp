@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "firmware_host/settings/suggestion.h"
 #include "firmware_host/sinks/frame_pattern.h"
-#include "firmware_host/suggestion.h"
 #include "firmware_host/version.h"
 
 namespace hdrcam {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "firmware_host/run_record.h"
+#include "firmware_host/sinks/run_record.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
 

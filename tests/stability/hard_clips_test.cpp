@@ -2,7 +2,7 @@
 #include <cmath>
 #include <functional>
 
-#include "firmware_host/pipeline.h"
+#include "firmware_host/run/pipeline.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "firmware_host/fit_run.h"
 #include "firmware_host/live/live_session.h"
+#include "firmware_host/run/fit_run.h"
 #include "hal/sim/simulated_camera.h"
 #include "tests/allocations.h"
 #include "tests/contracts/expect.h"

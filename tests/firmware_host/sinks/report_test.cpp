@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "firmware_host/sinks/svg_chart.h"
-#include "tests/firmware_host/example_run.h"
 #include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/firmware_host/sinks/example_run.h"
 #include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>

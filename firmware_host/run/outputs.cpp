@@ -1,4 +1,4 @@
-#include "firmware_host/outputs.h"
+#include "firmware_host/run/outputs.h"
 
 #include <filesystem>
 

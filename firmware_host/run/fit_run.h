@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 
-#include "firmware_host/outputs.h"
-#include "firmware_host/pipeline.h"
-#include "firmware_host/settings.h"
+#include "firmware_host/run/outputs.h"
+#include "firmware_host/run/pipeline.h"
+#include "firmware_host/settings/settings.h"
 
 namespace hdrcam {
 

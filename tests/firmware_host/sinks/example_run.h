@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "firmware_host/run_record.h"
+#include "firmware_host/sinks/run_record.h"
 
 namespace hdrcam::test {
 

@@ -1,4 +1,4 @@
-#include "firmware_host/settings_toml.h"
+#include "firmware_host/settings/settings_toml.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -9,8 +9,8 @@
 #include <optional>
 #include <vector>
 
-#include "firmware_host/setting_fields.h"
-#include "firmware_host/suggestion.h"
+#include "firmware_host/settings/setting_fields.h"
+#include "firmware_host/settings/suggestion.h"
 
 // toml++ 3.3 asserts what a damaged file can break and, with NDEBUG, lets the compiler assume it. Without
 // either it goes on to the branches that report the mistake.

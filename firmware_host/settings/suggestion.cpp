@@ -1,4 +1,4 @@
-#include "firmware_host/suggestion.h"
+#include "firmware_host/settings/suggestion.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
-#include "firmware_host/run_record.h"
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/run_record.h"
 #include "hal/core/worker_pool.h"
 #include "hal/recording/recording.h"
 #include "online/online_stage.h"

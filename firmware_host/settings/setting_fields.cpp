@@ -1,4 +1,4 @@
-#include "firmware_host/setting_fields.h"
+#include "firmware_host/settings/setting_fields.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,7 @@
 #include <system_error>
 #include <type_traits>
 
-#include "firmware_host/suggestion.h"
+#include "firmware_host/settings/suggestion.h"
 
 namespace hdrcam {
 namespace {

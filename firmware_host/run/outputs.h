@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "capture/exposed_frame.h"
-#include "firmware_host/run_record.h"
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/contact_sheet.h"
 #include "firmware_host/sinks/frame_sink.h"
+#include "firmware_host/sinks/run_record.h"
 
 namespace hdrcam {
 

@@ -1,4 +1,4 @@
-#include "firmware_host/progress.h"
+#include "firmware_host/run/progress.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

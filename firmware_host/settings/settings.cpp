@@ -1,4 +1,4 @@
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "firmware_host/setting_fields.h"
-#include "firmware_host/settings_toml.h"
+#include "firmware_host/settings/setting_fields.h"
+#include "firmware_host/settings/settings_toml.h"
 
 namespace hdrcam {
 namespace {

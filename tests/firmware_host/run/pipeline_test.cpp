@@ -1,4 +1,4 @@
-#include "firmware_host/pipeline.h"
+#include "firmware_host/run/pipeline.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "firmware_host/setting_fields.h"
-#include "firmware_host/settings_toml.h"
+#include "firmware_host/settings/setting_fields.h"
+#include "firmware_host/settings/settings_toml.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 

@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 
 namespace hdrcam {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "firmware_host/settings.h"
+#include "firmware_host/settings/settings.h"
 
 namespace hdrcam {
 

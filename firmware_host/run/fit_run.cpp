@@ -1,4 +1,4 @@
-#include "firmware_host/fit_run.h"
+#include "firmware_host/run/fit_run.h"
 
 #include <algorithm>
 

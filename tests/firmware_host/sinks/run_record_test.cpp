@@ -1,10 +1,10 @@
-#include "firmware_host/run_record.h"
+#include "firmware_host/sinks/run_record.h"
 
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "tests/firmware_host/example_run.h"
+#include "tests/firmware_host/sinks/example_run.h"
 
 #include <catch2/catch.hpp>
 

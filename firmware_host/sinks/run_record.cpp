@@ -1,4 +1,4 @@
-#include "firmware_host/run_record.h"
+#include "firmware_host/sinks/run_record.h"
 
 #include <sys/resource.h>
 
