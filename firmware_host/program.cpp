@@ -6,13 +6,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <cfenv>
 #include <exception>
 #include <ostream>
 #include <string_view>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/version.h"
 
@@ -110,19 +110,14 @@ Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   return unknown_verb(topic);
 }
 
-// A verb may flush denormals on its thread (hal/core/cpu.h); the caller of run_program gets its mode back.
-class FloatingPointMode {
- public:
-  FloatingPointMode() { std::fegetenv(&saved_); }
-  ~FloatingPointMode() { std::fesetenv(&saved_); }
-  FloatingPointMode(const FloatingPointMode&) = delete;
-  FloatingPointMode& operator=(const FloatingPointMode&) = delete;
+// One file of settings serves all verbs: one that has no use for any setting checks the file all the same.
+void add_config(CLI::App& verb, std::shared_ptr<SettingsFlags>& unused_settings) {
+  if (verb.get_option_no_throw("--config") != nullptr) return;
+  auto flags = std::make_shared<SettingsFlags>(verb, std::vector<SettingGroup>{});
+  verb.parse_complete_callback([flags, &unused_settings] { unused_settings = flags; });
+}
 
- private:
-  std::fenv_t saved_{};
-};
-
-std::shared_ptr<CLI::App> command_line(Verb& chosen) {
+std::shared_ptr<CLI::App> command_line(Verb& chosen, std::shared_ptr<SettingsFlags>& unused_settings) {
   auto app = std::make_shared<CLI::App>("", "hdrcam");
   app->require_subcommand(1);
   app->set_version_flag("--version", fmt::format("hdrcam {}", kVersion));
@@ -130,6 +125,7 @@ std::shared_ptr<CLI::App> command_line(Verb& chosen) {
     verb.add(*app, chosen);
     CLI::App* added = app->get_subcommand(verb.name);
     added->group(verb.group);
+    add_config(*added, unused_settings);
     added->footer(fmt::format("Example:\n  {}", verb.example));
   }
   return app;
@@ -139,7 +135,8 @@ std::shared_ptr<CLI::App> command_line(Verb& chosen) {
 
 Result<Request> parse_command_line(std::span<const char* const> args) {
   Request request;
-  request.app = command_line(request.verb);
+  std::shared_ptr<SettingsFlags> unused_settings;
+  request.app = command_line(request.verb, unused_settings);
   CLI::App& app = *request.app;
   if (args.empty()) return Error{ErrorCode::Invalid, "no verb given; 'hdrcam --help' lists them"};
   const std::string_view first = args.front();
@@ -157,6 +154,11 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
   } catch (const CLI::ParseError& refused) {
     return not_understood(app, refused);
   }
+  if (unused_settings)
+    request.verb = [unused_settings, verb = std::move(request.verb)](Surroundings& around) -> Result<void> {
+      TRY(unused_settings->read(around.storage));
+      return verb(around);
+    };
   return request;
 }
 
@@ -173,7 +175,6 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
       out << request->text << std::flush;
       return kExitOk;
     }
-    const FloatingPointMode restored_at_end;
     Surroundings surroundings{storage, stop};
     const Result<void> done = request->verb(surroundings);
     return done ? kExitOk : end_with(done.error());

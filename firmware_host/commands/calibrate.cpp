@@ -7,6 +7,8 @@
 #include "capture/delay_calibration.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/live/capture_setup.h"
+#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/settings/settings_toml.h"
 
 namespace hdrcam {
 namespace {
@@ -76,7 +78,8 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; calibrate delay", flags.what)};
   Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
+  if (flags.settings->print_config())
+    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   if (!camera->capabilities().sets_exposure)
     return Error{ErrorCode::Unsupported,
@@ -120,7 +123,8 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
 void add_calibrate(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<CalibrateFlags>();
   CLI::App* verb = app.add_subcommand("calibrate", "measure a camera's control delay from its pictures");
-  verb->add_option("what", flags->what, "delay: frames from a request to the picture that shows it")
+  verb->add_option("what", flags->what,
+                   "delay: control latency, in frames from a request to the picture that shows it")
       ->required();
   verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml");
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);

@@ -65,8 +65,8 @@ void print_json(const std::vector<FoundDevice>& devices) {
 void add_list(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<ListFlags>();
   CLI::App* verb = app.add_subcommand("list", "show cameras and sync lines, and what is missing for each");
-  verb->add_flag("--json", flags->json, "for programs");
-  verb->add_flag("--verbose", flags->verbose, "let libcamera tell what it does");
+  verb->add_flag("--json", flags->json, "as JSON, for programs");
+  verb->add_flag("--verbose", flags->verbose, "show libcamera's log");
   verb->callback([flags, &chosen] {
     chosen = [flags](Surroundings&) -> Result<void> {
       if (flags->verbose) show_libcamera_log();

@@ -5,8 +5,9 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/run_limits.h"
-#include "firmware_host/live/camera_run.h"
+#include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/settings/settings_flags.h"
 
 namespace hdrcam {
 namespace {
@@ -19,12 +20,14 @@ struct RecordFlags {
 const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                         SettingGroup::Record};
 
-Result<void> record(const RecordFlags& flags, Surroundings& around) {
+Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return fmt::print("{}", to_toml(settings, kGroups)), Result<void>{};
+  if (flags.settings->print_config())
+    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (settings.record.file.empty())
-    return Error{ErrorCode::Invalid, "record where to? give -o walk.mkv, or set record.file"};
-  const auto camera = TRY(CameraRun::open(settings, flags.limits.options(false), around.storage));
+    return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
+  const auto camera =
+      TRY(CameraSource::open(settings, flags.limits.options(false), around.storage, around.stop));
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
 
@@ -33,11 +36,12 @@ Result<void> record(const RecordFlags& flags, Surroundings& around) {
     LiveStatus status(session, false);
     session.next(around.stop, [&] { status.update(); });
   }
-  const Result<LiveEnd> end = camera->finish();
+  RunRecord record;
+  const Result<void> ended = camera->finish(record);
   const LiveCounters counters = session.counters();
   fmt::print("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
-  if (!end) return end.error();
-  return flags.limits.ended_by(end.value(), counters.captured());
+  TRY(ended);
+  return flags.limits.ended_by(camera->end(), counters.captured());
 }
 
 }  // namespace
@@ -49,7 +53,7 @@ void add_record(CLI::App& app, Verb& chosen) {
   flags->limits.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
   verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return record(*flags, around); }; });
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return record_frames(*flags, around); }; });
 }
 
 }  // namespace hdrcam

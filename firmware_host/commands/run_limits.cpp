@@ -5,9 +5,8 @@
 namespace hdrcam {
 
 void RunLimits::add_to(CLI::App& verb) {
-  verb.add_option("--frames", frames, "stop after so many frames [until ^C]")->check(CLI::PositiveNumber);
-  verb.add_option("--timeout", timeout_s, "stop after so many seconds [until ^C]")
-      ->check(CLI::PositiveNumber);
+  verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(CLI::PositiveNumber);
+  verb.add_option("--timeout", timeout_s, "duration in seconds [until ^C]")->check(CLI::PositiveNumber);
 }
 
 LiveOptions RunLimits::options(bool fits) const {

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "capture/exposure.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/sim/effect_costs.h"
@@ -20,9 +20,10 @@ namespace hdrcam {
 namespace {
 
 struct SimulateFlags {
-  std::string scene, output, truth, shutter = "1ms,4ms,16ms", gain, format = "rgb";
-  int frames = 48, bits = 0, threads = 0;
+  std::string scene, output, truth, format = "rgb";
+  int frames = 48, bits = 0;
   bool list = false, explain = false;
+  std::unique_ptr<SettingsFlags> settings;
 };
 
 struct Format {
@@ -174,20 +175,23 @@ std::string scene_list() {
 
 Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
   if (flags.list) return fmt::print("{}", scene_list()), Result<void>{};
+  const Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config())
+    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.scene.empty())
-    return Error{ErrorCode::Invalid, "which scene? 'hdrcam simulate --list' prints them"};
+    return Error{ErrorCode::Invalid, "no scene; 'hdrcam simulate --list' prints those that there are"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
     return Error{ErrorCode::Invalid, "nothing to do; give -o FILE, --truth FOLDER or --explain"};
   const Simulation simulation = TRY(simulation_of(flags.scene));
   const Format format = TRY(format_of(flags));
-  const Timeline timeline(simulation, TRY(parse_exposures(flags.shutter, flags.gain)));
+  const Timeline timeline(simulation,
+                          TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain)));
   if (timeline.longest_s() * simulation.framerate_hz > 1)
     return Error{
         ErrorCode::BadExposure,
         fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
                     timeline.longest_s() * 1e3, simulation.framerate_hz)};
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  WorkerPool pool(flags.threads > 0 ? flags.threads : cores);
+  WorkerPool pool(thread_count(settings.fit));
   SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
   if (flags.explain) {
     constexpr Duration kPatience = std::chrono::seconds(4);
@@ -213,13 +217,12 @@ void add_simulate(CLI::App& app, Verb& chosen) {
   verb->add_option("--frames", flags->frames, "frames to film")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  verb->add_option("--shutter", flags->shutter, "the cycle of exposure times")->capture_default_str();
-  verb->add_option("--gain", flags->gain, "analogue gains of the cycle, or one for all");
-  verb->add_option("--format", flags->format, "rgb or bayer")->capture_default_str();
-  verb->add_option("--bits", flags->bits, "of a code: 8 to 16 (default: 8 for rgb, 12 for bayer)");
-  verb->add_option("--threads", flags->threads, "default: one per core");
+  verb->add_option("--format", flags->format, "pixel format: rgb or bayer")->capture_default_str();
+  verb->add_option("--bits", flags->bits, "bits per sample, 8..16 [8 for rgb, 12 for bayer]");
   verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
   verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
+  flags->settings = std::make_unique<SettingsFlags>(
+      *verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads"});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
 }

@@ -122,20 +122,19 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   if (!settings.camera.control_delay.empty())
     options.delays = TRY(parse_delays(settings.camera.control_delay));
   if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
-  if (settings.camera.timestamp == "begin") options.timestamp_mark = TimestampMark::ExposureBegin;
-  if (settings.camera.timestamp == "end") options.timestamp_mark = TimestampMark::ExposureEnd;
-  if (settings.camera.yuv_range == "full") options.unpack.yuv_range = YuvRange::Full;
+  if (settings.camera.timestamp != StampMeaning::AsDriverSays)
+    options.timestamp_mark = settings.camera.timestamp == StampMeaning::ExposureBegin
+                                 ? TimestampMark::ExposureBegin
+                                 : TimestampMark::ExposureEnd;
+  options.unpack.yuv_range = settings.camera.yuv_range;
   options.unpack.decode_jpeg = jpeg_decoder();
-  if (!settings.sync.line.empty())
-    options.strobe =
-        settings.sync.strobe == "exposure" ? StrobePulse::SpansExposure : StrobePulse::MarksFrame;
+  if (!settings.sync.line.empty()) options.strobe = settings.sync.strobe;
   if (settings.sync.strobe_delay != Settings::Sync().strobe_delay)
     options.strobe_after_timestamp = TRY(parse_duration(settings.sync.strobe_delay));
   constexpr int kPatience = 10;  // frames
   options.patience = std::max(options.patience, kPatience * options.mode.frame_duration);
   setup.cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
-  if (settings.schedule.mains != "off")
-    setup.mains = settings.schedule.mains == "60" ? Mains::Hz60 : Mains::Hz50;
+  setup.mains = settings.schedule.mains;
   return setup;
 }
 

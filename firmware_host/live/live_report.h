@@ -14,7 +14,7 @@ namespace hdrcam {
 // "12.0 s  captured 360  emitted 118  dropped 240  latency 210 ms  exposure proved 100 %".
 std::string live_line(double seconds, const LiveCounters& counters, bool fits);
 
-// That line on the terminal, of a run under way. Thread-bound; the session outlives it.
+// That line on the terminal while a run goes on. Thread-bound; the session outlives it.
 class LiveStatus {
  public:
   LiveStatus(const LiveSession& session, bool fits) : session_(session), fits_(fits), line_(stderr) {}

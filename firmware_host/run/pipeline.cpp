@@ -1,17 +1,7 @@
 #include "firmware_host/run/pipeline.h"
 
-#include <algorithm>
-#include <thread>
-
 namespace hdrcam {
 namespace {
-
-struct NamedPreset {
-  Preset preset;
-  const char* name;
-};
-constexpr NamedPreset kPresets[] = {
-    {Preset::Fast, "fast"}, {Preset::Balanced, "balanced"}, {Preset::Best, "best"}};
 
 std::optional<Response> known_response(const CameraFacts& camera) {
   if (camera.linear) return Response::linear();
@@ -36,25 +26,6 @@ void add_to(FrameValues& values, const char* stage, double ms) {
 
 }  // namespace
 
-Result<Preset> parse_preset(std::string_view text) {
-  for (const NamedPreset& known : kPresets)
-    if (text == known.name) return known.preset;
-  return Error{ErrorCode::Invalid, fmt::format("there is no preset '{}'; take fast, balanced or best", text)};
-}
-
-const char* name(Preset preset) {
-  for (const NamedPreset& known : kPresets)
-    if (preset == known.preset) return known.name;
-  return "?";
-}
-
-Result<EmitLayer> parse_layer(std::string_view text) {
-  if (text == "merged") return EmitLayer::Merged;
-  if (text == "state") return EmitLayer::State;
-  if (text == "field") return EmitLayer::Field;
-  return Error{ErrorCode::Invalid, fmt::format("there is no layer '{}'; emit merged, state or field", text)};
-}
-
 PipelineOptions options_of(Preset preset, EmitLayer layer) {
   PipelineOptions options;
   FieldStageOptions field;
@@ -76,16 +47,12 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   return options;
 }
 
-Result<PipelineOptions> options_of(const Settings::Fit& fit) {
-  PipelineOptions options = options_of(TRY(parse_preset(fit.preset)), TRY(parse_layer(fit.emit)));
+PipelineOptions options_of(const Settings::Fit& fit) {
+  PipelineOptions options = options_of(fit.preset, fit.emit);
   if (options.online.field) options.online.field->field.seed = static_cast<std::uint64_t>(fit.seed);
   options.online.look_ahead = fit.lookahead;
   options.online.code_noise = static_cast<float>(fit.code_noise);
   return options;
-}
-
-int thread_count(const Settings::Fit& fit) {
-  return fit.threads > 0 ? fit.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool)

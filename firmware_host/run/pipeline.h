@@ -5,7 +5,6 @@
 
 #include <functional>
 #include <optional>
-#include <string_view>
 
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/run_record.h"
@@ -16,21 +15,13 @@
 
 namespace hdrcam {
 
-// Points on the measured front of quality against time (docs/decisions.md).
-enum class Preset { Fast, Balanced, Best };
-Result<Preset> parse_preset(std::string_view text);
-const char* name(Preset preset);
-
 struct PipelineOptions {
   OnlineOptions online;
   RenderOptions render;
 };
 // What a preset means for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
-Result<EmitLayer> parse_layer(std::string_view text);
-Result<PipelineOptions> options_of(const Settings::Fit& fit);
-// As many as were asked for; by default one for each processor.
-int thread_count(const Settings::Fit& fit);
+PipelineOptions options_of(const Settings::Fit& fit);
 
 class Pipeline {
  public:

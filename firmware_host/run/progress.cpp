@@ -15,6 +15,12 @@ constexpr double kRecent = 0.1;  // weight of the newest frame in ms/frame
 
 }  // namespace
 
+void ProgressState::frame_done(double ms, std::optional<double> its_loss) {
+  ms_per_frame = done == 0 ? ms : (1 - kRecent) * ms_per_frame + kRecent * ms;
+  ++done;
+  loss = its_loss;
+}
+
 std::string progress_line(const ProgressState& state) {
   std::string line = state.total ? fmt::format("frame {}/{}", state.done, *state.total)
                                  : fmt::format("frame {}", state.done);
@@ -51,9 +57,7 @@ void StatusLine::show(const std::string& words, Clock::time_point now) {
 }
 
 void Progress::frame_done(double ms, std::optional<double> loss, Clock::time_point now) {
-  state_.ms_per_frame = state_.done == 0 ? ms : (1 - kRecent) * state_.ms_per_frame + kRecent * ms;
-  ++state_.done;
-  state_.loss = loss;
+  state_.frame_done(ms, loss);
   const bool last = state_.total && state_.done == *state_.total;
   if (last || line_.due(now)) line_.show(progress_line(state_), now);
 }

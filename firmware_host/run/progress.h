@@ -15,6 +15,9 @@ struct ProgressState {
   std::optional<int> total;    // unknown while the end of the clip is
   double ms_per_frame = 0;     // recent
   std::optional<double> loss;  // none without the fit
+
+  // One more frame is done.
+  void frame_done(double ms, std::optional<double> its_loss);
 };
 
 // The words, without a line end.

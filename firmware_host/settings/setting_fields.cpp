@@ -1,165 +1,216 @@
 #include "firmware_host/settings/setting_fields.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <limits>
-#include <system_error>
 #include <type_traits>
+#include <utility>
 
-#include "firmware_host/settings/suggestion.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr double kMostInt = std::numeric_limits<int>::max();
 
-template <auto kGroup, auto kMember>
-constexpr auto place_of() {
-  using T = std::remove_cvref_t<decltype(std::declval<Settings>().*kGroup.*kMember)>;
-  return SettingPlace<T>{[](const Settings& s) -> const T& { return s.*kGroup.*kMember; },
-                         [](Settings& s) -> T& { return s.*kGroup.*kMember; }};
-}
-
-template <auto kMember>
-constexpr auto kCamera = place_of<&Settings::camera, kMember>();
-template <auto kMember>
-constexpr auto kSchedule = place_of<&Settings::schedule, kMember>();
-template <auto kMember>
-constexpr auto kSync = place_of<&Settings::sync, kMember>();
-template <auto kMember>
-constexpr auto kFit = place_of<&Settings::fit, kMember>();
-template <auto kMember>
-constexpr auto kOutput = place_of<&Settings::output, kMember>();
-template <auto kMember>
-constexpr auto kRecord = place_of<&Settings::record, kMember>();
-
-using Text = SettingPlace<std::string>;
-
 template <class T>
-SettingField any(SettingPlace<T> place, const char* key, const char* flag, const char* about,
-                 const char* unset = "") {
+constexpr SettingType kTypeOf = std::is_same_v<T, bool>     ? SettingType::Switch
+                                : std::is_same_v<T, int>    ? SettingType::Whole
+                                : std::is_same_v<T, double> ? SettingType::Real
+                                                            : SettingType::Text;
+
+// kGroup: &Settings::camera; kMember: &Settings::Camera::width.
+template <auto kGroup, auto kMember>
+SettingField any(const char* key, const char* flag, const char* about, const char* unset = "") {
+  using T = std::remove_cvref_t<decltype(std::declval<Settings>().*kGroup.*kMember)>;
   SettingField field;
-  field.place = place;
+  field.type = kTypeOf<T>;
   field.key = key, field.flag = flag;
+  field.read = [](const Settings& s) -> SettingValue { return s.*kGroup.*kMember; };
+  field.write = [](Settings& s, const SettingValue& value) { s.*kGroup.*kMember = std::get<T>(value); };
   field.about = about, field.unset = unset;
   return field;
 }
 
-SettingField list(Text place, const char* key, const char* flag, const char* about, const char* unset = "") {
-  SettingField field = any(place, key, flag, about, unset);
+template <auto kGroup, auto kMember>
+SettingField list(const char* key, const char* flag, const char* about, const char* unset = "") {
+  SettingField field = any<kGroup, kMember>(key, flag, about, unset);
   field.list = true;
   return field;
 }
 
-SettingField choice(Text place, const char* key, const char* flag, const char* about,
-                    std::vector<std::string> choices) {
-  SettingField field = any(place, key, flag, about);
-  field.choices = std::move(choices);
+template <auto kGroup, auto kMember>
+SettingField number(const char* key, const char* flag, const char* about, SettingRange range,
+                    const char* unset = "") {
+  SettingField field = any<kGroup, kMember>(key, flag, about, unset);
+  field.range = range;
   return field;
 }
 
-template <class T>
-SettingField number(SettingPlace<T> place, const char* key, const char* flag, const char* about,
-                    SettingRange range, const char* unset = "") {
-  SettingField field = any(place, key, flag, about, unset);
-  field.range = range;
+// kValues: of the member's enum, in the order of the choices.
+template <auto kGroup, auto kMember, auto... kValues>
+SettingField choice(const char* key, const char* flag, const char* about, std::vector<std::string> choices) {
+  SettingField field;
+  field.type = SettingType::Choice;
+  field.key = key, field.flag = flag, field.about = about;
+  field.choices = std::move(choices);
+  field.read = [words = field.choices](const Settings& s) -> SettingValue {
+    auto word = words.begin();
+    (void)((s.*kGroup.*kMember == kValues || (++word, false)) || ...);
+    return word == words.end() ? std::string() : *word;
+  };
+  field.write = [words = field.choices](Settings& s, const SettingValue& value) {
+    auto word = words.begin();
+    ((std::get<std::string>(value) == *word++ ? void(s.*kGroup.*kMember = kValues) : void()), ...);
+  };
+  return field;
+}
+
+// kFlags: of the member, in the order of the choices.
+template <auto kGroup, auto kMember, auto... kFlags>
+SettingField words(const char* key, const char* flag, const char* about, const char* unset,
+                   std::vector<std::string> choices) {
+  SettingField field;
+  field.type = SettingType::Words;
+  field.key = key, field.flag = flag, field.about = about, field.unset = unset;
+  field.choices = std::move(choices);
+  field.list = true;
+  field.read = [words = field.choices](const Settings& s) -> SettingValue {
+    std::string text;
+    auto word = words.begin();
+    const auto add = [&](bool set) {
+      if (set) text += (text.empty() ? "" : ",") + *word;
+      ++word;
+    };
+    (add(s.*kGroup.*kMember.*kFlags), ...);
+    return text;
+  };
+  field.write = [words = field.choices](Settings& s, const SettingValue& value) {
+    const std::vector<std::string> given = parts_of(std::get<std::string>(value));
+    auto word = words.begin();
+    ((s.*kGroup.*kMember.*kFlags = std::ranges::find(given, *word++) != given.end()), ...);
+  };
+  return field;
+}
+
+SettingField path_of(const SinkKind& sink) {
+  SettingField field;
+  const std::string name = sink.name;
+  field.key = "output." + name, field.flag = sink.flag, field.about = sink.about, field.unset = "none";
+  field.read = [name](const Settings& s) -> SettingValue { return s.output.path(name); };
+  field.write = [name](Settings& s, const SettingValue& path) {
+    s.output.paths[name] = std::get<std::string>(path);
+  };
   return field;
 }
 
 std::vector<SettingField> camera_fields() {
   using C = Settings::Camera;
+  using enum StampMeaning;
+  constexpr auto kGroup = &Settings::camera;
   return {
-      any(kCamera<&C::id>, "camera.id", "--camera", "a device, sim:SCENE or replay:FILE", "the only camera"),
-      any(kCamera<&C::format>, "camera.format", "--format", "pixel format, such as YUYV",
-          "the one that keeps most of the sensor's codes"),
-      number(kCamera<&C::width>, "camera.width", "--width", "pixels of a row", {16, 65535, 0},
-             "the largest of up to 640x480"),
-      number(kCamera<&C::height>, "camera.height", "--height", "rows", {16, 65535, 0},
-             "the largest of up to 640x480"),
-      number(kCamera<&C::framerate_hz>, "camera.framerate", "--framerate", "frames per second",
-             {0.1, 1000, 0}, "as the camera usually runs, 30"),
-      number(kCamera<&C::buffers>, "camera.buffers", "--buffers", "requests under way", {4, 32, {}}),
-      list(kCamera<&C::control_delay>, "camera.control_delay", "--control-delay",
-           "frames until an exposure and a gain act, such as 2,1", "what the driver says"),
-      number(kCamera<&C::black_level>, "camera.black_level", "--black-level",
-             "black level of raw formats, in codes of 255", {0, 255, -1}, "of the table of sensors"),
-      choice(kCamera<&C::timestamp>, "camera.timestamp", "--timestamp",
-             "which moment of an exposure the driver stamps; driver: as it says", {"driver", "begin", "end"}),
-      choice(kCamera<&C::yuv_range>, "camera.yuv_range", "--yuv-range",
-             "luma of YUV formats: limited is 16..235, full is 0..255", {"limited", "full"}),
+      any<&Settings::camera, &C::id>("camera.id", "--camera", "a device, sim:SCENE or replay:FILE",
+                                     "the only camera"),
+      any<&Settings::camera, &C::format>("camera.format", "--format", "pixel format, such as YUYV",
+                                         "highest bit depth available"),
+      number<&Settings::camera, &C::width>("camera.width", "--width", "picture width in pixels",
+                                           {16, 65535, 0}, "the largest of up to 640x480"),
+      number<&Settings::camera, &C::height>("camera.height", "--height", "picture height in pixels",
+                                            {16, 65535, 0}, "the largest of up to 640x480"),
+      number<&Settings::camera, &C::framerate_hz>("camera.framerate", "--framerate", "frames per second",
+                                                  {0.1, 1000, 0}, "the camera's default, or 30"),
+      number<&Settings::camera, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
+                                             {4, 32, {}}),
+      list<&Settings::camera, &C::control_delay>("camera.control_delay", "--control-delay",
+                                                 "exposure,gain control latency in frames, such as 2,1",
+                                                 "as the driver reports"),
+      number<&Settings::camera, &C::black_level>("camera.black_level", "--black-level",
+                                                 "black level of raw formats, in codes of 255", {0, 255, -1},
+                                                 "from the table of sensors"),
+      choice<kGroup, &C::timestamp, AsDriverSays, ExposureBegin, ExposureEnd>(
+          "camera.timestamp", "--timestamp",
+          "what the timestamp marks: start or end of exposure, or what the driver reports",
+          {"driver", "begin", "end"}),
+      choice<kGroup, &C::yuv_range, YuvRange::Limited, YuvRange::Full>(
+          "camera.yuv_range", "--yuv-range", "luma range of YUV formats: limited is 16..235, full is 0..255",
+          {"limited", "full"}),
   };
 }
 
 std::vector<SettingField> schedule_fields() {
   using S = Settings::Schedule;
   return {
-      list(kSchedule<&S::shutter>, "schedule.shutter", "--shutter",
-           "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
-      list(kSchedule<&S::gain>, "schedule.gain", "--gain", "analogue gains of the cycle, or one for all",
-           "1"),
-      any(kSchedule<&S::adapt>, "schedule.adapt", "--adapt",
-          "the cycle follows the light: highlights kept in the shortest, shadows in the longest exposure"),
-      choice(kSchedule<&S::mains>, "schedule.mains", "--mains",
-             "Hz of the supply of lamps; long exposures become whole half periods", {"off", "50", "60"}),
+      list<&Settings::schedule, &S::shutter>(
+          "schedule.shutter", "--shutter", "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
+      list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
+                                          "analogue gain of each exposure, or one for all", "1"),
+      any<&Settings::schedule, &S::adapt>(
+          "schedule.adapt", "--adapt",
+          "auto-exposure: the shortest exposure keeps the highlights, the longest the shadows"),
+      choice<&Settings::schedule, &S::mains, Mains::Off, Mains::Hz50, Mains::Hz60>(
+          "schedule.mains", "--mains",
+          "mains frequency in Hz (anti-flicker): long exposures become whole half periods",
+          {"off", "50", "60"}),
   };
 }
 
 std::vector<SettingField> sync_fields() {
   using S = Settings::Sync;
   return {
-      any(kSync<&S::line>, "sync.line", "--sync-line", "line of the strobe: gpiochip0:17, or its name",
-          "none"),
-      choice(kSync<&S::strobe>, "sync.strobe", "--strobe",
-             "what a pulse of the strobe does: mark the frame, or span the exposure", {"frame", "exposure"}),
-      any(kSync<&S::strobe_delay>, "sync.strobe_delay", "--strobe-delay",
-          "from the driver's timestamp to the rising edge, such as 250us"),
-      any(kSync<&S::active_low>, "sync.active_low", "--sync-active-low", "a pulse is a low level"),
+      any<&Settings::sync, &S::line>("sync.line", "--sync-line",
+                                     "GPIO line of the strobe: gpiochip0:17, or its name", "none"),
+      choice<&Settings::sync, &S::strobe, StrobePulse::MarksFrame, StrobePulse::SpansExposure>(
+          "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
+          {"frame", "exposure"}),
+      any<&Settings::sync, &S::strobe_delay>(
+          "sync.strobe_delay", "--strobe-delay",
+          "time from the driver's timestamp to the rising edge, such as 250us"),
+      any<&Settings::sync, &S::active_low>("sync.active_low", "--sync-active-low",
+                                           "the strobe is active low"),
   };
 }
 
 std::vector<SettingField> fit_fields() {
   using F = Settings::Fit;
+  constexpr auto kGroup = &Settings::fit;
   return {
-      choice(kFit<&F::preset>, "fit.preset", "--preset", "quality against time",
-             {"fast", "balanced", "best"}),
-      choice(kFit<&F::emit>, "fit.emit", "--emit", "layers of the HDR frames: all, or one alone",
-             {"merged", "state", "field"}),
-      number(kFit<&F::lookahead>, "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
-             {0, 2, {}}),
-      number(kFit<&F::threads>, "fit.threads", "--threads", "worker threads", {1, 256, 0}, "all processors"),
-      number(kFit<&F::seed>, "fit.seed", "--seed", "seed of the fit's random rays", {0, kMostInt, {}}),
-      number(kFit<&F::code_noise>, "fit.code_noise", "--code-noise",
-             "rms of compression noise, codes: 1 clean, 2 MJPEG", {0, 20, {}}),
+      choice<kGroup, &F::preset, Preset::Fast, Preset::Balanced, Preset::Best>(
+          "fit.preset", "--preset", "quality against time", {"fast", "balanced", "best"}),
+      choice<kGroup, &F::emit, EmitLayer::Merged, EmitLayer::State, EmitLayer::Field>(
+          "fit.emit", "--emit", "HDR frames from both layers, or from one alone",
+          {"merged", "state", "field"}),
+      number<&Settings::fit, &F::lookahead>("fit.lookahead", "--lookahead",
+                                            "later frames that an HDR frame waits for", {0, 2, {}}),
+      number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
+                                          "all processors"),
+      number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
+                                       {0, kMostInt, {}}),
+      number<&Settings::fit, &F::code_noise>(
+          "fit.code_noise", "--code-noise", "rms of compression noise, codes: 1 clean, 2 MJPEG", {0, 20, {}}),
   };
 }
 
+// The path of each sink first, then how the frames are written.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
-  return {
-      any(kOutput<&O::frames>, "output.frames", "-o,--output",
-          "HDR frames, numbered by the sensor's sequence: out/%06d.exr", "none"),
-      list(kOutput<&O::layers>, "output.layers", "--layers",
-           "further EXR channels: depth,flow,confidence,provenance", "none"),
-      choice(kOutput<&O::compression>, "output.compression", "--compression", "compression of the EXR files",
-             {"zip", "piz"}),
-      any(kOutput<&O::preview>, "output.preview", "--preview", "tone-mapped pictures: out/%06d.png", "none"),
-      any(kOutput<&O::sheet>, "output.sheet", "--sheet", "contact sheet of the run: sheet.png", "none"),
-      any(kOutput<&O::stats>, "output.stats", "--stats", "time, losses and provenance per frame: stats.json",
-          "none"),
-      any(kOutput<&O::report>, "output.report", "--report", "all of that on one page: report.html", "none"),
-  };
+  using L = ExrLayers;
+  std::vector<SettingField> fields;
+  for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
+  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::confidence, &L::provenance>(
+      "output.layers", "--layers", "more EXR channels", "none",
+      {"depth", "flow", "confidence", "provenance"}));
+  fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
+      "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
+  return fields;
 }
 
 std::vector<SettingField> record_fields() {
   using R = Settings::Record;
   return {
-      any(kRecord<&R::file>, "record.file", "--record", "the raw recording to write: walk.mkv", "none"),
-      number(kRecord<&R::memory_mib>, "record.memory_mib", "--record-memory",
-             "MiB of frames that may wait for the disk", {1, 65536, {}}),
+      any<&Settings::record, &R::file>("record.file", "--record", "the raw recording to write: walk.mkv",
+                                       "none"),
+      number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
+                                                "memory for frames that wait for the disk, MiB",
+                                                {1, 65536, {}}),
   };
 }
 
@@ -176,57 +227,6 @@ std::vector<SettingField> all_fields() {
       all.push_back(std::move(field));
     }
   return all;
-}
-
-template <class T>
-bool holds(const SettingField& field) {
-  return std::holds_alternative<SettingPlace<T>>(field.place);
-}
-
-bool is_number(const SettingField& field) { return holds<int>(field) || holds<double>(field); }
-
-bool in_range(const SettingRange& range, double value) {
-  return (value >= range.least && value <= range.most) || (range.besides && value == *range.besides);
-}
-
-std::string either(const std::vector<std::string>& choices) {
-  const auto last = choices.end() - 1;
-  return fmt::format("{} or {}", fmt::join(choices.begin(), last, ", "), *last);
-}
-
-std::string shown(const SettingValue& value) {
-  const auto* text = std::get_if<std::string>(&value);
-  return text ? fmt::format("'{}'", *text) : to_text(value);
-}
-
-template <class T>
-std::optional<T> parsed_number(const std::string& text) {
-  T value{};
-  const char* const end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, value);
-  return failure == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
-}
-
-// The value of the field's own type that the given one stands for.
-std::optional<SettingValue> converted(const SettingField& field, const SettingValue& value) {
-  const bool text_of_number = field.list || !field.choices.empty();
-  if (holds<std::string>(field) && text_of_number && !std::holds_alternative<bool>(value))
-    return to_text(value);
-  if (holds<double>(field) && std::holds_alternative<int>(value))
-    return static_cast<double>(std::get<int>(value));
-  const auto* real = std::get_if<double>(&value);
-  if (holds<int>(field) && real && std::abs(*real) <= kMostInt && *real == std::trunc(*real))
-    return static_cast<int>(*real);
-  if (value.index() != field.place.index()) return std::nullopt;
-  return value;
-}
-
-bool allowed(const SettingField& field, const SettingValue& value) {
-  if (const auto* text = std::get_if<std::string>(&value))
-    return field.choices.empty() || std::ranges::find(field.choices, *text) != field.choices.end();
-  if (const auto* whole = std::get_if<int>(&value)) return in_range(field.range, *whole);
-  if (const auto* real = std::get_if<double>(&value)) return in_range(field.range, *real);
-  return true;
 }
 
 }  // namespace
@@ -256,59 +256,7 @@ const char* title(SettingGroup group) {
 
 const char* flag_of(const SettingField& field, std::span<const SettingGroup> groups) {
   const bool frames_go_out = std::ranges::find(groups, SettingGroup::Output) != groups.end();
-  return std::string_view(field.key) == "record.file" && !frames_go_out ? "-o,--output" : field.flag;
-}
-
-std::string describe(const SettingField& field) {
-  std::vector<std::string> notes;
-  if (!field.choices.empty()) notes.push_back(either(field.choices));
-  if (is_number(field) && field.range.most < kMostInt)
-    notes.push_back(fmt::format("{}..{}", field.range.least, field.range.most));
-  if (*field.unset != '\0')
-    notes.push_back(
-        fmt::format("{}: {}", is_number(field) ? to_text(*field.range.besides) : "\"\"", field.unset));
-  return notes.empty() ? field.about : fmt::format("{} ({})", field.about, fmt::join(notes, "; "));
-}
-
-std::string accepted(const SettingField& field) {
-  if (!field.choices.empty()) return either(field.choices);
-  if (holds<bool>(field)) return "true or false";
-  if (!is_number(field)) return field.list ? "a text or a list" : "a text";
-  const std::string range = fmt::format("{}, {}..{}", holds<int>(field) ? "a whole number" : "a number",
-                                        field.range.least, field.range.most);
-  return field.range.besides ? fmt::format("{} or {}", range, *field.range.besides) : range;
-}
-
-SettingValue value_of(const SettingField& field, const Settings& settings) {
-  return std::visit([&](const auto& place) -> SettingValue { return place.of(settings); }, field.place);
-}
-
-std::string to_text(const SettingValue& value) {
-  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
-}
-
-Error not_accepted(const SettingField& field, std::string_view name, std::string_view shown) {
-  return {ErrorCode::Invalid, fmt::format("{} takes {}, not {}", name, accepted(field), shown)};
-}
-
-Result<void> set(const SettingField& field, const SettingValue& given, std::string_view name,
-                 Settings& settings) {
-  const auto value = converted(field, given);
-  if (!value || !allowed(field, *value))
-    return not_accepted(field, name, shown(given) + did_you_mean(to_text(given), field.choices));
-  std::visit([&]<class T>(const SettingPlace<T>& place) { place.in(settings) = std::get<T>(*value); },
-             field.place);
-  return {};
-}
-
-Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,
-                           Settings& settings) {
-  std::optional<SettingValue> value;
-  if (holds<std::string>(field)) value = text;
-  if (holds<bool>(field) && (text == "true" || text == "false")) value = text == "true";
-  if (holds<int>(field)) value = parsed_number<int>(text);
-  if (holds<double>(field)) value = parsed_number<double>(text);
-  return set(field, value.value_or(text), name, settings);
+  return field.key == "record.file" && !frames_go_out ? "-o,--output" : field.flag;
 }
 
 }  // namespace hdrcam

@@ -1,58 +1,66 @@
-// What a run on a camera is told. Every setting has a default that works, a key in a TOML file and a flag;
-// one list of fields (setting_fields.h) feeds all three, the help and the printed configuration. What is
-// given last in this order wins: default, file, flag. Plain value; what the texts mean is checked by whoever
-// uses them.
+// The settings of a run. Every setting has a default that works, a key in a TOML file and a flag; one list of
+// fields (setting_fields.h) feeds all three, the help and the printed configuration. Plain value: what is one
+// of several words is an enum here, checked where it was read.
 #pragma once
 
-#include <memory>
+#include <map>
 #include <string>
-#include <vector>
+#include <string_view>
 
-#include "hal/core/result.h"
-#include "hal/storage.h"
-
-namespace CLI {
-class App;
-}
+#include "capture/exposure_schedule.h"
+#include "capture/frame_matcher.h"
+#include "capture/pixel_unpack.h"
+#include "firmware_host/sinks/exr_sequence.h"
+#include "render/render_stage.h"
 
 namespace hdrcam {
+
+// Points on the measured front of quality against time (docs/decisions.md).
+enum class Preset { Fast, Balanced, Best };
+const char* name(Preset preset);
+
+// What a driver's timestamp marks.
+enum class StampMeaning { AsDriverSays, ExposureBegin, ExposureEnd };
 
 struct Settings {
   struct Camera {
     std::string id;             // "": the only camera; a device, "sim:SCENE", "replay:FILE"
-    std::string format;         // "": the one that keeps most of the sensor's codes; or a name such as "YUYV"
+    std::string format;         // "": the highest bit depth available; or a name such as "YUYV"
     int width = 0, height = 0;  // pixels; 0: the largest of up to 640x480
-    double framerate_hz = 0;    // 0: as the camera usually runs, 30
-    int buffers = 8;            // requests under way, 4..32
-    std::string control_delay;  // "": what the driver says; "2,1": frames of exposure and gain
-    double black_level = -1;    // codes of 255, of raw formats; -1: of the table of sensors
-    std::string timestamp =
-        "driver";  // "begin" or "end" of the exposure, or what the driver says of its stamp
-    std::string yuv_range = "limited";  // or "full"
+    double framerate_hz = 0;    // 0: the camera's default, or 30
+    int buffers = 8;            // queued capture requests, 4..32
+    std::string control_delay;  // "": as the driver reports; "2,1": frames, of exposure and gain
+    double black_level = -1;    // codes of 255, of raw formats; -1: from the table of sensors
+    StampMeaning timestamp = StampMeaning::AsDriverSays;
+    YuvRange yuv_range = YuvRange::Limited;
   } camera;
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times
     std::string gain;                      // analogue gains of the cycle, or one for all; "": 1
     bool adapt = false;                    // the cycle follows the light
-    std::string mains = "off";             // "50" or "60": exposures of whole half periods
+    Mains mains = Mains::Off;              // exposures of whole half periods
   } schedule;
   struct Sync {
-    std::string line;                  // "": none; "gpiochip0:17" or a line's name: strobe edges
-    std::string strobe = "frame";      // what a pulse means: "frame" marks it, "exposure" spans it
+    std::string line;  // "": none; "gpiochip0:17" or a line's name: strobe edges
+    StrobePulse strobe = StrobePulse::MarksFrame;
     std::string strobe_delay = "0us";  // of the rising edge after the driver's timestamp
     bool active_low = false;
   } sync;
   struct Fit {
-    std::string preset = "balanced";  // fast, balanced, best
-    std::string emit = "merged";      // or state, field
-    int lookahead = 1;                // frames, 0..2
-    int threads = 0;                  // 0: all processors
-    int seed = 1;                     // of the fit's random rays
-    double code_noise = 1;            // codes rms, 0..20: 1 clean, 2 MJPEG
+    Preset preset = Preset::Balanced;
+    EmitLayer emit = EmitLayer::Merged;
+    int lookahead = 1;      // frames, 0..2
+    int threads = 0;        // 0: all processors
+    int seed = 1;           // of the fit's random rays
+    double code_noise = 1;  // codes rms, 0..20: 1 clean, 2 MJPEG
   } fit;
   struct Output {
-    std::string frames, layers, compression = "zip";  // of the EXR sequence
-    std::string preview, sheet, stats, report;
+    // By the name of the sink (sinks/sink_table.h), where it writes; "" or missing: not wanted.
+    std::map<std::string, std::string, std::less<>> paths;
+    ExrLayers layers;
+    ExrCompression compression = ExrCompression::Zip;
+
+    const std::string& path(std::string_view sink) const;
   } output;
   struct Record {
     std::string file;      // the raw recording
@@ -60,29 +68,10 @@ struct Settings {
   } record;
 };
 
+// As many as were asked for; by default one for each processor.
+int thread_count(const Settings::Fit& fit);
+
 // Which settings a verb takes.
 enum class SettingGroup { Camera, Schedule, Sync, Fit, Output, Record };
-
-// The flags of one verb, --config and --print-config among them.
-class SettingsFlags {
- public:
-  SettingsFlags(CLI::App& verb, std::vector<SettingGroup> groups);
-  ~SettingsFlags();
-
-  // Defaults, then the file named by --config, then the flags. Errors: those of reading the file; Invalid for
-  // TOML that does not parse, an unknown key, a value of another type or outside its range, naming file, line
-  // and what would do. A file may hold keys of groups that this verb does not take: one file serves all
-  // verbs.
-  Result<Settings> read(Storage& storage) const;
-  bool print_config() const;
-
- private:
-  struct Given;
-  std::unique_ptr<Given> given_;
-};
-
-// The settings of these groups as a TOML file with a comment for each: what --print-config prints, and what
-// reads back as the same settings.
-std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups);
 
 }  // namespace hdrcam

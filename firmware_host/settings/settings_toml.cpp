@@ -191,19 +191,25 @@ Result<void> read_toml(std::string_view text, const std::string& name, Settings&
   return {};
 }
 
-std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups) {
+std::string to_toml(const Settings& settings, const std::vector<const SettingField*>& fields) {
   std::string text;
   std::string_view table;
-  for (const SettingField& field : setting_fields()) {
-    if (std::ranges::find(groups, field.group) == groups.end()) continue;
-    if (table != table_of(field.key))
-      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", table = table_of(field.key));
-    const SettingValue value = value_of(field, settings);
+  for (const SettingField* field : fields) {
+    if (table != table_of(field->key))
+      text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", table = table_of(field->key));
+    const SettingValue value = field->read(settings);
     const auto* words = std::get_if<std::string>(&value);
-    text += fmt::format("# {}\n{} = {}\n", describe(field), name_of(field.key),
+    text += fmt::format("# {}\n{} = {}\n", describe(*field), name_of(field->key),
                         words ? quoted(*words) : to_text(value));
   }
   return text;
+}
+
+std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups) {
+  std::vector<const SettingField*> fields;
+  for (const SettingField& field : setting_fields())
+    if (std::ranges::find(groups, field.group) != groups.end()) fields.push_back(&field);
+  return to_toml(settings, fields);
 }
 
 }  // namespace hdrcam

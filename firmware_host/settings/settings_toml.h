@@ -3,8 +3,10 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "firmware_host/settings/settings.h"
+#include "firmware_host/settings/setting_field.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 
@@ -16,5 +18,10 @@ constexpr std::size_t kMostTomlDots = 2000;
 // (shutter, gain, control_delay, layers) may be arrays or texts with commas. Errors: Invalid, one sentence
 // that begins with "NAME:LINE:", the first one of the file.
 Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings);
+
+// These settings as a TOML file with a comment for each: what --print-config prints, and what reads back as
+// the same settings. The second form: those of these groups.
+std::string to_toml(const Settings& settings, const std::vector<const SettingField*>& fields);
+std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups);
 
 }  // namespace hdrcam

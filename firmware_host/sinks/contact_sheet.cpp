@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "firmware_host/sinks/canvas.h"
+#include "firmware_host/sinks/output_folder.h"
 #include "render/png.h"
 
 namespace hdrcam {
@@ -101,8 +102,9 @@ void draw_legend(Canvas& canvas, int baseline) {
 
 ContactSheet::ContactSheet(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
 
-void ContactSheet::saw_input(const FrameFacts& facts, const Image<float>& codes) {
-  if (inputs_++ % stride_ != 0) return;
+Result<void> ContactSheet::emit(const EmittedFrame& frame) {
+  const ToneCurve& curve = tone_.follow(frame.hdr.radiance);
+  if (frames_++ % stride_ != 0) return {};
   if (rows_.size() == kRowsKept) {
     std::vector<Row> every_second;
     for (std::size_t i = 0; i < rows_.size(); i += 2) every_second.push_back(std::move(rows_[i]));
@@ -110,19 +112,12 @@ void ContactSheet::saw_input(const FrameFacts& facts, const Image<float>& codes)
     stride_ *= 2;
   }
   Row& row = rows_.emplace_back();
-  row.facts = facts;
-  row.input = as_cell(as_codes(codes));
-}
-
-Result<void> ContactSheet::emit(const HdrFrame& frame) {
-  const ToneCurve& curve = tone_.follow(frame.radiance);
-  const auto row = std::find_if(rows_.begin(), rows_.end(),
-                                [&](const Row& kept) { return kept.facts.sequence == frame.facts.sequence; });
-  if (row == rows_.end()) return {};
-  row->exposure = frame.exposure;
-  row->shown = as_cell(tone_mapped(frame.radiance, curve));
-  row->provenance = sampled(frame.provenance);
-  if (!frame.depth.empty()) row->nearness = as_cell(inverted(frame.depth));
+  row.facts = frame.hdr.facts;
+  row.exposure = frame.hdr.exposure;
+  row.input = as_cell(as_codes(frame.input.codes));
+  row.shown = as_cell(tone_mapped(frame.hdr.radiance, curve));
+  row.provenance = sampled(frame.hdr.provenance);
+  if (!frame.hdr.depth.empty()) row.nearness = as_cell(inverted(frame.hdr.depth));
   return {};
 }
 
@@ -133,13 +128,11 @@ Result<void> ContactSheet::finish() {
 }
 
 std::vector<const ContactSheet::Row*> ContactSheet::chosen_rows() const {
-  std::vector<const Row*> complete, chosen;
-  for (const Row& row : rows_)
-    if (row.complete()) complete.push_back(&row);
-  const int n = static_cast<int>(complete.size());
+  std::vector<const Row*> chosen;
+  const int n = static_cast<int>(rows_.size());
   const int shown = std::min(n, kRowsShown);
   for (int i = 0; i < shown; ++i)
-    chosen.push_back(complete[static_cast<std::size_t>(shown == 1 ? 0 : i * (n - 1) / (shown - 1))]);
+    chosen.push_back(&rows_[static_cast<std::size_t>(shown == 1 ? 0 : i * (n - 1) / (shown - 1))]);
   return chosen;
 }
 
@@ -177,6 +170,11 @@ Image<std::uint8_t> ContactSheet::composed() const {
   }
   draw_legend(canvas, top + kCaption_px - 7);
   return canvas.picture().clone();
+}
+
+Result<std::unique_ptr<FrameSink>> create_contact_sheet(Storage& storage, const std::string& path) {
+  TRY(make_folder_of(storage, path));
+  return std::unique_ptr<FrameSink>(std::make_unique<ContactSheet>(storage, path));
 }
 
 }  // namespace hdrcam

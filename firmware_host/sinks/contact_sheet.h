@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,9 +21,7 @@ class ContactSheet : public FrameSink {
   // the sink.
   ContactSheet(Storage& storage, std::string path);
 
-  // Every input frame, before its HDR frame is emitted. codes: [rgb, rows, cols] 0..255, as in ExposedFrame.
-  void saw_input(const FrameFacts& facts, const Image<float>& codes);
-  Result<void> emit(const HdrFrame& frame) override;
+  Result<void> emit(const EmittedFrame& frame) override;
   Result<void> finish() override;
 
   // The sheet as a PNG, after finish(); empty where no frame was emitted.
@@ -35,7 +34,6 @@ class ContactSheet : public FrameSink {
     Image<std::uint8_t> input, shown;  // [rgb, rows, cols]
     Image<float> nearness;             // [1, rows, cols] 1 / depth; empty without depth
     Image<std::uint8_t> provenance;    // [1, rows, cols]
-    bool complete() const { return !shown.empty(); }
   };
   Image<std::uint8_t> composed() const;
   std::vector<const Row*> chosen_rows() const;
@@ -44,8 +42,11 @@ class ContactSheet : public FrameSink {
   const std::string path_;
   ToneAdaptation tone_;
   std::vector<Row> rows_;
-  int inputs_ = 0, stride_ = 1;
+  int frames_ = 0, stride_ = 1;
   std::vector<std::byte> png_;
 };
+
+// path: of the PNG; its folder is created.
+Result<std::unique_ptr<FrameSink>> create_contact_sheet(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "firmware_host/settings/suggestion.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/version.h"
 
@@ -40,7 +39,8 @@ class ExrSequence : public FrameSink {
   ExrSequence(Storage& storage, FramePattern pattern, ExrSequenceOptions options)
       : storage_(storage), pattern_(std::move(pattern)), options_(std::move(options)) {}
 
-  Result<void> emit(const HdrFrame& frame) override {
+  Result<void> emit(const EmittedFrame& emitted) override {
+    const HdrFrame& frame = emitted.hdr;
     if (!start_) start_ = frame.facts.timestamp;
     ExrPicture picture;
     picture.rows = frame.radiance.rows();
@@ -51,8 +51,6 @@ class ExrSequence : public FrameSink {
     const std::vector<std::byte> bytes = TRY(encode_exr(picture));
     return write_whole(storage_, pattern_.path(frame.facts.sequence), bytes);
   }
-
-  Result<void> finish() override { return {}; }
 
  private:
   std::vector<ExrChannel> channels_of(const HdrFrame& frame) {
@@ -93,27 +91,6 @@ class ExrSequence : public FrameSink {
 };
 
 }  // namespace
-
-Result<ExrLayers> parse_layers(std::string_view text) {
-  ExrLayers layers;
-  const std::pair<std::string, bool*> known[] = {{"depth", &layers.depth},
-                                                 {"flow", &layers.flow},
-                                                 {"confidence", &layers.confidence},
-                                                 {"provenance", &layers.provenance}};
-  while (!text.empty()) {
-    const std::string_view word = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(word.size() + 1, text.size()));
-    const auto* layer = std::find_if(std::begin(known), std::end(known),
-                                     [word](const auto& candidate) { return candidate.first == word; });
-    if (layer == std::end(known)) {
-      const std::vector<std::string> names{"depth", "flow", "confidence", "provenance"};
-      return Error{ErrorCode::Invalid, fmt::format("--layers has no '{}'{}; it takes any of {}", word,
-                                                   did_you_mean(word, names), fmt::join(names, ","))};
-    }
-    *layer->second = true;
-  }
-  return layers;
-}
 
 Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,
                                                        ExrSequenceOptions options) {

@@ -23,9 +23,6 @@ struct ExrLayers {
   bool depth = false, flow = false, confidence = false, provenance = false;
 };
 
-// "depth,flow,confidence,provenance", any subset in any order; "" for none. Errors: Invalid.
-Result<ExrLayers> parse_layers(std::string_view text);
-
 struct ExrSequenceOptions {
   ExrLayers layers = {};
   ExrCompression compression =

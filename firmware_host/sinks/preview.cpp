@@ -13,12 +13,11 @@ class Preview : public FrameSink {
  public:
   Preview(Storage& storage, FramePattern pattern) : storage_(storage), pattern_(std::move(pattern)) {}
 
-  Result<void> emit(const HdrFrame& frame) override {
-    const auto png = TRY(encode_png(tone_mapped(frame.radiance, tone_.follow(frame.radiance))));
-    return write_whole(storage_, pattern_.path(frame.facts.sequence), png);
+  Result<void> emit(const EmittedFrame& frame) override {
+    const Image<float>& radiance = frame.hdr.radiance;
+    const auto png = TRY(encode_png(tone_mapped(radiance, tone_.follow(radiance))));
+    return write_whole(storage_, pattern_.path(frame.hdr.facts.sequence), png);
   }
-
-  Result<void> finish() override { return {}; }
 
  private:
   Storage& storage_;

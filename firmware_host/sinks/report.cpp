@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "firmware_host/sinks/contact_sheet.h"
+#include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/sinks/report_style.h"
 #include "firmware_host/sinks/svg_chart.h"
@@ -263,6 +265,24 @@ std::string run_section(const RunRecord& record) {
   return section("Run", "Enough to do it again.", card("<table><tbody>" + rows + "</tbody></table>"));
 }
 
+class Report : public FrameSink {
+ public:
+  Report(Storage& storage, std::string path)
+      : storage_(storage), path_(std::move(path)), sheet_(storage, "") {}
+
+  Result<void> emit(const EmittedFrame& frame) override { return sheet_.emit(frame); }
+  Result<void> finish() override { return sheet_.finish(); }
+  Result<void> conclude(const RunRecord& record) override {
+    const std::string html = report_html(record, sheet_.png());
+    return write_whole(storage_, path_, std::as_bytes(std::span(html)));
+  }
+
+ private:
+  Storage& storage_;
+  const std::string path_;
+  ContactSheet sheet_;
+};
+
 }  // namespace
 
 std::string base64(std::span<const std::byte> bytes) {
@@ -299,10 +319,9 @@ std::string report_html(const RunRecord& record, std::span<const std::byte> cont
   return html;
 }
 
-Result<void> write_report(Storage& storage, const std::string& path, const RunRecord& record,
-                          std::span<const std::byte> contact_sheet_png) {
-  const std::string html = report_html(record, contact_sheet_png);
-  return write_whole(storage, path, std::as_bytes(std::span(html)));
+Result<std::unique_ptr<FrameSink>> create_report(Storage& storage, const std::string& path) {
+  TRY(make_folder_of(storage, path));
+  return std::unique_ptr<FrameSink>(std::make_unique<Report>(storage, path));
 }
 
 }  // namespace hdrcam

@@ -3,11 +3,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 
-#include "firmware_host/sinks/run_record.h"
-#include "hal/core/result.h"
+#include "firmware_host/sinks/frame_sink.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -16,9 +16,9 @@ namespace hdrcam {
 // consecutive frames for the charts, so the page stays small. Reentrant.
 std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png);
 
-// Errors: those of the disk.
-Result<void> write_report(Storage& storage, const std::string& path, const RunRecord& record,
-                          std::span<const std::byte> contact_sheet_png);
+// The page is written when the run is concluded, with a contact sheet of its own; its folder is created. The
+// storage outlives the sink.
+Result<std::unique_ptr<FrameSink>> create_report(Storage& storage, const std::string& path);
 
 std::string base64(std::span<const std::byte> bytes);  // RFC 4648, with padding
 

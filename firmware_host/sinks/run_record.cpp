@@ -5,18 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <span>
-
-#include <nlohmann/json.hpp>
-
-#include "firmware_host/sinks/provenance_palette.h"
-#include "firmware_host/version.h"
-#include "hal/core/cpu.h"
 
 namespace hdrcam {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 StageSummary summary_of(std::string name, std::vector<double> times_ms) {
   StageSummary summary{.name = std::move(name), .frames = static_cast<int>(times_ms.size())};
@@ -27,30 +18,6 @@ StageSummary summary_of(std::string name, std::vector<double> times_ms) {
   summary.p95_ms = times_ms[static_cast<std::size_t>(std::ceil(0.95 * count)) - 1];  // nearest rank
   summary.max_ms = times_ms.back();
   return summary;
-}
-
-template <class Values>
-Json object_of(const Values& values) {
-  Json object = Json::object();
-  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
-  return object;
-}
-
-template <class Shares>
-Json provenance_of(const Shares& shares) {
-  Json object = Json::object();
-  for (std::size_t i = 0; i < kProvenances; ++i) object[kProvenanceLooks[i].key] = shares[i];
-  return object;
-}
-
-Json json_of(const FrameRecord& frame) {
-  Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
-            {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
-            {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
-            {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
-  if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
-  if (!frame.note.empty()) json["note"] = frame.note;
-  return json;
 }
 
 }  // namespace
@@ -93,52 +60,6 @@ double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;  // Linux counts in KiB
-}
-
-std::string to_json(const RunRecord& record) {
-  Json json{{"hdrcam", kVersion},
-            {"title", record.title},
-            {"command", record.command},
-            {"preset", record.preset},
-            {"seed", record.seed},
-            {"threads", record.threads},
-            {"cpu", cpu_model()},
-            {"instruction_set", name(instruction_set())},
-            {"camera", record.camera},
-            {"width", record.width},
-            {"height", record.height},
-            {"framerate_hz", record.framerate_hz},
-            {"deadline_ms", record.deadline_ms},
-            {"captured", record.captured},
-            {"emitted", record.emitted},
-            {"dropped", record.dropped},
-            {"frames", record.frames.size()},
-            {"ms_per_frame", mean_ms_per_frame(record)},
-            {"wall_s", record.wall_s},
-            {"peak_memory_mib", record.peak_memory_mib},
-            {"provenance", provenance_of(mean_provenance(record))}};
-  Json& stages = json["stages"] = Json::object();
-  for (const StageSummary& stage : stage_summaries(record))
-    stages[stage.name] = {{"frames", stage.frames},
-                          {"mean_ms", stage.mean_ms},
-                          {"p95_ms", stage.p95_ms},
-                          {"max_ms", stage.max_ms}};
-  if (!record.counters.empty()) json["counters"] = object_of(record.counters);
-  if (!record.scores.empty()) {
-    Json& scores = json["scores"] = Json::object();
-    for (const ScoreRow& score : record.scores)
-      scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
-  }
-  if (record.response) json["response"] = *record.response;
-  json["notes"] = record.notes;
-  Json& frames = json["per_frame"] = Json::array();
-  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame));
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
-}
-
-Result<void> write_stats(Storage& storage, const std::string& path, const RunRecord& record) {
-  const std::string json = to_json(record);
-  return write_whole(storage, path, std::as_bytes(std::span(json)));
 }
 
 }  // namespace hdrcam

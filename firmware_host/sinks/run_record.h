@@ -1,6 +1,5 @@
-// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The
-// pipeline's verb fills it; --stats writes it as JSON (to_json) and the report draws it (sinks/report.h).
-// Plain values.
+// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The run
+// fills it (run/run.h), --stats writes it as JSON (stats.h) and the report draws it (report.h). Plain values.
 #pragma once
 
 #include <array>
@@ -12,8 +11,6 @@
 #include <vector>
 
 #include "hal/core/inline_list.h"
-#include "hal/core/result.h"
-#include "hal/storage.h"
 #include "online/response/response.h"
 #include "render/hdr_frame.h"
 
@@ -53,6 +50,16 @@ struct ScoreRow {
   bool higher_is_better = true;
 };
 
+// What one sink cost, on whatever thread it runs.
+struct SinkTimes {
+  std::string name = {};
+  int frames = 0;    // that it took
+  int left_out = 0;  // as it could not keep up with a camera
+  double total_ms = 0, longest_ms = 0;
+
+  double mean_ms() const { return frames > 0 ? total_ms / frames : 0; }
+};
+
 struct RunRecord {
   std::string title;    // usually the clip's name
   std::string command;  // as typed
@@ -72,6 +79,7 @@ struct RunRecord {
   double peak_memory_mib = 0;
 
   std::vector<FrameRecord> frames;
+  std::vector<SinkTimes> sinks;
   std::optional<ResponseCurves> response;         // the estimate in use at the end
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
   std::vector<ScoreRow> scores;                   // empty without ground truth
@@ -96,9 +104,5 @@ std::array<double, kProvenances> mean_provenance(const RunRecord& record);
 
 // Peak resident memory of this process so far, MiB.
 double peak_memory_mib();
-
-// The keys are specified in docs/stats.md. Values that are not finite become null.
-std::string to_json(const RunRecord& record);
-Result<void> write_stats(Storage& storage, const std::string& path, const RunRecord& record);
 
 }  // namespace hdrcam

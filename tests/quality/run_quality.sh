@@ -14,7 +14,9 @@ For each clip: hdrcam import, then for each preset and emission hdrcam replay an
       --preset LIST      comma separated                             (default balanced)
       --emit LIST        comma separated: state, field, merged       (default: what replay emits by itself)
       --peers FILE       hdrpeers.cpp, compiled on the fly; needs a C++ compiler and OpenCV's photo and imgcodecs
-      --peer-list LIST   METHOD:RESPONSE, comma separated            (default kang:est2)
+      --peer-list LIST   METHOD:RESPONSE, comma separated            (default kang:est2,kang:gt)
+      --set NAME=LIST    one more run for each value of a knob: --set steps=0,30,100
+      --geometry         also depth and motion: a second table
       --skip N           frames left out at either end               (default 1)
       --again            do not keep results of an earlier run
       --keep             keep recordings and HDR frames (large)
@@ -29,11 +31,11 @@ TEXT
 fail() { echo "run_quality.sh: $*" >&2; exit 2; }
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
-clips_root='' out=out/quality hdrcam=$root/build/release/hdrcam presets=balanced emits='' peers='' peer_list=kang:est2
-skip=1 again=no keep=no replay_flags=()
+clips_root='' out=out/quality hdrcam=$root/build/release/hdrcam presets=balanced emits='' peers='' peer_list=kang:est2,kang:gt
+skip=1 again=no keep=no knob='' knob_values='' geometry=no replay_flags=()
 while [[ $# -gt 0 ]]; do
   case $1 in
-    -o|--out|--hdrcam|--preset|--emit|--peers|--peer-list|--skip)
+    -o|--out|--hdrcam|--preset|--emit|--peers|--peer-list|--skip|--set)
       [[ $# -ge 2 ]] || fail "$1 needs a value; see --help" ;;&
     -o|--out) out=$2; shift 2 ;;
     --hdrcam) hdrcam=$2; shift 2 ;;
@@ -42,6 +44,10 @@ while [[ $# -gt 0 ]]; do
     --peers) peers=$2; shift 2 ;;
     --peer-list) peer_list=$2; shift 2 ;;
     --skip) skip=$2; shift 2 ;;
+    --set)
+      [[ $2 == ?*=?* ]] || fail "--set takes NAME=VALUE,VALUE.., not '$2'"
+      knob=${2%%=*} knob_values=${2#*=}; shift 2 ;;
+    --geometry) geometry=yes; shift ;;
     --again) again=yes; shift ;;
     --keep) keep=yes; shift ;;
     -h|--help) usage; exit 0 ;;
@@ -130,6 +136,7 @@ score() {
   local cell="${clip##*/}"$'\t'"$method" key
   for key in psnr_mu flicker worst_psnr_mu; do cell+=$'\t'$(figure "$run/scores.json" "$key"); done
   cell+=$'\t'$(figure "$run/stats.json" ms_per_frame)
+  for key in depth_abs_rel flow_backward_epe_px; do cell+=$'\t'$(figure "$run/scores.json" "$key"); done
   echo "$cell" >>"$out/rows.tsv"
   if [[ -s $run/scores.json ]] && ! grep -q '"missing": \[\]' "$run/scores.json"; then
     echo "  some frames of ${clip##*/} have no estimate, see \"missing\" in $run/scores.json" >&2
@@ -145,7 +152,19 @@ words='
     return or_dash(psnr, "%.2f") " / " or_dash(flicker, "%.4f") " / " or_dash(worst, "%.2f") " / " or_dash(ms, "%.1f")
   }'
 
-# rows.tsv holds, tab separated: clip, method, psnr_mu, flicker, worst_psnr_mu, ms_per_frame.
+# The second table: what is known of depth and motion.
+geometry_markdown() {
+  echo
+  echo 'Depth: mean |s d - g| / g with one scale s a clip. Motion: end-point error of the flow to the previous frame, pixels.'
+  echo
+  echo '| clip | method | depth abs-rel | motion error, px |'
+  echo '|---|---|---|---|'
+  awk -F '\t' "$words"'$7 != "" || $8 != "" {
+    printf "| %s | %s | %s | %s |\n", $1, $2, or_dash($7, "%.4f"), or_dash($8, "%.3f") }' "$out/rows.tsv"
+}
+
+# rows.tsv holds, tab separated: clip, method, psnr_mu, flicker, worst_psnr_mu, ms_per_frame, depth_abs_rel,
+# flow_backward_epe_px.
 markdown() {
   echo '# Quality'
   echo
@@ -189,8 +208,9 @@ json() {
     {
       if (NR > 1) print ","
       printf " {\"clip\": \"%s\", \"method\": \"%s\", ", $1, $2
-      printf "\"psnr_mu\": %s, \"flicker\": %s, \"worst_psnr_mu\": %s, \"ms_per_frame\": %s}",
+      printf "\"psnr_mu\": %s, \"flicker\": %s, \"worst_psnr_mu\": %s, \"ms_per_frame\": %s, ",
              or_null($3), or_null($4), or_null($5), or_null($6)
+      printf "\"depth_abs_rel\": %s, \"flow_backward_epe_px\": %s}", or_null($7), or_null($8)
     }
     END { print "\n]" }' "$out/rows.tsv"
 }
@@ -200,7 +220,10 @@ program=$(sha256sum "$hdrcam" | cut -c 1-16)
 IFS=, read -ra preset_list <<<"$presets"
 IFS=, read -ra emit_list <<<"$emits"
 IFS=, read -ra peer_pairs <<<"$peer_list"
+IFS=, read -ra value_list <<<"$knob_values"
 [[ ${#emit_list[@]} -gt 0 ]] || emit_list=('')
+[[ ${#value_list[@]} -gt 0 ]] || value_list=('')
+[[ $geometry == no ]] || replay_flags+=(--layers depth,flow)
 : >"$out/rows.tsv"
 
 for clip in "${clips[@]}"; do
@@ -209,9 +232,11 @@ for clip in "${clips[@]}"; do
   rm -f "$recording"  # of an earlier run, perhaps of an earlier program
   for preset in "${preset_list[@]}"; do
     for emit in "${emit_list[@]}"; do
-      flags=(--preset "$preset" ${emit:+--emit "$emit"} "${replay_flags[@]}")
-      method=$preset${emit:+-$emit}
-      score "$clip" "$method" "$program ${flags[*]}" score_hdrcam "$method" "${flags[@]}"
+      for value in "${value_list[@]}"; do
+        flags=(--preset "$preset" ${emit:+--emit "$emit"} ${value:+--set "$knob=$value"} "${replay_flags[@]}")
+        method=$preset${emit:+-$emit}${value:+-$knob=$value}
+        score "$clip" "$method" "$program ${flags[*]}" score_hdrcam "$method" "${flags[@]}"
+      done
     done
   done
   if [[ -n $peers ]]; then
@@ -224,6 +249,7 @@ for clip in "${clips[@]}"; do
 done
 
 markdown >"$out/quality.md"
+[[ $geometry == no ]] || geometry_markdown >>"$out/quality.md"
 json >"$out/quality.json"
 rm -f "$out/rows.tsv"
 echo

@@ -4,9 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "firmware_host/live/live_session.h"
-#include "firmware_host/run/fit_run.h"
-#include "hal/sim/simulated_camera.h"
+#include "firmware_host/live/camera_source.h"
+#include "firmware_host/run/run.h"
 #include "tests/allocations.h"
 #include "tests/contracts/expect.h"
 
@@ -33,40 +32,61 @@ struct Growth {
   std::ptrdiff_t bytes = 0;
 };
 
+// A camera; notes what the process has taken once `warm` frames were captured, and at the end.
+class WatchedCamera : public FrameSource {
+ public:
+  WatchedCamera(CameraSource& camera, std::uint64_t warm) : camera_(camera), warm_(warm) {}
+
+  const CameraFacts& camera() const override { return camera_.camera(); }
+  RunPace pace() const override { return camera_.pace(); }
+  Result<void> start() override { return camera_.start(); }
+  Result<const RawFrame*> next() override {
+    Result<const RawFrame*> frame = camera_.next();
+    if (warm_allocations_ == 0 && camera_.session().counters().captured() >= warm_)
+      warm_allocations_ = own_allocations_so_far(), warm_bytes_ = resident_bytes();
+    if (frame && frame.value() == nullptr) {
+      growth_.allocations = own_allocations_so_far() - warm_allocations_;
+      growth_.bytes =
+          static_cast<std::ptrdiff_t>(resident_bytes()) - static_cast<std::ptrdiff_t>(warm_bytes_);
+    }
+    return frame;
+  }
+  void emitted(FrameRecord& record) override { camera_.emitted(record); }
+  void learn_response(const Response::Curve& inverse, float black) override {
+    camera_.learn_response(inverse, black);
+  }
+  Result<void> finish(RunRecord& record) override { return camera_.finish(record); }
+
+  const Growth& growth() const { return growth_; }
+
+ private:
+  CameraSource& camera_;
+  const std::uint64_t warm_;
+  std::uint64_t warm_allocations_ = 0;
+  std::size_t warm_bytes_ = 0;
+  Growth growth_;
+};
+
 // What the process took from the moment when `warm` frames were captured until the end.
 Growth growth_over(std::uint64_t frames, std::uint64_t warm) {
-  SimulatedCamera camera(value_of(simulation_of("still?size=48x32&fps=250")), SimTime(), 1);
-  CaptureOptions options;
-  options.mode = {PixelFormat::Rgb24, 48, 32, milliseconds(4)};
-  const Exposure cycle[] = {{milliseconds(1), 1}, {milliseconds(2), 1}};
-  auto capture = value_of(CaptureStage::open(camera, nullptr, cycle, Mains::Off, options));
-  LiveSession session(*capture, nullptr, {.frames = frames});
   Settings settings;
-  settings.fit.preset = "fast";
+  settings.camera.id = "sim:still?size=48x32&fps=250";
+  settings.camera.format = "RGB24";
+  settings.schedule.shutter = "1ms,2ms";
+  settings.fit.preset = Preset::Fast;
   settings.fit.threads = 2;
-  auto run = value_of(FitRun::open(
-      settings, capture->facts(), "long", "", posix_storage(),
-      [&](FrameRecord& frame) { session.emitted(frame.sequence); }, FrameSource::Camera));
   const std::atomic<bool> never{false};
-  require_done(session.start());
-  Growth growth;
-  std::uint64_t allocations = 0;
-  std::size_t bytes = 0;
-  while (const FrameShare frame = session.next(never, {})) {
-    if (allocations == 0 && session.counters().captured() >= warm)
-      allocations = own_allocations_so_far(), bytes = resident_bytes();
-    require_done(run->take(frame->captured.raw));
-  }
-  growth.allocations = own_allocations_so_far() - allocations;
-  growth.bytes = static_cast<std::ptrdiff_t>(resident_bytes()) - static_cast<std::ptrdiff_t>(bytes);
-  require_done(run->finish());
-  CHECK(value_of(session.finish()) == LiveEnd::Frames);
-  const LiveCounters counters = session.counters();
+  const auto camera = value_of(CameraSource::open(settings, {.frames = frames}, posix_storage(), never));
+  WatchedCamera source(*camera, warm);
+  const RunPlan plan{.settings = settings, .title = "long", .progress = nullptr};
+  require_done(run(plan, source, posix_storage()));
+  CHECK(camera->end() == LiveEnd::Frames);
+  const LiveCounters counters = camera->session().counters();
   CHECK(counters.captured() == frames);
   CHECK(counters.captured() == counters.emitted + counters.dropped());
   CHECK(counters.emitted > frames / 50);
   CHECK(counters.camera.contradicted == 0);
-  return growth;
+  return source.growth();
 }
 
 void lasts(std::uint64_t frames, std::uint64_t warm) {

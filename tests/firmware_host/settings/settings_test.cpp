@@ -1,4 +1,4 @@
-#include "firmware_host/settings/settings.h"
+#include "firmware_host/settings/settings_flags.h"
 
 #include <fmt/format.h>
 
@@ -58,11 +58,19 @@ std::string sentence(const Result<Settings>& refused) {
 
 // A value that the field takes and that is not its default.
 std::string other_value(const SettingField& field) {
-  if (!field.choices.empty()) return field.choices.back();
-  if (std::holds_alternative<SettingPlace<bool>>(field.place)) return "true";
-  if (std::holds_alternative<SettingPlace<int>>(field.place)) return to_text(field.range.most);
-  if (std::holds_alternative<SettingPlace<double>>(field.place))
-    return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+  switch (field.type) {
+    case SettingType::Choice:
+    case SettingType::Words:
+      return field.choices.back();
+    case SettingType::Switch:
+      return "true";
+    case SettingType::Whole:
+      return to_text(field.range.most);
+    case SettingType::Real:
+      return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+    case SettingType::Text:
+      break;
+  }
   return "a \"quoted\" \\ word, wörtlich\tand\n=[#]";
 }
 
@@ -74,8 +82,8 @@ Settings all_changed() {
 }
 
 bool same(const Settings& a, const Settings& b) {
-  return std::ranges::all_of(
-      setting_fields(), [&](const SettingField& field) { return value_of(field, a) == value_of(field, b); });
+  return std::ranges::all_of(setting_fields(),
+                             [&](const SettingField& field) { return field.read(a) == field.read(b); });
 }
 
 }  // namespace
@@ -101,10 +109,10 @@ TEST_CASE("every setting has a default that it takes, and another value") {
   for (const SettingField& field : setting_fields()) {
     INFO(field.key);
     Settings settings;
-    const SettingValue fallback = value_of(field, settings);
+    const SettingValue fallback = field.read(settings);
     CHECK(set(field, fallback, field.key, settings).ok());
     CHECK(set_from_text(field, other_value(field), field.key, settings).ok());
-    CHECK(value_of(field, settings) != fallback);
+    CHECK(field.read(settings) != fallback);
   }
 }
 
@@ -146,8 +154,8 @@ TEST_CASE("lists may be written as arrays, and numbers of a choice without quote
   CHECK(settings.value().camera.framerate_hz == 30);
   CHECK(settings.value().schedule.shutter == "1ms,1/250");
   CHECK(settings.value().schedule.gain == "1,2.5");
-  CHECK(settings.value().schedule.mains == "50");
-  CHECK(settings.value().output.layers == "depth,flow");
+  CHECK(settings.value().schedule.mains == Mains::Hz50);
+  CHECK(settings.value().output.layers.depth);
   const auto one = from_toml("schedule.gain = 4");
   REQUIRE(one.ok());
   CHECK(one.value().schedule.gain == "4");
@@ -157,7 +165,7 @@ TEST_CASE("a verb takes the flags of its groups, and a file with the keys of all
   const std::string path = file_with("[fit]\npreset = \"fast\"\n[record]\nmemory_mib = 64\n");
   const auto settings = from_flags({"--config", path}, {SettingGroup::Camera, SettingGroup::Record});
   REQUIRE(settings.ok());
-  CHECK(settings.value().fit.preset == "fast");
+  CHECK(settings.value().fit.preset == Preset::Fast);
   CHECK(settings.value().record.memory_mib == 64);
   CHECK_THROWS_AS(from_flags({"--preset", "fast"}, {SettingGroup::Camera}), CLI::ParseError);
 }
@@ -168,7 +176,7 @@ TEST_CASE("the recording is written with -o by a verb that has no other output")
   CHECK(alone.value().record.file == "walk.mkv");
   const auto both = from_flags({"-o", "out/%06d.exr", "--record", "walk.mkv"});
   REQUIRE(both.ok());
-  CHECK(both.value().output.frames == "out/%06d.exr");
+  CHECK(both.value().output.path("frames") == "out/%06d.exr");
   CHECK(both.value().record.file == "walk.mkv");
 }
 
@@ -233,6 +241,25 @@ TEST_CASE("what a flag does not take is refused in the same words") {
   CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not inf"));
   CHECK_THAT(sentence(from_flags({"--compression", "zap"})), Contains("(did you mean 'zip'?)"));
   CHECK_THAT(sentence(from_flags({"--sync-active-low=maybe"})), Contains("true or false, not 'maybe'"));
+}
+
+TEST_CASE("layers that do not exist are refused with the nearest that does") {
+  CHECK(from_flags({"--layers", "depth, flow"}).value().output.layers.flow);
+  CHECK(from_flags({"--layers", ""}).ok());
+  CHECK(sentence(from_flags({"--layers", "depth,confidense"})) ==
+        "--layers takes any of depth,flow,confidence,provenance, not 'confidense' (did you mean "
+        "'confidence'?)");
+  CHECK_THAT(sentence(from_flags({"--layers", "depth,,flow"})), Contains("not ''"));
+}
+
+TEST_CASE("settings that differ from the defaults can be typed again as flags") {
+  CLI::App verb("", "live");
+  const SettingsFlags flags(verb, kAllGroups);
+  CHECK(flags.as_flags(Settings{}).empty());
+  Settings settings;
+  settings.fit.preset = Preset::Fast;
+  settings.output.paths["frames"] = "my out/%06d.exr";
+  CHECK(flags.as_flags(settings) == " --preset=fast --output='my out/%06d.exr'");
 }
 
 TEST_CASE("what is not TOML is refused with line and column") {
@@ -305,7 +332,7 @@ TEST_CASE("docs/configuration.md lists every setting as the program has it") {
   REQUIRE(page.ok());
   const Settings defaults;
   for (const SettingField& field : setting_fields()) {
-    const std::string fallback = to_text(value_of(field, defaults));
+    const std::string fallback = to_text(field.read(defaults));
     const std::string line = fmt::format("| `{}` | `{}` | {} | {} |", field.key, field.flag,
                                          fallback.empty() ? "" : "`" + fallback + "`", describe(field));
     INFO(line);

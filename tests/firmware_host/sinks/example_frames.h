@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "firmware_host/sinks/frame_sink.h"
 #include "hal/fault/faulty_storage.h"
-#include "render/hdr_frame.h"
 
 namespace hdrcam::test {
 
@@ -43,6 +43,16 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
       }
   }
   return frame;
+}
+
+// The frame to the sink, with what came in and the work on it. codes: [rgb, rows, cols] 0..255.
+inline Result<void> emit(FrameSink& sink, const HdrFrame& frame, const Image<float>& codes = {}) {
+  ExposedFrame input;
+  input.facts = frame.facts;
+  input.codes.copy_from(codes);
+  FrameRecord record;
+  record.sequence = frame.facts.sequence;
+  return sink.emit({frame, input, record});
 }
 
 // A disk that is full once files have grown by so much in all.

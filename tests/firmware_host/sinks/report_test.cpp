@@ -136,8 +136,9 @@ TEST_CASE("ticks are round and lie within the axis") {
 TEST_CASE("a report that cannot be written whole is not written at all") {
   const std::string path = sample::scratch_folder("report-full") + "/report.html";
   FaultyStorage full(posix_storage(), test::disk_of(1000));
-  CHECK(write_report(full, path, test::example_run(48), {}).error().code == ErrorCode::NoSpace);
+  CHECK(create_report(full, path).value()->conclude(test::example_run(48)).error().code ==
+        ErrorCode::NoSpace);
   CHECK(posix_storage().open(path).error().code == ErrorCode::NotFound);
-  CHECK(write_report(posix_storage(), path, test::example_run(48), {}).ok());
+  CHECK(create_report(posix_storage(), path).value()->conclude(test::example_run(48)).ok());
   CHECK(read_whole(posix_storage(), path).value() == report_html(test::example_run(48), {}));
 }

@@ -1,0 +1,58 @@
+#include "firmware_host/live/camera_source.h"
+
+#include "firmware_host/live/capture_setup.h"
+#include "firmware_host/live/live_report.h"
+
+namespace hdrcam {
+
+Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
+                                                         Storage& storage, const std::atomic<bool>& stop) {
+  std::unique_ptr<CameraSource> source(new CameraSource(stop));
+  source->replayed_ = is_replayed(settings.camera.id);
+  source->camera_ = TRY(open_camera(settings.camera.id, storage));
+  source->strobe_ = TRY(open_strobe(settings.sync));
+  const CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
+  source->capture_ = TRY(
+      CaptureStage::open(*source->camera_, source->strobe_.get(), setup.cycle, setup.mains, setup.options));
+  source->facts_ = source->capture_->facts();
+  std::unique_ptr<RecordingWriter> recording;
+  if (!settings.record.file.empty())
+    recording = TRY(create_recording(storage, settings.record.file, source->facts_));
+  limits.memory_bytes = static_cast<std::size_t>(settings.record.memory_mib) << 20;
+  source->session_ = std::make_unique<LiveSession>(*source->capture_, std::move(recording), limits);
+  return source;
+}
+
+Result<const RawFrame*> CameraSource::next() {
+  frame_ = {};  // given back first, so that capture has its room
+  frame_ = session_->next(stop_, {});
+  return frame_ ? &frame_->captured.raw : nullptr;
+}
+
+void CameraSource::emitted(FrameRecord& record) {
+  record.latency_ms = to_seconds(session_->emitted(record.sequence)) * 1e3;
+}
+
+void CameraSource::learn_response(const Response::Curve& inverse, float black_level) {
+  session_->learn_response(inverse, black_level);
+}
+
+Result<void> CameraSource::finish(RunRecord& record) {
+  frame_ = {};
+  const Result<LiveEnd> end = session_->finish();
+  if (end) end_ = end.value();
+  const LiveCounters counters = session_->counters();
+  record.counters = named(counters);
+  record.captured = static_cast<int>(counters.captured());
+  record.emitted = static_cast<int>(counters.emitted);
+  record.dropped = static_cast<int>(counters.dropped());
+  record.notes.push_back(proof_of(counters.camera));
+  if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
+  return end.error();
+}
+
+std::string CameraSource::status(const ProgressState&) const {
+  return live_line(to_seconds(posix_clock().now() - begin_), session_->counters(), true);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,207 @@
+#include "firmware_host/run/run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <future>
+#include <limits>
+#include <mutex>
+#include <utility>
+
+#include "firmware_host/run/pipeline.h"
+#include "hal/core/cpu.h"
+#include "hal/core/stopwatch.h"
+#include "render/scores/scores.h"
+
+namespace hdrcam {
+namespace {
+
+// How far the run is: written by the thread that works, read by the one that shows it.
+class SharedProgress {
+ public:
+  explicit SharedProgress(std::optional<int> total) { state_.total = total; }
+  void frame_done(const FrameRecord& record) {
+    const std::lock_guard lock(mutex_);
+    state_.frame_done(record.total_ms,
+                      record.losses.empty() ? std::nullopt : std::optional(record.losses.front().value));
+  }
+  ProgressState now() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  ProgressState state_;
+};
+
+RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads) {
+  RunRecord record;
+  record.title = plan.title;
+  record.command = plan.command;
+  record.preset = name(plan.settings.fit.preset);
+  record.seed = static_cast<std::uint64_t>(plan.settings.fit.seed);
+  record.threads = threads;
+  record.camera = camera.name;
+  record.width = camera.width, record.height = camera.height;
+  record.framerate_hz = camera.framerate_hz;
+  if (pace == RunPace::Camera) {
+    record.frames.resize(kFramesKept);  // so that the memory is really there, not only reserved
+    record.frames.clear();
+  }
+  return record;
+}
+
+// A clip ends, and its record tells of every frame. A camera may run for weeks: the latest frames are kept.
+std::size_t frames_kept(RunPace pace) {
+  return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
+}
+
+FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
+  const std::size_t most = frames_kept(pace);
+  if (record.frames.size() < most) record.frames.emplace_back();
+  FrameRecord& kept = record.frames[static_cast<std::size_t>(record.emitted) % most];
+  ++record.emitted;
+  kept = frame;
+  return kept;
+}
+
+// What the method learned about the camera on the way.
+void add_findings(const Pipeline& pipeline, RunRecord& record) {
+  const OnlineStage& online = pipeline.online();
+  record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1),
+                                   online.response().inverse(2)};
+  record.response_prior = prior_mean_response().inverse(1);
+  const NoiseModel& noise = online.noise();
+  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
+                                     noise.full_well, noise.read_noise));
+  const BlackLevel& black = online.black_level();
+  record.notes.push_back(
+      fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
+  if (pipeline.kept_out() > 0)
+    record.notes.push_back(fmt::format(
+        "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+}
+
+void close_record(RunPace pace, double wall_s, RunRecord& record) {
+  const std::size_t most = frames_kept(pace);
+  if (record.frames.size() == most)  // the oldest first
+    std::rotate(
+        record.frames.begin(),
+        record.frames.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record.emitted) % most),
+        record.frames.end());
+  if (static_cast<int>(record.frames.size()) < record.emitted)
+    record.notes.push_back(fmt::format("times are those of the last {} frames", record.frames.size()));
+  record.dropped = record.captured - record.emitted;
+  record.wall_s = wall_s;
+  record.peak_memory_mib = peak_memory_mib();
+}
+
+Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {
+  if (plan.truth.empty()) return {};
+  const std::string folder =
+      std::filesystem::path(plan.settings.output.path("frames")).parent_path().string();
+  const ClipScores scores =
+      TRY(score_clip(storage, plan.truth, folder.empty() ? "." : folder, {.stop = plan.stop}));
+  record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
+  record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
+  if (scores.mean.psnr_mu_moving_db)
+    record.scores.push_back({"PSNR-mu, moving objects", "dB", *scores.mean.psnr_mu_moving_db, true});
+  if (scores.flicker_stops)
+    record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
+  record.scores.push_back({"phase pumping", "stops", scores.phase_stops, false});
+  return {};
+}
+
+// A stream that ended early is the reason why it is too short.
+Result<void> first_cause(Result<void> worked, Result<void> ended) {
+  const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
+  if (!worked && !(too_short && !ended)) return worked;
+  return ended;
+}
+
+// The way of a frame.
+Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage,
+                         SharedProgress& progress) {
+  const Settings& settings = plan.settings;
+  const CameraFacts& camera = source.camera();
+  const RunPace pace = source.pace();
+
+  // The method, and where its frames go.
+  const PipelineOptions options = options_of(settings.fit);
+  WorkerPool pool(thread_count(settings.fit),
+                  pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
+  Pipeline pipeline(options, camera, pool);
+  SinkSet sinks =
+      TRY(SinkSet::open(plan.sinks, settings.output.paths,
+                        {"", camera, settings.output.layers, settings.output.compression, storage}, pace));
+  RunRecord record = opened_record(plan, camera, pace, pool.threads());
+  Stopwatch wall;
+
+  // Out: each HDR frame goes to the sinks, its record is kept.
+  bool response_told = camera.linear;
+  const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const ExposedFrame& input,
+                                        const FrameRecord& made) -> Result<void> {
+    FrameRecord& kept = keep(made, pace, record);
+    source.emitted(kept);
+    Stopwatch watch;
+    TRY(sinks.emit({hdr, input, kept}));
+    if (!sinks.empty()) {
+      const double ms = watch.lap_ms();
+      kept.stages_ms.push_back({"sinks", ms});
+      kept.total_ms += ms;
+    }
+    if (!std::exchange(response_told, true))
+      source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level()[1]);
+    progress.frame_done(kept);
+    return {};
+  };
+
+  // In: frame by frame, until the source ends.
+  TRY(source.start());
+  const auto take_all = [&]() -> Result<void> {
+    while (const RawFrame* frame = TRY(source.next())) {
+      ++record.captured;
+      TRY(pipeline.take(*frame, deliver));
+    }
+    return pipeline.finish(deliver);
+  };
+  Result<void> worked = take_all();
+
+  // The end: files are completed, then what tells of the whole run is written.
+  if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
+  add_findings(pipeline, record);
+  close_record(pace, wall.lap_ms() / 1e3, record);
+  const Result<void> ended = source.finish(record);
+  if (worked && ended) worked = add_scores(plan, storage, record);
+  record.sinks = sinks.times();
+  if (const Result<void> concluded = sinks.conclude(record); worked && !concluded) worked = concluded;
+  return first_cause(std::move(worked), ended);
+}
+
+}  // namespace
+
+Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
+  SharedProgress progress(source.frame_count());
+  std::future<Result<void>> work = std::async(std::launch::async, [&] {
+    if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
+    flush_denormals();
+    return frames_flow(plan, source, storage, progress);
+  });
+  if (plan.progress == nullptr) return work.get();
+
+  constexpr auto kLook = std::chrono::milliseconds(20);
+  StatusLine line(plan.progress);
+  ProgressState shown;
+  while (work.wait_for(kLook) != std::future_status::ready) {
+    const ProgressState now = progress.now();
+    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line goes on
+    if (line.due()) line.show(source.status(shown = now));
+  }
+  if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));
+  return work.get();
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,147 @@
+#include "firmware_host/settings/setting_field.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <system_error>
+
+#include "firmware_host/settings/suggestion.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kMostInt = std::numeric_limits<int>::max();
+
+bool is_number(const SettingField& field) {
+  return field.type == SettingType::Whole || field.type == SettingType::Real;
+}
+bool is_switch(const SettingField& field) { return field.type == SettingType::Switch; }
+bool is_text(const SettingField& field) { return !is_number(field) && !is_switch(field); }
+
+bool in_range(const SettingRange& range, double value) {
+  return (value >= range.least && value <= range.most) || (range.besides && value == *range.besides);
+}
+
+std::string words_of(const SettingField& field) {
+  if (field.list) return fmt::format("any of {}", fmt::join(field.choices, ","));
+  const auto last = field.choices.end() - 1;
+  return fmt::format("{} or {}", fmt::join(field.choices.begin(), last, ", "), *last);
+}
+
+std::string shown(const SettingValue& value) {
+  const auto* text = std::get_if<std::string>(&value);
+  return text ? fmt::format("'{}'", *text) : to_text(value);
+}
+
+template <class T>
+std::optional<T> parsed_number(const std::string& text) {
+  T value{};
+  const char* const end = text.data() + text.size();
+  const auto [stop, failure] = std::from_chars(text.data(), end, value);
+  return failure == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
+}
+
+// The value of the field's own type that the given one stands for.
+std::optional<SettingValue> converted(const SettingField& field, const SettingValue& value) {
+  const bool numbers_are_texts = field.list || !field.choices.empty();
+  if (is_text(field)) {
+    if (std::holds_alternative<std::string>(value)) return value;
+    if (numbers_are_texts && !std::holds_alternative<bool>(value)) return to_text(value);
+    return std::nullopt;
+  }
+  if (is_switch(field)) return std::holds_alternative<bool>(value) ? std::optional(value) : std::nullopt;
+  const auto* whole = std::get_if<int>(&value);
+  const auto* real = std::get_if<double>(&value);
+  if (field.type == SettingType::Real && whole) return static_cast<double>(*whole);
+  if (field.type == SettingType::Whole && real && std::abs(*real) <= kMostInt && *real == std::trunc(*real))
+    return static_cast<int>(*real);
+  if (field.type == SettingType::Real ? real != nullptr : whole != nullptr) return value;
+  return std::nullopt;
+}
+
+// The first word that is not one of the field's.
+std::optional<std::string> stranger(const SettingField& field, const std::string& text) {
+  if (field.choices.empty()) return std::nullopt;
+  for (const std::string& word : field.list ? parts_of(text) : std::vector{text})
+    if (std::ranges::find(field.choices, word) == field.choices.end()) return word;
+  return std::nullopt;
+}
+
+bool allowed(const SettingField& field, const SettingValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return !stranger(field, *text);
+  if (const auto* whole = std::get_if<int>(&value)) return in_range(field.range, *whole);
+  if (const auto* real = std::get_if<double>(&value)) return in_range(field.range, *real);
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::string> parts_of(std::string_view text) {
+  std::vector<std::string> parts;
+  while (!text.empty()) {
+    const std::string_view part = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(part.size() + 1, text.size()));
+    const auto begin = std::min(part.find_first_not_of(' '), part.size());
+    parts.emplace_back(part.substr(begin, part.find_last_not_of(' ') + 1 - begin));
+  }
+  return parts;
+}
+
+std::string describe(const SettingField& field) {
+  std::vector<std::string> notes;
+  if (!field.choices.empty()) notes.push_back(words_of(field));
+  if (is_number(field) && field.range.most < kMostInt)
+    notes.push_back(fmt::format("{}..{}", field.range.least, field.range.most));
+  if (*field.unset != '\0')
+    notes.push_back(
+        fmt::format("{}: {}", is_number(field) ? to_text(*field.range.besides) : "\"\"", field.unset));
+  return notes.empty() ? field.about : fmt::format("{} ({})", field.about, fmt::join(notes, "; "));
+}
+
+std::string accepted(const SettingField& field) {
+  if (!field.choices.empty()) return words_of(field);
+  if (is_switch(field)) return "true or false";
+  if (!is_number(field)) return field.list ? "a text or a list" : "a text";
+  const std::string range =
+      fmt::format("{}, {}..{}", field.type == SettingType::Whole ? "a whole number" : "a number",
+                  field.range.least, field.range.most);
+  return field.range.besides ? fmt::format("{} or {}", range, *field.range.besides) : range;
+}
+
+std::string to_text(const SettingValue& value) {
+  return std::visit([](const auto& v) { return fmt::format("{}", v); }, value);
+}
+
+Error not_accepted(const SettingField& field, std::string_view name, std::string_view shown) {
+  return {ErrorCode::Invalid, fmt::format("{} takes {}, not {}", name, accepted(field), shown)};
+}
+
+Result<void> set(const SettingField& field, const SettingValue& given, std::string_view name,
+                 Settings& settings) {
+  const auto value = converted(field, given);
+  if (!value || !allowed(field, *value)) {
+    const std::string text = to_text(given);
+    const std::string wrong = is_text(field) ? stranger(field, text).value_or(text) : text;
+    return not_accepted(
+        field, name,
+        (wrong == text ? shown(given) : fmt::format("'{}'", wrong)) + did_you_mean(wrong, field.choices));
+  }
+  field.write(settings, *value);
+  return {};
+}
+
+Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,
+                           Settings& settings) {
+  std::optional<SettingValue> value;
+  if (is_text(field)) value = text;
+  if (is_switch(field) && (text == "true" || text == "false")) value = text == "true";
+  if (field.type == SettingType::Whole) value = parsed_number<int>(text);
+  if (field.type == SettingType::Real) value = parsed_number<double>(text);
+  return set(field, value.value_or(text), name, settings);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,63 @@
+// One setting: its key in a TOML file, its flag, what it is about, what it takes and where it lives in
+// Settings; and how a value that somebody gave is checked and set. Reentrant.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "firmware_host/settings/settings.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+// Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas.
+enum class SettingType { Text, Whole, Real, Switch, Choice, Words };
+
+// What was given or is printed; choices and words are texts.
+using SettingValue = std::variant<std::string, int, double, bool>;
+
+// What a number may be: least..most, or the one value besides that means "not set".
+struct SettingRange {
+  double least = 0, most = 0;
+  std::optional<double> besides;
+};
+
+struct SettingField {
+  SettingGroup group = SettingGroup::Camera;
+  SettingType type = SettingType::Text;
+  std::string key;        // "camera.format": table and name
+  const char* flag = "";  // "--format", or "-o,--output"
+  std::function<SettingValue(const Settings&)> read;
+  std::function<void(Settings&, const SettingValue&)> write;  // of a value that the field takes
+  const char* about = "";                                     // a clause, with the unit
+  const char* unset = "";            // what "", or the number besides the range, stands for
+  SettingRange range;                // of a number
+  std::vector<std::string> choices;  // of Choice and Words
+  bool list = false;                 // parts joined by commas; in TOML an array will do, too
+};
+
+// The clause with the range or the choices, and what the field means when it is not set.
+std::string describe(const SettingField& field);
+
+// "takes ..." for a sentence: "a whole number, 4..32".
+std::string accepted(const SettingField& field);
+
+std::string to_text(const SettingValue& value);  // as a flag takes it
+
+// The parts of "a,b, c", without the blanks around them; none of "".
+std::vector<std::string> parts_of(std::string_view text);
+
+// Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is what the user called the field. The first form
+// reads the value from a text, as a flag gives it; the second one takes a whole number for a number and
+// for a choice, too.
+Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,
+                           Settings& settings);
+Result<void> set(const SettingField& field, const SettingValue& value, std::string_view name,
+                 Settings& settings);
+Error not_accepted(const SettingField& field, std::string_view name, std::string_view shown);
+
+}  // namespace hdrcam

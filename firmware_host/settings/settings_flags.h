@@ -1,0 +1,42 @@
+// The settings on a command line: a flag for each, --config and --print-config. What is given last in this
+// order wins: default, file, flag. Thread-bound.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_host/settings/settings.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hdrcam {
+
+class SettingsFlags {
+ public:
+  // Adds the flags of these groups to the verb, or of these keys.
+  SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups);
+  SettingsFlags(CLI::App& verb, const std::vector<std::string>& keys);
+  ~SettingsFlags();
+
+  // Errors: those of reading the file; Invalid for TOML that does not parse, an unknown key, a value of
+  // another type or outside its range, naming file, line and what would do. A file may hold keys of groups
+  // that this verb does not take: one file serves all verbs.
+  Result<Settings> read(Storage& storage) const;
+  // Whether the settings are to be printed instead of a run.
+  bool print_config() const;
+  // The settings of this verb, as --print-config prints them.
+  std::string printed(const Settings& settings) const;
+  // Those of them that are not at their default, as flags that could be typed again: " --preset fast".
+  std::string as_flags(const Settings& settings) const;
+
+ private:
+  struct Given;
+  std::unique_ptr<Given> given_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,107 @@
+#include "firmware_host/sinks/async_sink.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "hal/core/cpu.h"
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+namespace {
+
+void copy(const HdrFrame& from, HdrFrame& to) {
+  to.facts = from.facts;
+  to.exposure = from.exposure;
+  to.reference_exposure = from.reference_exposure;
+  to.white = from.white;
+  to.radiance.copy_from(from.radiance);
+  to.sigma.copy_from(from.sigma);
+  to.provenance.copy_from(from.provenance);
+  to.depth.copy_from(from.depth);
+  to.flow.copy_from(from.flow);
+}
+
+void copy(const ExposedFrame& from, ExposedFrame& to) {
+  to.facts = from.facts;
+  to.index = from.index;
+  to.exposure = from.exposure;
+  to.blur_fraction = from.blur_fraction;
+  to.codes.copy_from(from.codes);
+}
+
+}  // namespace
+
+AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority)
+    : sink_(std::move(sink)), when_full_(when_full), slots_(kSlots), thread_([this, priority] {
+        if (priority != ThreadPriority::Usual) set_priority_of_this_thread(priority);
+        flush_denormals();
+        work();
+      }) {}
+
+AsyncSink::~AsyncSink() { end(); }
+
+Result<void> AsyncSink::emit(const EmittedFrame& frame) {
+  Slot* slot = nullptr;
+  {
+    std::unique_lock lock(mutex_);
+    if (when_full_ == WhenFull::Wait) changed_.wait(lock, [this] { return count_ < kSlots || !result_; });
+    if (!result_) return result_;
+    if (count_ == kSlots) return ++times_.left_out, Result<void>{};
+    slot = &slots_[(begin_ + count_) % kSlots];
+  }
+  // The slot is free and this thread alone fills slots: no lock is needed.
+  copy(frame.hdr, slot->hdr);
+  copy(frame.input, slot->input);
+  slot->record = frame.record;
+  {
+    const std::lock_guard lock(mutex_);
+    ++count_;
+  }
+  changed_.notify_all();
+  return {};
+}
+
+void AsyncSink::work() {
+  for (;;) {
+    const Slot* slot = nullptr;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return count_ > 0 || closed_; });
+      if (count_ == 0) return;
+      slot = &slots_[begin_];
+    }
+    Stopwatch watch;
+    Result<void> emitted = sink_->emit({slot->hdr, slot->input, slot->record});
+    const double ms = watch.lap_ms();
+    {
+      const std::lock_guard lock(mutex_);
+      ++times_.frames, times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
+      begin_ = (begin_ + 1) % kSlots, --count_;
+      if (!emitted) result_ = std::move(emitted), count_ = 0;  // the rest is given up
+      if (!result_) return changed_.notify_all();
+    }
+    changed_.notify_all();
+  }
+}
+
+void AsyncSink::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+Result<void> AsyncSink::finish() {
+  end();
+  if (!result_) return result_;
+  return sink_->finish();
+}
+
+SinkTimes AsyncSink::times() const {
+  const std::lock_guard lock(mutex_);
+  return times_;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,66 @@
+#include "firmware_host/sinks/sink_set.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+
+Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
+                              const std::map<std::string, std::string, std::less<>>& paths,
+                              const SinkRequest& request, RunPace pace) {
+  SinkSet set;
+  for (const SinkKind& kind : kinds) {
+    const auto path = paths.find(kind.name);
+    if (path == paths.end() || path->second.empty()) continue;
+    Open open{.name = kind.name};
+    open.sink =
+        TRY(kind.open({path->second, request.camera, request.layers, request.compression, request.storage}));
+    if (kind.pace != SinkPace::Light) {
+      const bool camera = pace == RunPace::Camera;
+      const WhenFull when_full =
+          camera && kind.pace == SinkPace::Latest ? WhenFull::DropFrame : WhenFull::Wait;
+      auto async = std::make_unique<AsyncSink>(std::move(open.sink), when_full,
+                                               camera ? ThreadPriority::Background : ThreadPriority::Usual);
+      open.async = async.get();
+      open.sink = std::move(async);
+    }
+    set.open_.push_back(std::move(open));
+  }
+  return set;
+}
+
+Result<void> SinkSet::emit(const EmittedFrame& frame) {
+  for (Open& open : open_) {
+    Stopwatch watch;
+    TRY(open.sink->emit(frame));
+    const double ms = watch.lap_ms();
+    ++open.here.frames, open.here.total_ms += ms;
+    open.here.longest_ms = std::max(open.here.longest_ms, ms);
+  }
+  return {};
+}
+
+Result<void> SinkSet::finish() {
+  Result<void> first;
+  for (Open& open : open_)
+    if (Result<void> finished = open.sink->finish(); first && !finished) first = std::move(finished);
+  return first;
+}
+
+Result<void> SinkSet::conclude(const RunRecord& record) {
+  for (Open& open : open_) TRY(open.sink->conclude(record));
+  return {};
+}
+
+std::vector<SinkTimes> SinkSet::times() const {
+  std::vector<SinkTimes> all;
+  for (const Open& open : open_) {
+    all.push_back(open.async != nullptr ? open.async->times() : open.here);
+    all.back().name = open.name;
+  }
+  return all;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,109 @@
+#include "firmware_host/sinks/stats.h"
+
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/version.h"
+#include "hal/core/cpu.h"
+
+namespace hdrcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Values>
+Json object_of(const Values& values) {
+  Json object = Json::object();
+  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
+  return object;
+}
+
+template <class Shares>
+Json provenance_of(const Shares& shares) {
+  Json object = Json::object();
+  for (std::size_t i = 0; i < kProvenances; ++i) object[kProvenanceLooks[i].key] = shares[i];
+  return object;
+}
+
+Json json_of(const FrameRecord& frame) {
+  Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
+            {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
+            {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
+            {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
+  if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
+  if (!frame.note.empty()) json["note"] = frame.note;
+  return json;
+}
+
+class Stats : public FrameSink {
+ public:
+  Stats(Storage& storage, std::string path) : storage_(storage), path_(std::move(path)) {}
+
+  Result<void> emit(const EmittedFrame&) override { return {}; }
+  Result<void> conclude(const RunRecord& record) override {
+    const std::string json = to_json(record);
+    return write_whole(storage_, path_, std::as_bytes(std::span(json)));
+  }
+
+ private:
+  Storage& storage_;
+  const std::string path_;
+};
+
+}  // namespace
+
+std::string to_json(const RunRecord& record) {
+  Json json{{"hdrcam", kVersion},
+            {"title", record.title},
+            {"command", record.command},
+            {"preset", record.preset},
+            {"seed", record.seed},
+            {"threads", record.threads},
+            {"cpu", cpu_model()},
+            {"instruction_set", name(instruction_set())},
+            {"camera", record.camera},
+            {"width", record.width},
+            {"height", record.height},
+            {"framerate_hz", record.framerate_hz},
+            {"deadline_ms", record.deadline_ms},
+            {"captured", record.captured},
+            {"emitted", record.emitted},
+            {"dropped", record.dropped},
+            {"frames", record.frames.size()},
+            {"ms_per_frame", mean_ms_per_frame(record)},
+            {"wall_s", record.wall_s},
+            {"peak_memory_mib", record.peak_memory_mib},
+            {"provenance", provenance_of(mean_provenance(record))}};
+  Json& stages = json["stages"] = Json::object();
+  for (const StageSummary& stage : stage_summaries(record))
+    stages[stage.name] = {{"frames", stage.frames},
+                          {"mean_ms", stage.mean_ms},
+                          {"p95_ms", stage.p95_ms},
+                          {"max_ms", stage.max_ms}};
+  Json& sinks = json["sinks"] = Json::object();
+  for (const SinkTimes& sink : record.sinks)
+    sinks[sink.name] = {{"frames", sink.frames},
+                        {"mean_ms", sink.mean_ms()},
+                        {"max_ms", sink.longest_ms},
+                        {"left_out", sink.left_out}};
+  if (!record.counters.empty()) json["counters"] = object_of(record.counters);
+  if (!record.scores.empty()) {
+    Json& scores = json["scores"] = Json::object();
+    for (const ScoreRow& score : record.scores)
+      scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
+  }
+  if (record.response) json["response"] = *record.response;
+  json["notes"] = record.notes;
+  Json& frames = json["per_frame"] = Json::array();
+  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame));
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+Result<std::unique_ptr<FrameSink>> create_stats(Storage& storage, const std::string& path) {
+  TRY(make_folder_of(storage, path));
+  return std::unique_ptr<FrameSink>(std::make_unique<Stats>(storage, path));
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,18 @@
+// stats.json: the record of a run as JSON. The keys are specified in docs/stats.md.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware_host/sinks/frame_sink.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// Values that are not finite become null. Reentrant.
+std::string to_json(const RunRecord& record);
+
+// The file is written when the run is concluded; its folder is created. The storage outlives the sink.
+Result<std::unique_ptr<FrameSink>> create_stats(Storage& storage, const std::string& path);
+
+}  // namespace hdrcam

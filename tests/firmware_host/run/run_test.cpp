@@ -1,0 +1,129 @@
+#include "firmware_host/run/run.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/contracts/expect.h"
+#include "tests/support/moving_scene.h"
+
+namespace hdrcam {
+namespace {
+
+// A clip in memory, which may end with an error.
+class MemorySource : public FrameSource {
+ public:
+  MemorySource(int frames, Result<void> end) : end_(std::move(end)) {
+    for (int i = 0; i < frames; ++i) frames_.push_back(scene_.frame(i));
+    camera_ = scene_.camera();
+  }
+  const CameraFacts& camera() const override { return camera_; }
+  RunPace pace() const override { return RunPace::Clip; }
+  Result<const RawFrame*> next() override {
+    return next_ < frames_.size() ? &frames_[next_++] : static_cast<const RawFrame*>(nullptr);
+  }
+  void emitted(FrameRecord& record) override { record.latency_ms = 7; }
+  void learn_response(const Response::Curve&, float) override { ++responses_; }
+  Result<void> finish(RunRecord& record) override {
+    record.notes.emplace_back("from the source");
+    return end_;
+  }
+  int responses() const { return responses_; }
+
+ private:
+  const test::MovingScene scene_;
+  CameraFacts camera_;
+  std::vector<RawFrame> frames_;
+  std::size_t next_ = 0;
+  Result<void> end_;
+  int responses_ = 0;
+};
+
+// What the run handed to a sink of this test.
+struct Seen {
+  std::vector<std::uint64_t> sequences;
+  std::vector<double> latencies_ms;
+  bool inputs_fit = true;
+  std::optional<RunRecord> record;
+} seen;
+
+class SeeingSink : public FrameSink {
+ public:
+  Result<void> emit(const EmittedFrame& frame) override {
+    if (failing) return Error{ErrorCode::NoSpace, "the disk is full"};
+    seen.sequences.push_back(frame.hdr.facts.sequence);
+    seen.latencies_ms.push_back(frame.record.latency_ms);
+    seen.inputs_fit = seen.inputs_fit && frame.input.facts.sequence == frame.hdr.facts.sequence &&
+                      frame.record.sequence == frame.hdr.facts.sequence;
+    return {};
+  }
+  Result<void> conclude(const RunRecord& record) override { return seen.record = record, Result<void>{}; }
+
+  static inline bool failing = false;
+};
+
+constexpr SinkKind kKinds[] = {{"seen", "--seen", "what this test sees", SinkPace::Complete,
+                                [](const SinkRequest&) -> Result<std::unique_ptr<FrameSink>> {
+                                  return std::unique_ptr<FrameSink>(std::make_unique<SeeingSink>());
+                                }}};
+
+RunPlan plan() {
+  seen = {};
+  SeeingSink::failing = false;
+  RunPlan plan{.settings = {}, .title = "a title", .sinks = kKinds, .progress = nullptr};
+  plan.settings.fit.preset = Preset::Fast;
+  plan.settings.fit.emit = EmitLayer::State;
+  plan.settings.fit.threads = 1;
+  plan.settings.output.paths["seen"] = "here";
+  return plan;
+}
+
+TEST_CASE("a run hands each HDR frame with its input and its record to the sinks, then the whole record") {
+  MemorySource source(9, {});
+  require_done(run(plan(), source, posix_storage()));
+  CHECK(seen.sequences.size() == 9);
+  CHECK(std::is_sorted(seen.sequences.begin(), seen.sequences.end()));
+  CHECK(seen.inputs_fit);
+  CHECK(std::count(seen.latencies_ms.begin(), seen.latencies_ms.end(), 7) == 9);
+  REQUIRE(seen.record);
+  CHECK(seen.record->title == "a title");
+  CHECK(seen.record->captured == 9);
+  CHECK(seen.record->emitted == 9);
+  REQUIRE(seen.record->frames.size() == 9);
+  for (const FrameRecord& frame : seen.record->frames) {
+    REQUIRE_FALSE(frame.stages_ms.empty());
+    CHECK((frame.stages_ms.end() - 1)->name == "sinks");
+    double sum_ms = 0;
+    for (const NamedValue& stage : frame.stages_ms) sum_ms += stage.value;
+    CHECK(frame.total_ms == Approx(sum_ms));
+  }
+  REQUIRE(seen.record->sinks.size() == 1);
+  CHECK(seen.record->sinks[0].frames == 9);
+  CHECK(std::ranges::find(seen.record->notes, "from the source") != seen.record->notes.end());
+  CHECK(source.responses() == 1);
+}
+
+TEST_CASE("a source that ends early is the reason, and what came before is emitted and concluded") {
+  for (const int frames : {9, 1}) {
+    MemorySource source(frames, Error{ErrorCode::Truncated, "cut"});
+    require_error(run(plan(), source, posix_storage()), ErrorCode::Truncated);
+    CHECK(seen.sequences.size() == (frames == 9 ? 9 : 0));
+    CHECK(seen.record);
+  }
+}
+
+TEST_CASE("a clip of one frame is too short, whatever the sinks") {
+  MemorySource source(1, {});
+  require_error(run(plan(), source, posix_storage()), ErrorCode::TooShort);
+}
+
+TEST_CASE("a sink that fails ends the run with its own sentence") {
+  MemorySource source(30, {});
+  const RunPlan failing_plan = plan();
+  SeeingSink::failing = true;
+  const Result<void> ended = run(failing_plan, source, posix_storage());
+  require_error(ended, ErrorCode::NoSpace);
+  CHECK(ended.error().message == "the disk is full");
+}
+
+}  // namespace
+}  // namespace hdrcam

@@ -1,0 +1,135 @@
+#include "firmware_host/sinks/async_sink.h"
+
+#include <atomic>
+#include <future>
+
+#include "tests/allocations.h"
+#include "tests/firmware_host/sinks/example_frames.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using test::emit;
+using test::example_frame;
+
+namespace {
+
+// What a sink saw: sequence numbers, brightest radiance, and whether it was finished.
+struct Seen {
+  std::vector<std::uint64_t> sequences;
+  std::vector<float> brightest;
+  bool finished = false;
+};
+
+// Takes each frame when the gate opens; fails at one of them.
+class GatedSink : public FrameSink {
+ public:
+  GatedSink(Seen& seen, std::shared_future<void> gate, std::uint64_t fails_at = ~0ull)
+      : seen_(seen), gate_(std::move(gate)), fails_at_(fails_at) {}
+
+  Result<void> emit(const EmittedFrame& frame) override {
+    gate_.wait();
+    if (frame.record.sequence == fails_at_) return Error{ErrorCode::NoSpace, "the disk is full"};
+    CHECK(frame.input.facts.sequence == frame.record.sequence);
+    seen_.sequences.push_back(frame.hdr.facts.sequence);
+    seen_.brightest.push_back(frame.hdr.radiance.at(0, 0, 31));
+    return {};
+  }
+  Result<void> finish() override { return seen_.finished = true, Result<void>{}; }
+
+ private:
+  Seen& seen_;
+  std::shared_future<void> gate_;
+  const std::uint64_t fails_at_;
+};
+
+struct Gate {
+  std::promise<void> promise;
+  std::shared_future<void> opened = promise.get_future().share();
+};
+
+}  // namespace
+
+TEST_CASE("behind its queue a sink sees every frame in order, as it was when it was emitted") {
+  Gate gate;
+  gate.promise.set_value();
+  Seen seen;
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::Wait, ThreadPriority::Usual);
+  HdrFrame frame = example_frame(0);  // one frame, overwritten each time, as the pipeline does
+  std::vector<std::uint64_t> sequences;
+  std::vector<float> brightest;
+  for (std::uint64_t i = 0; i < 50; ++i) {
+    sequences.push_back(frame.facts.sequence = i);
+    brightest.push_back(frame.radiance.at(0, 0, 31) = static_cast<float>(i) + 0.5f);
+    REQUIRE(emit(sink, frame).ok());
+  }
+  REQUIRE(sink.finish().ok());
+  CHECK(seen.finished);
+  CHECK(seen.sequences == sequences);
+  CHECK(seen.brightest == brightest);
+  CHECK(sink.times().frames == 50);
+  CHECK(sink.times().left_out == 0);
+}
+
+TEST_CASE("a full queue holds the emitting thread up until there is room") {
+  Gate gate;
+  Seen seen;
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::Wait, ThreadPriority::Usual);
+  constexpr std::uint64_t kFrames = AsyncSink::kDepth + 5;
+  std::atomic<std::uint64_t> emitted{0};
+  std::future<void> emitting = std::async(std::launch::async, [&] {
+    for (std::uint64_t i = 0; i < kFrames; ++i, ++emitted) (void)emit(sink, example_frame(i));
+  });
+  while (emitted < AsyncSink::kDepth + 1) std::this_thread::yield();
+  CHECK(emitting.wait_for(std::chrono::milliseconds(50)) == std::future_status::timeout);
+  CHECK(emitted == AsyncSink::kDepth + 1);
+  gate.promise.set_value();
+  emitting.get();
+  REQUIRE(sink.finish().ok());
+  CHECK(seen.sequences.size() == kFrames);
+}
+
+TEST_CASE("a sink that may leave out frames holds nobody up and counts what it left out") {
+  Gate gate;
+  Seen seen;
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::DropFrame, ThreadPriority::Usual);
+  for (std::uint64_t i = 0; i < 10; ++i) REQUIRE(emit(sink, example_frame(i)).ok());
+  gate.promise.set_value();
+  REQUIRE(sink.finish().ok());
+  CHECK(seen.sequences == std::vector<std::uint64_t>{0, 1, 2});
+  CHECK(sink.times().frames == 3);
+  CHECK(sink.times().left_out == 7);
+}
+
+TEST_CASE("the error of a sink reaches the emitting thread, also one that waits, and finish") {
+  Gate gate;
+  gate.promise.set_value();
+  Seen seen;
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened, 3), WhenFull::Wait, ThreadPriority::Usual);
+  Result<void> last;
+  std::uint64_t i = 0;
+  for (; last && i < 100; ++i) last = emit(sink, example_frame(i));
+  REQUIRE_FALSE(last.ok());
+  CHECK(last.error().message == "the disk is full");
+  CHECK(i <= 3 + AsyncSink::kDepth + 3);
+  CHECK(sink.finish().error().code == ErrorCode::NoSpace);
+  CHECK(seen.sequences == std::vector<std::uint64_t>{0, 1, 2});
+  CHECK_FALSE(seen.finished);
+}
+
+TEST_CASE("a queue allocates nothing once each of its frames was used") {
+  Gate gate;
+  gate.promise.set_value();
+  Seen seen;
+  seen.sequences.reserve(100), seen.brightest.reserve(100);
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::Wait, ThreadPriority::Usual);
+  const HdrFrame frame = example_frame(0, test::With::DepthAndFlow);
+  ExposedFrame input;
+  input.codes = Image<float>(3, 24, 32);
+  const FrameRecord record;
+  for (int i = 0; i < 10; ++i) REQUIRE(sink.emit({frame, input, record}).ok());
+  const std::uint64_t before = own_allocations_so_far();
+  for (int i = 0; i < 50; ++i) REQUIRE(sink.emit({frame, input, record}).ok());
+  CHECK(own_allocations_so_far() == before);
+  REQUIRE(sink.finish().ok());
+}

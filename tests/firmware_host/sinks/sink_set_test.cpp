@@ -1,0 +1,84 @@
+#include "firmware_host/sinks/sink_set.h"
+
+#include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using test::example_frame;
+
+namespace {
+
+// A sink that exists in this test alone: it writes the number of frames into a file.
+class TallySink : public FrameSink {
+ public:
+  explicit TallySink(const SinkRequest& request) : storage_(request.storage), path_(request.path) {}
+
+  Result<void> emit(const EmittedFrame&) override { return ++frames_, Result<void>{}; }
+  Result<void> finish() override {
+    const std::string text = std::to_string(frames_);
+    return write_whole(storage_, path_, std::as_bytes(std::span(text)));
+  }
+  Result<void> conclude(const RunRecord& record) override {
+    CHECK(record.emitted == frames_);
+    return {};
+  }
+
+ private:
+  Storage& storage_;
+  const std::string path_;
+  int frames_ = 0;
+};
+
+Result<std::unique_ptr<FrameSink>> open_tally(const SinkRequest& request) {
+  return std::unique_ptr<FrameSink>(std::make_unique<TallySink>(request));
+}
+
+const SinkKind kKinds[] = {
+    {"tally", "--tally", "number of frames", SinkPace::Complete, open_tally},
+    {"light", "--light", "the same, in the thread that emits", SinkPace::Light, open_tally},
+};
+
+}  // namespace
+
+TEST_CASE("one line of the table is one more sink: it is opened where a path is named, fed and finished") {
+  const std::string folder = sample::scratch_folder("sink_set");
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  auto sinks = SinkSet::open(kKinds, {{"tally", folder + "/a"}, {"light", folder + "/b"}, {"other", "c"}},
+                             request, RunPace::Clip);
+  REQUIRE(sinks.ok());
+  const HdrFrame frame = example_frame(0);
+  for (int i = 0; i < 5; ++i) REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
+  REQUIRE(sinks.value().finish().ok());
+  CHECK(read_whole(posix_storage(), folder + "/a").value() == "5");
+  CHECK(read_whole(posix_storage(), folder + "/b").value() == "5");
+  RunRecord record;
+  record.emitted = 5;
+  CHECK(sinks.value().conclude(record).ok());
+  const auto times = sinks.value().times();
+  REQUIRE(times.size() == 2);
+  for (const SinkTimes& sink : times) CHECK(sink.frames == 5);
+  CHECK(times[0].name == "tally");
+}
+
+TEST_CASE("a sink without a path is not opened, and one that cannot be opened says why") {
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  CHECK(SinkSet::open(kKinds, {{"tally", ""}}, request, RunPace::Clip).value().empty());
+  const auto refused = SinkSet::open(sink_kinds(), {{"frames", "frame.exr"}}, request, RunPace::Clip);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Invalid);
+}
+
+TEST_CASE("every sink is finished, also after another one failed") {
+  const std::string folder = sample::scratch_folder("sink_set_fails");
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  auto sinks =
+      SinkSet::open(kKinds, {{"tally", "/proc/no/such"}, {"light", folder + "/b"}}, request, RunPace::Clip);
+  REQUIRE(sinks.ok());
+  CHECK_FALSE(sinks.value().finish().ok());
+  CHECK(read_whole(posix_storage(), folder + "/b").value() == "0");
+}
