@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_host/pipeline.h"
+#include "firmware_host/run/pipeline.h"
 #include "tests/support/moving_scene.h"
 
 #include "tests/contracts/expect.h"
@@ -225,8 +225,8 @@ TEST_CASE("another seed is another fit, the same seed the same one") {
   const auto frames = frames_of(scene, 7);
   const auto last = [&](int seed) {
     Settings::Fit fit;
-    fit.preset = "fast", fit.emit = "field", fit.seed = seed;
-    return emitted_by(frames, scene.camera(), value_of(options_of(fit))).radiance.back();
+    fit.preset = Preset::Fast, fit.emit = EmitLayer::Field, fit.seed = seed;
+    return emitted_by(frames, scene.camera(), options_of(fit)).radiance.back();
   };
   const auto one = last(1);
   CHECK(last(1) == one);
