@@ -132,7 +132,7 @@ TEST_CASE("what cannot be is said in one sentence, with an exit code of its own"
   expect(4, "CMakeLists.txt", {"replay", HDRCAM_SOURCE_DIR "/CMakeLists.txt", "-o", output});
   expect(2, "--speed", {"replay", clip, "--speed", "9"});
   expect(2, "preset", {"replay", clip, "--preset", "quick"});
-  expect(2, "layer", {"replay", clip, "--emit", "all"});
+  expect(2, "merged, state or field", {"replay", clip, "--emit", "all"});
   expect(2, "%0", {"replay", clip, "-o", folder + "/frame.exr"});
   fs::create_directories(folder + "/one");
   expect(9, "1 frame", {"replay", write_clip(folder + "/one", 1), "-o", output});
