@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "firmware_host/pipeline.h"
+#include "firmware_host/run/pipeline.h"
 #include "tests/support/moving_scene.h"
 
 #include "tests/contracts/expect.h"
