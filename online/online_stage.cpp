@@ -30,34 +30,39 @@ struct OnlineStage::Step {
   ExposedFrame frame;
   StateMotion motion;   // between the state at the frame before and this one
   RadianceState state;  // after this frame; only kept where the look-ahead is longer than one frame
+  PoseMatrix T_world_camera = kIdentityPose;
   FitReport fit;
   bool advanced = false, emitted = false;
 };
 
-OnlineStage::OnlineStage(OnlineOptions options, const CameraFacts& camera,
+OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
                          const std::optional<Response>& response, WorkerPool& pool)
-    : options_(std::move(options)),
+    : knobs_(knobs),
+      budget_(knobs.budget),
       camera_(camera),
+      lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
       response_known_(response.has_value()),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(pool),
-      motion_(options_.flow, camera.height, camera.width, pool),
-      filter_(options_.state, camera.height, camera.width, pool) {
+      motion_(make_motion_prior(camera.height, camera.width, pool)),
+      filter_(knobs.state, camera.height, camera.width, pool),
+      look_ahead_(pool) {
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
-  noise_.code_noise = camera.linear ? 0 : options_.code_noise;  // raw codes went through no codec
+  noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes went through no codec
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
 }
 
 OnlineStage::~OnlineStage() = default;
 
-Result<void> OnlineStage::ingest(const RawFrame& raw, const Emit& emit) {
+Result<void> OnlineStage::ingest(const RawFrame& raw, const FrameBudget& budget, const Emit& emit) {
+  budget_ = budget;
   if (!started_) {
     // unpack once for its checks, so that a bad exposure is reported when it arrives
     TRY(unpack(raw, 0, 0, settings_));
     waiting_.push_back({raw.facts, raw.codes.clone()});
-    if (static_cast<int>(waiting_.size()) < options_.bootstrap_frames) return {};
+    if (static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames) return {};
     return bootstrap(emit);
   }
   const double interval_s = to_seconds(raw.facts.timestamp - last_time_);
@@ -123,16 +128,17 @@ Result<void> OnlineStage::take(std::unique_ptr<Step> arrived, const Emit& emit) 
   if (steps_.size() == 1) {
     filter_.restart(step.frame, tables);
     step.motion.to_previous.vectors.reshape(0, 0, 0);
+    step.motion.from_previous.vectors.reshape(0, 0, 0);
     step.advanced = true;
-    TRY(fit(step, nullptr));
+    TRY(fit(step));
   } else {
     Step& previous = *steps_[steps_.size() - 2];
     if (!previous.advanced) TRY(advance(previous, &step));
     Stopwatch watch;
-    motion_.match(filter_.state(), step.frame, tables, step.motion);
+    motion_->match(filter_.state(), step.frame, tables, budget_.flow, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
-    if (options_.look_ahead == 0) TRY(advance(step, nullptr));
+    if (knobs_.look_ahead == 0) TRY(advance(step, nullptr));
   }
   return emit_ready(false, emit);
 }
@@ -146,56 +152,57 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   const auto ratio = [&](double other) {
     return other > 0 && interval > 0 ? static_cast<float>(std::clamp(interval / other, 0.1, 10.0)) : 1.f;
   };
-  float before_ratio = 1, after_ratio = 0.5f;
-  if (at >= 2)
-    before_ratio = ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
-  if (after != nullptr)
-    after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
-  motion_.complete(filter_.state(), step.frame, at >= 2 ? &before.motion : nullptr, before_ratio,
-                   after != nullptr ? &after->frame : nullptr,
-                   after != nullptr ? &tables_for(after->frame.exposure) : nullptr, after_ratio, step.motion);
+  MotionContext context;
+  if (at >= 2) {
+    context.before = &before.motion;
+    context.before_ratio =
+        ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
+  }
+  if (after != nullptr) {
+    context.after = &after->frame;
+    context.after_tables = &tables_for(after->frame.exposure);
+    context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
+  }
+  motion_->complete(filter_.state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
   filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
   step.advanced = true;
-  if (options_.look_ahead > 1) step.state.copy_from(filter_.state());
+  if (knobs_.look_ahead > 1) step.state.copy_from(filter_.state());
   if (timing_) timing_("state", watch.lap_ms());
-  return fit(step, &step.motion);
+  return fit(step);
 }
 
-Result<void> OnlineStage::fit(Step& step, const StateMotion* motion) {
-  if (!options_.field) return {};
-  if (!field_)
-    field_ = std::make_unique<FieldStage>(*options_.field, camera_,
-                                          step.frame.facts.T_world_camera.has_value(), pool_);
-  step.fit =
-      TRY(field_->advance(step.frame, filter_.state(), filter_.fusion().white(), motion, response_, timing_));
+Result<void> OnlineStage::fit(Step& step) {
+  if (knobs_.field == FieldKind::None) return {};
+  Stopwatch watch;
+  if (!field_) make_second_layer(step.frame);
+  const SeenFrame seen{step.frame, filter_.state(), step.motion};
+  const CameraPose& pose = poses_->estimate(seen);
+  const DepthMap& depth = depth_->estimate(seen, pose);
+  step.T_world_camera = pose.T_world_camera;
+  if (timing_) timing_("pose", watch.lap_ms());
+  TRY(field_->observe(
+      {step.frame, filter_.state(), filter_.fusion().white(), step.motion, pose, depth, response_}));
+  step.fit = field_->fit(budget_.fit);
+  if (timing_) timing_("fit", watch.lap_ms());
   return {};
+}
+
+void OnlineStage::make_second_layer(const ExposedFrame& first) {
+  poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
+  depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
+  field_ = make_scene_field(knobs_.field, knobs_.hash_grid,
+                            {lens_, camera_.height, camera_.width, poses_->near()}, pool_);
 }
 
 Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     Step& step = *steps_[i];
-    const std::size_t ahead = std::min(static_cast<std::size_t>(options_.look_ahead), steps_.size() - 1 - i);
+    const std::size_t ahead = std::min(static_cast<std::size_t>(knobs_.look_ahead), steps_.size() - 1 - i);
     if (step.emitted) continue;
-    if (!step.advanced || (!all && static_cast<int>(ahead) < options_.look_ahead)) break;
-    Moment moment;
-    moment.frame = &step.frame;
-    moment.state = options_.look_ahead > 1 && !step.state.radiance.empty() ? &step.state : &filter_.state();
-    moment.to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous;
-    std::array<Moment::Ahead, kMaxLookAhead> following;
-    for (std::size_t k = 0; k < ahead; ++k) {
-      const Step& later = *steps_[i + 1 + k];
-      following[k] = {&later.frame, &later.motion.from_previous, &tables_for(later.frame.exposure)};
-    }
-    moment.ahead = {following.data(), ahead};
-    moment.fusion = &filter_.fusion();
-    moment.field = field_.get();
-    moment.fit = field_ ? &step.fit : nullptr;
-    moment.white = filter_.fusion().white();
-    moment.reference_exposure = settings_.reference_exposure;
-    step.emitted = true;
-    TRY(emit(moment));
+    if (!step.advanced || (!all && static_cast<int>(ahead) < knobs_.look_ahead)) break;
+    TRY(emit_step(i, ahead, emit));
   }
   // the motion before the oldest frame not yet emitted is still needed to extrapolate
   while (steps_.size() > 3 && steps_[0]->emitted && steps_[1]->emitted && steps_[2]->emitted) {
@@ -203,6 +210,35 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
     steps_.erase(steps_.begin());
   }
   return {};
+}
+
+Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit& emit) {
+  Stopwatch watch;
+  Step& step = *steps_[i];
+  std::array<LaterFrame, kMaxLookAhead> later;
+  for (std::size_t k = 0; k < ahead; ++k) {
+    const Step& next = *steps_[i + 1 + k];
+    later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame.exposure)};
+  }
+  const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
+  look_ahead_.join(kept ? step.state : filter_.state(), {later.data(), ahead}, filter_.fusion(), joined_);
+  SceneView view;
+  view.T_world_camera = step.T_world_camera;
+  view.time_s = step.frame.facts.timestamp.seconds();
+  view.lens = lens_, view.rows = camera_.height, view.cols = camera_.width;
+  step.emitted = true;
+  const FrameEstimate estimate{
+      .frame = step.frame,
+      .state = joined_,
+      .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
+      .field = field_ ? field_->snapshot() : SnapshotHold(),
+      .view = view,
+      .fit = field_ ? &step.fit : nullptr,
+      .budget = budget_,
+      .white = filter_.fusion().white(),
+      .reference_exposure = settings_.reference_exposure};
+  if (timing_) timing_("look-ahead", watch.lap_ms());
+  return emit(estimate);
 }
 
 Result<void> OnlineStage::finish(const Emit& emit) {

@@ -1,6 +1,6 @@
 // The online part of the pipeline, in the order of a frame's way: black level, response and noise from the
-// first cycles; then for each frame motion, state, window and field. It hands out moments: all that an
-// emission needs about one frame, as soon as its look-ahead has arrived. Thread-bound; deterministic whatever
+// first cycles; then for each frame motion, state, pose, depth and field. It hands out an estimate of each
+// frame as soon as its look-ahead has arrived. Thread-bound; deterministic whatever
 // the number of threads.
 #pragma once
 
@@ -13,53 +13,28 @@
 #include <vector>
 
 #include "capture/unpack.h"
-#include "online/field_stage.h"
-#include "online/motion/state_motion.h"
+#include "online/frame_estimate.h"
+#include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
 #include "online/response/response_estimator.h"
+#include "online/state/look_ahead.h"
 #include "online/state/state_filter.h"
 
 namespace hdrcam {
 
-struct OnlineOptions {
-  int look_ahead = 1;        // frames, 0..2: how many later frames an emission waits for
-  int bootstrap_frames = 6;  // 2..: frames from which the response is estimated before the first emission
-  FlowQuality flow = FlowQuality::Medium;
-  float code_noise = 1;  // codes rms (NoiseModel)
-  StateOptions state;
-  std::optional<FieldStageOptions> field = std::nullopt;  // none: the state alone
-};
-
-// One frame ready to be emitted; everything is valid only during the call that hands it out.
-struct Moment {
-  struct Ahead {
-    const ExposedFrame* frame;
-    const FlowField* from_previous;  // from the frame before it
-    const ExposureTables* tables;
-  };
-  const ExposedFrame* frame = nullptr;
-  const RadianceState* state = nullptr;    // up to and with this frame
-  const FlowField* to_previous = nullptr;  // null at the first frame
-  std::span<const Ahead> ahead;            // the following frames, nearest first
-  Fusion* fusion = nullptr;
-  const FieldStage* field = nullptr;  // fitted up to and with this frame; null without the field
-  const FitReport* fit = nullptr;     // the fit's work on this frame
-  float white = 1;                    // radiance that saturates the shortest exposure
-  double reference_exposure = 1;      // E_ref, seconds x gains
-};
-
 class OnlineStage {
  public:
-  using Emit = std::function<Result<void>(const Moment&)>;
+  using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
 
   // response: none where unknown, to be estimated.
-  OnlineStage(OnlineOptions options, const CameraFacts& camera, const std::optional<Response>& response,
+  OnlineStage(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
               WorkerPool& pool);
   ~OnlineStage();
 
-  // Takes the next frame; emits what became ready. Errors: BadExposure, and whatever emit returns.
-  Result<void> ingest(const RawFrame& raw, const Emit& emit);
+  // Takes the next frame; emits what became ready. budget: for all that is done meanwhile. Errors:
+  // BadExposure, and whatever emit returns.
+  Result<void> ingest(const RawFrame& raw, const FrameBudget& budget, const Emit& emit);
   // The stream has ended: emits the rest. TooShort for fewer than two frames.
   Result<void> finish(const Emit& emit);
 
@@ -76,13 +51,17 @@ class OnlineStage {
   std::unique_ptr<Step> spare_step();
   Result<void> take(std::unique_ptr<Step> step, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
-  Result<void> fit(Step& step, const StateMotion* motion);
+  Result<void> fit(Step& step);
+  void make_second_layer(const ExposedFrame& first);
+  Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(float exposure);
   void learn_noise(const Step& previous, const Step& step);
 
-  OnlineOptions options_;
+  const Knobs knobs_;
+  FrameBudget budget_;
   const CameraFacts camera_;
+  const Intrinsics lens_;  // assumed where the camera does not say
   WorkerPool& pool_;
   UnpackSettings settings_;
   std::deque<RawFrame> waiting_;  // until the bootstrap
@@ -95,9 +74,14 @@ class OnlineStage {
   NoiseEstimator noise_estimator_;
   std::map<float, ExposureTables> tables_;
 
-  MotionEstimator motion_;
+  std::unique_ptr<MotionPrior> motion_;
   StateFilter filter_;
-  std::unique_ptr<FieldStage> field_;         // made with the first frame
+  LookAhead look_ahead_;
+  JoinedState joined_;
+  // with the first frame, where there is a field
+  std::unique_ptr<PosePrior> poses_;
+  std::unique_ptr<DepthPrior> depth_;
+  std::unique_ptr<SceneField> field_;
   std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and one before them
   std::vector<std::unique_ptr<Step>> spare_;  // to be used again
   Timing timing_;

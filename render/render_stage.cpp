@@ -38,33 +38,30 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
 
 }  // namespace
 
-void RenderStage::render(const Moment& moment, HdrFrame& frame) {
+void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   Stopwatch watch;
   const auto lap = [&](const char* stage) {
     if (timing_) timing_(stage, watch.lap_ms());
   };
-  emission_.render(moment, frame);
+  emission_.render(estimate, frame);
   frame.depth.reshape(0, 0, 0);
   lap("emission");
-  if (moment.field == nullptr || options_.layer == EmitLayer::State) return;
-  look_into_field(moment, frame);
+  if (!estimate.field || options_.layer == EmitLayer::State) return;
+  look_into_field(estimate, frame);
   if (options_.layer == EmitLayer::Field)
     take_all(frame);
   else
-    fill_unseen(moment, frame);
+    fill_unseen(estimate, frame);
   lap("field render");
 }
 
-void RenderStage::look_into_field(const Moment& moment, HdrFrame& frame) {
-  FieldViewRequest request;
-  request.T_world_camera = moment.field->pose().T_world_camera;
-  request.time_s = frame.facts.timestamp.seconds();
-  // alone, the field is shown at full size; to fill what nobody saw, its own step will do
-  request.step = options_.layer == EmitLayer::Field ? 1 : moment.field->fit().options().render_step;
-  renderer_.render(moment.field->field(), request, view_);
+void RenderStage::look_into_field(const FrameEstimate& estimate, HdrFrame& frame) {
+  // alone, the field is shown at full size; to fill what nobody saw, a coarser view will do
+  const int step = options_.layer == EmitLayer::Field ? 1 : estimate.budget.render_step;
+  estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
-  enlarge(view_.radiance, request.step, rows, cols, radiance_, pool_);
-  enlarge(view_.depth, request.step, rows, cols, frame.depth, pool_);
+  enlarge(view_.radiance, step, rows, cols, radiance_, pool_);
+  enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
 }
 
 void RenderStage::take_all(HdrFrame& frame) {
@@ -73,10 +70,10 @@ void RenderStage::take_all(HdrFrame& frame) {
 }
 
 // Where a channel was never seen unclipped the state holds a lower bound; the field may raise it.
-void RenderStage::fill_unseen(const Moment& moment, HdrFrame& frame) {
-  const float known = known_limit(moment.white);
+void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
+  const float known = known_limit(estimate.white);
   const int cols = frame.radiance.cols();
-  const Image<float>& variance = emission_.variance();
+  const Image<float>& variance = estimate.state.variance;
   pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols; ++x) {

@@ -1,9 +1,10 @@
-// From a moment to the HDR frame that leaves: the state's emission, and the field where the state does not
+// From an estimate to the HDR frame that leaves: the state's emission, and the field where the state does not
 // know. Each layer can be had alone. Thread-bound; deterministic whatever the number of threads.
 #pragma once
 
+#include <functional>
+
 #include "render/emission.h"
-#include "render/field_renderer.h"
 
 namespace hdrcam {
 
@@ -15,7 +16,6 @@ enum class EmitLayer {
 
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
-  EmissionOptions emission;
   // of the lower bound, > 1: how far the field may go above what clipped pixels prove
   float largest_answer = 4;
 };
@@ -24,22 +24,20 @@ class RenderStage {
  public:
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  RenderStage(RenderOptions options, WorkerPool& pool)
-      : options_(options), pool_(pool), emission_(options.emission, pool), renderer_(pool) {}
+  RenderStage(RenderOptions options, WorkerPool& pool) : options_(options), pool_(pool), emission_(pool) {}
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
-  void render(const Moment& moment, HdrFrame& frame);
+  void render(const FrameEstimate& estimate, HdrFrame& frame);
 
  private:
-  void look_into_field(const Moment& moment, HdrFrame& frame);
+  void look_into_field(const FrameEstimate& estimate, HdrFrame& frame);
   void take_all(HdrFrame& frame);
-  void fill_unseen(const Moment& moment, HdrFrame& frame);
+  void fill_unseen(const FrameEstimate& estimate, HdrFrame& frame);
 
   RenderOptions options_;
   WorkerPool& pool_;
   Emission emission_;
-  FieldRenderer renderer_;
-  FieldView view_;
+  FieldPicture view_;
   Image<float> radiance_;  // of the view, at full size
   Timing timing_;
 };

@@ -28,36 +28,24 @@ void add_to(FrameValues& values, const char* stage, double ms) {
 
 PipelineOptions options_of(Preset preset, EmitLayer layer) {
   PipelineOptions options;
-  FieldStageOptions field;
-  switch (preset) {
-    case Preset::Fast:
-      options.online.flow = FlowQuality::Fast;
-      field.field = FieldOptions::fast();
-      break;
-    case Preset::Balanced:
-      field.field = FieldOptions::balanced();
-      break;
-    case Preset::Best:
-      options.online.flow = FlowQuality::Fine;
-      field.field = FieldOptions::best();
-      break;
-  }
+  options.knobs = knobs_of(preset);
   options.render.layer = layer;
-  if (layer != EmitLayer::State) options.online.field = field;
+  if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
   return options;
 }
 
 PipelineOptions options_of(const Settings::Fit& fit) {
   PipelineOptions options = options_of(fit.preset, fit.emit);
-  if (options.online.field) options.online.field->field.seed = static_cast<std::uint64_t>(fit.seed);
-  options.online.look_ahead = fit.lookahead;
-  options.online.code_noise = static_cast<float>(fit.code_noise);
+  options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
+  options.knobs.look_ahead = fit.lookahead;
+  options.knobs.code_noise = static_cast<float>(fit.code_noise);
   return options;
 }
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool)
     : camera_(camera),
-      online_(options.online, camera, known_response(camera), pool),
+      budget_(options.knobs.budget),
+      online_(options.knobs, camera, known_response(camera), pool),
       render_(options.render, pool) {
   const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
   online_.set_timing(time);
@@ -75,22 +63,23 @@ Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
     return {};
   }
   if (!first_time_) first_time_ = raw.facts.timestamp;
-  return online_.ingest(raw, [&](const Moment& moment) { return render(moment, deliver); });
+  return online_.ingest(raw, budget_,
+                        [&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }
 
 Result<void> Pipeline::finish(const Deliver& deliver) {
-  return online_.finish([&](const Moment& moment) { return render(moment, deliver); });
+  return online_.finish([&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }
 
-Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
-  render_.render(moment, frame_);
-  if (moment.fit != nullptr) {
-    record_.fit_steps = moment.fit->steps;
-    for (std::size_t term = 0; term < kLosses.size(); ++term)
-      if (moment.fit->losses[term] != 0)
-        record_.losses.push_back({kLosses[term].name, moment.fit->losses[term]});
-    if (moment.fit->rolled_back > 0)
-      record_.note = fmt::format("{} of {} steps rolled back", moment.fit->rolled_back, moment.fit->steps);
+Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deliver) {
+  render_.render(estimate, frame_);
+  if (estimate.fit != nullptr) {
+    record_.fit_steps = estimate.fit->steps;
+    for (const FitReport::Loss& loss : estimate.fit->losses)
+      record_.losses.push_back({loss.name, loss.value});
+    if (estimate.fit->rolled_back > 0)
+      record_.note =
+          fmt::format("{} of {} steps rolled back", estimate.fit->rolled_back, estimate.fit->steps);
   }
   record_.sequence = frame_.facts.sequence;
   record_.time_s = to_seconds(frame_.facts.timestamp - *first_time_);
@@ -102,7 +91,7 @@ Result<void> Pipeline::render(const Moment& moment, const Deliver& deliver) {
   for (std::size_t i = 0; i < kProvenances; ++i)
     record_.provenance_share[i] =
         static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
-  auto delivered = deliver(frame_, *moment.frame, record_);
+  auto delivered = deliver(frame_, estimate.frame, record_);
   record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
   record_.fit_steps = 0;
   return delivered;

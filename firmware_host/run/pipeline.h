@@ -16,7 +16,7 @@
 namespace hdrcam {
 
 struct PipelineOptions {
-  OnlineOptions online;
+  Knobs knobs;
   RenderOptions render;
 };
 // What a preset means for one layer: the state alone needs no field.
@@ -40,9 +40,10 @@ class Pipeline {
   int kept_out() const { return kept_out_; }  // frames
 
  private:
-  Result<void> render(const Moment& moment, const Deliver& deliver);
+  Result<void> render(const FrameEstimate& estimate, const Deliver& deliver);
 
   const CameraFacts camera_;
+  const FrameBudget budget_;
   OnlineStage online_;
   RenderStage render_;
   HdrFrame frame_;

@@ -5,18 +5,6 @@
 
 namespace hdrcam {
 
-const char* name(Preset preset) {
-  switch (preset) {
-    case Preset::Fast:
-      return "fast";
-    case Preset::Balanced:
-      return "balanced";
-    case Preset::Best:
-      return "best";
-  }
-  return "?";
-}
-
 int thread_count(const Settings::Fit& fit) {
   return fit.threads > 0 ? fit.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }

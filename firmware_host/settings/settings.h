@@ -11,13 +11,10 @@
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "firmware_host/sinks/exr_sequence.h"
+#include "online/knobs.h"
 #include "render/render_stage.h"
 
 namespace hdrcam {
-
-// Points on the measured front of quality against time (docs/decisions.md).
-enum class Preset { Fast, Balanced, Best };
-const char* name(Preset preset);
 
 // What a driver's timestamp marks.
 enum class StampMeaning { AsDriverSays, ExposureBegin, ExposureEnd };

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "online/state/local_statistics.h"
-#include "online/state/warp.h"
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/warp.h"
 
 namespace hdrcam {
 namespace {

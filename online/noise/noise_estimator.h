@@ -11,7 +11,7 @@
 #include "capture/exposed_frame.h"
 #include "capture/noise_model.h"
 #include "hal/core/worker_pool.h"
-#include "online/motion/flow_field.h"
+#include "online/pictures/flow_field.h"
 #include "online/response/response.h"
 
 namespace hdrcam {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "hal/core/interpolate.h"
-#include "online/state/local_statistics.h"
+#include "online/pictures/local_statistics.h"
 
 namespace hdrcam {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
-#include "online/motion/flow_field.h"
+#include "online/pictures/flow_field.h"
 #include "online/state/exposure_tables.h"
 #include "online/state/radiance_state.h"
 

@@ -1,7 +1,7 @@
 #include "online/state/state_filter.h"
 
-#include "online/state/local_statistics.h"
-#include "online/state/warp.h"
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/warp.h"
 
 namespace hdrcam {
 

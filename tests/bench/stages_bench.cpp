@@ -3,13 +3,13 @@
 #include <benchmark/benchmark.h>
 
 #include "capture/unpack.h"
-#include "online/fit/field_fit.h"
-#include "online/motion/state_motion.h"
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/warp.h"
+#include "online/priors/motion/state_motion.h"
 #include "online/response/response_estimator.h"
-#include "online/state/local_statistics.h"
+#include "online/scene/hash_grid/field/field_renderer.h"
+#include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/state/state_filter.h"
-#include "online/state/warp.h"
-#include "render/field_renderer.h"
 #include "render/shrinkage.h"
 #include "tests/support/moving_scene.h"
 
@@ -33,8 +33,8 @@ struct Bench {
         filter({}, scene.rows, scene.cols, pool) {
     filter.fusion().set_white(4);
     filter.restart(frames[0], ExposureTables(response, {}, frames[0].exposure));
-    MotionEstimator(FlowQuality::Medium, scene.rows, scene.cols, pool)
-        .match(filter.state(), frames[1], tables, motion);
+    MotionEstimator(scene.rows, scene.cols, pool)
+        .match(filter.state(), frames[1], tables, FlowQuality::Medium, motion);
   }
   static test::MovingScene large() {
     test::MovingScene scene;
@@ -64,8 +64,9 @@ void response_estimate(benchmark::State& state) {
 
 void motion_match(benchmark::State& state) {
   Bench bench(threads(state));
-  MotionEstimator motion(FlowQuality::Medium, bench.scene.rows, bench.scene.cols, bench.pool);
-  for (auto _ : state) motion.match(bench.filter.state(), bench.frames[1], bench.tables, bench.motion);
+  MotionEstimator motion(bench.scene.rows, bench.scene.cols, bench.pool);
+  for (auto _ : state)
+    motion.match(bench.filter.state(), bench.frames[1], bench.tables, FlowQuality::Medium, bench.motion);
 }
 
 void state_advance(benchmark::State& state) {
@@ -90,8 +91,7 @@ void shrinkage(benchmark::State& state) {
 struct FieldBench : Bench {
   FieldFit fit;
   FieldBench(int threads)
-      : Bench(threads),
-        fit(FieldOptions::balanced(), *scene.camera().intrinsics, scene.rows, scene.cols, pool) {
+      : Bench(threads), fit(FieldOptions(), *scene.camera().intrinsics, scene.rows, scene.cols, pool) {
     for (int i = 0; i < 2; ++i) {
       FieldObservation seen;
       seen.index = i, seen.time_s = i / 30.;
@@ -113,12 +113,12 @@ void field_step(benchmark::State& state) {
 
 void field_render(benchmark::State& state) {
   FieldBench bench(threads(state));
-  FieldRenderer renderer(bench.pool);
-  FieldView view;
-  FieldViewRequest request;
-  request.time_s = 1 / 30.;
-  request.step = 2;
-  for (auto _ : state) renderer.render(bench.fit.field(), request, view);
+  FieldRenderer renderer;
+  FieldPicture picture;
+  SceneView view;
+  view.time_s = 1 / 30.;
+  view.lens = *bench.scene.camera().intrinsics, view.rows = bench.scene.rows, view.cols = bench.scene.cols;
+  for (auto _ : state) renderer.render(bench.fit.field(), reduced(view, 2), bench.pool, picture);
 }
 
 BENCHMARK(response_estimate)->Unit(benchmark::kMillisecond);

@@ -3,7 +3,9 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -75,6 +77,56 @@ std::vector<std::string> wrong_includes(const std::string& path, const std::stri
   return wrong_includes(path, stream);
 }
 
+// Which rooms of a folder include which: by folder, then by room. A room is a folder in it; files that stand
+// in the folder itself belong to no room, they join them.
+using Rooms = std::map<std::string, std::map<std::string, std::set<std::string>>>;
+
+// Notes which rooms an include joins: the two folders at which the paths part, where both are on one floor.
+void note_rooms(const std::string& path, const std::string& included, Rooms& rooms) {
+  const auto folders = [](const std::string& file) {
+    std::vector<std::string> parts;
+    std::istringstream stream(file);
+    for (std::string part; std::getline(stream, part, '/');) parts.push_back(part);
+    parts.pop_back();
+    return parts;
+  };
+  const std::vector<std::string> from = folders(path), to = folders(included);
+  std::size_t shared = 0;
+  while (shared < std::min(from.size(), to.size()) && from[shared] == to[shared]) ++shared;
+  if (shared == 0 || shared == from.size() || shared == to.size()) return;
+  std::string house = from[0];
+  for (std::size_t i = 1; i < shared; ++i) house += "/" + from[i];
+  rooms[house][from[shared]].insert(to[shared]);
+}
+
+// One sentence per folder whose rooms include each other in a circle, naming the way round.
+std::vector<std::string> circles(const Rooms& rooms) {
+  std::vector<std::string> found;
+  for (const auto& [house, doors] : rooms) {
+    std::set<std::string> finished;
+    std::vector<std::string> way;
+    const std::function<bool(const std::string&)> closes = [&](const std::string& room) {
+      const auto before = std::find(way.begin(), way.end(), room);
+      if (before != way.end()) {
+        std::string sentence = house + ": ";
+        for (auto step = before; step != way.end(); ++step) sentence += *step + " -> ";
+        found.push_back(sentence + room + " is a circle");
+        return true;
+      }
+      if (finished.contains(room) || !doors.contains(room)) return false;
+      way.push_back(room);
+      for (const std::string& next : doors.at(room))
+        if (closes(next)) return true;
+      way.pop_back();
+      finished.insert(room);
+      return false;
+    };
+    for (const auto& [room, to] : doors)
+      if (closes(room)) break;
+  }
+  return found;
+}
+
 // The names that do not belong at the top level.
 std::vector<std::string> strangers(const std::vector<std::string>& names) {
   static const std::set<std::string> kFixed{
@@ -109,6 +161,22 @@ TEST_CASE("every include runs hal <- capture <- online <- render <- firmware_hos
   for (const std::string& sentence : wrong) FAIL_CHECK(sentence);
 }
 
+TEST_CASE("no two rooms of a floor include each other, however long the way round") {
+  Rooms rooms;
+  for (const std::string_view stage : kStages)
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / stage)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".h" && extension != ".cpp") continue;
+      std::ifstream text(entry.path());
+      REQUIRE(text.good());
+      for (std::string line; std::getline(text, line);)
+        if (const auto file = quoted_include(line))
+          note_rooms(fs::relative(entry.path(), kRoot).generic_string(), *file, rooms);
+    }
+  CHECK(rooms["online"]["scene"].contains("state"));
+  for (const std::string& sentence : circles(rooms)) FAIL_CHECK(sentence);
+}
+
 TEST_CASE("nothing unknown stands at the top level") {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(kRoot)) names.push_back(entry.path().filename().string());
@@ -117,9 +185,9 @@ TEST_CASE("nothing unknown stands at the top level") {
 }
 
 TEST_CASE("the check of includes lets through what runs along") {
-  CHECK(
-      wrong_includes("online/fit/adam.cpp", "#include \"online/fit/adam.h\"\n#include \"hal/core/image.h\"\n")
-          .empty());
+  CHECK(wrong_includes("online/scene/hash_grid/fit/adam.cpp",
+                       "#include \"online/scene/hash_grid/fit/adam.h\"\n#include \"hal/core/image.h\"\n")
+            .empty());
   CHECK(wrong_includes("firmware_host/main.cpp", "#include <vector>\n#include \"render/exr.h\"\n").empty());
   CHECK(wrong_includes("hal/core/cpu.h", "// #include \"render/exr.h\"\n").empty());
 }
@@ -147,6 +215,23 @@ TEST_CASE("the check of includes finds a header that is not named from the root,
     INFO(file);
     CHECK(wrong_includes("firmware_host/main.cpp", "#include \"" + std::string(file) + "\"").size() == 1);
   }
+}
+
+TEST_CASE("the check of rooms finds a circle, and where it is") {
+  Rooms rooms;
+  note_rooms("online/state/a.h", "online/pictures/b.h", rooms);
+  note_rooms("online/state/a.h", "hal/core/image.h", rooms);                      // another floor
+  note_rooms("online/scene/hash_grid/a.h", "online/scene/scene_field.h", rooms);  // the folder around it
+  note_rooms("online/scene/fields.cpp", "online/scene/hash_grid/a.h", rooms);     // joins the rooms
+  note_rooms("online/online_stage.h", "online/state/a.h", rooms);
+  CHECK(circles(rooms).empty());
+  note_rooms("online/priors/motion/a.h", "online/state/a.h", rooms);
+  note_rooms("online/pictures/b.cpp", "online/priors/seen.h", rooms);
+  CHECK(circles(rooms) ==
+        std::vector<std::string>{"online: pictures -> priors -> state -> pictures is a circle"});
+  note_rooms("hal/sim/effects/a.h", "hal/sim/scenes/b.h", rooms);
+  note_rooms("hal/sim/scenes/b.cpp", "hal/sim/effects/c.h", rooms);
+  CHECK(circles(rooms).front() == "hal/sim: effects -> scenes -> effects is a circle");
 }
 
 TEST_CASE("the check of the top level finds strangers") {

@@ -17,21 +17,27 @@ struct Run {
   Result<void> result;
 };
 
-Run run(const test::MovingScene& scene, int frames, const OnlineOptions& options, int threads) {
+Knobs state_alone() {
+  Knobs knobs;
+  knobs.field = FieldKind::None;
+  return knobs;
+}
+
+Run run(const test::MovingScene& scene, int frames, const Knobs& options, int threads) {
   WorkerPool pool(threads);
   OnlineStage stage(options, scene.camera(), std::nullopt, pool);
-  Emission emission({}, pool);
+  Emission emission(pool);
   HdrFrame frame;
   Run run;
-  const OnlineStage::Emit emit = [&](const Moment& moment) -> Result<void> {
-    emission.render(moment, frame);
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    emission.render(estimate, frame);
     run.sequences.push_back(frame.facts.sequence);
     const auto samples = frame.radiance.samples();
     run.radiance.insert(run.radiance.end(), samples.begin(), samples.end());
     return {};
   };
   for (int i = 0; i < frames; ++i) {
-    run.result = stage.ingest(scene.frame(i), emit);
+    run.result = stage.ingest(scene.frame(i), options.budget, emit);
     if (!run.result) return run;
   }
   run.result = stage.finish(emit);
@@ -44,7 +50,7 @@ TEST_CASE("every frame is emitted once and in order, whatever the look-ahead and
   const test::MovingScene scene;
   for (const int look_ahead : {0, 1, 2})
     for (const int frames : {2, 3, 6, 7, 11}) {
-      OnlineOptions options;
+      Knobs options = state_alone();
       options.look_ahead = look_ahead;
       const Run result = run(scene, frames, options, 1);
       REQUIRE(result.result.ok());
@@ -57,18 +63,17 @@ TEST_CASE("every frame is emitted once and in order, whatever the look-ahead and
 
 TEST_CASE("the same frames give the same bytes on one thread and on three, with the field and without") {
   const test::MovingScene scene;
-  OnlineOptions options;
+  Knobs options = state_alone();
   CHECK(run(scene, 9, options, 1).radiance == run(scene, 9, options, 3).radiance);
-  FieldStageOptions field;
-  field.field.steps_per_frame = 3;
-  options.field = field;
+  options.field = FieldKind::HashGrid;
+  options.budget.fit.steps = 3;
   CHECK(run(scene, 7, options, 1).radiance == run(scene, 7, options, 3).radiance);
 }
 
 TEST_CASE("the merged frames are nearer to the scene than the frames that went in") {
   test::MovingScene scene;
   scene.rows = 96, scene.cols = 128;
-  const Run result = run(scene, 12, {}, 2);
+  const Run result = run(scene, 12, state_alone(), 2);
   REQUIRE(result.result.ok());
   const Response truth = Response::gamma(scene.gamma);
   const std::size_t pixels = static_cast<std::size_t>(scene.rows * scene.cols);
@@ -107,13 +112,13 @@ TEST_CASE("the merged frames are nearer to the scene than the frames that went i
 
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
   test::MovingScene scene;
-  const Run one = run(scene, 1, {}, 1);
+  const Run one = run(scene, 1, state_alone(), 1);
   REQUIRE_FALSE(one.result.ok());
   CHECK(one.result.error().code == ErrorCode::TooShort);
   for (const double bad : {0., -0.004, std::nan(""), HUGE_VAL}) {
     scene.exposures_s = {0.001, bad};
     scene.full_well = 0;
-    const Run refused = run(scene, 3, {}, 1);
+    const Run refused = run(scene, 3, state_alone(), 1);
     REQUIRE_FALSE(refused.result.ok());
     CHECK(refused.result.error().code == ErrorCode::BadExposure);
     CHECK(refused.result.error().message.find("frame 1") != std::string::npos);

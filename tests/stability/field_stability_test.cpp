@@ -1,6 +1,6 @@
 // Hard cases of the field, by name: whatever comes in, what is rendered is finite and the fit goes on.
-#include "render/field_renderer.h"
-#include "tests/online/fit/moving_scene.h"
+#include "online/scene/hash_grid/field/field_renderer.h"
+#include "tests/online/scene/hash_grid/fit/moving_scene.h"
 
 #include <limits>
 
@@ -16,11 +16,13 @@ struct Stream {
   WorkerPool pool{1};
   MovingScene scene;
   FieldFit fit;
-  FieldRenderer renderer{pool};
-  FieldView view;
+  FieldRenderer renderer;
+  FieldPicture view;
 
   explicit Stream(const FieldOptions& options = MovingScene::small_options())
-      : fit(options, {}, scene.rows, scene.cols, pool) {}
+      : fit(options, {}, scene.rows, scene.cols, pool) {
+    fit.prepare(MovingScene::small_budget());
+  }
 
   // Lets `spoil` change each frame before it is observed; every picture must be fit to be emitted.
   template <class Spoil>
@@ -37,7 +39,7 @@ struct Stream {
     }
   }
   void check(double time_s) {
-    renderer.render(fit.field(), {kIdentityPose, time_s, 2}, view);
+    renderer.render(fit.field(), MovingScene::view(fit, kIdentityPose, time_s, 2), pool, view);
     for (const Image<float>* plane :
          {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
       for (float v : plane->samples()) REQUIRE(std::isfinite(v));
@@ -110,8 +112,9 @@ TEST_CASE("a view behind the scene or at the edge of time is finite", "[stabilit
   stream.run(5, 5, [](int, FieldObservation&) {});
   for (double time_s : {-100.0, 0.0, 1.5 / 30, 4.0 / 30, 4.49 / 30, 1e9}) {
     stream.check(time_s);
-    stream.renderer.render(stream.fit.field(), {{-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -3}, time_s, 4},
-                           stream.view);
+    stream.renderer.render(stream.fit.field(),
+                           MovingScene::view(stream.fit, {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -3}, time_s, 4),
+                           stream.pool, stream.view);
     for (float v : stream.view.radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   }
 }

@@ -15,7 +15,7 @@ namespace {
 void survives(const test::MovingScene& scene, int frames, const std::function<bool(RawFrame&, int)>& change) {
   WorkerPool pool(2);
   PipelineOptions options = options_of(Preset::Fast, EmitLayer::Merged);
-  options.online.field->field.steps_per_frame = 2;
+  options.knobs.budget.fit.steps = 2;
   Pipeline pipeline(options, scene.camera(), pool);
   int emitted = 0, taken = 0;
   const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,

@@ -91,11 +91,11 @@ TEST_CASE("each preset takes its steps of the fit on every frame, and they chang
   const test::MovingScene scene;
   const auto frames = frames_of(scene, 8);
   PipelineOptions options = options_of(Preset::Fast, EmitLayer::Field);
-  const int steps = options.online.field->field.steps_per_frame;
+  const int steps = options.knobs.budget.fit.steps;
   REQUIRE(steps > 0);
   const Emitted fitted = emitted_by(frames, scene.camera(), options);
   for (const FrameRecord& record : fitted.records) CHECK(record.fit_steps == steps);
-  options.online.field->field.steps_per_frame = 0;
+  options.knobs.budget.fit.steps = 0;
   CHECK(emitted_by(frames, scene.camera(), options).radiance.back() != fitted.radiance.back());
 }
 
@@ -186,7 +186,7 @@ TEST_CASE("each pixel says where it came from: own, carried, look-ahead or bound
   scene.drift_px = scene.disc_px = 0;
   PipelineOptions options = options_of(Preset::Fast, EmitLayer::State);
   const auto shares = [&](int look_ahead) {
-    options.online.look_ahead = look_ahead;
+    options.knobs.look_ahead = look_ahead;
     std::vector<std::array<float, kProvenances>> all;
     for (const FrameRecord& record : emitted_by(frames_of(scene, 9), scene.camera(), options).records)
       all.push_back(record.provenance_share);

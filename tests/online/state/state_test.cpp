@@ -1,9 +1,9 @@
 #include <cmath>
 
 #include "capture/unpack.h"
-#include "online/state/local_statistics.h"
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/warp.h"
 #include "online/state/state_filter.h"
-#include "online/state/warp.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>

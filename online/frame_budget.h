@@ -1,0 +1,17 @@
+// What one frame may cost: the knobs that may change from frame to frame. It enters with each call, so that a
+// governor can move along the front of quality against time without making anything anew. Plain value.
+#pragma once
+
+#include "online/priors/motion/motion_prior.h"
+#include "online/scene/fit_budget.h"
+
+namespace hdrcam {
+
+struct FrameBudget {
+  FlowQuality flow = FlowQuality::Medium;
+  FitBudget fit;
+  int render_step = 2;  // 1..8: the field fills what nobody saw from every n-th pixel
+  bool shrinks = true;  // the emitted picture by its known variance (render/shrinkage.h)
+};
+
+}  // namespace hdrcam

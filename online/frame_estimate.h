@@ -1,0 +1,23 @@
+// All that the method knows about one frame, handed out as soon as its look-ahead has arrived. Const, and
+// valid only during the call that hands it out; only the snapshot may be held longer.
+#pragma once
+
+#include "online/frame_budget.h"
+#include "online/scene/scene_field.h"
+#include "online/state/look_ahead.h"
+
+namespace hdrcam {
+
+struct FrameEstimate {
+  const ExposedFrame& frame;
+  const JoinedState& state;      // up to and with this frame, and its look-ahead
+  const FlowField* to_previous;  // null at the first frame
+  SnapshotHold field;            // fitted up to and with this frame; empty without a field
+  SceneView view;                // that the frame itself had, at full size
+  const FitReport* fit;          // the fit's work on this frame; null without a field
+  FrameBudget budget;            // what it may cost
+  float white;                   // radiance that saturates the shortest exposure so far
+  double reference_exposure;     // E_ref, seconds x gains
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,26 @@
+// Dense motion between two pictures of one size: for each pixel of the first, where it is in the second.
+// vectors: [dx dy, rows, cols] pixels; confidence: [1, rows, cols] 0..1 (forward-backward agreement, inside
+// the frame). Move-only values.
+#pragma once
+
+#include "hal/core/image.h"
+
+namespace hdrcam {
+
+struct FlowField {
+  Image<float> vectors;
+  Image<float> confidence;
+
+  bool empty() const { return vectors.empty(); }
+};
+
+// Flow between the state at frame i-1 and frame i; both empty at the first frame.
+struct StateMotion {
+  FlowField to_previous;    // frame -> state
+  FlowField from_previous;  // state -> frame
+};
+
+// Of a frame, in the order of flow[2] and its like.
+enum class Neighbour : int { Next = 0, Previous = 1 };
+
+}  // namespace hdrcam

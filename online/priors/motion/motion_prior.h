@@ -1,0 +1,43 @@
+// How pixels moved between the state and a new frame: the seam for another flow. Two looks: match() when the
+// frame arrives, complete() before the state advances to it, when the frame after it may be known. Both flows
+// leave with a confidence per pixel; where a frame shows no motion (clipped, black) an implementation may
+// assume some and say so by confidence. Thread-bound; the result does not depend on the number of threads.
+#pragma once
+
+#include <memory>
+
+#include "capture/exposed_frame.h"
+#include "hal/core/worker_pool.h"
+#include "online/pictures/flow_field.h"
+#include "online/state/exposure_tables.h"
+#include "online/state/radiance_state.h"
+
+namespace hdrcam {
+
+enum class FlowQuality { Fast, Medium, Fine };
+
+// What stands on both sides of the interval that is completed. Ratios of intervals: (t_i - t_i-1) over
+// (t_i-1 - t_i-2), and over (t_i+1 - t_i-1).
+struct MotionContext {
+  const StateMotion* before = nullptr;  // of the previous step; null at the first
+  float before_ratio = 1;
+  const ExposedFrame* after = nullptr;  // the frame after; null without look-ahead
+  const ExposureTables* after_tables = nullptr;
+  float after_ratio = 0.5f;
+};
+
+class MotionPrior {
+ public:
+  virtual ~MotionPrior() = default;
+
+  // state: at the frame before. tables: at the frame's exposure.
+  virtual void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
+                     FlowQuality quality, StateMotion& motion) = 0;
+  virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
+                        FlowQuality quality, StateMotion& motion) = 0;
+};
+
+// Optical flow (DIS) between the frame and the state, re-exposed as the frame was: state_motion.h.
+std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool);
+
+}  // namespace hdrcam

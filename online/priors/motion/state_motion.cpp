@@ -1,0 +1,208 @@
+#include "online/priors/motion/state_motion.h"
+
+#include <cmath>
+
+#include "hal/core/interpolate.h"
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/warp.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr float kRed = 0.299f, kGreen = 0.587f, kBlue = 0.114f;
+
+std::uint8_t to_gray(float r, float g, float b) {
+  return static_cast<std::uint8_t>(std::clamp(kRed * r + kGreen * g + kBlue * b + 0.5f, 0.f, 255.f));
+}
+
+void gray_of_frame(const ExposedFrame& frame, Image<std::uint8_t>& gray, WorkerPool& pool) {
+  const auto& codes = frame.codes;
+  gray.reshape(1, codes.rows(), codes.cols());
+  pool.for_rows(codes.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < codes.cols(); ++x)
+        gray.at(0, y, x) = to_gray(codes.at(0, y, x), codes.at(1, y, x), codes.at(2, y, x));
+  });
+}
+
+// the state as the camera would have recorded it at this exposure
+void gray_of_state(const Image<float>& radiance, const ExposureTables& tables, Image<std::uint8_t>& gray,
+                   WorkerPool& pool) {
+  gray.reshape(1, radiance.rows(), radiance.cols());
+  pool.for_rows(radiance.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < radiance.cols(); ++x)
+        gray.at(0, y, x) = to_gray(tables.code(0, radiance.at(0, y, x)), tables.code(1, radiance.at(1, y, x)),
+                                   tables.code(2, radiance.at(2, y, x)));
+  });
+}
+
+struct CodeRange {
+  float least, most;  // over the channels
+};
+CodeRange range_of(const Image<float>& codes, int y, int x) {
+  const float r = codes.at(0, y, x), g = codes.at(1, y, x), b = codes.at(2, y, x);
+  return {std::min({r, g, b}), std::max({r, g, b})};
+}
+
+// Forward-backward agreement: exp(-|there and back|^2 / 2); 0 where the flow leaves the picture.
+void rate_flow(FlowField& flow, const FlowField& back, Image<float>& warped, WorkerPool& pool) {
+  const int rows = flow.vectors.rows(), cols = flow.vectors.cols();
+  warp_linear(back.vectors, flow.vectors, warped, pool);
+  flow.confidence.reshape(1, rows, cols);
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x);
+        const float ex = dx + warped.at(0, y, x), ey = dy + warped.at(1, y, x);
+        flow.confidence.at(0, y, x) = std::exp(-(ex * ex + ey * ey) / 2);
+      }
+  });
+}
+
+void forget_outside(FlowField& flow, WorkerPool& pool) {
+  const int rows = flow.vectors.rows(), cols = flow.vectors.cols();
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float px = static_cast<float>(x) + flow.vectors.at(0, y, x);
+        const float py = static_cast<float>(y) + flow.vectors.at(1, y, x);
+        const bool inside = px >= -0.5f && py >= -0.5f && px <= static_cast<float>(cols) - 0.5f &&
+                            py <= static_cast<float>(rows) - 0.5f;
+        if (!inside) flow.confidence.at(0, y, x) = 0;
+      }
+  });
+}
+
+}  // namespace
+
+MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
+    : rows_(rows), cols_(cols), pool_(pool), flow_(pool) {}
+
+void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
+                            const ExposureTables& tables, FlowQuality quality, StateMotion& motion) {
+  gray_of_frame(frame, frame_gray_, pool_);
+  gray_of_state(state.radiance, tables, state_gray_, pool_);
+  flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
+                          {&state_gray_, &frame_gray_, &motion.from_previous.vectors}});
+  rate(nullptr, motion);
+}
+
+void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
+                               const MotionContext& context, FlowQuality quality, StateMotion& motion) {
+  const auto [before, before_ratio, after, after_tables, after_ratio] = context;
+  Image<float>& to = motion.to_previous.vectors;
+  clipped_share(frame, clipped_);
+  if (before != nullptr && !before->to_previous.empty()) {
+    warp_linear(before->to_previous.vectors, to, warped_, pool_);
+    pool_.for_rows(rows_, [&](int y0, int y1) {
+      for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < cols_; ++x) {
+          const float a = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
+          for (int d = 0; d < 2; ++d)
+            to.at(d, y, x) += a * (before_ratio * warped_.at(d, y, x) - to.at(d, y, x));
+        }
+    });
+  }
+  if (after != nullptr) {
+    clipped_share(*after, clipped_after_);
+    double useful = 0;
+    for (std::size_t i = 0; i < clipped_.size(); ++i)
+      useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
+    constexpr double kWorthwhile = 0.005;  // share of the picture
+    if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
+      gray_of_frame(*after, frame_gray_, pool_);
+      gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
+      flow_.compute(quality, {{&frame_gray_, &state_gray_, &after_to_state_},
+                              {&state_gray_, &frame_gray_, &state_to_after_}});
+      bridge(after_ratio, motion);
+    }
+  }
+  rate(&frame, motion);
+}
+
+// Motion through a frame that shows none, from the flow between the state before it and the frame after it,
+// at constant velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the
+// state and at x - u (1 - r) / r in the frame after, where r is its share of the time between them; both
+// flows are asked there (a fixed point, three rounds) and averaged.
+void MotionEstimator::bridge(float r, StateMotion& motion) {
+  constexpr int kRounds = 3;
+  Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
+  bridged_.reshape(2, rows_, cols_);
+  const float onward = -(1 - r) / r;
+  for (int round = 0; round < kRounds; ++round) {
+    if (round == 0) {
+      for (std::size_t i = 0; i < bridged_.size(); ++i)
+        bridged_.samples()[i] = 0.5f * r * (after_to_state_.samples()[i] - state_to_after_.samples()[i]);
+      continue;
+    }
+    ahead_.reshape(2, rows_, cols_);
+    for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+    warp_linear(after_to_state_, ahead_, seen_from_after_, pool_);
+    warp_linear(state_to_after_, bridged_, seen_from_state_, pool_);
+    for (std::size_t i = 0; i < bridged_.size(); ++i)
+      bridged_.samples()[i] = 0.5f * r * (seen_from_after_.samples()[i] - seen_from_state_.samples()[i]);
+  }
+  // to the state, at the pixels of the frame
+  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+  warp_linear(clipped_after_, ahead_, mask_, pool_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const float a =
+            smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, mask_.at(0, y, x)));
+        for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (bridged_.at(d, y, x) - to.at(d, y, x));
+      }
+  });
+  // from the state, at its own pixels
+  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = r * state_to_after_.samples()[i];
+  warp_linear(clipped_, ahead_, mask_, pool_);
+  warp_linear(clipped_after_, state_to_after_, clipped_seen_, pool_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const float a = smooth_step(0.4f, 0.9f, mask_.at(0, y, x)) *
+                        (1 - smooth_step(0.1f, 0.6f, clipped_seen_.at(0, y, x)));
+        for (int d = 0; d < 2; ++d) from.at(d, y, x) += a * (ahead_.at(d, y, x) - from.at(d, y, x));
+      }
+  });
+}
+
+// Share of the 5x5 pixels around each that are clipped, bright or dark, in all channels.
+void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
+  constexpr float kBright = 246, kDark = 4;  // codes
+  mask_.reshape(1, rows_, cols_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const CodeRange range = range_of(frame.codes, y, x);
+        mask_.at(0, y, x) = range.least >= kBright || range.most <= kDark ? 1 : 0;
+      }
+  });
+  box_mean(mask_, 2, share, pool_);
+}
+
+void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
+  constexpr float kBright = 248, kDark = 3;   // codes
+  constexpr float kClippedConfidence = 0.5f;  // where agreement cannot be seen, half of it is assumed
+  rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
+  rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
+  if (frame != nullptr)
+    pool_.for_rows(rows_, [&](int y0, int y1) {
+      for (int y = y0; y < y1; ++y)
+        for (int x = 0; x < cols_; ++x) {
+          const CodeRange range = range_of(frame->codes, y, x);
+          float& confidence = motion.to_previous.confidence.at(0, y, x);
+          if (range.least >= kBright || range.most <= kDark)
+            confidence = std::max(kClippedConfidence, confidence);
+        }
+    });
+  forget_outside(motion.to_previous, pool_);
+  forget_outside(motion.from_previous, pool_);
+}
+
+std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool) {
+  return std::make_unique<MotionEstimator>(rows, cols, pool);
+}
+
+}  // namespace hdrcam

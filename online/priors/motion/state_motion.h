@@ -1,0 +1,36 @@
+// Motion between a new frame and the state: the state is re-exposed to the frame's exposure, so that both
+// pictures look alike whatever the schedule, and matched both ways. Where the frame is clipped it shows no
+// motion; there the motion goes on as before, or is taken from the frame after next, if that one is not
+// clipped too. Thread-bound.
+#pragma once
+
+#include "online/priors/motion/dense_flow.h"
+#include "online/priors/motion/motion_prior.h"
+
+namespace hdrcam {
+
+class MotionEstimator final : public MotionPrior {
+ public:
+  MotionEstimator(int rows, int cols, WorkerPool& pool);
+
+  // Both flows as matched, with their confidence.
+  void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
+             FlowQuality quality, StateMotion& motion) override;
+  // Completes motion where the frame is clipped, from the step before and from the frame after it.
+  void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
+                FlowQuality quality, StateMotion& motion) override;
+
+ private:
+  void bridge(float r, StateMotion& motion);
+  void clipped_share(const ExposedFrame& frame, Image<float>& share);
+  void rate(const ExposedFrame* frame, StateMotion& motion);
+
+  int rows_, cols_;
+  WorkerPool& pool_;
+  DenseFlow flow_;
+  Image<std::uint8_t> frame_gray_, state_gray_;
+  Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
+  Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,31 @@
+// The two poses that need no pictures: a camera that never moves, and one whose poses came with the frames.
+#pragma once
+
+#include "online/priors/pose/pose_prior.h"
+#include "online/priors/pose/rigid_transform.h"
+
+namespace hdrcam {
+
+class FixedPose final : public PosePrior {
+ public:
+  const CameraPose& estimate(const SeenFrame&) override { return pose_; }
+
+ private:
+  CameraPose pose_;
+};
+
+// FrameFacts::T_world_camera relative to the first frame that has one. A frame without a finite pose keeps
+// the last one and is flagged as lost.
+class GivenPose final : public PosePrior {
+ public:
+  const CameraPose& next(const FrameFacts& facts);
+  const CameraPose& estimate(const SeenFrame& seen) override { return next(seen.frame.facts); }
+  float near() const override { return 0.5f; }  // metres
+
+ private:
+  CameraPose pose_;
+  RigidTransform T_first_world_;
+  bool started_ = false;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,86 @@
+// Points of the scene followed along the optical flow, one per cell of a jittered grid. A point that the flow
+// cannot follow for a moment (clipped, occluded) coasts: it is put where its depth and the pose say, until it
+// is seen again or given up. Deterministic: the jitter is a hash of cell and frame. Thread-bound, owned by
+// the tracker.
+#pragma once
+
+#include <vector>
+
+#include "online/pictures/flow_field.h"
+#include "online/priors/pose/pose_fit.h"
+#include "online/priors/pose/pose_prior.h"
+
+namespace hdrcam {
+
+struct TrackOptions {
+  int points = 500;               // grid cells = the most points that are followed
+  float least_confidence = 0.9f;  // of the flow at a point, 0..1
+  float flow_disagreement_px =
+      0.5f;                  // largest difference of the flow within a pixel's neighbours: an edge of motion
+  int longest_coast = 4;     // frames a point may go unseen
+  int longest_track = 60;    // frames: the chained flow has drifted off the point by then
+  int outlier_patience = 3;  // frames in a row that a point may contradict the pose
+  double sigma_px = 0.25;    // of one flow vector, at first; then it is measured..
+  double least_sigma_px = 0.03, most_sigma_px = 0.3;  // ..within these
+  double sigma_growth = 0.1;                          // of the chain: variance = sigma^2 (1 + growth * age)
+  double pull = 0.2;  // of a point's residual taken back per frame: the chained flow drifts off the point
+  double prior_spread = 1;   // relative standard deviation of the inverse depth of a new point..
+  double vague_spread = 10;  // ..and while no depth is known
+};
+
+class PointTracks {
+ public:
+  explicit PointTracks(const TrackOptions& options) : options_(options), noise_px_(options.sigma_px) {}
+
+  // Moves all points along the flow previous -> frame; those it cannot follow become unseen.
+  void follow(const FlowField& from_previous);
+  // Share of the seen points that the last follow() moved by less than this, 0..1.
+  double still_share(double px) const;
+
+  // A camera that stands still: pulls each point a little to where it belongs, so that noise cannot walk.
+  void settle(const Intrinsics& lens, const RigidTransform& T_camera_world);
+  // Takes over the fitted inverse depths [points] of the points that agree with the pose; drops those that do
+  // not.
+  void learn(std::span<const double> inverse_depths, const Intrinsics& lens,
+             const RigidTransform& T_camera_world);
+  // The noise of the flow has been measured: scale times what was believed, rate 0..1 of it taken over.
+  void learn_noise(double scale, double rate);
+  double noise_px() const { return noise_px_; }
+  // Puts the unseen points where they should be; drops those outside the frame, too old or too long unseen.
+  void coast(const Intrinsics& lens, const RigidTransform& T_camera_world, int rows, int cols);
+  // Nothing of this frame can be trusted.
+  void mark_all_unseen();
+  // While no depth is known all points must have been first seen from one place: too few left, and all start
+  // anew.
+  void restart_when_thin();
+  // Fills the empty cells. confidence: [1, rows, cols] of this frame's flow, or empty: everywhere.
+  void seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
+            const RigidTransform& T_camera_world, bool depth_known);
+  // The seen points with what parallax says about them.
+  void depth_samples(const RigidTransform& T_camera_world, std::vector<DepthSample>& samples) const;
+
+  std::span<const ScenePoint> points() const { return points_; }
+  void inverse_depths(std::vector<double>& depths) const;
+  int seen() const;
+
+ private:
+  struct History {
+    double seed_information = 1;  // of the prior it started with
+    double moved_px = 0;          // by the last follow()
+    int age = 0, unseen = 0, outlier = 0;
+  };
+
+  void remove(std::size_t i);
+  double sigma_of(const History& history) const;
+  double expected_inverse_depth(const Eigen::Vector2d& px, double reach_px,
+                                const RigidTransform& T_camera_world) const;
+
+  TrackOptions options_;
+  std::vector<ScenePoint> points_;
+  std::vector<History> histories_;  // of points_[i]
+  std::vector<char> occupied_;      // [cells]
+  double noise_px_;
+  unsigned frame_ = 0;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,71 @@
+// The pose of a camera from points of the scene whose depth is known more or less: a robust maximum a
+// posteriori fit of the pose and all inverse depths together. A point is a ray from where it was first seen;
+// its inverse depth d has a Gaussian prior, so that a point with known depth pins the camera down (and with
+// it the scale), one with unknown depth still gives its epipolar constraint, and at zero baseline every point
+// gives the rotation. Minimises
+//   sum_i rho(|pi(T_camera_world, d_i) - seen_i|^2 / sigma_i^2) + information_i (d_i - prior_i)^2
+// with Geman-McClure's rho, by Gauss-Newton with the depths eliminated (Schur complement): 6 unknowns per
+// step. Reentrant: works only on what it is given.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "online/priors/pose/rigid_transform.h"
+
+namespace hdrcam {
+
+struct ScenePoint {
+  Eigen::Vector3d origin_world;     // the camera centre from which it was first seen
+  Eigen::Vector3d direction_world;  // through its pixel there; camera z of that view = 1
+  double inverse_depth = 1;         // prior mean, along that direction
+  double information = 1;           // 1 / variance of the prior
+  Eigen::Vector2d seen_px;          // in the frame to be posed
+  double sigma_px = 0.3;            // of that position
+  bool seen = true;                 // takes part in the fit
+};
+
+// What may change besides the inverse depths.
+enum class Freedom { Nothing, Rotation, RotationAndTranslation };
+
+struct PoseFit {
+  RigidTransform T_camera_world;
+  double cost = 0;          // of the whole problem, in squared sigmas
+  double inlier_share = 0;  // share of the seen points with residual under kInlierSigmas
+  int seen = 0;
+};
+
+constexpr double kInlierSigmas = 4;
+
+struct FitOptions {
+  Freedom freedom = Freedom::RotationAndTranslation;
+  int steps = 8;           // of Gauss-Newton
+  double noise_scale = 1;  // all sigmas times this
+  double widest_sigmas =
+      12;  // the robust kernel at the first step: wide, so that a poor start still sees everybody
+};
+
+// Starts at a pose and improves it; with no steps it only judges it.
+// inverse_depths: [points] start on entry (prior means), the fitted values on return.
+PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
+                 const RigidTransform& T_camera_world, const FitOptions& options,
+                 std::span<double> inverse_depths);
+
+// What no depth can explain: the median residual across the epipolar lines, as a standard deviation in
+// sigmas. `errors` is room to work in.
+double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
+                    const Intrinsics& lens, const RigidTransform& T_camera_world,
+                    std::vector<double>& errors);
+
+// Squared residual in sigmas of one point, and how strongly its pixel depends on the inverse depth. false:
+// not in front of the camera.
+struct PointResidual {
+  Eigen::Vector2d px;                 // pi - seen
+  Eigen::Vector2d per_inverse_depth;  // d px / d inverse depth
+  double squared_sigmas = 0;
+  double camera_z = 0;  // inverse depth in this camera = d / camera_z
+};
+bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
+                    const RigidTransform& T_camera_world, PointResidual& residual);
+
+}  // namespace hdrcam

@@ -1,0 +1,44 @@
+#include "online/priors/pose/pose_prior.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "online/priors/pose/known_pose.h"
+#include "online/priors/pose/tracked_pose.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kAssumedFieldOfView_deg = 55;
+
+}  // namespace
+
+const char* name(CameraMotion motion) {
+  switch (motion) {
+    case CameraMotion::Still:
+      return "still";
+    case CameraMotion::Rotation:
+      return "rotation";
+    case CameraMotion::General:
+      return "general";
+  }
+  return "unknown";
+}
+
+Intrinsics assumed_intrinsics(int rows, int cols) {
+  const double focal_px = 0.5 * cols / std::tan(0.5 * kAssumedFieldOfView_deg * std::numbers::pi / 180);
+  return {.fx_px = focal_px, .fy_px = focal_px, .cx_px = 0.5 * cols, .cy_px = 0.5 * rows};
+}
+
+std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses) {
+  if (kind == PoseKind::Fixed) return std::make_unique<FixedPose>();
+  if (kind == PoseKind::Given && has_poses) return std::make_unique<GivenPose>();
+  if (!camera.intrinsics)
+    spdlog::warn("{} does not say its focal length; assuming {} degrees horizontally", camera.name,
+                 kAssumedFieldOfView_deg);
+  return std::make_unique<TrackedPose>(camera.intrinsics);
+}
+
+}  // namespace hdrcam

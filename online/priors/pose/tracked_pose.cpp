@@ -1,0 +1,201 @@
+#include "online/priors/pose/tracked_pose.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online/priors/pose/heading_search.h"
+#include "online/priors/pose/median.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
+constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160,
+              kDepthSteps = 6;
+constexpr double kSameHeading = 0.9;     // cosine
+constexpr double kUnexplained_px = 0.6;  // off by more than the flow's usual noise
+constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
+constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
+
+// Share of the seen points that the pose leaves clearly off, whatever the reason.
+double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens,
+                         const RigidTransform& T_camera_world) {
+  int seen = 0, off = 0;
+  for (const ScenePoint& point : points) {
+    PointResidual r;
+    if (!point.seen) continue;
+    const bool near =
+        point_residual(point, point.inverse_depth, lens, T_camera_world, r) && r.px.norm() < kUnexplained_px;
+    ++seen, off += !near;
+  }
+  return seen > 0 ? static_cast<double>(off) / seen : 0;
+}
+
+// Share of the seen points that the translation moves by more than this.
+double parallax_share(std::span<const ScenePoint> points, const Heading& heading, const Intrinsics& lens,
+                      double px) {
+  int seen = 0, clear = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    PointResidual r;
+    if (!points[i].seen ||
+        !point_residual(points[i], heading.inverse_depths[i], lens, heading.T_camera_world, r))
+      continue;
+    ++seen, clear += r.per_inverse_depth.norm() * heading.inverse_depths[i] > px;
+  }
+  return seen > 0 ? static_cast<double>(clear) / seen : 0;
+}
+
+// Every n-th of them, about `count`.
+std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t count) {
+  std::vector<ScenePoint> some;
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / (count + 1)) some.push_back(points[i]);
+  return some;
+}
+
+void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
+  std::vector<double> errors;
+  for (int round = 0; round < rounds; ++round) {
+    const FitOptions options{
+        .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
+    heading.T_camera_world =
+        fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
+    heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world, errors);
+  }
+}
+
+bool same_heading(const Heading& a, const Heading& b) {
+  const Eigen::Vector3d centre_a = a.T_camera_world.inverse().t.normalized();
+  return centre_a.dot(b.T_camera_world.inverse().t.normalized()) > kSameHeading;
+}
+
+bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; }
+
+}  // namespace
+
+TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options)
+    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {
+  for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
+    room->reserve(static_cast<std::size_t>(options.tracks.points));
+}
+
+const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowField& from_previous) {
+  if (from_previous.empty()) return pose_;
+  const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
+  if (!started_) start(from_previous);
+  track(from_previous);
+  tracks_.depth_samples(T_camera_world_, pose_.depth_samples);
+  tracks_.coast(lens_, T_camera_world_, rows, cols);
+  if (!depth_known_) tracks_.restart_when_thin();
+  tracks_.seed(to_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
+  pose_.T_world_camera = to_matrix(T_camera_world_.inverse());
+  return pose_;
+}
+
+// The first flow says how large the frames are; the first frame's points sit where it can follow them.
+void TrackedPose::start(const FlowField& from_previous) {
+  const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
+  lens_ = intrinsics_.value_or(assumed_intrinsics(rows, cols));
+  tracks_.seed(from_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
+  started_ = true;
+}
+
+void TrackedPose::track(const FlowField& from_previous) {
+  tracks_.follow(from_previous);
+  if (tracks_.seen() < options_.fewest_points) return lose();
+
+  tracks_.inverse_depths(depths_);
+  trial_depths_ = depths_;
+  const PoseFit turned = fit_pose(tracks_.points(), lens_, T_camera_world_,
+                                  {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
+  if (stands_still(turned)) {
+    tracks_.settle(lens_, T_camera_world_);
+    return accept(T_camera_world_, CameraMotion::Still, tracks_.still_share(options_.still_px));
+  }
+  if (depth_known_)
+    follow_translation(turned);
+  else
+    find_translation(turned);
+}
+
+// The depths hold the scale: the translation is the one that they see.
+void TrackedPose::follow_translation(const PoseFit& turned) {
+  const PoseFit moved =
+      fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
+  if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
+  const bool was_moving = pose_.motion == CameraMotion::General;
+  if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
+    return accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
+  tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world, errors_),
+                      kNoiseLearning);
+  tracks_.learn(depths_, lens_, moved.T_camera_world);
+  accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
+}
+
+// No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the
+// flow best, the one that leaves least noise across the epipolar lines wins, once it stands out and the
+// parallax is clear; until then the camera only turns.
+void TrackedPose::find_translation(const PoseFit& turned) {
+  accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
+  const auto points = tracks_.points();
+  if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
+
+  const std::vector<ScenePoint> some = thinned(points, kHeadingPoints);
+  std::vector<Heading> headings = search_headings(some, lens_, turned.T_camera_world, kHeadingsTried);
+  for (Heading& heading : headings) refine(some, lens_, kHeadingRounds, heading);
+  const auto best = std::min_element(headings.begin(), headings.end(), less_noise);
+  const bool stands_out = std::all_of(headings.begin(), headings.end(), [&](const Heading& other) {
+    return same_heading(*best, other) || best->noise < options_.heading_noise_ratio * other.noise;
+  });
+  if (!stands_out) return;
+
+  Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
+  fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps},
+           first.inverse_depths);
+  refine(points, lens_, 1, first);
+  const double clear_px =
+      std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());
+  if (parallax_share(points, first, lens_, clear_px) < options_.parallax_share) return;
+  tracks_.learn_noise(first.noise, 1);
+  choose_unit(first);
+  tracks_.learn(first.inverse_depths, lens_, first.T_camera_world);
+  accept(first.T_camera_world, CameraMotion::General, turned.inlier_share);
+}
+
+// The median depth becomes the unit of length.
+void TrackedPose::choose_unit(Heading& first) {
+  std::vector<double> sorted = first.inverse_depths;
+  const double middle = std::max(median(sorted), 1e-6);
+  first.T_camera_world.t *= middle;
+  for (double& depth : first.inverse_depths) depth /= middle;
+  depth_known_ = true;
+}
+
+bool TrackedPose::stands_still(const PoseFit& turned) const {
+  if (tracks_.still_share(options_.still_px) < options_.still_share) return false;
+  const Eigen::AngleAxisd turn(turned.T_camera_world.R * T_camera_world_.R.transpose());
+  const Eigen::Vector3d angle = turn.angle() * turn.axis();
+  const double drift_px =
+      std::max(lens_.fx_px * std::hypot(angle.x(), angle.y()), 0.5 * lens_.cx_px * std::abs(angle.z()));
+  return drift_px < options_.still_drift_px;
+}
+
+void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share) {
+  T_camera_previous_ = T_camera_world * T_camera_world_.inverse();
+  T_camera_world_ = T_camera_world;
+  pose_.motion = motion;
+  pose_.inlier_share = static_cast<float>(inlier_share);
+  pose_.lost = false;
+}
+
+void TrackedPose::lose() {
+  const Eigen::AngleAxisd turn(T_camera_previous_.R);
+  T_camera_previous_.R = rotation(options_.velocity_decay * turn.angle() * turn.axis());
+  T_camera_previous_.t *= options_.velocity_decay;
+  T_camera_world_ = T_camera_previous_ * T_camera_world_;
+  T_camera_world_.R = orthonormal(T_camera_world_.R);
+  tracks_.mark_all_unseen();
+  pose_.inlier_share = 0;
+  pose_.lost = true;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,61 @@
+// The camera's pose from the optical flow alone. Per frame: the points of the scene are carried along the
+// flow; a rotation about the camera's centre is fitted, then a rotation with a translation; the translation
+// is believed only where it explains clearly more (a camera that stands still or only turns is the normal
+// case, and then its position is kept exactly). The depths learnt from earlier frames hold the scale.
+#pragma once
+
+#include <optional>
+
+#include "online/priors/pose/heading_search.h"
+#include "online/priors/pose/point_tracks.h"
+#include "online/priors/pose/pose_prior.h"
+
+namespace hdrcam {
+
+struct TrackerOptions {
+  TrackOptions tracks;
+  double still_px = 0.15;           // flow below this is no motion
+  double still_share = 0.5;         // of the points, for a camera that stands still
+  double still_drift_px = 0.3;      // the sum of motions too small to see, before it is believed
+  double translation_gain = 60;     // squared sigmas that a translation must explain to be believed..
+  double translation_gain_on = 15;  // ..and while the camera is moving already
+  double parallax_share =
+      0.3;  // of the points must show clear parallax before the first translation is believed..
+  double heading_noise_ratio = 0.8;  // ..and the best heading leave this much less noise than any other one
+  int fewest_points = 30;            // below this the pose is lost
+  double fewest_inliers = 0.3;       // share
+  double velocity_decay = 0.9;       // per frame, while lost
+};
+
+class TrackedPose final : public PosePrior {
+ public:
+  explicit TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options = {});
+
+  // to_previous: this frame -> the one before; from_previous: the other way round; empty for the first frame.
+  const CameraPose& next(const FlowField& to_previous, const FlowField& from_previous);
+  const CameraPose& estimate(const SeenFrame& seen) override {
+    return next(seen.motion.to_previous, seen.motion.from_previous);
+  }
+
+ private:
+  void start(const FlowField& from_previous);
+  void track(const FlowField& from_previous);
+  void find_translation(const PoseFit& turned);
+  void follow_translation(const PoseFit& turned);
+  void choose_unit(Heading& first);
+  bool stands_still(const PoseFit& turned) const;
+  void accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share);
+  void lose();
+
+  TrackerOptions options_;
+  std::optional<Intrinsics> intrinsics_;
+  Intrinsics lens_;
+  PointTracks tracks_;
+  RigidTransform T_camera_world_;
+  RigidTransform T_camera_previous_;                    // the motion of the last frame
+  std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
+  bool started_ = false, depth_known_ = false;
+  CameraPose pose_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,17 @@
+// What every prior is fed with: a frame, the state up to and with it, and the motion from the frame before.
+// Borrowed for the call.
+#pragma once
+
+#include "capture/exposed_frame.h"
+#include "online/pictures/flow_field.h"
+#include "online/state/radiance_state.h"
+
+namespace hdrcam {
+
+struct SeenFrame {
+  const ExposedFrame& frame;
+  const RadianceState& state;
+  const StateMotion& motion;  // empty at the first frame
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,82 @@
+// A field at one moment, to be looked at. Immutable: while one thread looks into a snapshot, another may take
+// the next step of the fit. Whoever wants to look holds it (SnapshotHold); the field writes into a snapshot
+// again only once nobody does, so that neither waits for the other and nothing is allocated per frame.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "hal/core/image.h"
+#include "hal/core/worker_pool.h"
+#include "hal/recording/recording.h"
+#include "online/pictures/flow_field.h"
+
+namespace hdrcam {
+
+// From where, when and how large. Pixels of the view are those of its lens, centres at +0.5.
+struct SceneView {
+  PoseMatrix T_world_camera{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  double time_s = 0;      // centre of the exposure; clamped to what the field knows
+  double exposure_s = 0;  // the picture is the mean over this interval around time_s; 0: an instant
+  Intrinsics lens;
+  int rows = 0, cols = 0;  // 1..
+};
+
+// The same view with one pixel for step x step of its pixels.
+SceneView reduced(const SceneView& view, int step);
+
+// Room that a kind of snapshot needs to look, kept between looks.
+struct LookRoom {
+  virtual ~LookRoom() = default;
+};
+
+// What a view shows; all [n, rows, cols] of the view. Kept by the caller, so that a picture that is used
+// again allocates nothing.
+struct FieldPicture {
+  Image<float> radiance;       // [rgb] finite, >= 0
+  Image<float> depth;          // [1] camera z, >= 1, in units of the field's near plane
+  Image<float> flow[2];        // [dx dy] by Neighbour: px, to the view of the next and of the previous frame
+  Image<float> dynamic_share;  // [1] 0..1 of the light comes from what moves
+  Image<float> confidence;     // [1] 0..1 is the state's knowledge; 0 where the field answers alone
+  std::unique_ptr<LookRoom> room;
+};
+
+class FieldSnapshot {
+ public:
+  virtual ~FieldSnapshot() = default;
+
+  // Reentrant, each caller with a picture and a pool of its own.
+  virtual void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const = 0;
+  bool is_held() const { return holders_.load(std::memory_order_acquire) > 0; }
+
+ private:
+  friend class SnapshotHold;
+  mutable std::atomic<int> holders_{0};
+};
+
+// Keeps a snapshot as it is while it lives; empty where there is no field. The field must outlive it.
+class SnapshotHold {
+ public:
+  SnapshotHold() = default;
+  explicit SnapshotHold(const FieldSnapshot& held) : held_(&held) { ++held_->holders_; }
+  SnapshotHold(const SnapshotHold& other) : held_(other.held_) {
+    if (held_ != nullptr) ++held_->holders_;
+  }
+  SnapshotHold(SnapshotHold&& other) noexcept : held_(std::exchange(other.held_, nullptr)) {}
+  SnapshotHold& operator=(SnapshotHold other) noexcept {
+    std::swap(held_, other.held_);
+    return *this;
+  }
+  ~SnapshotHold() {
+    if (held_ != nullptr) held_->holders_.fetch_sub(1, std::memory_order_release);
+  }
+
+  explicit operator bool() const { return held_ != nullptr; }
+  const FieldSnapshot* operator->() const { return held_; }
+
+ private:
+  const FieldSnapshot* held_ = nullptr;
+};
+
+}  // namespace hdrcam

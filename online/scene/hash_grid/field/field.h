@@ -1,0 +1,103 @@
+// The radiance field of the window: two branches, each a hash grid and a small network, over the base of the
+// frames.
+//   static (u, v, d)      -> density, log radiance residual (3), blending weight v
+//   dynamic (u, v, d, t)  -> density, log radiance residual (3), scene flow to the next and previous frame
+//   (6),
+//                            occlusion weights (2)
+// A sample's radiance is exp(base + gate * residual), where base and gate are read from the frame's planes at
+// the pixel that sees the sample: unbounded, and with an untrained network exactly the state's picture. Scene
+// flow is base flow + residual. Scalar type T as in hash_grid.h. Evaluation is reentrant, each caller with
+// passes of its own.
+#pragma once
+
+#include "online/scene/hash_grid/field/compositing.h"
+#include "online/scene/hash_grid/field/hash_grid.h"
+#include "online/scene/hash_grid/field/mlp.h"
+#include "online/scene/hash_grid/field/window.h"
+
+namespace hdrcam {
+
+enum class Blend {
+  DensitySum,  // densities add up
+  Weight,      // the paper's: v sigma_static and (1 - v) sigma_dynamic
+};
+
+struct FieldShape {
+  HashGridShape static_grid{8, 15, 1, 16, 320, 0.75f, 0.25f};
+  HashGridShape dynamic_grid{4, 13, 8, 16, 160, 0.75f, 0.125f};
+  int hidden = 32;  // neurons per hidden layer, a multiple of 4
+  Blend blend = Blend::DensitySum;
+};
+
+struct StaticHead {
+  enum : int { kDensity = 0, kResidual = 1, kBlend = 4, kCount = 8 };
+};
+struct DynamicHead {
+  enum : int { kDensity = 0, kResidual = 1, kFlow = 4, kOcclusion = 10, kCount = 12 };
+};
+
+template <class T>
+struct Branch {
+  HashGrid<T> grid;
+  Mlp<T> mlp;
+
+  Branch(const HashGridShape& shape, int hidden, int outputs, float head_gain, Pcg32& random)
+      : grid(shape, 1e-2f, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
+  // of a branch of the same shape: what it knows, without gradients
+  void copy_parameters(const Branch& from) {
+    grid.tables().copy_from(from.grid.tables());
+    std::copy(from.mlp.parameters().begin(), from.mlp.parameters().end(), mlp.parameters().begin());
+  }
+};
+
+template <class T>
+struct FieldNetworks {
+  Branch<T> still, moving;
+  Blend blend;
+
+  FieldNetworks(const FieldShape& shape, Pcg32& random)
+      : still(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
+        moving(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
+        blend(shape.blend) {
+    for (int k = 0; k < 2; ++k) moving.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
+  }
+  void copy_parameters(const FieldNetworks& from) {
+    still.copy_parameters(from.still);
+    moving.copy_parameters(from.moving);
+  }
+  static constexpr float kHeadGain = 0.1f;
+};
+
+// One evaluation of a branch on up to ld samples, with what the way back needs. All pictures are [width, 1,
+// ld].
+template <class T>
+struct BranchPass {
+  Image<T> position, features, raw;
+  Image<T> d_position, d_features, d_raw;
+  MlpTrace<T> trace;
+  std::vector<std::int32_t> slot;
+  int n = 0;  // a multiple of kSampleMultiple
+
+  void reserve(const Branch<T>& branch, int ld) {
+    for (Image<T>* rows : {&position, &d_position}) *rows = Image<T>(3, 1, ld);
+    for (Image<T>* rows : {&features, &d_features}) *rows = Image<T>(branch.mlp.inputs(), 1, ld);
+    for (Image<T>* rows : {&raw, &d_raw}) *rows = Image<T>(branch.mlp.outputs(), 1, ld);
+    for (int k = 0; k < 2; ++k) {
+      trace.hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
+      trace.d_hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
+    }
+    slot.assign(static_cast<std::size_t>(ld), 0);
+  }
+  GridSamples<T> samples() const { return {position, slot, n}; }
+
+  void forward(const Branch<T>& branch) {
+    branch.grid.encode(samples(), features);
+    branch.mlp.forward(features, n, trace, raw);
+  }
+  // d_raw -> d_features and d_parameters; d_raw of unused samples must be 0
+  void backward(const Branch<T>& branch, std::span<T> d_parameters) {
+    branch.mlp.backward(features, d_raw, n, trace, d_parameters, d_features);
+  }
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,52 @@
+// Asks the field what rays see, without gradients: the inside of every renderer and of the depth guide. A
+// probe owns the buffers of one batch, so each thread has its own; the field is only read.
+#pragma once
+
+#include <span>
+
+#include "online/scene/hash_grid/field/radiance_field.h"
+#include "online/scene/hash_grid/field/ray_rendering.h"
+
+namespace hdrcam {
+
+// From where and when. Between frames the dynamic content moves along the scene flow of the nearest frame.
+struct ProbeView {
+  PoseMatrix T_anchor_camera = kIdentityPose;
+  int frame = 0;     // position in the window of the frame nearest in time
+  float offset = 0;  // intervals after (+) or before (-) that frame, -0.5..0.5
+};
+
+struct ProbeRay {
+  float pixel[2];
+  float guide;  // inverse depth around which to look
+};
+
+struct ProbeAnswer {
+  float radiance[3];
+  float inverse_depth;
+  float dynamic_share;
+  float confidence;  // 0..1: how much of the radiance is the state's rather than the networks', 0 outside its
+                     // picture
+  float flow[2][2];  // by Neighbour: pixels, to the view of the next and of the previous frame
+};
+
+class FieldProbe {
+ public:
+  static constexpr int kRays = 32;
+
+  FieldProbe(const FieldNetworks<float>& networks, int most_samples);
+
+  // rays.size() <= kRays; answers has the same size.
+  void look(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays,
+            std::span<ProbeAnswer> answers);
+
+ private:
+  void place(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays);
+  void move_to_frame(const RadianceField& field, const ProbeView& view, int rays);
+  ProbeAnswer answer(const RadianceField& field, const ProbeView& view, const ProbeRay& ray, int r);
+
+  BranchPass<float> still_, moving_;
+  std::vector<RaySamples<float>> ray_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,143 @@
+#include "online/scene/hash_grid/field/field_renderer.h"
+
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kStripes = 8;  // units of work that own a probe; enough for any number of threads we meet
+
+// The nearest frame and the distance to it in frame intervals.
+ProbeView probe_view(const WindowFrames& window, const PoseMatrix& T_world_camera, double time_s) {
+  ProbeView view;
+  view.T_anchor_camera = window.T_anchor_camera(T_world_camera);
+  view.frame = window.nearest(time_s);
+  const double away = time_s - window.frame(view.frame).time_s;
+  const int other = view.frame + (away > 0 ? 1 : -1);
+  if (other < 0 || other >= window.size()) return view;
+  const double interval = std::abs(window.frame(other).time_s - window.frame(view.frame).time_s);
+  if (interval > 0 && std::abs(away) > 1e-3 * interval)
+    view.offset = static_cast<float>(std::clamp(away / interval, -0.5, 0.5));
+  return view;
+}
+
+// Pixels of a view in those of the window's camera: the same ray. window px = scale * (x + 0.5) + shift.
+struct PixelMap {
+  float scale[2], shift[2];
+
+  PixelMap(const Intrinsics& camera, const Intrinsics& lens) {
+    const double sx = camera.fx_px / lens.fx_px, sy = camera.fy_px / lens.fy_px;
+    scale[0] = static_cast<float>(sx), scale[1] = static_cast<float>(sy);
+    shift[0] = static_cast<float>(camera.cx_px - sx * lens.cx_px);
+    shift[1] = static_cast<float>(camera.cy_px - sy * lens.cy_px);
+  }
+  float map(int axis, int pixel) const {
+    return (static_cast<float>(pixel) + 0.5f) * scale[axis] + shift[axis];
+  }
+};
+
+float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(radiance, 0.f, 1e9f) : 0.f; }
+
+}  // namespace
+
+// The surface of a frame, seen from elsewhere: each of its pixels is carried to where the view sees it,
+// nearer ones win. What nothing falls on is a disoccluded background: it continues the farther of its
+// neighbours.
+void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& from) {
+  const WindowFrustum& frustum = field.window.frustum();
+  const WindowFrame& frame = field.window.frame(from.frame);
+  const int rows = (frustum.rows + kSplat - 1) / kSplat, cols = (frustum.cols + kSplat - 1) / kSplat;
+  guide_.reshape(1, rows, cols);
+  guide_.fill(0);
+  const ViewGeometry<float> here(frustum, frame.T_anchor_camera), there(frustum, from.T_anchor_camera);
+  for (int y = 0; y < frustum.rows; ++y)
+    for (int x = 0; x < frustum.cols; ++x) {
+      const float centre[2] = {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f};
+      float point[3], seen[3];
+      here.place(centre, frame.base.at(0, y, x)[kBaseSurface], point);
+      there.project(point, seen, nullptr);
+      const int tx = static_cast<int>(std::floor(seen[0] / kSplat)),
+                ty = static_cast<int>(std::floor(seen[1] / kSplat));
+      if (tx < 0 || ty < 0 || tx >= cols || ty >= rows) continue;
+      guide_.at(0, ty, tx) = std::max(guide_.at(0, ty, tx), seen[2]);
+    }
+  const float farthest = 0.02f;
+  for (int y = 0; y < rows; ++y) {
+    float* row = guide_.row(0, y);
+    for (int x = 0; x < cols; ++x) {
+      if (row[x] > 0) continue;
+      int end = x;
+      while (end < cols && row[end] <= 0) ++end;
+      const float left = x > 0 ? row[x - 1] : 1, right = end < cols ? row[end] : 1;
+      const float fill = x == 0 && end == cols ? farthest : std::min(left, right);
+      std::fill(row + x, row + end, fill);
+      x = end;
+    }
+  }
+}
+
+void FieldRenderer::render(const RadianceField& field, const SceneView& view, WorkerPool& pool,
+                           FieldPicture& picture) {
+  CHECK(field.window.size() > 0 && view.rows > 0 && view.cols > 0);
+  CHECK(view.lens.fx_px > 0 && view.lens.fy_px > 0);
+  if (!(view.exposure_s > 0)) {
+    render_instant(field, view, view.time_s, pool, picture);
+    return;
+  }
+  // the centre last, so that all but the radiance is of it
+  constexpr int kOrder[kInstants] = {0, 1, 3, 4, 2};
+  for (const int i : kOrder) {
+    render_instant(field, view, view.time_s + view.exposure_s * ((i + 0.5) / kInstants - 0.5), pool, picture);
+    if (i == 0) sum_.reshape_like(picture.radiance), sum_.fill(0);
+    for (std::size_t p = 0; p < sum_.size(); ++p) sum_.samples()[p] += picture.radiance.samples()[p];
+  }
+  for (std::size_t p = 0; p < sum_.size(); ++p)
+    picture.radiance.samples()[p] = sum_.samples()[p] / static_cast<float>(kInstants);
+}
+
+void FieldRenderer::render_instant(const RadianceField& field, const SceneView& view, double time_s,
+                                   WorkerPool& pool, FieldPicture& picture) {
+  const int rows = view.rows, cols = view.cols;
+  picture.radiance.reshape(3, rows, cols);
+  for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence})
+    plane->reshape(1, rows, cols);
+  for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
+  while (probes_.size() < kStripes) probes_.emplace_back(field.networks, kMaxSamples);
+  const ProbeView from = probe_view(field.window, view.T_world_camera, time_s);
+  const PixelMap map(field.window.frustum().camera, view.lens);
+  splat_surface(field, from);
+
+  const auto store = [&](int y, int x, const ProbeAnswer& answer) {
+    for (int c = 0; c < 3; ++c) picture.radiance.at(c, y, x) = presentable(answer.radiance[c]);
+    picture.depth.at(0, y, x) =
+        1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
+    picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
+    picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
+    for (int n = 0; n < 2; ++n)
+      for (int a = 0; a < 2; ++a)
+        picture.flow[n].at(a, y, x) =
+            std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / map.scale[a] : 0.f;
+  };
+  const auto guide_at = [&](float px, float py) {
+    const int gx = std::clamp(static_cast<int>(px) / kSplat, 0, guide_.cols() - 1);
+    const int gy = std::clamp(static_cast<int>(py) / kSplat, 0, guide_.rows() - 1);
+    return guide_.at(0, gy, gx);
+  };
+  pool.for_each(kStripes, [&](int stripe) {
+    ProbeRay rays[FieldProbe::kRays];
+    ProbeAnswer answers[FieldProbe::kRays];
+    for (int y = stripe; y < rows; y += kStripes)
+      for (int x0 = 0; x0 < cols; x0 += FieldProbe::kRays) {
+        const int count = std::min(FieldProbe::kRays, cols - x0);
+        for (int i = 0; i < count; ++i) {
+          const float px = map.map(0, x0 + i), py = map.map(1, y);
+          rays[i] = {{px, py}, guide_at(px, py)};
+        }
+        const auto n = static_cast<std::size_t>(count);
+        probes_[static_cast<std::size_t>(stripe)].look(field, from, {rays, n}, {answers, n});
+        for (int i = 0; i < count; ++i) store(y, x0 + i, answers[i]);
+      }
+  });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,32 @@
+// The field as pictures: from any pose, at any time in the window, through any lens and at any size. What it
+// shows is finite and positive whatever the fit has done. Owns the room it needs, so one per thread that
+// looks; deterministic whatever the number of threads of the pool.
+#pragma once
+
+#include "hal/core/worker_pool.h"
+#include "online/scene/field_snapshot.h"
+#include "online/scene/hash_grid/field/field_probe.h"
+
+namespace hdrcam {
+
+class FieldRenderer final : public LookRoom {
+ public:
+  // The field must have at least one frame. With an exposure interval the radiance is the mean over instants
+  // in it; all else is of its centre.
+  void render(const RadianceField& field, const SceneView& view, WorkerPool& pool, FieldPicture& picture);
+
+ private:
+  static constexpr int kSplat = 2;     // pixels of the window's camera
+  static constexpr int kInstants = 5;  // of an exposure interval
+
+  void render_instant(const RadianceField& field, const SceneView& view, double time_s, WorkerPool& pool,
+                      FieldPicture& picture);
+  void splat_surface(const RadianceField& field, const ProbeView& from);
+
+  std::vector<FieldProbe> probes_;
+  Image<float> guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view
+                        // sees it, in pixels of the window's camera
+  Image<float> sum_;    // of radiance, over instants
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,145 @@
+// A small fully connected network, inputs -> hidden -> hidden -> outputs with rectified hidden layers and a
+// linear head, evaluated on a batch with samples innermost ([width, 1, ld]). All widths are multiples of 4.
+// Weights are row-major [out, in] followed by the bias, layer after layer, in one span, so that the optimiser
+// sees one vector. Scalar type T as in hash_grid.h. The network is read-only while it runs: forward and
+// backward are reentrant.
+#pragma once
+
+#include <cmath>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "online/scene/hash_grid/field/field_kernels.h"
+#include "online/scene/hash_grid/field/random.h"
+
+namespace hdrcam {
+
+// What the way back needs to remember of the way forward, and room to work in. [hidden, 1, ld] each.
+template <class T>
+struct MlpTrace {
+  Image<T> hidden[2], d_hidden[2];
+};
+
+// The readable twins of the kernels.
+namespace plain {
+
+template <class T>
+void affine(const T* w, const T* b, const T* x, int ld, int n, int in, int out, bool relu, T* y) {
+  for (int o = 0; o < out; ++o)
+    for (int s = 0; s < n; ++s) {
+      T sum = b[o];
+      for (int i = 0; i < in; ++i) sum += w[o * in + i] * x[i * ld + s];
+      y[o * ld + s] = relu && sum < 0 ? 0 : sum;
+    }
+}
+
+template <class T>
+void affine_transposed(const T* w, const T* dy, int ld, int n, int in, int out, const T* active, T* dx) {
+  for (int i = 0; i < in; ++i)
+    for (int s = 0; s < n; ++s) {
+      T sum = 0;
+      for (int o = 0; o < out; ++o) sum += w[o * in + i] * dy[o * ld + s];
+      dx[i * ld + s] = active != nullptr && !(active[i * ld + s] > 0) ? 0 : sum;
+    }
+}
+
+template <class T>
+void outer(const T* dy, const T* x, int ld, int n, int in, int out, T* dw, T* db) {
+  for (int o = 0; o < out; ++o)
+    for (int s = 0; s < n; ++s) {
+      for (int i = 0; i < in; ++i) dw[o * in + i] += dy[o * ld + s] * x[i * ld + s];
+      db[o] += dy[o * ld + s];
+    }
+}
+
+}  // namespace plain
+
+template <class T>
+class Mlp {
+ public:
+  static constexpr int kLayers = 3;
+  static constexpr float kBiasSpread = 0.3f;
+
+  // He initialisation; the head is scaled by head_gain, so that 0 starts every output at its bias.
+  Mlp(int inputs, int hidden, int outputs, float head_gain, Pcg32& random)
+      : width_{inputs, hidden, hidden, outputs} {
+    for (int width : width_) CHECK(width > 0 && width % 4 == 0);
+    for (int layer = 0; layer < kLayers; ++layer) {
+      const float bound =
+          std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);
+      for (int i = 0; i < width_[layer] * width_[layer + 1]; ++i)
+        parameters_.push_back(static_cast<T>(random.uniform(-bound, bound)));
+      // hidden biases spread the kinks: a unit whose inputs are all zero must not be dead
+      for (int o = 0; o < width_[layer + 1]; ++o)
+        parameters_.push_back(
+            layer == kLayers - 1 ? T(0) : static_cast<T>(random.uniform(-kBiasSpread, kBiasSpread)));
+    }
+  }
+
+  int inputs() const { return width_[0]; }
+  int hidden() const { return width_[1]; }
+  int outputs() const { return width_[kLayers]; }
+  std::span<T> parameters() { return parameters_; }
+  std::span<const T> parameters() const { return parameters_; }
+  T& head_bias(int output) {
+    return parameters_[offset(kLayers) - static_cast<std::size_t>(outputs() - output)];
+  }
+
+  // y [outputs, 1, ld] <- x [inputs, 1, ld] for the first n samples
+  void forward(const Image<T>& x, int n, MlpTrace<T>& trace, Image<T>& y) const {
+    apply(0, x, n, true, trace.hidden[0]);
+    apply(1, trace.hidden[0], n, true, trace.hidden[1]);
+    apply(2, trace.hidden[1], n, false, y);
+  }
+
+  // Adds to d_parameters and writes d_x, from d_y and the trace of forward(x).
+  void backward(const Image<T>& x, const Image<T>& d_y, int n, MlpTrace<T>& trace, std::span<T> d_parameters,
+                Image<T>& d_x) const {
+    pull(2, trace.hidden[1], d_y, n, true, d_parameters, trace.d_hidden[1]);
+    pull(1, trace.hidden[0], trace.d_hidden[1], n, true, d_parameters, trace.d_hidden[0]);
+    pull(0, x, trace.d_hidden[0], n, false, d_parameters, d_x);
+  }
+
+ private:
+  static constexpr bool kFast = std::is_same_v<T, float>;
+
+  std::size_t offset(int layer) const {
+    int at = 0;
+    for (int l = 0; l < layer; ++l) at += (width_[l] + 1) * width_[l + 1];
+    return static_cast<std::size_t>(at);
+  }
+  std::size_t bias_offset(int layer) const {
+    return offset(layer) + static_cast<std::size_t>(width_[layer] * width_[layer + 1]);
+  }
+
+  void apply(int layer, const Image<T>& x, int n, bool relu, Image<T>& y) const {
+    const T *w = parameters_.data() + offset(layer), *b = parameters_.data() + bias_offset(layer);
+    const int in = width_[layer], out = width_[layer + 1], ld = x.cols();
+    if constexpr (kFast)
+      field_kernels().affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
+    else
+      plain::affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
+  }
+
+  void pull(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified,
+            std::span<T> d_parameters, Image<T>& d_x) const {
+    const T* w = parameters_.data() + offset(layer);
+    T *d_w = d_parameters.data() + offset(layer), *d_b = d_parameters.data() + bias_offset(layer);
+    const int in = width_[layer], out = width_[layer + 1], ld = x.cols();
+    const T* active = x_is_rectified ? x.plane(0) : nullptr;
+    if constexpr (kFast) {
+      field_kernels().outer(d_y.plane(0), x.plane(0), ld, n, in, out, d_w, d_b);
+      field_kernels().affine_transposed(w, d_y.plane(0), ld, n, in, out, active, d_x.plane(0));
+    } else {
+      plain::outer(d_y.plane(0), x.plane(0), ld, n, in, out, d_w, d_b);
+      plain::affine_transposed(w, d_y.plane(0), ld, n, in, out, active, d_x.plane(0));
+    }
+  }
+
+  int width_[kLayers + 1];
+  std::vector<T> parameters_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,151 @@
+// One ray through the window: what its samples say (RaySamples), the picture they make (RayPicture), and the
+// way back. The gradient of either has the same struct. Scalar type T as in hash_grid.h. Reentrant.
+#pragma once
+
+#include "online/scene/hash_grid/field/compositing.h"
+#include "online/scene/hash_grid/field/field_sample.h"
+
+namespace hdrcam {
+
+template <class T>
+struct RaySamples {
+  int count = 0;
+  bool has_static = true, has_dynamic = true;
+  bool warps = false;  // towards a neighbour; needs the dynamic branch
+  Neighbour toward = Neighbour::Next;
+  T inverse_depth[kMaxSamples], spacing[kMaxSamples];
+  T position[kMaxSamples][3];
+  FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
+  FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
+  FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch where the scene flow leads
+  // how the neighbour's camera sees the sample (pixel, inverse depth): unmoved, and displaced by the scene
+  // flow with d seen / d window point
+  T landing_still[kMaxSamples][3], landing_moving[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
+};
+
+template <class T>
+struct RayPicture {
+  T radiance[3] = {0, 0, 0};
+  T landing[2] = {0, 0};  // pixel of the neighbour where the ray's content is
+  T inverse_depth = 0;
+  T share = 0;    // of the dynamic branch
+  T visible = 0;  // occlusion weight towards the neighbour
+  T warped_radiance[3] = {0, 0, 0};
+};
+
+template <class T>
+struct RayTrace {
+  Composite<T> combined, warped;
+};
+
+template <class T>
+void set_densities(const RaySamples<T>& ray, Blend blend, Composite<T>& combined, Composite<T>& warped) {
+  combined.count = warped.count = ray.count;
+  for (int k = 0; k < ray.count; ++k) {
+    const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
+    const T v = ray.still[k].blend;
+    combined.density[0][k] = ray.has_static ? (weighted ? v : T(1)) * ray.still[k].density : T(0);
+    combined.density[1][k] = ray.has_dynamic ? (weighted ? 1 - v : T(1)) * ray.moving[k].density : T(0);
+    warped.density[0][k] = combined.density[0][k];
+    warped.density[1][k] = (weighted ? 1 - v : T(1)) * ray.warped[k].density;
+  }
+}
+
+template <class T>
+RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& trace) {
+  set_densities(ray, blend, trace.combined, trace.warped);
+  composite_ray(ray.spacing, trace.combined);
+  RayPicture<T> picture;
+  const int n = static_cast<int>(ray.toward);
+  for (int k = 0; k < ray.count; ++k) {
+    const T moving = trace.combined.weight[k] * trace.combined.share[k],
+            still = trace.combined.weight[k] - moving;
+    for (int c = 0; c < 3; ++c)
+      picture.radiance[c] += still * ray.still[k].radiance[c] + moving * ray.moving[k].radiance[c];
+    picture.inverse_depth += (still + moving) * ray.inverse_depth[k];
+    picture.share += moving;
+    if (!ray.warps) continue;
+    for (int a = 0; a < 2; ++a)
+      picture.landing[a] += still * ray.landing_still[k][a] + moving * ray.landing_moving[k][a];
+    picture.visible += still + moving * ray.moving[k].occlusion[n];
+  }
+  if (!ray.warps) return picture;
+  composite_ray(ray.spacing, trace.warped);
+  for (int k = 0; k < ray.count; ++k) {
+    const T moving = trace.warped.weight[k] * trace.warped.share[k], still = trace.warped.weight[k] - moving;
+    for (int c = 0; c < 3; ++c)
+      picture.warped_radiance[c] +=
+          still * ray.still_there[k].radiance[c] + moving * ray.warped[k].radiance[c];
+  }
+  return picture;
+}
+
+// The way back of set_densities; `dynamic` names the samples whose density went in beside the static one's.
+template <class T>
+void pull_densities(const RaySamples<T>& ray, Blend blend,
+                    FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples], const T (*d_density)[kMaxSamples],
+                    RaySamples<T>& d) {
+  const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
+  for (int k = 0; k < ray.count; ++k) {
+    const T v = ray.still[k].blend;
+    if (ray.has_static) d.still[k].density += (weighted ? v : T(1)) * d_density[0][k];
+    if (ray.has_dynamic) (d.*dynamic)[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
+    if (weighted)
+      d.still[k].blend +=
+          d_density[0][k] * ray.still[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
+  }
+}
+
+// Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves,
+// d_weight[count]. flow_unit[3]: window units per unit of flow.
+template <class T>
+void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, const RayPicture<T>& d_picture,
+              const T* d_ray_weight, const T* flow_unit, RaySamples<T>& d) {
+  const Composite<T>& c = trace.combined;
+  const auto n = static_cast<std::size_t>(ray.toward);
+  T d_weight[kMaxSamples] = {}, d_share[kMaxSamples] = {}, d_density[2][kMaxSamples];
+  for (int k = 0; k < ray.count; ++k) {
+    const FieldSample<T>&still = ray.still[k], &moving = ray.moving[k];
+    const T s = c.share[k], w = c.weight[k];
+    T of_still = d_picture.inverse_depth * ray.inverse_depth[k], of_moving = of_still + d_picture.share;
+    for (int j = 0; j < 3; ++j) {
+      of_still += d_picture.radiance[j] * still.radiance[j];
+      of_moving += d_picture.radiance[j] * moving.radiance[j];
+      d.still[k].radiance[j] += w * (1 - s) * d_picture.radiance[j];
+      d.moving[k].radiance[j] += w * s * d_picture.radiance[j];
+    }
+    if (ray.warps) {
+      of_still += d_picture.visible, of_moving += d_picture.visible * moving.occlusion[n];
+      d.moving[k].occlusion[n] += w * s * d_picture.visible;
+      for (int a = 0; a < 2; ++a) {
+        of_still += d_picture.landing[a] * ray.landing_still[k][a];
+        of_moving += d_picture.landing[a] * ray.landing_moving[k][a];
+        for (int j = 0; j < 3; ++j)
+          d.moving[k].flow[n][j] +=
+              w * s * d_picture.landing[a] * ray.landing_jacobian[k][a][j] * flow_unit[j];
+      }
+    }
+    d_weight[k] = d_ray_weight[k] + (1 - s) * of_still + s * of_moving;
+    d_share[k] = w * (of_moving - of_still);
+  }
+  pull_composite(ray.spacing, c, d_weight, d_share, d_density);
+  pull_densities(ray, blend, &RaySamples<T>::moving, d_density, d);
+  if (!ray.warps) return;
+  const Composite<T>& there = trace.warped;
+  for (int k = 0; k < ray.count; ++k) {
+    const T s = there.share[k], w = there.weight[k];
+    T of_still = 0, of_moving = 0;
+    for (int j = 0; j < 3; ++j) {
+      of_still += d_picture.warped_radiance[j] * ray.still_there[k].radiance[j];
+      of_moving += d_picture.warped_radiance[j] * ray.warped[k].radiance[j];
+      d.still_there[k].radiance[j] += w * (1 - s) * d_picture.warped_radiance[j];
+      d.warped[k].radiance[j] += w * s * d_picture.warped_radiance[j];
+    }
+    d_weight[k] = (1 - s) * of_still + s * of_moving;
+    d_share[k] = w * (of_moving - of_still);
+  }
+  pull_composite(ray.spacing, there, d_weight, d_share, d_density);
+  pull_densities(ray, blend, &RaySamples<T>::warped, d_density, d);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,60 @@
+// Where the fit looks: which pixels (where they pay: clipped, disoccluded or badly fitted) and which depths
+// along a ray (around the surface that the last field saw, with some over the whole range). Inverse depth in
+// [0, 1], near first. Thread-compatible.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "online/scene/hash_grid/field/compositing.h"
+#include "online/scene/hash_grid/field/random.h"
+#include "online/scene/hash_grid/field/window.h"
+
+namespace hdrcam {
+
+// Fills inverse_depth[count], near to far, and spacing[count] (optical length, arbitrary unit: 20 over the
+// whole range). jitter in [0, 1) moves each sample within its stratum; 0.5 is the middle.
+template <class T, class Jitter>
+void place_samples(T guide, int count, Jitter&& jitter, T* inverse_depth, T* spacing) {
+  constexpr T kOpticalRange = 20;
+  if (count < 4) {
+    for (int k = 0; k < count; ++k) inverse_depth[k] = 1 - (T(k) + T(jitter())) / T(count);
+    if (count == 1) inverse_depth[0] = guide;
+  } else {
+    const int wide = std::max(1, count * 3 / 8), close = count - wide;
+    const T band = T(0.03) + T(0.1) * guide;
+    for (int k = 0; k < close; ++k)
+      inverse_depth[k] = std::clamp(guide + band * (1 - 2 * (T(k) + T(jitter())) / T(close)), T(0), T(0.995));
+    for (int k = 0; k < wide; ++k) inverse_depth[close + k] = 1 - (T(k) + T(jitter())) / T(wide);
+    std::sort(inverse_depth, inverse_depth + count, [](T a, T b) { return a > b; });
+  }
+  for (int k = 0; k < count; ++k)
+    spacing[k] = k + 1 < count ? (inverse_depth[k] - inverse_depth[k + 1]) * kOpticalRange : T(1);
+}
+
+// Chooses pixels of one frame with a probability that follows the interest of their tile.
+class PixelPicker {
+ public:
+  static constexpr int kTile = 8;  // pixels
+
+  PixelPicker(int rows, int cols);
+
+  // Interest from the base: mean gate of the tile (clipped or never seen) and lost flow (disoccluded).
+  void look_at(const WindowFrame& frame);
+  // Exponential average of the photometric misfit where a ray ended.
+  void learn(int x, int y, float misfit);
+  // Recomputes the distribution; uniform_share of the picks ignores interest.
+  void prepare(float uniform_share);
+  void pick(Pcg32& random, int& x, int& y) const;
+
+ private:
+  std::size_t tile_of(int x, int y) const {
+    return static_cast<std::size_t>(y / kTile) * static_cast<std::size_t>(tile_cols_) +
+           static_cast<std::size_t>(x / kTile);
+  }
+
+  int rows_, cols_, tile_rows_, tile_cols_;
+  std::vector<float> interest_, misfit_, cumulative_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,349 @@
+#include "online/scene/hash_grid/field/window.h"
+
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+constexpr float kMaxCodeValue = 255;
+constexpr float kDarkest = 1e-5f,
+                kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
+constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;
+
+float log_radiance(float radiance) {
+  return std::isfinite(radiance) ? std::log(std::clamp(radiance, kDarkest, kBrightest)) : std::log(kDarkest);
+}
+
+// How much the networks may move what the state says: all where nobody saw the pixel, nothing where the state
+// is sure.
+float gate(float radiance, float variance, float trusted_sigma) {
+  if (!std::isfinite(radiance) || !std::isfinite(variance) || variance >= kUnseenVariance) return 1;
+  const float trusted = trusted_sigma * std::clamp(radiance, kDarkest, kBrightest);
+  const float spread = std::max(variance, 0.f);
+  return spread / (spread + trusted * trusted);
+}
+
+bool has_shape(const Image<float>* image, int channels, int rows, int cols) {
+  return image != nullptr && image->channels() == channels && image->rows() == rows && image->cols() == cols;
+}
+
+bool usable(const FlowField* flow, int rows, int cols) {
+  return flow != nullptr && has_shape(&flow->vectors, 2, rows, cols) &&
+         has_shape(&flow->confidence, 1, rows, cols);
+}
+
+float guide_at(const Image<float>& guide, int y, int x) {
+  return guide.at(0, std::min(y / kGuideStep, guide.rows() - 1), std::min(x / kGuideStep, guide.cols() - 1));
+}
+
+}  // namespace
+
+PoseMatrix compose(const PoseMatrix& a, const PoseMatrix& b) {
+  PoseMatrix c{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 4; ++j) {
+      c[4 * i + j] = j == 3 ? a[4 * i + 3] : 0;
+      for (std::size_t k = 0; k < 3; ++k) c[4 * i + j] += a[4 * i + k] * b[4 * k + j];
+    }
+  return c;
+}
+
+PoseMatrix inverse(const PoseMatrix& a) {
+  PoseMatrix b{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) {
+      b[4 * i + j] = a[4 * j + i];
+      b[4 * i + 3] -= a[4 * j + i] * a[4 * j + 3];
+    }
+  return b;
+}
+
+bool is_rigid(const PoseMatrix& T) {
+  for (double value : T)
+    if (!std::isfinite(value)) return false;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = i; j < 3; ++j) {
+      double dot = 0;
+      for (std::size_t k = 0; k < 3; ++k) dot += T[4 * i + k] * T[4 * j + k];
+      if (std::abs(dot - (i == j ? 1 : 0)) > 1e-3) return false;
+    }
+  return true;
+}
+
+void WindowFrame::copy_from(const WindowFrame& other) {
+  index = other.index, slot = other.slot, time_s = other.time_s;
+  exposure = other.exposure, blur_fraction = other.blur_fraction;
+  T_world_camera = other.T_world_camera, T_anchor_camera = other.T_anchor_camera;
+  values.copy_from(other.values);
+  base.copy_from(other.base);
+  guide.copy_from(other.guide);
+  depth_prior.copy_from(other.depth_prior);
+  for (int k = 0; k < 2; ++k) has_flow[k] = other.has_flow[k];
+  moving_share = other.moving_share;
+}
+
+int WindowFrames::nearest(double time_s) const {
+  int best = 0;
+  for (int i = 1; i < size(); ++i)
+    if (std::abs(frame(i).time_s - time_s) < std::abs(frame(best).time_s - time_s)) best = i;
+  return best;
+}
+
+PoseMatrix WindowFrames::T_anchor_camera(const PoseMatrix& T_world_camera) const {
+  return compose(inverse(T_world_anchor_), T_world_camera);
+}
+
+Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
+    : WindowFrames(frustum), options_(options) {
+  CHECK(options.frames >= 2 && options.frames <= 14);
+  CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
+  for (int i = 0; i < slots(); ++i) storage_.push_back(make_frame());
+  order_.reserve(storage_.size());
+}
+
+std::unique_ptr<WindowFrame> Window::make_frame() const {
+  const int guide_rows = std::max(frustum_.rows / kGuideStep, 1),
+            guide_cols = std::max(frustum_.cols / kGuideStep, 1);
+  auto frame = std::make_unique<WindowFrame>();
+  frame->values = Image<float>(3, frustum_.rows, frustum_.cols);
+  frame->base = Image<BasePixel>(1, frustum_.rows, frustum_.cols);
+  frame->guide = Image<float>(1, guide_rows, guide_cols);
+  return frame;
+}
+
+WindowFrame& Window::spare() {
+  for (const auto& frame : storage_)
+    if (frame->holders == 0 && std::find(order_.begin(), order_.end(), frame.get()) == order_.end())
+      return *frame;
+  storage_.push_back(make_frame());
+  return *storage_.back();
+}
+
+WindowFrame& Window::writable(int i) {
+  WindowFrame*& frame = order_[static_cast<std::size_t>(i)];
+  if (frame->holders == 0) return *frame;
+  WindowFrame& copy = spare();
+  copy.copy_from(*frame);
+  frame = &copy;
+  return copy;
+}
+
+void Window::hold(WindowFrames& held) {
+  release(held);
+  held.order_.reserve(storage_.size());
+  held.order_.assign(order_.begin(), order_.end());
+  held.T_world_anchor_ = T_world_anchor_;
+  for (WindowFrame* frame : held.order_) ++frame->holders;
+}
+
+void Window::release(WindowFrames& held) {
+  for (WindowFrame* frame : held.order_) --frame->holders;
+  held.order_.clear();
+}
+
+Result<void> Window::advance(const FieldObservation& seen) {
+  const int rows = frustum_.rows, cols = frustum_.cols;
+  if (!has_shape(seen.codes, 3, rows, cols) || !has_shape(seen.radiance, 3, rows, cols) ||
+      !has_shape(seen.variance, 3, rows, cols))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("frame {} gives the field pictures that are not 3 x {} x {}; start a "
+                             "new field for another size",
+                             seen.index, rows, cols)};
+  if (!std::isfinite(seen.exposure) || seen.exposure <= 0)
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("frame {} has the relative exposure {}; it must be positive", seen.index, seen.exposure)};
+  if (static_cast<int>(order_.size()) == options_.frames) order_.erase(order_.begin());
+  WindowFrame& frame = spare();
+  frame.slot = static_cast<int>(arrived_++ % slots());
+  const WindowFrame* previous = order_.empty() ? nullptr : order_.back();
+  order_.push_back(&frame);
+
+  frame.index = seen.index;
+  frame.time_s = std::isfinite(seen.time_s) ? seen.time_s : 0;
+  if (previous != nullptr && frame.time_s <= previous->time_s) frame.time_s = previous->time_s + 1e-3;
+  frame.exposure = seen.exposure;
+  frame.blur_fraction = std::isfinite(seen.blur_fraction) ? std::clamp(seen.blur_fraction, 0.f, 1.f) : 0;
+  frame.T_world_camera = is_rigid(seen.T_world_camera) ? seen.T_world_camera
+                         : previous != nullptr         ? previous->T_world_camera
+                                                       : kIdentityPose;
+  if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
+  frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
+  take_base(seen, frame);
+  if (previous != nullptr && usable(seen.to_previous, rows, cols))
+    carry_guide(*previous, *seen.to_previous, frame);
+  else
+    frame.guide.fill(options_.default_inverse_depth);
+  guide_by_prior(frame);
+  take_surface(frame);
+  if (previous != nullptr) {
+    if (usable(seen.to_previous, rows, cols))
+      take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
+    if (usable(seen.from_previous, rows, cols))
+      take_flow(*seen.from_previous, writable(size() - 2), frame, Neighbour::Next);
+  }
+  return {};
+}
+
+void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
+  const int rows = frustum_.rows, cols = frustum_.cols;
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < cols; ++x) {
+      BasePixel& base = frame.base.at(0, y, x);
+      base.fill(0);
+      for (int c = 0; c < 3; ++c) {
+        const float code = seen.codes->at(c, y, x), radiance = seen.radiance->at(c, y, x);
+        frame.values.at(c, y, x) =
+            std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
+        base[static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance(radiance);
+        base[static_cast<std::size_t>(kBaseGate + c)] =
+            gate(radiance, seen.variance->at(c, y, x), options_.trusted_sigma);
+      }
+    }
+  frame.has_flow[0] = frame.has_flow[1] = false;
+  frame.moving_share = 0;
+  frame.depth_prior.reshape(0, 0, 0);
+  if (has_shape(seen.inverse_depth, 1, rows, cols)) frame.depth_prior.copy_from(*seen.inverse_depth);
+}
+
+// Lifts a flow of pixels to a displacement in window space, both ends at the depth that is known best. The
+// flow the other way starts as its opposite until it is measured: motion is nearly uniform over two frames.
+void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to,
+                       Neighbour which) const {
+  const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
+  const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
+  const auto k = static_cast<std::size_t>(which), other = 1 - k;
+  int moving = 0;
+  for (int y = 0; y < frustum_.rows; ++y)
+    for (int x = 0; x < frustum_.cols; ++x) {
+      float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x), sure = flow.confidence.at(0, y, x);
+      if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(sure)) dx = dy = sure = 0;
+      dx = std::clamp(dx, -kMaxFlow_px, kMaxFlow_px), dy = std::clamp(dy, -kMaxFlow_px, kMaxFlow_px);
+      const double q = static_cast<double>(from.base.at(0, y, x)[kBaseSurface]);
+      const double start[2] = {x + 0.5, y + 0.5};
+      const double end[2] = {start[0] + static_cast<double>(dx), start[1] + static_cast<double>(dy)};
+      double x_start[3], x_end[3];
+      here.place(start, q, x_start);
+      there.place(end, q, x_end);
+      BasePixel& base = from.base.at(0, y, x);
+      for (std::size_t a = 0; a < 2; ++a) {
+        const auto moved = static_cast<float>((x_end[a] - x_start[a]) / unit[a]);
+        base[kBaseFlow + 2 * k + a] = moved;
+        if (!from.has_flow[other]) base[kBaseFlow + 2 * other + a] = -moved;
+      }
+      base[kBaseConfidence + k] = std::clamp(sure, 0.f, 1.f);
+      if (std::abs(base[kBaseFlow + 2 * k]) > kStill_px || std::abs(base[kBaseFlow + 2 * k + 1]) > kStill_px)
+        ++moving;
+    }
+  from.moving_share =
+      std::max(from.moving_share, static_cast<float>(moving) / static_cast<float>(from.base.size()));
+  from.has_flow[k] = true;
+}
+
+// The guide of a new frame: the previous one's, fetched along the flow.
+void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const {
+  for (int y = 0; y < to.guide.rows(); ++y)
+    for (int x = 0; x < to.guide.cols(); ++x) {
+      const int px = std::min(x * kGuideStep + kGuideStep / 2, frustum_.cols - 1);
+      const int py = std::min(y * kGuideStep + kGuideStep / 2, frustum_.rows - 1);
+      const auto moved = [&](int axis, int at, int size) {
+        const float flow = to_previous.vectors.at(axis, py, px);
+        return std::isfinite(flow)
+                   ? std::clamp(
+                         at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px))), 0,
+                         size - 1)
+                   : at;
+      };
+      to.guide.at(0, y, x) = guide_at(from.guide, moved(1, py, frustum_.rows), moved(0, px, frustum_.cols));
+    }
+}
+
+// Where a prior knows enough of a tile, its mean is the guide.
+void Window::guide_by_prior(WindowFrame& frame) const {
+  if (frame.depth_prior.empty()) return;
+  constexpr int kEnough = kGuideStep * kGuideStep / 4;
+  for (int y = 0; y < frame.guide.rows(); ++y)
+    for (int x = 0; x < frame.guide.cols(); ++x) {
+      float sum = 0;
+      int known = 0;
+      for (int py = y * kGuideStep; py < std::min((y + 1) * kGuideStep, frustum_.rows); ++py)
+        for (int px = x * kGuideStep; px < std::min((x + 1) * kGuideStep, frustum_.cols); ++px) {
+          const float q = frame.depth_prior.at(0, py, px);
+          if (std::isfinite(q)) sum += std::clamp(q, 0.f, 1.f), ++known;
+        }
+      if (known >= kEnough) frame.guide.at(0, y, x) = sum / static_cast<float>(known);
+    }
+}
+
+// The prior where it knows, the guide elsewhere.
+void Window::take_surface(WindowFrame& frame) const {
+  for (int y = 0; y < frustum_.rows; ++y)
+    for (int x = 0; x < frustum_.cols; ++x) {
+      const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
+      frame.base.at(0, y, x)[kBaseSurface] = prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
+    }
+}
+
+PoseMatrix Window::move_anchor() {
+  CHECK(!order_.empty());
+  const PoseMatrix T_world_new = newest().T_world_camera;
+  const PoseMatrix T_new_old = compose(inverse(T_world_new), T_world_anchor_);
+  const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
+  for (int i = 0; i < size(); ++i) {
+    WindowFrame& lifted = writable(i);
+    for (std::size_t k = 0; k < 2; ++k) {
+      const int j = i + (k == 0 ? 1 : -1);
+      if (j < 0 || j >= size()) continue;
+      const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera),
+          there(frustum_, frame(j).T_anchor_camera);
+      const ViewGeometry<double> here_new(frustum_, compose(T_new_old, frame(i).T_anchor_camera));
+      const ViewGeometry<double> there_new(frustum_, compose(T_new_old, frame(j).T_anchor_camera));
+      for (int y = 0; y < frustum_.rows; ++y)
+        for (int x = 0; x < frustum_.cols; ++x) {
+          BasePixel& base = lifted.base.at(0, y, x);
+          const double q = static_cast<double>(base[kBaseSurface]), start[2] = {x + 0.5, y + 0.5};
+          double point[3], end[3], x_end[3];
+          here.place(start, q, point);
+          for (std::size_t a = 0; a < 2; ++a)
+            point[a] += static_cast<double>(base[kBaseFlow + 2 * k + a]) * unit[a];
+          there.project(point, end, nullptr);
+          here_new.place(start, q, point);
+          there_new.place(end, q, x_end);
+          for (std::size_t a = 0; a < 2; ++a)
+            base[kBaseFlow + 2 * k + a] = static_cast<float>((x_end[a] - point[a]) / unit[a]);
+        }
+    }
+  }
+  T_world_anchor_ = T_world_new;
+  for (WindowFrame* frame : order_)
+    frame->T_anchor_camera = compose(inverse(T_world_new), frame->T_world_camera);
+  return T_new_old;
+}
+
+bool Window::anchor_is_stale() const {
+  if (order_.empty()) return false;
+  const ViewGeometry<double> view(frustum_, newest().T_anchor_camera);
+  for (int corner = 0; corner < 4; ++corner) {
+    const double pixel[2] = {corner & 1 ? frustum_.cols : 0.0, corner & 2 ? frustum_.rows : 0.0};
+    double x[3];
+    view.place(pixel, static_cast<double>(options_.default_inverse_depth), x);
+    if (x[0] < 0 || x[0] > 1 || x[1] < 0 || x[1] > 1) return true;
+  }
+  return false;
+}
+
+bool WindowFrames::has_parallax() const {
+  for (const WindowFrame* frame : order_) {
+    const PoseMatrix& T = frame->T_anchor_camera;
+    const double moved = std::sqrt(T[3] * T[3] + T[7] * T[7] + T[11] * T[11]);
+    if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px > 0.5) return true;
+  }
+  return false;
+}
+
+bool WindowFrames::has_motion() const {
+  return std::any_of(order_.begin(), order_.end(),
+                     [](const WindowFrame* frame) { return frame->moving_share > 1e-3f; });
+}
+
+}  // namespace hdrcam

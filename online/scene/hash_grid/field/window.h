@@ -1,0 +1,160 @@
+// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base is what
+// the state already knows about a frame, as planes: log radiance, how far the networks may move it (the
+// gate), and the flow to both neighbours. The networks of the field add a residual to the base, so that a
+// field of zero steps renders the state's picture. Frames are ordered by arrival; neighbours are neighbours
+// in that order. Readers (snapshots) hold frames; a frame that is held is never written: the writer goes on
+// in a copy. All buffers are allocated by the constructor but those copies. Thread-bound to write, reentrant
+// to read.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "hal/core/result.h"
+#include "online/pictures/flow_field.h"
+#include "online/scene/hash_grid/field/view_geometry.h"
+#include "online/state/radiance_state.h"
+
+namespace hdrcam {
+
+// One frame as the state sees it. Pictures are [rgb, rows, cols], borrowed for the call; what is not finite
+// in them is treated as unseen. Flow may be empty or null at the first frame and after a cut.
+struct FieldObservation {
+  int index = 0;                             // increasing; gaps are dropped frames
+  double time_s = 0;                         // centre of the exposure
+  float exposure = 1;                        // E / E_ref, known, never fitted
+  float blur_fraction = 0;                   // exposure time over frame interval
+  const Image<float>* codes = nullptr;       // 0..255
+  const Image<float>* radiance = nullptr;    // state
+  const Image<float>* variance = nullptr;    // of radiance; >= kUnseenVariance: nobody saw the pixel
+  const FlowField* to_previous = nullptr;    // this frame -> previous
+  const FlowField* from_previous = nullptr;  // previous frame -> this one
+  const Image<float>* inverse_depth =
+      nullptr;  // [1, rows, cols] prior: near / z, NaN where unknown; null: none
+  PoseMatrix T_world_camera = kIdentityPose;  // identity where the camera is fixed or unknown
+};
+
+// The base of one pixel, interleaved because the field reads all of it at a fractional position.
+constexpr int kBaseChannels = 16;  // a cache line; three are not used
+using BasePixel = std::array<float, kBaseChannels>;
+enum BaseChannel : int {
+  kBaseLogRadiance = 0,  // rgb
+  kBaseGate = 3,         // rgb 0..1: V / (V + trusted_sigma^2), V the variance of log radiance
+  kBaseFlow = 6,         // forward u v, backward u v: displacement in window space in pixels of the anchor
+  kBaseConfidence = 10,  // forward, backward 0..1
+  kBaseSurface = 12,     // inverse depth of what the pixel sees, as far as it is known
+};
+
+struct WindowFrame {
+  int index = -1;
+  int slot = 0;  // of the dynamic hash grid
+  double time_s = 0;
+  float exposure = 1, blur_fraction = 0;
+  PoseMatrix T_world_camera = kIdentityPose, T_anchor_camera = kIdentityPose;
+  Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is no measurement
+  Image<BasePixel> base;  // [1, rows, cols]
+  Image<float>
+      guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth where the last field saw surfaces
+  Image<float> depth_prior;           // [1, rows, cols], empty without one
+  bool has_flow[2] = {false, false};  // by Neighbour
+  float moving_share = 0;             // of the pixels, whose flow prior exceeds a quarter of a pixel
+  int holders = 0;                    // snapshots that show it; counted by the thread that writes the window
+
+  void copy_from(const WindowFrame& other);  // all but the holders
+};
+
+constexpr float kNoValue = -1;
+constexpr int kGuideStep = 8;
+
+struct WindowOptions {
+  int frames = 6;  // 2..14; longer windows cost memory and, where things move, quality
+  float trusted_sigma =
+      0.1f;  // of log radiance, 0.01..1: where the state is this sure, networks and state share
+  float default_inverse_depth = 0.3f;  // 0..1, where nothing is known about depth
+};
+
+// The frames of a window as a reader sees them, oldest first.
+class WindowFrames {
+ public:
+  explicit WindowFrames(const WindowFrustum& frustum) : frustum_(frustum) {}
+
+  int size() const { return static_cast<int>(order_.size()); }
+  const WindowFrame& frame(int i) const { return *order_[static_cast<std::size_t>(i)]; }
+  const WindowFrame& newest() const { return frame(size() - 1); }
+  int nearest(double time_s) const;  // position of the frame nearest in time
+  const WindowFrustum& frustum() const { return frustum_; }
+  PoseMatrix T_anchor_camera(const PoseMatrix& T_world_camera) const;
+  // poses differ by a translation that shifts the near plane by half a pixel or more
+  bool has_parallax() const;
+  bool has_motion() const;  // more than a thousandth of the pixels of some frame move
+
+ protected:
+  friend class Window;
+  WindowFrustum frustum_;
+  PoseMatrix T_world_anchor_ = kIdentityPose;
+  std::vector<WindowFrame*> order_;
+};
+
+class Window : public WindowFrames {
+ public:
+  Window(const WindowFrustum& frustum, const WindowOptions& options);
+
+  // Takes the frame in and drops the oldest. Invalid for a picture of another size or a missing one;
+  // BadExposure for an exposure that is not a positive number.
+  Result<void> advance(const FieldObservation& seen);
+  // Makes the newest frame the anchor; bases are lifted anew. Returns T_new_old of the anchors.
+  PoseMatrix move_anchor();
+  void clear() { order_.clear(); }
+  // The frame to write to: itself, or a copy that takes its place where a snapshot holds it.
+  WindowFrame& writable(int i);
+
+  // Keeps for a reader the frames as they are now; release() lets them go. Both are for the thread that
+  // writes the window, while nobody reads `held`.
+  void hold(WindowFrames& held);
+  static void release(WindowFrames& held);
+
+  int slots() const { return options_.frames + 1; }  // one more than frames, so that none clash
+  bool anchor_is_stale() const;  // a corner of the newest view leaves the window at mid depth
+
+ private:
+  WindowFrame& spare();
+  std::unique_ptr<WindowFrame> make_frame() const;
+  void take_base(const FieldObservation& seen, WindowFrame& frame) const;
+  void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const;
+  void carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const;
+  void guide_by_prior(WindowFrame& frame) const;
+  void take_surface(WindowFrame& frame) const;
+
+  WindowOptions options_;
+  std::vector<std::unique_ptr<WindowFrame>>
+      storage_;  // one more than the window; more while snapshots hold some
+  long arrived_ = 0;
+};
+
+// The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes
+// along x and y where asked for. Pixel centres at +0.5.
+template <class T>
+void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {
+  T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);
+  const T last_x = T(base.cols() - 1), last_y = T(base.rows() - 1);
+  const bool inside_x = x > 0 && x<last_x, inside_y = y> 0 && y < last_y;
+  x = std::clamp(x, T(0), last_x), y = std::clamp(y, T(0), last_y);
+  const int i = std::min(static_cast<int>(x), std::max(base.cols() - 2, 0));
+  const int j = std::min(static_cast<int>(y), std::max(base.rows() - 2, 0));
+  const int right = base.cols() > 1 ? 1 : 0, below = base.rows() > 1 ? 1 : 0;
+  const BasePixel &a = base.at(0, j, i), &b = base.at(0, j, i + right);
+  const BasePixel &c = base.at(0, j + below, i), &d = base.at(0, j + below, i + right);
+  const T fx = x - T(i), fy = y - T(j);
+  const T wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    value[k] = wa * T(a[k]) + wb * T(b[k]) + wc * T(c[k]) + wd * T(d[k]);
+  if (d_x == nullptr) return;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    d_x[k] = inside_x ? (1 - fy) * (T(b[k]) - T(a[k])) + fy * (T(d[k]) - T(c[k])) : T(0);
+    d_y[k] = inside_y ? (1 - fx) * (T(c[k]) - T(a[k])) + fx * (T(d[k]) - T(b[k])) : T(0);
+  }
+}
+
+}  // namespace hdrcam

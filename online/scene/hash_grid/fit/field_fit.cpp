@@ -1,0 +1,362 @@
+#include "online/scene/hash_grid/fit/field_fit.h"
+
+#include <numeric>
+
+#include "online/scene/hash_grid/fit/losses/response_smoothness.h"
+
+namespace hdrcam {
+namespace {
+
+WindowFrustum frustum_of(const FieldOptions& options, const Intrinsics& camera, int rows, int cols) {
+  WindowFrustum frustum{camera, rows, cols, options.margin, options.near};
+  // without a calibration: a normal lens, 53 degrees across; only novel views notice
+  if (!(frustum.camera.fx_px > 0) || !(frustum.camera.fy_px > 0))
+    frustum.camera = {static_cast<double>(cols), static_cast<double>(cols), 0.5 * cols, 0.5 * rows};
+  return frustum;
+}
+
+FieldShape shape_of(const FieldOptions& options, int rows, int cols) {
+  FieldShape shape = options.shape;
+  shape.dynamic_grid.slots = options.window.frames + 1;
+  for (HashGridShape* grid : {&shape.static_grid, &shape.dynamic_grid})
+    grid->v_ratio = static_cast<float>(rows) / static_cast<float>(cols);
+  return shape;
+}
+
+// A grid in the new anchor's window from the same grid in the old one's. `before` is room for one table.
+void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
+                const ViewGeometry<double>& moved, std::vector<float>& before) {
+  for (int l = 0; l < grid.shape().levels; ++l) {
+    const HashLevel& level = grid.level(l);
+    const std::span<float> table = grid.table(l);
+    if (!level.dense) {
+      std::fill(table.begin(), table.end(), 0.f);
+      continue;
+    }
+    before.assign(table.begin(), table.end());
+    const int vertices[3] = {static_cast<int>(level.cells[0]) + 1, static_cast<int>(level.cells[1]) + 1,
+                             static_cast<int>(level.cells[2]) + 1};
+    for (int slot = 0; slot < grid.shape().slots; ++slot)
+      for (int k = 0; k < vertices[2]; ++k)
+        for (int j = 0; j < vertices[1]; ++j)
+          for (int i = 0; i < vertices[0]; ++i) {
+            const double at[3] = {i / static_cast<double>(level.cells[0]),
+                                  j / static_cast<double>(level.cells[1]),
+                                  k / static_cast<double>(level.cells[2])};
+            // a window point of the new anchor is a pixel and an inverse depth of its camera
+            double pixel[3], x[3];
+            old_anchor.project(at, pixel, nullptr);
+            moved.place(pixel, old_anchor.inverse_depth(at[2]), x);
+            const float position[3] = {static_cast<float>(x[0]), static_cast<float>(x[1]),
+                                       static_cast<float>(x[2])};
+            const auto corners = grid_corners(level, position, slot);
+            const std::size_t entry =
+                static_cast<std::size_t>(slot) * level.entries + static_cast<std::size_t>(i) +
+                static_cast<std::size_t>(j) * level.stride[1] + static_cast<std::size_t>(k) * level.stride[2];
+            for (std::size_t f = 0; f < 2; ++f) {
+              float value = 0;
+              for (int c = 0; c < 8; ++c) value += corners.weight[c] * before[2 * corners.entry[c] + f];
+              table[2 * entry + f] = value;
+            }
+          }
+  }
+}
+
+}  // namespace
+
+FieldFit::Optimised::Optimised(Branch<float>& b)
+    : branch(b), network(b.mlp.parameters().size()), d_network(b.mlp.parameters().size(), 0) {
+  const Image<float>& tables = branch.grid.tables();
+  table_mean = Image<float>(tables.channels(), 1, tables.cols());
+  table_variance = Image<float>(tables.channels(), 1, tables.cols());
+  keep();
+}
+
+void FieldFit::Optimised::keep() {
+  kept_tables.copy_from(branch.grid.tables());
+  kept_network.assign(branch.mlp.parameters().begin(), branch.mlp.parameters().end());
+}
+
+void FieldFit::Optimised::restore() {
+  branch.grid.tables().copy_from(kept_tables);
+  std::copy(kept_network.begin(), kept_network.end(), branch.mlp.parameters().begin());
+  network.forget();
+  table_mean.fill(0);
+  table_variance.fill(0);
+}
+
+FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols,
+                   WorkerPool& pool)
+    : options_(options),
+      pool_(pool),
+      random_(options.seed),
+      window_(frustum_of(options, camera, rows, cols), options.window),
+      networks_(shape_of(options, rows, cols), random_),
+      response_(Response::linear()),
+      still_(networks_.still),
+      moving_(networks_.moving),
+      probe_(networks_, kMaxSamples),
+      response_moments_(3 * LearnedResponse<float>::kSegments) {
+  for (int i = 0; i < window_.slots(); ++i) pickers_.emplace_back(rows, cols);
+  for (HashGrid<float>* grid : {&networks_.still.grid, &networks_.moving.grid})
+    for (int l = 0; l < grid->shape().levels; ++l)
+      table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));
+  prepare({});
+}
+
+void FieldFit::prepare(const FitBudget& budget) {
+  CHECK(budget.rays_per_step >= kRaysPerShard && budget.rays_per_step % kRaysPerShard == 0);
+  CHECK(budget.samples_per_ray <= kMaxSamples && budget.samples_without_parallax <= kMaxSamples);
+  budget_ = budget;
+  samples_per_ray_ = window_.has_parallax() ? budget.samples_per_ray : budget.samples_without_parallax;
+  rays_.resize(static_cast<std::size_t>(budget.rays_per_step));
+  const int most = std::max(budget.samples_per_ray, budget.samples_without_parallax);
+  if (most > most_samples_) shards_.clear(), most_samples_ = most;
+  while (static_cast<int>(shards_.size()) * kRaysPerShard < budget.rays_per_step)
+    shards_.emplace_back(networks_, kRaysPerShard, most_samples_);
+}
+
+Result<void> FieldFit::observe(const FieldObservation& seen, const Response& response) {
+  Window& window = window_;
+  refresh_guide();
+  const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
+  TRY(window.advance(seen));
+  if (!options_.fits_response || !response_started_) response_.start_from(response);
+  response_started_ = true;
+
+  const int slot = window.newest().slot;
+  if (previous_slot >= 0) {  // a new frame starts from what its predecessor has learned
+    HashGrid<float>& grid = networks_.moving.grid;
+    for (Image<float>* values : {&grid.tables(), &moving_.table_mean, &moving_.table_variance})
+      grid.copy_slot(previous_slot, slot, *values);
+    pickers_[static_cast<std::size_t>(slot)] = pickers_[static_cast<std::size_t>(previous_slot)];
+  }
+  pickers_[static_cast<std::size_t>(slot)].look_at(window.newest());
+  for (int i = 0; i < window.size(); ++i)
+    pickers_[static_cast<std::size_t>(window.frame(i).slot)].prepare(options_.uniform_share);
+  if (window.anchor_is_stale()) reanchor();
+  has_dynamic_ = window.has_motion();
+  prepare(budget_);
+  still_.keep();
+  moving_.keep();
+  return {};
+}
+
+StepReport FieldFit::step() {
+  StepReport report;
+  if (window_.size() == 0) return report;
+  draw_rays();
+  const std::span<RayShard<float>> used = shards();
+  const StepSetting<float> setting{networks_,
+                                   window_,
+                                   response_,
+                                   options_.losses,
+                                   samples_per_ray_,
+                                   true,
+                                   has_dynamic_,
+                                   options_.fits_response,
+                                   1.f / static_cast<float>(rays_.size())};
+  const long number = health_.counts().steps;
+  pool_.for_each(static_cast<int>(used.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    const std::span<const TrainingRay> rays(rays_.data() + at * kRaysPerShard, kRaysPerShard);
+    const auto stream = static_cast<std::uint64_t>(number) * used.size() + at;
+    used[at].run(setting, rays, Pcg32(options_.seed, stream));
+  });
+  report.gradient_norm = reduce(report);
+  report.verdict = health_.judge(report.total, report.gradient_norm);
+  if (!has_dynamic_) ++health_.counts().without_dynamic;
+  switch (report.verdict) {
+    case StepVerdict::Taken:
+      ++taken_;
+      apply(health_.gradient_scale());
+      break;
+    case StepVerdict::RolledBack:
+      if (health_.is_lost()) {
+        start_networks();
+        health_.restart();
+      } else {
+        still_.restore();
+        moving_.restore();
+      }
+      break;
+    case StepVerdict::Skipped:
+      break;
+  }
+  for (std::size_t s = 0; s < used.size(); ++s)
+    for (std::size_t r = 0; r < kRaysPerShard; ++r) {
+      const TrainingRay& ray = rays_[s * kRaysPerShard + r];
+      pickers_[static_cast<std::size_t>(window_.frame(ray.frame).slot)].learn(
+          static_cast<int>(ray.pixel[0]), static_cast<int>(ray.pixel[1]), used[s].misfits()[r]);
+    }
+  return report;
+}
+
+void FieldFit::draw_rays() {
+  const Window& window = window_;
+  const std::size_t count = shards().size();
+  const auto newest = static_cast<std::size_t>(options_.newest_share * static_cast<float>(rays_.size()));
+  for (std::size_t r = 0; r < rays_.size(); ++r) {
+    const int frame = r < newest ? window.size() - 1 : random_.below(window.size());
+    int x = 0, y = 0;
+    pickers_[static_cast<std::size_t>(window.frame(frame).slot)].pick(random_, x, y);
+    // interleaved over the shards, so that each has a fair part of the newest frame
+    rays_[r % count * kRaysPerShard + r / count] = ray_at(frame, x, y);
+  }
+}
+
+TrainingRay FieldFit::ray_at(int index, int x, int y) {
+  const WindowFrame& frame = window_.frame(index);
+  const BasePixel& base = frame.base.at(0, y, x);
+  TrainingRay ray;
+  ray.frame = index;
+  ray.pixel[0] = static_cast<float>(x) + 0.5f, ray.pixel[1] = static_cast<float>(y) + 0.5f;
+  ray.guide = base[kBaseSurface];
+  for (int c = 0; c < 3; ++c) {
+    ray.values[c] = frame.values.at(c, y, x);
+    ray.state_log_radiance[c] = base[static_cast<std::size_t>(kBaseLogRadiance + c)];
+    ray.state_trust[c] = 1 - base[static_cast<std::size_t>(kBaseGate + c)];
+  }
+  const float blur_px = std::hypot(base[kBaseFlow + 2], base[kBaseFlow + 3]) * frame.blur_fraction;
+  ray.sharpness = 1 / (1 + blur_px * blur_px);
+  if (!frame.depth_prior.empty()) {
+    ray.depth_prior = frame.depth_prior.at(0, y, x);
+    ray.depth_confidence = std::isfinite(ray.depth_prior) ? 1.f : 0.f;
+  }
+  const bool next = index + 1 < window_.size() && frame.has_flow[0];
+  const bool previous = index > 0 && frame.has_flow[1];
+  if (has_dynamic_ && (next || previous)) {
+    ray.toward = next && (!previous || random_.below(2) == 0) ? Neighbour::Next : Neighbour::Previous;
+    aim_at_neighbour(ray);
+  }
+  return ray;
+}
+
+// The flow prior as a pixel of the neighbour.
+void FieldFit::aim_at_neighbour(TrainingRay& ray) {
+  const Window& window = window_;
+  const auto n = static_cast<std::size_t>(ray.toward);
+  const WindowFrame& here = window.frame(ray.frame);
+  const WindowFrame& there = window.frame(ray.frame + (ray.toward == Neighbour::Next ? 1 : -1));
+  const BasePixel& base = here.base.at(0, static_cast<int>(ray.pixel[1]), static_cast<int>(ray.pixel[0]));
+  float x[3];
+  ViewGeometry<float>(window.frustum(), here.T_anchor_camera).place(ray.pixel, ray.guide, x);
+  x[0] += base[kBaseFlow + 2 * n] * static_cast<float>(window.frustum().u_per_px());
+  x[1] += base[kBaseFlow + 2 * n + 1] * static_cast<float>(window.frustum().v_per_px());
+  float landing[3];
+  ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, landing, nullptr);
+  for (int a = 0; a < 2; ++a) ray.flow_prior[a] = landing[a];
+  const auto cols = static_cast<float>(window.frustum().cols),
+             rows = static_cast<float>(window.frustum().rows);
+  ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols &&
+              ray.flow_prior[1] < rows;
+  ray.flow_confidence = base[kBaseConfidence + n];
+}
+
+// Sums what the shards left, in their order; returns the gradient's norm.
+double FieldFit::reduce(StepReport& report) {
+  double energy = 0;
+  for (auto& channel : d_response_) channel.fill(0);
+  for (Optimised* part : {&still_, &moving_}) std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
+  for (RayShard<float>& shard : shards()) {
+    for (std::size_t i = 0; i < report.losses.size(); ++i)
+      report.losses[i] += static_cast<double>(shard.losses()[i]);
+    for (std::size_t i = 0; i < still_.d_network.size(); ++i) still_.d_network[i] += shard.d_static()[i];
+    for (std::size_t i = 0; i < moving_.d_network.size(); ++i) moving_.d_network[i] += shard.d_dynamic()[i];
+    energy += shard.feature_energy();
+    if (!options_.fits_response) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < d_response_[c].size(); ++j) d_response_[c][j] += shard.d_response()[c][j];
+  }
+  if (options_.fits_response)
+    report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] =
+        static_cast<double>(response_smoothness_loss(
+            options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)], response_, d_response_));
+  report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
+  for (const Optimised* part : {&still_, &moving_})
+    for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
+  return std::sqrt(energy);
+}
+
+void FieldFit::apply(float gradient_scale) {
+  const float warm = std::min(1.f, static_cast<float>(taken_) / 20);
+  const AdamStep table_step = adam_step(options_.adam, options_.table_rate * warm, gradient_scale, taken_);
+  const int still_levels = still_.branch.grid.shape().levels;
+  const int moving_levels = has_dynamic_ ? moving_.branch.grid.shape().levels : 0;
+  pool_.for_each(still_levels + moving_levels, [&](int i) {
+    const bool is_still = i < still_levels;
+    Optimised& part = is_still ? still_ : moving_;
+    const int level = is_still ? i : i - still_levels;
+    HashGrid<float>& grid = part.branch.grid;
+    for (const RayShard<float>& shard : shards())
+      is_still ? shard.scatter_static(level, grid) : shard.scatter_dynamic(level, grid);
+    apply_adam(table_step, grid.table(level), grid.d_table(level), part.table_mean.plane(level),
+               part.table_variance.plane(level));
+  });
+  const AdamStep network_step =
+      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
+  for (Optimised* part : {&still_, &moving_})
+    apply_adam(network_step, part->branch.mlp.parameters(), part->d_network, part->network.mean.data(),
+               part->network.variance.data());
+  if (options_.fits_response) apply_response(gradient_scale);
+}
+
+void FieldFit::apply_response(float gradient_scale) {
+  std::array<std::array<float, LearnedResponse<float>::kSegments>, 3> d_increment{};
+  response_.pull(d_response_, d_increment);
+  const AdamStep step = adam_step(options_.adam, options_.response_rate, gradient_scale, taken_);
+  for (std::size_t c = 0; c < 3; ++c)
+    apply_adam(step, response_.increments()[c], d_increment[c],
+               response_moments_.mean.data() + c * d_increment[c].size(),
+               response_moments_.variance.data() + c * d_increment[c].size());
+  response_.rebuild();
+}
+
+// The depth that the networks have learned for the newest frame becomes the guide of its rays and, carried
+// along the flow, of the next frame's.
+void FieldFit::refresh_guide() {
+  Window& window = window_;
+  if (window.size() == 0 || !window.has_parallax()) return;
+  WindowFrame& frame = window.writable(window.size() - 1);
+  const ProbeView view{frame.T_anchor_camera, window.size() - 1, 0};
+  ProbeRay rays[FieldProbe::kRays];
+  ProbeAnswer answers[FieldProbe::kRays];
+  for (int y = 0; y < frame.guide.rows(); ++y)
+    for (int x0 = 0; x0 < frame.guide.cols(); x0 += FieldProbe::kRays) {
+      const int count = std::min(FieldProbe::kRays, frame.guide.cols() - x0);
+      for (int i = 0; i < count; ++i)
+        rays[i] = {{static_cast<float>((x0 + i) * kGuideStep) + kGuideStep / 2.f,
+                    static_cast<float>(y * kGuideStep) + kGuideStep / 2.f},
+                   frame.guide.at(0, y, x0 + i)};
+      probe_.look(field(), view, {rays, static_cast<std::size_t>(count)},
+                  {answers, static_cast<std::size_t>(count)});
+      for (int i = 0; i < count; ++i)
+        frame.guide.at(0, y, x0 + i) = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
+    }
+}
+
+// Moves the anchor to the newest frame. What the grids know is taken along level by level: a dense level is
+// looked up anew at the place where each of its vertices was; hashed levels, which cannot be enumerated,
+// start at zero.
+void FieldFit::reanchor() {
+  const PoseMatrix T_old_new = inverse(window_.move_anchor());
+  const ViewGeometry<double> old_anchor(window_.frustum(), kIdentityPose),
+      moved(window_.frustum(), T_old_new);
+  for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved, table_before_);
+  ++health_.counts().anchors_moved;
+}
+
+FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
+  Pcg32 random(seed);
+  return {shape_of(options_, window_.frustum().rows, window_.frustum().cols), random};
+}
+
+void FieldFit::start_networks() {
+  networks_.copy_parameters(fresh_networks(random_.next()));
+  for (Optimised* part : {&still_, &moving_}) {
+    part->keep();
+    part->restore();
+  }
+}
+
+}  // namespace hdrcam

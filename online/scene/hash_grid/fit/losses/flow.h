@@ -1,0 +1,22 @@
+// Flow loss (paper appendix, L_flow): the pixel of neighbour j where the rendered scene flow takes a ray,
+// against the pixel where the flow prior takes it, in pixels. Reentrant.
+#pragma once
+
+#include "online/scene/hash_grid/fit/losses/robust.h"
+
+namespace hdrcam {
+
+// predicted, prior: pixel[2] in the neighbour. Adds to d_predicted[2].
+template <class T>
+T flow_loss(T weight, const T* predicted, const T* prior, T* d_predicted) {
+  constexpr T kSoftness_px = T(0.1);
+  T loss = 0;
+  for (int a = 0; a < 2; ++a) {
+    const auto rho = robust(predicted[a] - prior[a], kSoftness_px);
+    loss += weight * rho.value;
+    d_predicted[a] += weight * rho.slope;
+  }
+  return loss;
+}
+
+}  // namespace hdrcam

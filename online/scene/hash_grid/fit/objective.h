@@ -1,0 +1,174 @@
+// The objective of the fit (paper section 3.4 and appendix): for one ray the sum of its losses, each
+// weighted, each reported by name, with the gradients with respect to the ray's picture and its samples.
+// Scalar type T as in
+// ../field/hash_grid.h. Reentrant.
+#pragma once
+
+#include <array>
+
+#include "online/scene/hash_grid/field/ray_rendering.h"
+#include "online/scene/hash_grid/fit/learned_response.h"
+#include "online/scene/hash_grid/fit/losses/blend_entropy.h"
+#include "online/scene/hash_grid/fit/losses/cycle.h"
+#include "online/scene/hash_grid/fit/losses/depth.h"
+#include "online/scene/hash_grid/fit/losses/distortion.h"
+#include "online/scene/hash_grid/fit/losses/flow.h"
+#include "online/scene/hash_grid/fit/losses/minimal_flow.h"
+#include "online/scene/hash_grid/fit/losses/occlusion.h"
+#include "online/scene/hash_grid/fit/losses/photometric.h"
+#include "online/scene/hash_grid/fit/losses/radiance_consistency.h"
+#include "online/scene/hash_grid/fit/losses/spatial_smoothness.h"
+#include "online/scene/hash_grid/fit/losses/state_supervision.h"
+#include "online/scene/hash_grid/fit/losses/temporal_smoothness.h"
+#include "online/scene/hash_grid/fit/losses/warped_photometric.h"
+
+namespace hdrcam {
+
+enum class LossTerm : std::size_t {
+  Combined,
+  Warped,
+  Occlusion,
+  Flow,
+  Depth,
+  Cycle,
+  SpatialSmoothness,
+  TemporalSmoothness,
+  MinimalFlow,
+  State,
+  Consistency,
+  BlendEntropy,
+  Distortion,
+  ResponseSmoothness,
+};
+
+struct LossFact {
+  const char* name;
+  float weight;  // default
+  const char* meaning;
+};
+
+// Weight 0 switches a term off. Values 0..1 for the photometric terms, pixels for the flow terms.
+constexpr std::array<LossFact, 14> kLosses = {{
+    {"combined", 1.f, "rendered picture against the codes, through the response"},
+    {"warped", 0.5f, "picture warped from a neighbour against the codes"},
+    {"occlusion", 0.02f, "occlusion weights towards visible"},
+    {"flow", 0.02f, "rendered scene flow against the flow prior, per pixel"},
+    {"depth", 0.1f, "rendered inverse depth against a prior, if one is given"},
+    {"cycle", 0.02f, "scene flow there and back, per pixel"},
+    {"spatial", 0.002f, "scene flow of neighbouring samples of a ray"},
+    {"temporal", 0.002f, "uniform motion"},
+    {"minimal", 0.001f, "little motion beyond the base"},
+    {"state", 0.2f, "rendered log radiance against the state's, where it is sure"},
+    {"consistency", 0.2f, "log radiance against the neighbour's, where the flow is sure"},
+    {"entropy", 1e-3f, "a ray is static or dynamic"},
+    {"distortion", 0.f, "compact weights along a ray"},
+    {"response", 1e-3f, "second differences of the response"},
+}};
+using LossWeights = std::array<float, kLosses.size()>;
+constexpr LossWeights default_loss_weights() {
+  LossWeights weights{};
+  for (std::size_t i = 0; i < kLosses.size(); ++i) weights[i] = kLosses[i].weight;
+  return weights;
+}
+
+template <class T>
+using LossValues = std::array<T, kLosses.size()>;
+
+// What is known about one pixel of one frame, the target of a ray.
+struct TrainingRay {
+  int frame = 0;  // position in the window
+  float pixel[2] = {0, 0};
+  bool warps = false;  // a neighbour is there, in direction `toward`
+  Neighbour toward = Neighbour::Next;
+  float guide = 0;              // inverse depth where to look
+  float values[3] = {0, 0, 0};  // measured, 0..1, or kNoValue
+  float sharpness = 1;  // 1 / (1 + motion blur in pixels^2): the codes are an integral, the field is not
+  float state_log_radiance[3] = {0, 0, 0}, state_trust[3] = {0, 0, 0};
+  float flow_prior[2] = {0, 0}, flow_confidence = 0;  // pixel of the neighbour
+  float depth_prior = 0, depth_confidence = 0;
+};
+
+// The terms on the scene flow of all samples: means over samples and, where both neighbours count, over
+// directions.
+template <class T>
+void flow_regularisers(const LossWeights& weights, T share, const RaySamples<T>& ray, LossValues<T>& values,
+                       RaySamples<T>& d_ray) {
+  const auto weight = [&](LossTerm term) {
+    return share * T(weights[static_cast<std::size_t>(term)]) / T(ray.count);
+  };
+  const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
+  for (int k = 0; k < ray.count; ++k) {
+    const FieldSample<T>& here = ray.moving[k];
+    FieldSample<T>& d_here = d_ray.moving[k];
+    value(LossTerm::TemporalSmoothness) += temporal_smoothness_loss(
+        weight(LossTerm::TemporalSmoothness), here.flow[0], here.flow[1], d_here.flow[0], d_here.flow[1]);
+    for (int n = 0; n < 2; ++n)
+      value(LossTerm::MinimalFlow) += minimal_flow_loss(weight(LossTerm::MinimalFlow) / 2,
+                                                        here.flow_residual[n], d_here.flow_residual[n]);
+    if (k + 1 == ray.count) continue;
+    T squared = 0;
+    for (int a = 0; a < 3; ++a) {
+      const T apart = ray.position[k + 1][a] - ray.position[k][a];
+      squared += apart * apart;
+    }
+    for (int n = 0; n < 2; ++n)
+      value(LossTerm::SpatialSmoothness) +=
+          spatial_smoothness_loss(weight(LossTerm::SpatialSmoothness) / 2, std::sqrt(squared), here.flow[n],
+                                  ray.moving[k + 1].flow[n], d_here.flow[n], d_ray.moving[k + 1].flow[n]);
+  }
+}
+
+// Losses of one ray, each times `share` (one over the rays of the step). Adds to the gradients of the
+// picture, the samples' flows and occlusions, and the ray's weights; fills the values by term.
+template <class T>
+void ray_losses(const TrainingRay& target, T share, const LossWeights& weights,
+                const LearnedResponse<T>& response, T exposure, const RaySamples<T>& ray,
+                const RayTrace<T>& trace, const RayPicture<T>& picture, LossValues<T>& values,
+                RayPicture<T>& d_picture, RaySamples<T>& d_ray, T* d_ray_weight,
+                typename LearnedResponse<T>::Gradient* d_response) {
+  const auto weight = [&](LossTerm term) { return share * T(weights[static_cast<std::size_t>(term)]); };
+  const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
+  const T sharp = T(target.sharpness);
+
+  value(LossTerm::Combined) +=
+      photometric_loss(weight(LossTerm::Combined) * sharp, response, exposure, picture.radiance,
+                       target.values, d_picture.radiance, d_response);
+  const T state[3] = {T(target.state_log_radiance[0]), T(target.state_log_radiance[1]),
+                      T(target.state_log_radiance[2])};
+  const T trust[3] = {T(target.state_trust[0]), T(target.state_trust[1]), T(target.state_trust[2])};
+  value(LossTerm::State) +=
+      state_loss(weight(LossTerm::State), picture.radiance, state, trust, d_picture.radiance);
+  if (target.depth_confidence > 0)
+    value(LossTerm::Depth) +=
+        depth_loss(weight(LossTerm::Depth) * T(target.depth_confidence), picture.inverse_depth,
+                   T(target.depth_prior), d_picture.inverse_depth);
+  if (ray.count > 1)
+    value(LossTerm::Distortion) += distortion_loss(weight(LossTerm::Distortion), ray.count,
+                                                   trace.combined.weight, ray.inverse_depth, d_ray_weight);
+  if (!ray.has_dynamic) return;
+  if (ray.has_static)
+    value(LossTerm::BlendEntropy) +=
+        blend_entropy_loss(weight(LossTerm::BlendEntropy), picture.share, d_picture.share);
+  flow_regularisers(weights, share, ray, values, d_ray);
+  if (!ray.warps) return;
+
+  value(LossTerm::Warped) +=
+      warped_photometric_loss(weight(LossTerm::Warped) * sharp, response, exposure, picture.warped_radiance,
+                              target.values, picture.visible, d_picture.warped_radiance, d_picture.visible);
+  value(LossTerm::Occlusion) +=
+      occlusion_loss(weight(LossTerm::Occlusion), picture.visible, d_picture.visible);
+  const T prior[2] = {T(target.flow_prior[0]), T(target.flow_prior[1])};
+  value(LossTerm::Flow) += flow_loss(weight(LossTerm::Flow) * T(target.flow_confidence), picture.landing,
+                                     prior, d_picture.landing);
+  value(LossTerm::Consistency) += radiance_consistency_loss(
+      weight(LossTerm::Consistency) * T(target.flow_confidence), picture.visible, picture.radiance,
+      picture.warped_radiance, d_picture.radiance, d_picture.warped_radiance, d_picture.visible);
+  const int there = static_cast<int>(ray.toward), back = 1 - there;
+  for (int k = 0; k < ray.count; ++k)
+    value(LossTerm::Cycle) +=
+        cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.moving[k].flow[there],
+                   ray.warped[k].flow[back], ray.moving[k].occlusion[there], d_ray.moving[k].flow[there],
+                   d_ray.warped[k].flow[back], d_ray.moving[k].occlusion[there]);
+}
+
+}  // namespace hdrcam

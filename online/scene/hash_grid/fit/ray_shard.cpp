@@ -1,0 +1,213 @@
+#include "online/scene/hash_grid/fit/ray_shard.h"
+
+namespace hdrcam {
+
+template <class T>
+RayShard<T>::RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples) {
+  CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
+  const int ld = (most_rays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+  still_.reserve(networks.still, ld);
+  moving_.reserve(networks.moving, ld);
+  warped_.reserve(networks.moving, ld);
+  d_static_.resize(networks.still.mlp.parameters().size());
+  d_dynamic_.resize(networks.moving.mlp.parameters().size());
+  ray_.resize(static_cast<std::size_t>(most_rays));
+  base_.resize(ray_.size());
+  misfit_.resize(ray_.size());
+}
+
+template <class T>
+void RayShard<T>::zero(BranchPass<T>& pass) {
+  pass.d_raw.fill(0);
+  pass.d_position.fill(0);
+  pass.d_features.fill(0);
+}
+
+template <class T>
+void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random) {
+  CHECK(rays.size() <= ray_.size());
+  losses_.fill(0);
+  for (auto& channel : d_response_) channel.fill(0);
+  std::fill(d_static_.begin(), d_static_.end(), T(0));
+  std::fill(d_dynamic_.begin(), d_dynamic_.end(), T(0));
+  for (BranchPass<T>* pass : {&still_, &moving_, &warped_}) zero(*pass);
+
+  place_rays(step, rays, random);
+  if (step.has_static) still_.forward(step.networks.still);
+  if (step.has_dynamic) {
+    moving_.forward(step.networks.moving);
+    follow_flow(step, rays);
+    warped_.forward(step.networks.moving);
+  }
+  for (std::size_t r = 0; r < rays.size(); ++r) ray_gradient(step, rays[r], static_cast<int>(r));
+  if (step.has_dynamic) {
+    warped_.backward(step.networks.moving, d_dynamic_);
+    return_warp(step, rays);
+    moving_.backward(step.networks.moving, d_dynamic_);
+  }
+  if (step.has_static) still_.backward(step.networks.still, d_static_);
+}
+
+template <class T>
+void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random) {
+  const int count = step.samples_per_ray, used = static_cast<int>(rays.size()) * count;
+  const int n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+  still_.n = step.has_static ? n : 0;
+  moving_.n = warped_.n = step.has_dynamic ? n : 0;
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    const WindowFrame& frame = step.window.frame(rays[r].frame);
+    const ViewGeometry<T> view(step.window.frustum(), frame.T_anchor_camera);
+    RaySamples<T>& ray = ray_[r];
+    ray.count = count;
+    ray.has_static = step.has_static, ray.has_dynamic = step.has_dynamic;
+    ray.warps = step.has_dynamic && rays[r].warps;
+    ray.toward = rays[r].toward;
+    place_samples(
+        T(rays[r].guide), count, [&] { return random.uniform(); }, ray.inverse_depth, ray.spacing);
+    const T pixel[2] = {T(rays[r].pixel[0]), T(rays[r].pixel[1])};
+    fetch_base(frame.base, pixel, base_[r].data(), static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+    for (int k = 0; k < count; ++k) {
+      const int s = static_cast<int>(r) * count + k;
+      view.place(pixel, ray.inverse_depth[k], ray.position[k]);
+      for (int a = 0; a < 3; ++a)
+        still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
+      moving_.slot[static_cast<std::size_t>(s)] = frame.slot;
+    }
+  }
+}
+
+// Where the scene flow of the dynamic branch leads, in the neighbour's slot; a ray without a neighbour stays
+// put.
+template <class T>
+void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
+  T unit[3];
+  flow_units(step.window, unit);
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    RaySamples<T>& ray = ray_[r];
+    for (int k = 0; k < ray.count; ++k) {
+      const int s = static_cast<int>(r) * ray.count + k;
+      ray.moving[k] = decode_dynamic(moving_.raw, s, base_[r].data(), own_prior(static_cast<int>(r), k));
+      const T* flow = ray.moving[k].flow[static_cast<int>(ray.toward)];
+      for (int a = 0; a < 3; ++a)
+        warped_.position.plane(a)[s] = ray.position[k][a] + (ray.warps ? flow[a] * unit[a] : T(0));
+      warped_.slot[static_cast<std::size_t>(s)] =
+          ray.warps ? neighbour(step.window, rays[r]).slot : moving_.slot[static_cast<std::size_t>(s)];
+    }
+  }
+}
+
+template <class T>
+void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r) {
+  RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
+  const T* base = base_[static_cast<std::size_t>(r)].data();
+  for (int k = 0; k < ray.count && step.has_static; ++k)
+    ray.still[k] = decode_static(still_.raw, r * ray.count + k, base, own_prior(r, k));
+  if (ray.warps) {
+    const WindowFrame& there = neighbour(step.window, target);
+    const ViewGeometry<T> view(step.window.frustum(), there.T_anchor_camera);
+    for (int k = 0; k < ray.count; ++k) {
+      const int s = r * ray.count + k;
+      const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s],
+                          warped_.position.plane(2)[s]};
+      view.project(ray.position[k], ray.landing_still[k], nullptr);
+      view.project(point, ray.landing_moving[k], ray.landing_jacobian[k]);
+      T base_there[kBaseChannels];
+      fetch_base(there.base, ray.landing_moving[k], base_there, static_cast<T*>(nullptr),
+                 static_cast<T*>(nullptr));
+      const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+      ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
+      if (!step.has_static) continue;
+      fetch_base(there.base, ray.landing_still[k], base_there, static_cast<T*>(nullptr),
+                 static_cast<T*>(nullptr));
+      decode_radiance(still_.raw, s, base_there, ray.still_there[k]);
+    }
+  }
+  RayTrace<T> trace;
+  const RayPicture<T> picture = render_ray(ray, step.networks.blend, trace);
+
+  const FieldSample<T> none;
+  std::fill_n(d_.still, ray.count, none), std::fill_n(d_.moving, ray.count, none),
+      std::fill_n(d_.warped, ray.count, none);
+  std::fill_n(d_.still_there, ray.count, none);
+  RayPicture<T> d_picture;
+  T d_ray_weight[kMaxSamples] = {};
+  LossValues<T> losses{};
+  ray_losses(target, step.ray_share, step.weights, step.response, T(step.window.frame(target.frame).exposure),
+             ray, trace, picture, losses, d_picture, d_, d_ray_weight,
+             step.fits_response ? &d_response_ : nullptr);
+  for (std::size_t i = 0; i < losses.size(); ++i) losses_[i] += losses[i];
+  misfit_[static_cast<std::size_t>(r)] =
+      static_cast<float>(losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share);
+  T unit[3];
+  flow_units(step.window, unit);
+  pull_ray(ray, step.networks.blend, trace, d_picture, d_ray_weight, unit, d_);
+  pull_samples(step, target, r, d_);
+}
+
+template <class T>
+void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& target, int r,
+                               const RaySamples<T>& d) {
+  const RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
+  const T* base = base_[static_cast<std::size_t>(r)].data();
+  for (int k = 0; k < ray.count; ++k) {
+    const int s = r * ray.count + k;
+    if (ray.has_static)
+      pull_static(still_.raw, s, base, own_prior(r, k), ray.still[k], d.still[k], still_.d_raw);
+    if (ray.has_dynamic)
+      pull_dynamic(moving_.raw, s, base, own_prior(r, k), ray.moving[k], d.moving[k], moving_.d_raw,
+                   static_cast<T*>(nullptr));
+    if (!ray.warps) continue;
+    const Image<BasePixel>& there = neighbour(step.window, target).base;
+    T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
+    if (ray.has_static) {
+      fetch_base(there, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+      pull_radiance(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw,
+                    static_cast<T*>(nullptr));
+    }
+    fetch_base(there, ray.landing_moving[k], base_there, d_x, d_y);
+    const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+    const T d_prior = pull_dynamic(warped_.raw, s, base_there, prior.log_density, ray.warped[k], d.warped[k],
+                                   warped_.d_raw, d_base);
+    d_base[kBaseSurface] += d_prior * prior.by_surface;
+    T d_landing[3] = {0, 0, d_prior * prior.by_depth};
+    for (int i = 0; i < kBaseChannels; ++i)
+      d_landing[0] += d_base[i] * d_x[i], d_landing[1] += d_base[i] * d_y[i];
+    for (int a = 0; a < 3; ++a)
+      for (int i = 0; i < 3; ++i)
+        warped_.d_position.plane(a)[s] += d_landing[i] * ray.landing_jacobian[k][i][a];
+  }
+}
+
+// The warped samples' gradient with respect to where they are is the gradient of the scene flow that put them
+// there.
+template <class T>
+void RayShard<T>::return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
+  step.networks.moving.grid.pull_back(warped_.samples(), warped_.d_features, warped_.d_position);
+  T unit[3];
+  flow_units(step.window, unit);
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    if (!ray_[r].warps) continue;
+    for (int k = 0; k < ray_[r].count; ++k) {
+      const int s = static_cast<int>(r) * ray_[r].count + k;
+      for (int a = 0; a < 3; ++a)
+        moving_.d_raw.plane(DynamicHead::kFlow + 3 * static_cast<int>(ray_[r].toward) + a)[s] +=
+            warped_.d_position.plane(a)[s] * unit[a];
+    }
+  }
+}
+
+template <class T>
+double RayShard<T>::feature_energy() const {
+  double sum = 0;
+  for (const BranchPass<T>* pass : {&still_, &moving_, &warped_})
+    for (int i = 0; i < pass->d_features.channels(); ++i)
+      for (int s = 0; s < pass->n; ++s)
+        sum += static_cast<double>(pass->d_features.plane(i)[s]) *
+               static_cast<double>(pass->d_features.plane(i)[s]);
+  return sum;
+}
+
+template class RayShard<float>;   // the product
+template class RayShard<double>;  // the gradient tests
+
+}  // namespace hdrcam

@@ -1,0 +1,79 @@
+// One fixed share of the rays of a step: evaluates the field along them, renders, and pulls the objective's
+// gradient back to network outputs and weights. A step runs its shards on any threads; what they leave is
+// summed in their order, so a step gives the same bytes for any number of threads. The gradient of the hash
+// tables is scattered afterwards, level by level. Scalar type T as in ../field/hash_grid.h. All buffers are
+// allocated by the constructor. Thread-compatible.
+#pragma once
+
+#include "online/scene/hash_grid/field/ray_sampler.h"
+#include "online/scene/hash_grid/fit/objective.h"
+
+namespace hdrcam {
+
+// What a step holds constant.
+template <class T>
+struct StepSetting {
+  const FieldNetworks<T>& networks;
+  const Window& window;
+  const LearnedResponse<T>& response;
+  const LossWeights& weights;
+  int samples_per_ray;
+  bool has_static, has_dynamic, fits_response;
+  T ray_share;  // one over the rays of the step
+};
+
+template <class T>
+class RayShard {
+ public:
+  RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples);
+
+  // Leaves losses, weight gradients and d_features; `random` jitters the samples along the rays.
+  void run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random);
+  // Adds the shard's share of the gradient of one level of a branch's tables.
+  void scatter_static(int level, HashGrid<T>& grid) const {
+    grid.scatter(level, still_.samples(), still_.d_features);
+  }
+  void scatter_dynamic(int level, HashGrid<T>& grid) const {
+    grid.scatter(level, moving_.samples(), moving_.d_features);
+    grid.scatter(level, warped_.samples(), warped_.d_features);
+  }
+
+  const LossValues<T>& losses() const { return losses_; }
+  std::span<T> d_static() { return d_static_; }
+  std::span<T> d_dynamic() { return d_dynamic_; }
+  const typename LearnedResponse<T>::Gradient& d_response() const { return d_response_; }
+  // photometric misfit per ray, for the choice of pixels
+  std::span<const float> misfits() const { return misfit_; }
+  // sum of squares of d_features: finite only if every gradient that reaches the tables is
+  double feature_energy() const;
+
+ private:
+  void place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random);
+  void follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays);
+  void ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r);
+  void pull_samples(const StepSetting<T>& step, const TrainingRay& target, int r, const RaySamples<T>& d);
+  void return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays);
+  void zero(BranchPass<T>& pass);
+  T own_prior(int r, int k) const {
+    const auto at = static_cast<std::size_t>(r);
+    return surface_prior(ray_[at].inverse_depth[k], base_[at][kBaseSurface]).log_density;
+  }
+  const WindowFrame& neighbour(const Window& window, const TrainingRay& ray) const {
+    return window.frame(ray.frame + (ray.toward == Neighbour::Next ? 1 : -1));
+  }
+  static void flow_units(const Window& window, T* unit) {
+    unit[0] = T(window.frustum().u_per_px()), unit[1] = T(window.frustum().v_per_px());
+    unit[2] = T(WindowFrustum::kDepthUnit);
+  }
+
+  BranchPass<T> still_, moving_, warped_;
+  std::vector<T> d_static_, d_dynamic_;
+  std::vector<RaySamples<T>> ray_;
+  std::vector<std::array<T, kBaseChannels>> base_;  // of each ray, at its own pixel
+  std::vector<float> misfit_;
+  LossValues<T> losses_{};
+  typename LearnedResponse<T>::Gradient d_response_{};
+  RaySamples<T> d_;
+};
+
+}  // namespace hdrcam

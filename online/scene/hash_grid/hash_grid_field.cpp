@@ -1,0 +1,117 @@
+#include "online/scene/hash_grid/hash_grid_field.h"
+
+#include <limits>
+
+#include "online/scene/hash_grid/field/field_renderer.h"
+
+namespace hdrcam {
+namespace {
+
+FieldOptions with_near(FieldOptions options, float near) {
+  options.near = near;
+  return options;
+}
+
+}  // namespace
+
+HashGridSnapshot::HashGridSnapshot(const FieldFit& fit)
+    : window_(fit.field().window.frustum()), networks_(fit.fresh_networks(1)) {}
+
+void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const {
+  auto* renderer = dynamic_cast<FieldRenderer*>(picture.room.get());
+  if (renderer == nullptr) {
+    picture.room = std::make_unique<FieldRenderer>();
+    renderer = static_cast<FieldRenderer*>(picture.room.get());
+  }
+  renderer->render({window_, networks_, samples_per_ray_, has_dynamic_}, view, pool, picture);
+}
+
+HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
+                             int cols, WorkerPool& pool)
+    : pool_(pool), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {
+  snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_));
+}
+
+HashGridField::~HashGridField() {
+  for (const auto& snapshot : snapshots_) CHECK(!snapshot->is_held());
+}
+
+Result<void> HashGridField::observe(const SceneObservation& seen) {
+  for (const auto& snapshot : snapshots_)
+    if (!snapshot->is_held()) Window::release(snapshot->window_);
+
+  // what the state hardly knows counts as unseen
+  const float known = known_limit(seen.white);
+  variance_.copy_from(seen.state.variance);
+  for (float& v : variance_.samples()) v = v < known ? v : kUnseenVariance;
+  const ExposedFrame& frame = seen.frame;
+  FieldObservation told;
+  told.index = frame.index;
+  told.time_s = frame.facts.timestamp.seconds();
+  told.exposure = frame.exposure;
+  told.blur_fraction = frame.blur_fraction;
+  told.codes = &frame.codes;
+  told.radiance = &seen.state.radiance;
+  told.variance = &variance_;
+  told.to_previous = &seen.motion.to_previous;
+  told.from_previous = &seen.motion.from_previous;
+  if (!seen.depth.empty()) {
+    spread(seen.depth, variance_.rows(), variance_.cols());
+    told.inverse_depth = &inverse_depth_;
+  }
+  told.T_world_camera = seen.pose.T_world_camera;
+  return fit_.observe(told, seen.response);
+}
+
+FitReport HashGridField::fit(const FitBudget& budget) {
+  FitReport report;
+  LossValues<double> losses{};
+  fit_.prepare(budget);
+  for (int i = 0; i < budget.steps; ++i) {
+    const StepReport step = fit_.step();
+    ++report.steps;
+    if (step.verdict != StepVerdict::Taken) {
+      ++report.rolled_back;
+      continue;
+    }
+    for (std::size_t term = 0; term < losses.size(); ++term) losses[term] += step.losses[term];
+  }
+  const auto taken = static_cast<double>(std::max(1L, report.steps - report.rolled_back));
+  for (std::size_t term = 0; term < losses.size(); ++term)
+    if (losses[term] != 0) report.losses.push_back({kLosses[term].name, losses[term] / taken});
+  return report;
+}
+
+SnapshotHold HashGridField::snapshot() {
+  HashGridSnapshot* free = nullptr;
+  for (const auto& snapshot : snapshots_)
+    if (!snapshot->is_held()) free = snapshot.get();
+  if (free == nullptr) {
+    snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_));
+    free = snapshots_.back().get();
+  }
+  const RadianceField now = fit_.field();
+  fit_.window().hold(free->window_);
+  free->networks_.copy_parameters(now.networks);
+  free->samples_per_ray_ = now.samples_per_ray;
+  free->has_dynamic_ = now.has_dynamic;
+  return SnapshotHold(*free);
+}
+
+// The prior on the frame's own pixels, in the window's units; NaN where it is not believed.
+void HashGridField::spread(const DepthMap& depth, int rows, int cols) {
+  constexpr float kBelieved = 0.5f;  // weight of a prior that is known to 100 percent
+  const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
+  inverse_depth_.reshape(1, rows, cols);
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const int v = y * grid_rows / rows, u = x * grid_cols / cols;
+        inverse_depth_.at(0, y, x) = depth.weight.at(0, v, u) >= kBelieved
+                                         ? std::min(1.f, depth.inverse_depth.at(0, v, u) * near_)
+                                         : std::numeric_limits<float>::quiet_NaN();
+      }
+  });
+}
+
+}  // namespace hdrcam

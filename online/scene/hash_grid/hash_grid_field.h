@@ -1,0 +1,49 @@
+// The scene as a windowed field of two hash grids with small networks, volume rendered: the first
+// implementation of SceneField (field/README.md, fit/README.md). Its snapshots copy the networks and hold the
+// window's frames, which are written again only when no snapshot shows them (field/window.h).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "online/scene/hash_grid/fit/field_fit.h"
+#include "online/scene/scene_field.h"
+
+namespace hdrcam {
+
+class HashGridSnapshot final : public FieldSnapshot {
+ public:
+  explicit HashGridSnapshot(const FieldFit& fit);
+
+  void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const override;
+
+ private:
+  friend class HashGridField;
+  WindowFrames window_;
+  FieldNetworks<float> networks_;
+  int samples_per_ray_ = 1;
+  bool has_dynamic_ = false;
+};
+
+class HashGridField final : public SceneField {
+ public:
+  // near: distance of the near plane, in the poses' unit
+  HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows, int cols,
+                WorkerPool& pool);
+  ~HashGridField() override;
+
+  Result<void> observe(const SceneObservation& seen) override;
+  FitReport fit(const FitBudget& budget) override;
+  SnapshotHold snapshot() override;
+
+ private:
+  void spread(const DepthMap& depth, int rows, int cols);
+
+  WorkerPool& pool_;
+  float near_;
+  FieldFit fit_;
+  Image<float> variance_, inverse_depth_;
+  std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // as many as were ever held at once, and one
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,41 @@
+// Later frames' samples joined to the state of a frame: clipped or hidden pixels that were seen a moment
+// later. The result is a copy that never feeds back, so the state stays causal. Thread-bound.
+#pragma once
+
+#include <span>
+
+#include "capture/exposed_frame.h"
+#include "online/state/fusion.h"
+
+namespace hdrcam {
+
+// A frame after the one that is joined to.
+struct LaterFrame {
+  const ExposedFrame* frame;
+  const FlowField* from_previous;  // from the frame before it
+  const ExposureTables* tables;    // at its exposure
+};
+
+// A state and what the look-ahead added to it.
+struct JoinedState : RadianceState {
+  Image<float> later_share;  // [1, rows, cols] 0..1: how much of the estimate is later frames' samples
+};
+
+class LookAhead {
+ public:
+  explicit LookAhead(WorkerPool& pool) : pool_(pool) {}
+
+  // later: the following frames, nearest first; none leaves the state as it is.
+  void join(const RadianceState& state, std::span<const LaterFrame> later, Fusion& fusion,
+            JoinedState& joined);
+
+ private:
+  void follow(const FlowField& from_previous, bool nearest);
+
+  WorkerPool& pool_;
+  Samples samples_;
+  FlowField path_;  // from the frame that is joined to, to the later frame at hand
+  Image<float> share_, codes_, brightest_, dilated_, gate_, mean_, contrast_, extra_, flow_, warped_;
+};
+
+}  // namespace hdrcam

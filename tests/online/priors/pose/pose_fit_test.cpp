@@ -1,0 +1,96 @@
+#include "online/priors/pose/pose_fit.h"
+
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "online/priors/pose/heading_search.h"
+
+using namespace hdrcam;
+
+namespace {
+
+const Intrinsics kLens{300, 300, 160, 120};
+const RigidTransform kTruth{rotation({0.01, -0.02, 0.005}), {0.06, -0.02, 0.04}};  // T_camera_world
+
+// Points first seen from the origin, depths 1..5, seen again from kTruth; every `outliers`-th is somewhere
+// else.
+std::vector<ScenePoint> scene(double prior_error, int outliers, std::vector<double>& depths) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> x(-0.5, 0.5), y(-0.4, 0.4), inverse(0.2, 1), any(-20, 20);
+  std::vector<ScenePoint> points;
+  for (int i = 0; i < 300; ++i) {
+    ScenePoint p;
+    p.origin_world = {0, 0, 0};
+    p.direction_world = {x(random), y(random), 1};
+    depths.push_back(inverse(random));
+    const Eigen::Vector3d q = kTruth.R * p.direction_world + depths.back() * kTruth.t;
+    p.seen_px = {kLens.fx_px * q.x() / q.z() + kLens.cx_px, kLens.fy_px * q.y() / q.z() + kLens.cy_px};
+    if (outliers > 0 && i % outliers == 0) p.seen_px += Eigen::Vector2d(any(random), any(random));
+    p.inverse_depth = depths.back() * (1 + prior_error);
+    p.information = 1e4;
+    p.sigma_px = 0.2;
+    points.push_back(p);
+  }
+  return points;
+}
+
+std::vector<double> priors(const std::vector<ScenePoint>& points) {
+  std::vector<double> depths;
+  for (const ScenePoint& p : points) depths.push_back(p.inverse_depth);
+  return depths;
+}
+
+}  // namespace
+
+TEST_CASE("known depths give the pose with its scale, outliers or not", "[pose]") {
+  const int outliers = GENERATE(0, 3);
+  std::vector<double> truth;
+  const auto points = scene(0, outliers, truth);
+  auto depths = priors(points);
+  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths);
+  CHECK((fit.T_camera_world.R - kTruth.R).norm() < 1e-4);
+  CHECK((fit.T_camera_world.t - kTruth.t).norm() < 1e-4);
+  CHECK(fit.inlier_share > (outliers > 0 ? 0.6 : 0.99));
+}
+
+TEST_CASE("the scale is that of the depths: all a tenth nearer, the step a tenth shorter", "[pose]") {
+  std::vector<double> truth;
+  const auto points = scene(0.1, 0, truth);
+  auto depths = priors(points);
+  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths);
+  CHECK(fit.T_camera_world.t.norm() * 1.1 == Approx(kTruth.t.norm()).epsilon(0.01));
+}
+
+TEST_CASE("a rotation without a translation keeps the camera's centre", "[pose]") {
+  std::vector<double> truth;
+  const auto points = scene(0, 0, truth);
+  auto depths = priors(points);
+  const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
+  const PoseFit fit = fit_pose(points, kLens, start, {.freedom = Freedom::Rotation}, depths);
+  CHECK((fit.T_camera_world.inverse().t - start.inverse().t).norm() < 1e-9);
+}
+
+TEST_CASE("nothing seen leaves the pose as it was", "[pose]") {
+  std::vector<double> truth;
+  auto points = scene(0, 0, truth);
+  for (ScenePoint& p : points) p.seen = false;
+  auto depths = priors(points);
+  const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
+  const PoseFit fit = fit_pose(points, kLens, start, {}, depths);
+  CHECK(fit.seen == 0);
+  CHECK((fit.T_camera_world.t - start.t).norm() < 1e-9);
+}
+
+TEST_CASE("the heading is found without any depth", "[pose]") {
+  std::vector<double> truth;
+  auto points = scene(0, 4, truth);
+  for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
+  auto depths = priors(points);
+  const PoseFit turned = fit_pose(points, kLens, {}, {.freedom = Freedom::Rotation}, depths);
+  const auto headings = search_headings(points, kLens, turned.T_camera_world, 4);
+  REQUIRE(headings.size() == 4);
+  double best = -1;
+  for (const Heading& heading : headings)
+    best = std::max(best, heading.T_camera_world.t.normalized().dot(kTruth.t.normalized()));
+  CHECK(best > 0.9);
+}

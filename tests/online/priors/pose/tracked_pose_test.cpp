@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <span>
+
+#include "online/priors/pose/tracked_pose.h"
+
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <numbers>
+
+#include "tests/online/priors/pose/synthetic_scene.h"
+
+using namespace hdrcam;
+using namespace hdrcam::test;
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::vector<CameraPose> track(const SyntheticScene& scene, const std::vector<FramePair>& frames) {
+  TrackedPose tracker(scene.lens);
+  std::vector<CameraPose> poses;
+  for (const FramePair& frame : frames) poses.push_back(tracker.next(frame.to_previous, frame.from_previous));
+  return poses;
+}
+
+RigidTransform pose_of(const CameraPose& pose) { return from_matrix(pose.T_world_camera); }
+
+double angle_deg(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle() / kDegree; }
+
+double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) / kDegree;
+}
+
+bool all_finite(const CameraPose& pose) {
+  bool finite = std::isfinite(pose.inlier_share);
+  for (const double v : pose.T_world_camera) finite = finite && std::isfinite(v);
+  for (const DepthSample& s : pose.depth_samples)
+    finite =
+        finite && std::isfinite(s.inverse_depth) && s.inverse_depth >= 0 && s.weight >= 0 && s.weight <= 1;
+  return finite;
+}
+
+// How far the tracked path is from the true one, once they share the unit of length.
+struct PathErrors {
+  double turn_deg = 0;       // at the last frame
+  double direction_deg = 0;  // of the way from first to last
+  double worst_step = 0;     // largest |log| change of (tracked step / true step) between neighbouring frames
+  double total_drift = 0;    // |log| of that ratio, last frames over first
+};
+
+PathErrors compare(const std::vector<CameraPose>& tracked, const std::vector<RigidTransform>& truth) {
+  PathErrors errors;
+  errors.turn_deg = angle_deg(pose_of(tracked.back()).R.transpose() * truth.back().R);
+  errors.direction_deg = angle_deg(pose_of(tracked.back()).t, truth.back().t);
+  std::vector<double> ratio;
+  for (std::size_t i = 1; i < tracked.size(); ++i) {
+    if (tracked[i].motion != CameraMotion::General || tracked[i - 1].motion != CameraMotion::General)
+      continue;
+    ratio.push_back((pose_of(tracked[i]).t - pose_of(tracked[i - 1]).t).norm() /
+                    (truth[i].t - truth[i - 1].t).norm());
+  }
+  for (std::size_t i = 1; i < ratio.size(); ++i)
+    errors.worst_step = std::max(errors.worst_step, std::abs(std::log(ratio[i] / ratio[i - 1])));
+  if (!ratio.empty()) errors.total_drift = std::abs(std::log(ratio.back() / ratio.front()));
+  return errors;
+}
+
+SyntheticScene room() {
+  SyntheticScene scene;
+  scene.spheres = {{{-1.5, 0, 4}, 0.8}, {{1.2, -0.4, 3}, 0.5}};
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("a camera that does not move stays exactly where it was", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto poses = track(scene, film(scene, straight_path(12, {0, 0, 0}, {0, 0, 0}), 0.05));
+  for (const CameraPose& pose : poses) {
+    CHECK(pose.T_world_camera == PoseMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    CHECK(pose.motion == CameraMotion::Still);
+    CHECK_FALSE(pose.lost);
+  }
+}
+
+TEST_CASE("a motion too slow for one frame is seen once it has added up", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(20, {0, 0, 0}, {0, 0.0005, 0});  // 0.075 px per frame
+  const auto poses = track(scene, film(scene, truth, 0));
+  CHECK(angle_deg(pose_of(poses.back()).R.transpose() * truth.back().R) < 0.4 / 150 / kDegree);
+}
+
+TEST_CASE("a camera that only turns keeps its position exactly", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(15, {0, 0, 0}, {0.002, 0.012, 0.001});
+  const auto poses = track(scene, film(scene, truth, 0.3));
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    CHECK(poses[i].motion == CameraMotion::Rotation);
+    CHECK(pose_of(poses[i]).t.norm() < 1e-12);
+    CHECK(angle_deg(pose_of(poses[i]).R.transpose() * truth[i].R) < 0.15);
+  }
+}
+
+TEST_CASE("a translation is found, whichever way it goes", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto step = GENERATE(Eigen::Vector3d{0.05, 0, 0}, Eigen::Vector3d{0, -0.05, 0},
+                             Eigen::Vector3d{0, 0, 0.08}, Eigen::Vector3d{-0.03, 0.01, -0.05});
+  CAPTURE(step.transpose());
+  const auto truth = straight_path(15, step, {0.001, -0.003, 0.001});
+  const auto poses = track(scene, film(scene, truth, 0.3));
+  const PathErrors errors = compare(poses, truth);
+  CHECK(poses.back().motion == CameraMotion::General);
+  CHECK(errors.turn_deg < 0.4);
+  CHECK(errors.direction_deg < 6);
+  CHECK(poses.back().depth_samples.size() > 150);
+}
+
+TEST_CASE("objects that move by themselves over 30 percent of the picture do not pull the camera along",
+          "[pose]") {
+  SyntheticScene scene = room();
+  scene.spheres.push_back({{-0.6, 0.1, 2.2}, 0.47, {0, 0.02, 0.01}});
+  scene.spheres.push_back({{0.8, -0.3, 2.6}, 0.52, {0.01, -0.03, 0}});
+  REQUIRE(scene.moving_share() > 0.3);
+  const auto truth = straight_path(15, {0.05, 0, 0.02}, {0, -0.004, 0});
+  const auto poses = track(scene, film(scene, truth, 0.1));
+  const PathErrors errors = compare(poses, truth);
+  CHECK(errors.turn_deg < 0.6);
+  CHECK(errors.direction_deg < 12);
+}
+
+TEST_CASE("the scale does not jump over sixty frames", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(60, {0.04, 0.005, 0.02}, {0, -0.004, 0});
+  const auto poses = track(scene, film(scene, truth, 0.1));
+  const PathErrors errors = compare(poses, truth);
+  CHECK(errors.worst_step < 0.15);
+  CHECK(errors.total_drift < 0.2);
+  CHECK(errors.turn_deg < 1);
+}
+
+TEST_CASE("depth samples are inverse depths in the unit of the path", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(20, {0.05, 0, 0}, {0, 0, 0});
+  const auto poses = track(scene, film(scene, truth, 0.1));
+  const double unit = truth.back().t.norm() / pose_of(poses.back()).t.norm();
+  int close = 0, known = 0;
+  for (const DepthSample& s : poses.back().depth_samples) {
+    if (s.weight < 0.9f) continue;
+    const double depth =
+        scene.cast(truth.back(), 19, static_cast<double>(s.u_px), static_cast<double>(s.v_px)).depth;
+    ++known, close += std::abs(depth / unit * static_cast<double>(s.inverse_depth) - 1) < 0.15;
+  }
+  REQUIRE(known > 100);
+  CHECK(close > 0.85 * known);
+}
+
+TEST_CASE("a flat scene is no reason to lose the rotation", "[pose]") {
+  SyntheticScene scene;
+  scene.relief = false;
+  const auto truth = straight_path(15, {0.05, 0, 0}, {0, 0.002, 0.002});
+  const auto poses = track(scene, film(scene, truth, 0.1));
+  for (const CameraPose& pose : poses) REQUIRE(all_finite(pose));
+  // a plane seen head-on cannot tell a sideways step (0.05 / 7 rad per frame) from a turn: no worse than that
+  CHECK(angle_deg(pose_of(poses.back()).R.transpose() * truth.back().R) < 14 * 0.05 / 7 / kDegree * 1.2);
+}
+
+TEST_CASE("a tiny baseline makes no large step", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(10, {0.0008, 0, 0}, {0.003, 0, 0});
+  const auto poses = track(scene, film(scene, truth, 0.3));
+  for (const CameraPose& pose : poses) {
+    CHECK(all_finite(pose));
+    CHECK(pose_of(pose).t.norm() < 0.02);
+  }
+}
+
+TEST_CASE("the same flow gives the same bytes", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto frames = film(scene, straight_path(10, {0.05, 0, 0.02}, {0, 0.003, 0}), 0.3);
+  const auto first = track(scene, frames), second = track(scene, frames);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CHECK(first[i].T_world_camera == second[i].T_world_camera);
+    REQUIRE(first[i].depth_samples.size() == second[i].depth_samples.size());
+    const auto a = std::as_bytes(std::span(first[i].depth_samples));
+    const auto b = std::as_bytes(std::span(second[i].depth_samples));
+    CHECK(std::equal(a.begin(), a.end(), b.begin()));
+  }
+}
+
+TEST_CASE("a frame that shows nothing continues the motion, and the scale survives it", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(24, {0.05, 0, 0.01}, {0, -0.003, 0});
+  auto frames = film(scene, truth, 0.1);
+  for (const std::size_t dark : {12u, 13u}) {
+    frames[dark].to_previous.confidence.fill(0);
+    frames[dark].from_previous.confidence.fill(0);
+  }
+  const auto poses = track(scene, frames);
+  CHECK(poses[12].lost);
+  CHECK(poses[13].lost);
+  CHECK_FALSE(poses[14].lost);
+  const Eigen::Vector3d before = pose_of(poses[11]).t - pose_of(poses[10]).t;
+  CHECK((pose_of(poses[12]).t - pose_of(poses[11]).t).norm() == Approx(before.norm()).epsilon(0.2));
+  const double scale_before = pose_of(poses[11]).t.norm() / truth[11].t.norm();
+  const double scale_after =
+      (pose_of(poses[23]).t - pose_of(poses[14]).t).norm() / (truth[23].t - truth[14].t).norm();
+  CHECK(scale_after / scale_before == Approx(1).margin(0.25));
+}
+
+TEST_CASE("nothing to see from the start on is lost, not NaN", "[pose]") {
+  const SyntheticScene scene = room();
+  auto frames = film(scene, straight_path(5, {0.05, 0, 0}, {0, 0, 0}), 0);
+  for (FramePair& frame : frames) frame.from_previous.confidence.fill(0);
+  const auto poses = track(scene, frames);
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    CHECK(poses[i].lost);
+    CHECK(all_finite(poses[i]));
+  }
+}
+
+TEST_CASE("flow that is not finite is ignored", "[pose]") {
+  const SyntheticScene scene = room();
+  const auto truth = straight_path(10, {0.05, 0, 0}, {0, 0.002, 0});
+  auto frames = film(scene, truth, 0);
+  for (std::size_t i = 1; i < frames.size(); ++i)
+    for (std::size_t k = 0; k < frames[i].from_previous.vectors.size(); k += 3)
+      frames[i].from_previous.vectors.samples()[k] = i % 2 ? NAN : INFINITY;
+  for (const CameraPose& pose : track(scene, frames)) CHECK(all_finite(pose));
+}
+
+TEST_CASE("a focal length that is wrong by 10 percent costs accuracy, not the track", "[pose]") {
+  SyntheticScene scene = room();
+  const auto truth = straight_path(15, {0.05, 0, 0.03}, {0, -0.003, 0});
+  const auto frames = film(scene, truth, 0.1);
+  const double factor = GENERATE(0.9, 1.1);
+  scene.lens.fx_px *= factor, scene.lens.fy_px *= factor;
+  const auto poses = track(scene, frames);
+  const PathErrors errors = compare(poses, truth);
+  CHECK_FALSE(poses.back().lost);
+  CHECK(errors.turn_deg < 1.5);
+  CHECK(errors.direction_deg < 25);
+}
+
+TEST_CASE("a camera that does not say its lens is assumed to see 55 degrees", "[pose]") {
+  const Intrinsics lens = assumed_intrinsics(240, 320);
+  CHECK(2 * std::atan(lens.cx_px / lens.fx_px) / kDegree == Approx(55));
+  CHECK(lens.fx_px == lens.fy_px);
+  CHECK(lens.cy_px == 120);
+}

@@ -1,0 +1,179 @@
+#include "online/scene/hash_grid/fit/field_fit.h"
+
+#include <cstring>
+
+#include "online/scene/hash_grid/field/field_renderer.h"
+#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+struct Run {
+  WorkerPool pool;
+  MovingScene scene;
+  FieldFit fit;
+  FieldRenderer renderer;
+  FieldPicture view;
+  double last_time_s = 0;
+
+  explicit Run(const FieldOptions& options = MovingScene::small_options(), int threads = 1)
+      : pool(threads), fit(options, {}, scene.rows, scene.cols, pool) {
+    fit.prepare(MovingScene::small_budget());
+  }
+
+  void take(int i, int steps, bool forgetful = false) {
+    const FieldObservation seen = scene.frame(i, 0.05f, forgetful);
+    REQUIRE(fit.observe(seen, scene.response).ok());
+    last_time_s = seen.time_s;
+    for (int s = 0; s < steps; ++s) fit.step();
+  }
+  const FieldPicture& look(int step = 1) {
+    renderer.render(fit.field(), MovingScene::view(fit, kIdentityPose, last_time_s, step), pool, view);
+    return view;
+  }
+};
+
+double log_error(const MovingScene& scene, const FieldPicture& view, int i, bool only_square) {
+  double sum = 0;
+  int count = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < scene.rows; ++y)
+      for (int x = 0; x < scene.cols; ++x) {
+        if (only_square && !scene.on_square(i, y, x)) continue;
+        sum += std::abs(std::log(static_cast<double>(view.radiance.at(c, y, x)) /
+                                 static_cast<double>(scene.truth(i, c, y, x))));
+        ++count;
+      }
+  return sum / count;
+}
+
+}  // namespace
+
+TEST_CASE("a field of zero steps renders the state's picture and the state's motion", "[field]") {
+  Run run;
+  for (int i = 0; i < 5; ++i) run.take(i, 0);
+  const FieldPicture& view = run.look();
+  REQUIRE(view.radiance.same_shape(run.scene.radiance));
+  for (std::size_t p = 0; p < view.radiance.size(); ++p)
+    REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.01));
+  // on the square, away from its border, the dynamic part moves as the prior says
+  REQUIRE(run.scene.on_square(4, 14, 14));
+  const float share = view.dynamic_share.at(0, 14, 14);
+  CHECK(view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * share).margin(0.3));
+}
+
+TEST_CASE("the picture of any size is finite and positive", "[field]") {
+  Run run;
+  for (int i = 0; i < 3; ++i) run.take(i, 5);
+  for (int step : {1, 2, 3, 7}) {
+    const FieldPicture& view = run.look(step);
+    CHECK(view.radiance.cols() == (run.scene.cols + step - 1) / step);
+    for (float v : view.radiance.samples()) CHECK((std::isfinite(v) && v > 0));
+    for (float v : view.depth.samples()) CHECK((std::isfinite(v) && v >= 1));
+  }
+}
+
+TEST_CASE("steps lower the loss", "[field]") {
+  FieldOptions options = MovingScene::small_options();
+  Run run(options);
+  for (int i = 0; i < 4; ++i) run.take(i, 0, true);
+  double first = 0, last = 0;
+  for (int s = 0; s < 300; ++s) {
+    const StepReport report = run.fit.step();
+    REQUIRE(report.verdict == StepVerdict::Taken);
+    REQUIRE(std::isfinite(report.total));
+    if (s < 20) first += report.total;
+    if (s >= 280) last += report.total;
+  }
+  INFO("loss " << first / 20 << " -> " << last / 20);
+  CHECK(last < 0.9 * first);
+}
+
+TEST_CASE("what a neighbour saw reaches the frame that was blind", "[field]") {
+  // the long exposure clips the square, and this state forgets at once: only the window knows
+  const auto error_after = [](int steps) {
+    Run run;
+    for (int i = 0; i < 3; ++i) run.take(i, steps, true);
+    return log_error(run.scene, run.look(), 2, true);
+  };
+  const double blind = error_after(0), filled = error_after(200);
+  INFO("log error on the clipped square " << blind << " -> " << filled);
+  CHECK(blind > 1);
+  CHECK(filled < 0.5 * blind);
+}
+
+TEST_CASE("one and two threads give the same bytes", "[field]") {
+  const auto bytes = [](int threads) {
+    Run run(MovingScene::small_options(), threads);
+    for (int i = 0; i < 4; ++i) run.take(i, 7);
+    return run.look().radiance.clone();
+  };
+  const Image<float> one = bytes(1), two = bytes(2), three = bytes(3);
+  CHECK(std::memcmp(one.plane(0), two.plane(0), one.size() * sizeof(float)) == 0);
+  CHECK(std::memcmp(one.plane(0), three.plane(0), one.size() * sizeof(float)) == 0);
+}
+
+TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[field]") {
+  Run run;
+  run.scene.speed_px = 0;
+  for (int i = 0; i < 3; ++i) run.take(i, 4);
+  CHECK_FALSE(run.fit.field().has_dynamic);
+  CHECK(run.fit.counts().without_dynamic == 12);
+  const FieldPicture& view = run.look();
+  for (float v : view.dynamic_share.samples()) CHECK(v == 0);
+}
+
+TEST_CASE("between two frames the content is between its places", "[field]") {
+  Run run;
+  run.scene.speed_px = 4;
+  for (int i = 0; i < 3; ++i) run.take(i, 0);
+  const double half = run.last_time_s - 0.5 / 30;
+  FieldPicture between;
+  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, kIdentityPose, half, 1), run.pool, between);
+  // at frame 1 the square's front edge is at 20, at frame 2 at 24
+  const auto is_bright = [&](int x) { return between.radiance.at(1, 14, x) > 1; };
+  CHECK(is_bright(19));
+  CHECK_FALSE(is_bright(23));
+}
+
+TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture", "[field]") {
+  Run run;
+  run.scene.speed_px = 0;
+  PoseMatrix pose = kIdentityPose;
+  for (int i = 0; i < 12; ++i) {
+    FieldObservation seen = run.scene.frame(i);
+    pose[3] = 0.12 * i;
+    seen.T_world_camera = pose;
+    REQUIRE(run.fit.observe(seen, run.scene.response).ok());
+    run.last_time_s = seen.time_s;
+  }
+  CHECK(run.fit.counts().anchors_moved >= 1);
+  CHECK(run.fit.field().window.has_parallax());
+  FieldPicture view;
+  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, pose, run.last_time_s, 1), run.pool, view);
+  for (std::size_t p = 0; p < view.radiance.size(); ++p)
+    REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
+}
+
+TEST_CASE("a frame that does not fit is refused and changes nothing", "[field]") {
+  Run run;
+  run.take(0, 2);
+  FieldObservation seen = run.scene.frame(1);
+  SECTION("exposure") {
+    seen.exposure = GENERATE(0.f, -1.f, std::numeric_limits<float>::quiet_NaN());
+    const auto result = run.fit.observe(seen, run.scene.response);
+    REQUIRE_FALSE(result.ok());
+    CHECK(result.error().code == ErrorCode::BadExposure);
+  }
+  SECTION("size") {
+    Image<float> other(3, 8, 8);
+    seen.codes = &other;
+    const auto result = run.fit.observe(seen, run.scene.response);
+    REQUIRE_FALSE(result.ok());
+    CHECK(result.error().code == ErrorCode::Invalid);
+  }
+  CHECK(run.fit.field().window.size() == 1);
+}

@@ -1,0 +1,91 @@
+// What the fit does with a step that went wrong, seen in the parameters that it leaves behind.
+#include <limits>
+
+#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+// Every parameter of both branches, in a row.
+std::vector<float> parameters(const FieldFit& fit) {
+  std::vector<float> all;
+  const FieldNetworks<float>& networks = fit.field().networks;
+  for (const Branch<float>* branch : {&networks.still, &networks.moving}) {
+    const auto tables = branch->grid.tables().samples();
+    const auto network = branch->mlp.parameters();
+    all.insert(all.end(), tables.begin(), tables.end());
+    all.insert(all.end(), network.begin(), network.end());
+  }
+  return all;
+}
+
+struct Stream {
+  WorkerPool pool{1};
+  MovingScene scene;
+  FieldFit fit;
+  explicit Stream(const FieldOptions& options) : fit(options, {}, scene.rows, scene.cols, pool) {
+    fit.prepare(MovingScene::small_budget());
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a step moves parameters of both branches", "[field]") {
+  Stream stream(MovingScene::small_options());
+  for (int i = 0; i < 3; ++i) REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+  const FieldNetworks<float>& networks = stream.fit.field().networks;
+  const auto network_of = [](const Branch<float>& branch) {
+    return std::vector<float>(branch.mlp.parameters().begin(), branch.mlp.parameters().end());
+  };
+  const auto still = network_of(networks.still), moving = network_of(networks.moving);
+  REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  CHECK(network_of(networks.still) != still);
+  CHECK(network_of(networks.moving) != moving);
+}
+
+TEST_CASE("a step that is not a number changes no parameter, and is counted", "[field][stability]") {
+  FieldOptions options = MovingScene::small_options();
+  // the loss of every ray, and every gradient with it
+  options.losses[static_cast<std::size_t>(LossTerm::Combined)] = std::numeric_limits<float>::quiet_NaN();
+  Stream stream(options);
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+    const std::vector<float> before = parameters(stream.fit);
+    for (int s = 0; s < 5; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Skipped);
+    CHECK(parameters(stream.fit) == before);
+  }
+  CHECK(stream.fit.counts().skipped == 15);
+}
+
+TEST_CASE("a step whose loss explodes takes the parameters back to where the frame began",
+          "[field][stability]") {
+  FieldOptions options = MovingScene::small_options();
+  options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
+  Stream stream(options);
+  // In a small patch of one frame both flows lead 300 pixels to the right: a ray there, and only there, finds
+  // motion that is as far from uniform as it can be.
+  constexpr int kWild = 4, kPatch = 6;
+  const auto spoil = [](Image<float>& flow) {
+    for (int y = 20; y < 20 + kPatch; ++y)
+      for (int x = 2; x < 2 + kPatch; ++x) flow.at(0, y, x) = 300;
+  };
+  for (int i = 0; i <= kWild + 1; ++i) {
+    const FieldObservation seen = stream.scene.frame(i);
+    if (i == kWild) spoil(stream.scene.to_previous.vectors);
+    if (i == kWild + 1) spoil(stream.scene.from_previous.vectors);
+    REQUIRE(stream.fit.observe(seen, stream.scene.response).ok());
+    if (i < kWild)
+      for (int s = 0; s < 20; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  }
+  const std::vector<float> kept = parameters(stream.fit);
+  int taken = 0;
+  for (; taken < 500; ++taken)
+    if (stream.fit.step().verdict != StepVerdict::Taken) break;
+  INFO(taken << " steps taken before the loss exploded");
+  REQUIRE(stream.fit.counts().rolled_back == 1);
+  REQUIRE(taken > 0);  // so that there was something to take back
+  CHECK(parameters(stream.fit) == kept);
+}

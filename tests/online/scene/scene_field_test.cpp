@@ -1,0 +1,246 @@
+// The seam of the field: a snapshot stays as it was, and a field that is nothing like hash grids fits it too.
+#include "online/scene/scene_field.h"
+
+#include <cstring>
+#include <thread>
+
+#include "online/scene/scene_fields.h"
+#include "render/render_stage.h"
+#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+// One colour, the mean of what the state knows, one metre in front of every camera.
+class OneColour final : public SceneField {
+ public:
+  Result<void> observe(const SceneObservation& seen) override {
+    for (int c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (int y = 0; y < seen.state.radiance.rows(); ++y)
+        for (int x = 0; x < seen.state.radiance.cols(); ++x)
+          sum += static_cast<double>(seen.state.radiance.at(c, y, x));
+      target_[c] = static_cast<float>(sum / static_cast<double>(seen.state.radiance.plane_size()));
+    }
+    return {};
+  }
+  FitReport fit(const FitBudget& budget) override {
+    FitReport report;
+    for (; report.steps < budget.steps; ++report.steps)
+      for (int c = 0; c < 3; ++c) colour_[c] += 0.5f * (target_[c] - colour_[c]);
+    report.losses.push_back({"colour", static_cast<double>(std::abs(target_[0] - colour_[0]))});
+    return report;
+  }
+  SnapshotHold snapshot() override {
+    for (Snapshot& snapshot : snapshots_)
+      if (!snapshot.is_held()) {
+        std::copy_n(colour_, 3, snapshot.colour);
+        return SnapshotHold(snapshot);
+      }
+    FAIL("more than two snapshots are held");
+    return {};
+  }
+
+ private:
+  struct Snapshot final : FieldSnapshot {
+    float colour[3] = {0, 0, 0};
+    void look(const SceneView& view, WorkerPool&, FieldPicture& picture) const override {
+      picture.radiance.reshape(3, view.rows, view.cols);
+      for (int c = 0; c < 3; ++c)
+        std::fill_n(picture.radiance.plane(c), picture.radiance.plane_size(), colour[c]);
+      for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence}) {
+        plane->reshape(1, view.rows, view.cols);
+        plane->fill(plane == &picture.depth ? 1.f : 0.f);
+      }
+      for (Image<float>& flow : picture.flow) flow.reshape(2, view.rows, view.cols), flow.fill(0);
+    }
+  };
+  float target_[3] = {0, 0, 0}, colour_[3] = {0, 0, 0};
+  Snapshot snapshots_[2];
+};
+
+// A stream of frames as the online part would tell a field of them.
+struct Told {
+  MovingScene scene;
+  ExposedFrame frame;
+  JoinedState state;
+  StateMotion motion;
+  CameraPose pose;
+  DepthMap depth;
+
+  void take(SceneField& field, int i, bool forgetful = false) {
+    const FieldObservation seen = scene.frame(i, 0.05f, forgetful);
+    frame.index = i;
+    frame.exposure = seen.exposure;
+    frame.facts.timestamp = Instant::from_seconds(i / 30.);
+    frame.codes.copy_from(scene.codes);
+    state.radiance.copy_from(scene.radiance);
+    state.variance.copy_from(scene.variance);
+    state.own_share.reshape(1, scene.rows, scene.cols), state.own_share.fill(1);
+    state.later_share.reshape(1, scene.rows, scene.cols), state.later_share.fill(0);
+    if (i > 0)
+      for (auto [to, from] : {std::pair{&motion.to_previous, &scene.to_previous},
+                              std::pair{&motion.from_previous, &scene.from_previous}})
+        to->vectors.copy_from(from->vectors), to->confidence.copy_from(from->confidence);
+    REQUIRE(field.observe({frame, state, 4, motion, pose, depth, scene.response}).ok());
+  }
+  SceneView view(int rows_step = 1) const {
+    SceneView full;
+    full.time_s = frame.facts.timestamp.seconds();
+    full.rows = scene.rows, full.cols = scene.cols;
+    full.lens = {1.0 * scene.cols, 1.0 * scene.cols, 0.5 * scene.cols, 0.5 * scene.rows};
+    return reduced(full, rows_step);
+  }
+  std::unique_ptr<SceneField> hash_grid(WorkerPool& pool) const {
+    return make_scene_field(FieldKind::HashGrid, MovingScene::small_options(),
+                            {view().lens, scene.rows, scene.cols, 1}, pool);
+  }
+};
+
+bool same(const Image<float>& a, const Image<float>& b) {
+  return a.same_shape(b) && std::memcmp(a.plane(0), b.plane(0), a.size() * sizeof(float)) == 0;
+}
+
+}  // namespace
+
+TEST_CASE("a snapshot that is held stays as it was, whatever the field learns meanwhile", "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  const FitBudget budget = MovingScene::small_budget();
+  for (int i = 0; i < 3; ++i) told.take(*field, i), field->fit(budget);
+  const SnapshotHold held = field->snapshot();
+  const SceneView view = told.view();
+  FieldPicture before, after, now;
+  held->look(view, pool, before);
+  FitBudget large = budget;
+  large.steps = 20;
+  for (int i = 3; i < 12; ++i) told.take(*field, i), field->fit(large);  // longer than the window
+  held->look(view, pool, after);
+  field->snapshot()->look(told.view(), pool, now);
+  CHECK(same(before.radiance, after.radiance));
+  CHECK(same(before.depth, after.depth));
+  CHECK(same(before.flow[0], after.flow[0]));
+  CHECK_FALSE(same(before.radiance, now.radiance));
+}
+
+TEST_CASE("one thread looks while another fits, and sees what it would have seen alone", "[field]") {
+  WorkerPool fitting(1), looking(1);
+  Told told;
+  const auto field = told.hash_grid(fitting);
+  FitBudget budget = MovingScene::small_budget();
+  budget.steps = 10;
+  told.take(*field, 0), field->fit(budget);
+  FieldPicture alone, beside;
+  for (int i = 1; i < 8; ++i) {
+    told.take(*field, i), field->fit(budget);
+    SnapshotHold held = field->snapshot();
+    const SceneView view = told.view();
+    held->look(view, looking, alone);
+    std::thread looker([&, held = std::move(held)] {
+      for (int k = 0; k < 3; ++k) held->look(view, looking, beside);
+    });
+    told.take(*field, ++i), field->fit(budget);
+    looker.join();
+    CHECK(same(alone.radiance, beside.radiance));
+    CHECK(same(alone.depth, beside.depth));
+  }
+}
+
+TEST_CASE("holding a snapshot does not change it, nor what the field learns", "[field]") {
+  WorkerPool pool(1);
+  const auto picture = [&pool](bool holds) {
+    Told told;
+    const auto field = told.hash_grid(pool);
+    std::vector<SnapshotHold> held;
+    FieldPicture first, now;
+    FitBudget budget = MovingScene::small_budget();
+    budget.steps = 5;
+    const SceneView view = told.view();
+    for (int i = 0; i < 8; ++i) {
+      told.take(*field, i), field->fit(budget);
+      if (holds) held.push_back(field->snapshot());
+      if (holds && i == 0) held.front()->look(view, pool, first);
+    }
+    if (holds) {
+      held.front()->look(view, pool, now);
+      CHECK(same(first.radiance, now.radiance));
+    }
+    field->snapshot()->look(told.view(), pool, now);
+    return now.radiance.clone();
+  };
+  CHECK(same(picture(false), picture(true)));
+}
+
+TEST_CASE("each step that a budget grants is taken, frame by frame", "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  const FitBudget budgets[] = {{0, 32, 4, 4}, {7, 64, 4, 4}, {3, 128, 16, 16}, {1, 32, 1, 1}, {5, 64, 4, 4}};
+  for (int i = 0; i < 5; ++i) {
+    told.take(*field, i);
+    const FitReport report = field->fit(budgets[i]);
+    CHECK(report.steps == budgets[i].steps);
+    CHECK(report.rolled_back == 0);
+    CHECK(report.losses.empty() == (budgets[i].steps == 0));
+  }
+}
+
+TEST_CASE("a view with half the pixels sees what lies between, a longer exposure blurs what moves",
+          "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  told.scene.speed_px = 4;
+  const auto field = told.hash_grid(pool);
+  for (int i = 0; i < 4; ++i) told.take(*field, i), field->fit({0, 32, 4, 4});
+  const SnapshotHold held = field->snapshot();
+  FieldPicture sharp, blurred;
+  SceneView view = told.view();
+  view.time_s -= 1 / 30.;  // a neighbour on both sides
+  held->look(view, pool, sharp);
+  view.exposure_s = 1 / 30.;
+  held->look(view, pool, blurred);
+  CHECK(same(sharp.depth, blurred.depth));
+  // at frame 2 the square spans 12..23: its front edge is sharp in an instant and a ramp over an interval
+  const auto step_at = [](const FieldPicture& picture, int x) {
+    return picture.radiance.at(1, 14, x) - picture.radiance.at(1, 14, x + 1);
+  };
+  CHECK(step_at(sharp, 23) > 1);
+  CHECK(step_at(blurred, 23) < 0.7f * step_at(sharp, 23));
+  FieldPicture half;
+  held->look(told.view(2), pool, half);
+  CHECK(half.radiance.cols() == told.scene.cols / 2);
+  CHECK(half.radiance.rows() == told.scene.rows / 2);
+}
+
+TEST_CASE("a field that is nothing like hash grids is emitted through the same seam", "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  OneColour field;
+  for (int i = 0; i < 3; ++i) told.take(field, i, true);
+  FitReport fit = field.fit({20, 32, 1, 1});
+  CHECK(fit.losses[0].value < 1e-3);
+  for (float& v : told.state.variance.samples()) v = kUnseenVariance;  // nobody saw anything
+  told.state.radiance.fill(0.01f);                                     // at least this bright
+  RenderStage stage({EmitLayer::Merged, 1000}, pool);
+  HdrFrame frame;
+  stage.render({.frame = told.frame,
+                .state = told.state,
+                .to_previous = nullptr,
+                .field = field.snapshot(),
+                .view = told.view(),
+                .fit = &fit,
+                .budget = {},
+                .white = 4,
+                .reference_exposure = 1},
+               frame);
+  REQUIRE(frame.radiance.size() > 0);
+  for (int c = 0; c < 3; ++c)
+    for (int x = 0; x < frame.radiance.cols(); ++x)
+      CHECK(frame.radiance.at(c, 5, x) == frame.radiance.at(c, 20, 7));
+  CHECK(frame.radiance.at(1, 5, 5) > 0.1f);
+  CHECK(frame.provenance.at(0, 5, 5) == static_cast<std::uint8_t>(Provenance::Field));
+}
