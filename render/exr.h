@@ -26,8 +26,9 @@ inline constexpr std::string_view kDepth = "Z";                    // camera z
 inline constexpr std::string_view kFlowBackward[2] = {"backward.u",
                                                       "backward.v"};  // pixels to the previous frame
 inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};  // pixels to the next frame
-inline constexpr std::string_view kSigma = "sigma";                              // of ln radiance
-inline constexpr std::string_view kProvenance = "provenance";                    // enum Provenance, 0..4
+inline constexpr std::string_view kFieldFlow[2] = {"field.u", "field.v"};  // the field's, to the previous
+inline constexpr std::string_view kSigma = "sigma";                        // of ln radiance
+inline constexpr std::string_view kProvenance = "provenance";              // enum Provenance, 0..4
 }  // namespace exr_channel
 
 enum class ExrSample { Half, Float };

@@ -27,6 +27,8 @@ struct HdrFrame {
   Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
   Image<float> depth;  // [1, rows, cols] in units of the field's near plane; empty without the field
   Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
+  // The field's own motion to the previous frame, as flow; empty where it was not asked for.
+  Image<float> field_flow;
 };
 
 }  // namespace hdrcam

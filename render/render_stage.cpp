@@ -45,6 +45,7 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   };
   emission_.render(estimate, frame);
   frame.depth.reshape(0, 0, 0);
+  frame.field_flow.reshape(0, 0, 0);
   lap("emission");
   if (!estimate.field || options_.layer == EmitLayer::State) return;
   look_into_field(estimate, frame);
@@ -62,6 +63,9 @@ void RenderStage::look_into_field(const FrameEstimate& estimate, HdrFrame& frame
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
   enlarge(view_.radiance, step, rows, cols, radiance_, pool_);
   enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
+  if (!options_.shows_field_flow) return;
+  enlarge(view_.flow[static_cast<int>(Neighbour::Previous)], step, rows, cols, frame.field_flow, pool_);
+  for (float& px : frame.field_flow.samples()) px *= static_cast<float>(step);  // of the whole picture
 }
 
 void RenderStage::take_all(HdrFrame& frame) {

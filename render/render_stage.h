@@ -16,6 +16,7 @@ enum class EmitLayer {
 
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
+  bool shows_field_flow = false;  // HdrFrame::field_flow
   // of the lower bound, > 1: how far the field may go above what clipped pixels prove
   float largest_answer = 4;
 };

@@ -50,6 +50,11 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
     fmt::print("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);
   if (scores.flow_forward_epe_px)
     fmt::print("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
+  if (scores.field_flow_epe_px)
+    fmt::print("the field's flow to the previous frame, end-point error {:.3f} px, of moving objects {} px\n",
+               *scores.field_flow_epe_px, fixed(scores.field_flow_moving_epe_px, 3));
+  if (scores.novel_psnr_mu_db)
+    fmt::print("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
   if (!scores.missing.empty())
     fmt::print("not scored, as there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }

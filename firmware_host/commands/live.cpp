@@ -65,7 +65,8 @@ void add_live(CLI::App& app, Verb& chosen) {
   flags->limits.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
-                                       SettingGroup::Fit, SettingGroup::Output, SettingGroup::Record});
+                                       SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                       SettingGroup::Record});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return live(*flags, around); }; });
 }

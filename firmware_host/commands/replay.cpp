@@ -49,9 +49,12 @@ void add_replay(CLI::App& app, Verb& chosen) {
   CLI::App* verb = app.add_subcommand("replay", "turn a recording into HDR frames");
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
   verb->add_option("--frames", flags->frames, "frames to take [all]")->check(CLI::PositiveNumber);
-  verb->add_option("--truth", flags->truth, "a clip with ground truth: adds scores to the report");
+  verb->add_option(
+      "--truth", flags->truth,
+      "a clip with ground truth: scores in the report, and the field's views from the clip's other cameras "
+      "beside the frames, in novel/");
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Output});
+      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return replay(*flags, around); }; });
 }

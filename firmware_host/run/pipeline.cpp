@@ -34,11 +34,17 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   return options;
 }
 
-PipelineOptions options_of(const Settings::Fit& fit) {
+PipelineOptions options_of(const Settings& settings) {
+  const Settings::Fit& fit = settings.fit;
   PipelineOptions options = options_of(fit.preset, fit.emit);
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
   options.knobs.look_ahead = fit.lookahead;
   options.knobs.code_noise = static_cast<float>(fit.code_noise);
+  options.render.shows_field_flow = settings.output.layers.field_flow;
+  for (const auto& [name, value] : fit.knobs) {
+    const Result<void> set = set_knob(options.knobs, name, value);
+    CHECK(set.ok());  // it was checked when it was read (settings/setting_field.h)
+  }
   return options;
 }
 
@@ -91,7 +97,7 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   for (std::size_t i = 0; i < kProvenances; ++i)
     record_.provenance_share[i] =
         static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
-  auto delivered = deliver(frame_, estimate.frame, record_);
+  auto delivered = deliver(frame_, estimate, record_);
   record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
   record_.fit_steps = 0;
   return delivered;

@@ -21,12 +21,12 @@ struct PipelineOptions {
 };
 // What a preset means for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
-PipelineOptions options_of(const Settings::Fit& fit);
+PipelineOptions options_of(const Settings& settings);
 
 class Pipeline {
  public:
-  // What leaves the pipeline. The frame is valid during the call.
-  using Deliver = std::function<Result<void>(const HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
+  // What leaves the pipeline, and what the method knows about it. Valid during the call.
+  using Deliver = std::function<Result<void>(const HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
 
   Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool);
 

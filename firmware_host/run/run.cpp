@@ -10,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/pipeline.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -99,18 +100,23 @@ void close_record(RunPace pace, double wall_s, RunRecord& record) {
   record.peak_memory_mib = peak_memory_mib();
 }
 
+std::string folder_of_frames(const Settings& settings) {
+  const std::string folder = std::filesystem::path(settings.output.path("frames")).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
 Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {
   if (plan.truth.empty()) return {};
-  const std::string folder =
-      std::filesystem::path(plan.settings.output.path("frames")).parent_path().string();
   const ClipScores scores =
-      TRY(score_clip(storage, plan.truth, folder.empty() ? "." : folder, {.stop = plan.stop}));
+      TRY(score_clip(storage, plan.truth, folder_of_frames(plan.settings), {.stop = plan.stop}));
   record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
   record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
   if (scores.mean.psnr_mu_moving_db)
     record.scores.push_back({"PSNR-mu, moving objects", "dB", *scores.mean.psnr_mu_moving_db, true});
   if (scores.flicker_stops)
     record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
+  if (scores.novel_psnr_mu_db)
+    record.scores.push_back({"PSNR-mu, novel view", "dB", *scores.novel_psnr_mu_db, true});
   record.scores.push_back({"phase pumping", "stops", scores.phase_stops, false});
   return {};
 }
@@ -130,24 +136,27 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   const RunPace pace = source.pace();
 
   // The method, and where its frames go.
-  const PipelineOptions options = options_of(settings.fit);
+  const PipelineOptions options = options_of(settings);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   Pipeline pipeline(options, camera, pool);
   SinkSet sinks =
       TRY(SinkSet::open(plan.sinks, settings.output.paths,
                         {"", camera, settings.output.layers, settings.output.compression, storage}, pace));
+  std::optional<NovelViews> novel_views;
+  if (!plan.truth.empty())
+    novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));
   RunRecord record = opened_record(plan, camera, pace, pool.threads());
   Stopwatch wall;
 
   // Out: each HDR frame goes to the sinks, its record is kept.
   bool response_told = camera.linear;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const ExposedFrame& input,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
     FrameRecord& kept = keep(made, pace, record);
     source.emitted(kept);
     Stopwatch watch;
-    TRY(sinks.emit({hdr, input, kept}));
+    TRY(sinks.emit({hdr, estimate.frame, kept}));
     if (!sinks.empty()) {
       const double ms = watch.lap_ms();
       kept.stages_ms.push_back({"sinks", ms});
@@ -155,6 +164,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     }
     if (!std::exchange(response_told, true))
       source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level()[1]);
+    if (novel_views) TRY(novel_views->render(estimate));
     progress.frame_done(kept);
     return {};
   };

@@ -47,6 +47,7 @@ std::optional<T> parsed_number(const std::string& text) {
 
 // The value of the field's own type that the given one stands for.
 std::optional<SettingValue> converted(const SettingField& field, const SettingValue& value) {
+  if (field.type == SettingType::Knob) return to_text(value);
   const bool numbers_are_texts = field.list || !field.choices.empty();
   if (is_text(field)) {
     if (std::holds_alternative<std::string>(value)) return value;
@@ -72,6 +73,11 @@ std::optional<std::string> stranger(const SettingField& field, const std::string
 }
 
 bool allowed(const SettingField& field, const SettingValue& value) {
+  if (field.type == SettingType::Knob) {
+    Knobs knobs;
+    const auto& text = std::get<std::string>(value);
+    return text.empty() || set_knob(knobs, field.knob->name, text).ok();
+  }
   if (const auto* text = std::get_if<std::string>(&value)) return !stranger(field, *text);
   if (const auto* whole = std::get_if<int>(&value)) return in_range(field.range, *whole);
   if (const auto* real = std::get_if<double>(&value)) return in_range(field.range, *real);
@@ -93,6 +99,7 @@ std::vector<std::string> parts_of(std::string_view text) {
 
 std::string describe(const SettingField& field) {
   std::vector<std::string> notes;
+  if (field.type == SettingType::Knob) notes.push_back(accepted_values(*field.knob));
   if (!field.choices.empty()) notes.push_back(words_of(field));
   if (is_number(field) && field.range.most < kMostInt)
     notes.push_back(fmt::format("{}..{}", field.range.least, field.range.most));
@@ -103,6 +110,7 @@ std::string describe(const SettingField& field) {
 }
 
 std::string accepted(const SettingField& field) {
+  if (field.type == SettingType::Knob) return accepted_values(*field.knob);
   if (!field.choices.empty()) return words_of(field);
   if (is_switch(field)) return "true or false";
   if (!is_number(field)) return field.list ? "a text or a list" : "a text";
@@ -126,9 +134,9 @@ Result<void> set(const SettingField& field, const SettingValue& given, std::stri
   if (!value || !allowed(field, *value)) {
     const std::string text = to_text(given);
     const std::string wrong = is_text(field) ? stranger(field, text).value_or(text) : text;
-    return not_accepted(
-        field, name,
-        (wrong == text ? shown(given) : fmt::format("'{}'", wrong)) + did_you_mean(wrong, field.choices));
+    return not_accepted(field, name,
+                        (wrong == text ? shown(given) : fmt::format("'{}'", wrong)) +
+                            did_you_mean(wrong, field.knob != nullptr ? field.knob->choices : field.choices));
   }
   field.write(settings, *value);
   return {};

@@ -14,8 +14,9 @@
 
 namespace hdrcam {
 
-// Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas.
-enum class SettingType { Text, Whole, Real, Switch, Choice, Words };
+// Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas. Knob: what a
+// knob of the method takes (online/knobs.h); "" leaves it as the preset has it.
+enum class SettingType { Text, Whole, Real, Switch, Choice, Words, Knob };
 
 // What was given or is printed; choices and words are texts.
 using SettingValue = std::variant<std::string, int, double, bool>;
@@ -30,14 +31,15 @@ struct SettingField {
   SettingGroup group = SettingGroup::Camera;
   SettingType type = SettingType::Text;
   std::string key;        // "camera.format": table and name
-  const char* flag = "";  // "--format", or "-o,--output"
+  const char* flag = "";  // "--format", or "-o,--output"; "" for a knob, which --set sets
   std::function<SettingValue(const Settings&)> read;
   std::function<void(Settings&, const SettingValue&)> write;  // of a value that the field takes
-  const char* about = "";                                     // a clause, with the unit
+  std::string about;                                          // a clause, with the unit
   const char* unset = "";            // what "", or the number besides the range, stands for
   SettingRange range;                // of a number
   std::vector<std::string> choices;  // of Choice and Words
   bool list = false;                 // parts joined by commas; in TOML an array will do, too
+  const Knob* knob = nullptr;        // of a Knob
 };
 
 // The clause with the range or the choices, and what the field means when it is not set.

@@ -1,5 +1,7 @@
 #include "firmware_host/settings/setting_fields.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <type_traits>
@@ -103,6 +105,26 @@ SettingField path_of(const SinkKind& sink) {
   return field;
 }
 
+SettingField field_of(const Knob& knob) {
+  SettingField field;
+  field.type = SettingType::Knob;
+  field.key = "knobs." + knob.name, field.unset = "as the preset has it";
+  field.about = fmt::format("{}; costs: {}", knob.gives, knob.costs);
+  field.knob = &knob;
+  field.read = [name = knob.name](const Settings& s) -> SettingValue {
+    const auto set = s.fit.knobs.find(name);
+    return set == s.fit.knobs.end() ? std::string() : set->second;
+  };
+  field.write = [name = knob.name](Settings& s, const SettingValue& value) {
+    const auto& text = std::get<std::string>(value);
+    if (text.empty())
+      s.fit.knobs.erase(name);
+    else
+      s.fit.knobs[name] = text;
+  };
+  return field;
+}
+
 std::vector<SettingField> camera_fields() {
   using C = Settings::Camera;
   using enum StampMeaning;
@@ -189,15 +211,22 @@ std::vector<SettingField> fit_fields() {
   };
 }
 
+std::vector<SettingField> knob_fields() {
+  std::vector<SettingField> fields;
+  for (const Knob& knob : knob_table()) fields.push_back(field_of(knob));
+  return fields;
+}
+
 // The path of each sink first, then how the frames are written.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
   using L = ExrLayers;
   std::vector<SettingField> fields;
   for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
-  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::confidence, &L::provenance>(
-      "output.layers", "--layers", "more EXR channels", "none",
-      {"depth", "flow", "confidence", "provenance"}));
+  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::field_flow, &L::confidence,
+                         &L::provenance>(
+      "output.layers", "--layers", "more EXR channels; flow is the state's motion, field_flow the field's",
+      "none", {"depth", "flow", "field_flow", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
   return fields;
@@ -218,7 +247,8 @@ std::vector<SettingField> all_fields() {
   const std::pair<SettingGroup, std::vector<SettingField>> groups[] = {
       {SettingGroup::Camera, camera_fields()}, {SettingGroup::Schedule, schedule_fields()},
       {SettingGroup::Sync, sync_fields()},     {SettingGroup::Fit, fit_fields()},
-      {SettingGroup::Output, output_fields()}, {SettingGroup::Record, record_fields()},
+      {SettingGroup::Knobs, knob_fields()},    {SettingGroup::Output, output_fields()},
+      {SettingGroup::Record, record_fields()},
   };
   std::vector<SettingField> all;
   for (const auto& [group, fields] : groups)
@@ -246,6 +276,8 @@ const char* title(SettingGroup group) {
       return "Sync line";
     case SettingGroup::Fit:
       return "Fit";
+    case SettingGroup::Knobs:
+      return "Knobs";
     case SettingGroup::Output:
       return "Output";
     case SettingGroup::Record:

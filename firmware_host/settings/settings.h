@@ -50,6 +50,8 @@ struct Settings {
     int threads = 0;        // 0: all processors
     int seed = 1;           // of the fit's random rays
     double code_noise = 1;  // codes rms, 0..20: 1 clean, 2 MJPEG
+    // Knobs of the method (online/knobs.h) that were set, by name; all others are as the preset has them.
+    std::map<std::string, std::string> knobs;
   } fit;
   struct Output {
     // By the name of the sink (sinks/sink_table.h), where it writes; "" or missing: not wanted.
@@ -69,6 +71,6 @@ struct Settings {
 int thread_count(const Settings::Fit& fit);
 
 // Which settings a verb takes.
-enum class SettingGroup { Camera, Schedule, Sync, Fit, Output, Record };
+enum class SettingGroup { Camera, Schedule, Sync, Fit, Knobs, Output, Record };
 
 }  // namespace hdrcam

@@ -8,6 +8,7 @@
 
 #include "firmware_host/settings/setting_fields.h"
 #include "firmware_host/settings/settings_toml.h"
+#include "firmware_host/settings/suggestion.h"
 
 namespace hdrcam {
 namespace {
@@ -39,16 +40,26 @@ CLI::Option* add_flag(CLI::App& verb, const SettingField& field, const char* fla
 struct SettingsFlags::Given {
   std::vector<const SettingField*> fields;
   std::vector<CLI::Option*> options;  // one for each
+  std::vector<const SettingField*> knobs;
+  std::vector<std::string> assignments;  // of --set, in their order
   std::string config;
   bool print_config = false;
 
   void add(CLI::App& verb, const SettingField& field, const char* flag) {
+    if (field.type == SettingType::Knob) return knobs.push_back(&field);
     CLI::Option* option = add_flag(verb, field, flag);
     option->group(title(field.group));
     fields.push_back(&field);
     options.push_back(option);
   }
   void add_config(CLI::App& verb) {
+    if (!knobs.empty())
+      verb.add_option("--set", assignments,
+                      "set a knob of the method, NAME=VALUE; --print-config lists them; may be repeated")
+          ->type_name("NAME=VALUE")
+          ->take_all()
+          ->expected(1)
+          ->group(title(SettingGroup::Fit));
     verb.add_option("--config", config, "settings in TOML; flags come on top of them")
         ->group("Configuration");
     if (fields.empty()) return;
@@ -74,6 +85,27 @@ SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<std::string>& key
 
 SettingsFlags::~SettingsFlags() = default;
 
+namespace {
+
+Result<void> set_knob_from(const std::string& assignment, const std::vector<const SettingField*>& knobs,
+                           Settings& settings) {
+  const std::size_t equals = assignment.find('=');
+  const std::string name = assignment.substr(0, equals);
+  if (equals == std::string::npos)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--set {} sets nothing; write NAME=VALUE, such as --set steps=100", assignment)};
+  std::vector<std::string> names;
+  for (const SettingField* field : knobs) {
+    if (field->knob->name == name)
+      return set_from_text(*field, assignment.substr(equals + 1), name, settings);
+    names.push_back(field->knob->name);
+  }
+  return Error{ErrorCode::Invalid, fmt::format("there is no knob '{}'{}; --print-config lists them", name,
+                                               did_you_mean(name, names))};
+}
+
+}  // namespace
+
 Result<Settings> SettingsFlags::read(Storage& storage) const {
   Settings settings;
   if (!given_->config.empty()) {
@@ -85,13 +117,19 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
     if (option.count() > 0)
       TRY(set_from_text(*given_->fields[i], option.as<std::string>(), option.get_name(), settings));
   }
+  for (const std::string& assignment : given_->assignments)
+    TRY(set_knob_from(assignment, given_->knobs, settings));
   return settings;
 }
 
 bool SettingsFlags::print_config() const { return given_->print_config; }
 
 std::string SettingsFlags::printed(const Settings& settings) const {
-  return to_toml(settings, given_->fields);
+  std::vector<const SettingField*> all;
+  for (const SettingField& field : setting_fields())
+    for (const auto* taken : {&given_->fields, &given_->knobs})
+      if (std::ranges::find(*taken, &field) != taken->end()) all.push_back(&field);
+  return to_toml(settings, all);
 }
 
 std::string SettingsFlags::as_flags(const Settings& settings) const {
@@ -103,6 +141,8 @@ std::string SettingsFlags::as_flags(const Settings& settings) const {
     const bool plain = word.find_first_not_of(kPlainInAShell) == std::string::npos && !word.empty();
     text += fmt::format(" {}={}", given_->options[i]->get_name(), plain ? word : '\'' + word + '\'');
   }
+  for (const auto& [name, value] : settings.fit.knobs)
+    if (!given_->knobs.empty()) text += fmt::format(" --set {}={}", name, value);
   return text;
 }
 

@@ -94,6 +94,24 @@ Result<void> check_letters(std::string_view text, const std::string& name) {
   return {};
 }
 
+bool is_setting(std::string_view key) {
+  return std::ranges::find(setting_fields(), key, &SettingField::key) != setting_fields().end();
+}
+
+// Keys below `place`. A table below a table is part of the names of knobs: state.blur_weight.
+void add_entries(const toml::table& table, const std::string& place, std::vector<Entry>& entries) {
+  const auto fields = setting_fields();
+  for (const auto& [name, value] : table) {
+    const std::string key = fmt::format("{}.{}", place, name.str());
+    const bool begins_a_name = std::ranges::any_of(
+        fields, [&](const SettingField& field) { return field.key.starts_with(key + '.'); });
+    if (value.is_table() && begins_a_name && !is_setting(key))
+      add_entries(*value.as_table(), key, entries);
+    else
+      entries.push_back({key, &value, name.source().begin.line});
+  }
+}
+
 std::vector<Entry> entries_of(const toml::table& file) {
   const auto known = tables();
   std::vector<Entry> entries;
@@ -103,8 +121,7 @@ std::vector<Entry> entries_of(const toml::table& file) {
       entries.push_back({std::string(key.str()), &node, key.source().begin.line});
       continue;
     }
-    for (const auto& [name, value] : *table)
-      entries.push_back({fmt::format("{}.{}", key.str(), name.str()), &value, name.source().begin.line});
+    add_entries(*table, std::string(key.str()), entries);
   }
   std::ranges::stable_sort(entries, {}, &Entry::line);
   return entries;
@@ -174,6 +191,17 @@ Result<void> take(const Entry& entry, Settings& settings) {
 
 std::string quoted(const std::string& text) { return '"' + escaped(text, "\"\\") + '"'; }
 
+// "width = 640". A knob that is as the preset has it stands in a comment, so that the file follows the
+// preset.
+std::string line_of(const SettingField& field, const Settings& settings) {
+  const SettingValue value = field.read(settings);
+  const auto* words = std::get_if<std::string>(&value);
+  std::string text = words ? quoted(*words) : to_text(value);
+  const bool unset = field.type == SettingType::Knob && words->empty();
+  if (unset) text = quoted(knob_value(knobs_of(settings.fit.preset), field.knob->name).value());
+  return fmt::format("{}{} = {}", unset ? "#" : "", name_of(field.key), text);
+}
+
 }  // namespace
 
 Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings) {
@@ -197,10 +225,7 @@ std::string to_toml(const Settings& settings, const std::vector<const SettingFie
   for (const SettingField* field : fields) {
     if (table != table_of(field->key))
       text += fmt::format("{}[{}]\n", text.empty() ? "" : "\n", table = table_of(field->key));
-    const SettingValue value = field->read(settings);
-    const auto* words = std::get_if<std::string>(&value);
-    text += fmt::format("# {}\n{} = {}\n", describe(*field), name_of(field->key),
-                        words ? quoted(*words) : to_text(value));
+    text += fmt::format("# {}\n{}\n", describe(*field), line_of(*field, settings));
   }
   return text;
 }

@@ -19,6 +19,7 @@ void copy(const HdrFrame& from, HdrFrame& to) {
   to.provenance.copy_from(from.provenance);
   to.depth.copy_from(from.depth);
   to.flow.copy_from(from.flow);
+  to.field_flow.copy_from(from.field_flow);
 }
 
 void copy(const ExposedFrame& from, ExposedFrame& to) {

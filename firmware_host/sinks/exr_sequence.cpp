@@ -64,6 +64,8 @@ class ExrSequence : public FrameSink {
     if (options_.layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);
     if (options_.layers.flow)
       for (int c = 0; c < 2; ++c) add(exr_channel::kFlowBackward[c], frame.flow, c, ExrSample::Half);
+    if (options_.layers.field_flow)
+      for (int c = 0; c < 2; ++c) add(exr_channel::kFieldFlow[c], frame.field_flow, c, ExrSample::Half);
     if (options_.layers.confidence) {
       confidence_.resize(n);
       std::transform(frame.sigma.samples().begin(), frame.sigma.samples().end(), confidence_.begin(),

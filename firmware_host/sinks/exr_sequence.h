@@ -3,6 +3,7 @@
 //   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
 //   Z                 depth, float, in units of the field's near plane; 0 where there is none
 //   backward.u/.v     motion to the previous frame, pixels; 0 for the first frame
+//   field.u/.v        the field's own motion to the previous frame, pixels
 //   sigma confidence  standard deviation of ln radiance; exp(-sigma): the one-sigma lower bound over the
 //   value, 0..1 provenance        enum Provenance
 #pragma once
@@ -20,7 +21,7 @@ namespace hdrcam {
 
 // The channels beside radiance.
 struct ExrLayers {
-  bool depth = false, flow = false, confidence = false, provenance = false;
+  bool depth = false, flow = false, field_flow = false, confidence = false, provenance = false;
 };
 
 struct ExrSequenceOptions {

@@ -65,6 +65,7 @@ Result<Estimate> Estimates::read(int frame, int rows, int cols) const {
   if (const auto depth = picture.find(exr_channel::kDepth)) estimate.depth = plane_of(picture, *depth);
   estimate.flow_backward = flow_of(picture, exr_channel::kFlowBackward);
   estimate.flow_forward = flow_of(picture, exr_channel::kFlowForward);
+  estimate.field_flow = flow_of(picture, exr_channel::kFieldFlow);
   return estimate;
 }
 

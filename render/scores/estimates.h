@@ -18,6 +18,7 @@ struct Estimate {
   Image<float> depth;          // [1, rows, cols] camera z, any unit
   Image<float> flow_backward;  // [dx dy, rows, cols] pixels to the previous frame
   Image<float> flow_forward;   // [dx dy, rows, cols] pixels to the next frame
+  Image<float> field_flow;     // [dx dy, rows, cols] the field's, pixels to the previous frame
 };
 
 class Estimates {

@@ -2,6 +2,7 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -68,6 +69,12 @@ Result<void> GroundTruth::read_facts() {
       numbers_.push_back(frame.value("sequence", frames()));
       exposures_s_.push_back(frame.at("exposure_s").get<double>());
     }
+    novel_cameras_.resize(numbers_.size());
+    const auto poses = truth.value().value("frames", nlohmann::json::array());
+    for (std::size_t i = 0; i < std::min(poses.size(), novel_cameras_.size()); ++i)
+      if (poses[i].contains("c2w") && poses[i].contains("novel_c2w"))
+        novel_cameras_[i] =
+            PosePair{poses[i]["c2w"].get<PoseMatrix>(), poses[i]["novel_c2w"].get<PoseMatrix>()};
     shortest_saturation_ = truth.value().at("r_sat_shortest").get<double>();
     for (const int id : truth.value().value("moving_ids", std::vector<int>{}))
       if (id >= 0 && id < 256) moving_ids_[static_cast<std::size_t>(id)] = anything_moves_ = true;
@@ -93,6 +100,10 @@ std::string GroundTruth::path(const char* kind, int frame, const char* extension
 
 Result<Image<float>> GroundTruth::radiance(int frame) const {
   return read_linear_rgb(*storage_, path("hdr", frame, "exr"), rows_, cols_);
+}
+
+Result<Image<float>> GroundTruth::novel_radiance(int frame) const {
+  return or_empty(read_linear_rgb(*storage_, path("novel", frame, "exr"), rows_, cols_));
 }
 
 Result<MotionTruth> GroundTruth::motion(int frame) const {

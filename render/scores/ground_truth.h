@@ -5,15 +5,18 @@
 //   gt/hdr/NNNN.exr   R G B radiance                         gt/depth/NNNN.exr  camera z, metres (optional)
 //   gt/flow/NNNN.exr  R=dx G=dy to the next frame, pixels; B=1 where occluded there (optional)
 //   gt/id/NNNN.png    object ids, 8 bit (optional)
+//   gt/novel/NNNN.exr R G B radiance from the camera novel_c2w of gt.json, of some frames (optional)
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "hal/core/image.h"
 #include "hal/core/result.h"
+#include "hal/recording/recording.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -22,6 +25,11 @@ namespace hdrcam {
 struct MotionTruth {
   Image<float> flow;               // [dx dy, rows, cols] pixels
   Image<std::uint8_t> comparable;  // [1, rows, cols] 1 where the pixel is seen, inside the next frame
+};
+
+// The camera of a frame, and another one at the same moment.
+struct PosePair {
+  PoseMatrix T_world_own, T_world_novel;  // metres
 };
 
 class GroundTruth {
@@ -44,6 +52,10 @@ class GroundTruth {
   Result<MotionTruth> motion(int frame) const;
   Result<Image<float>> depth(int frame) const;               // [1, rows, cols] metres
   Result<Image<std::uint8_t>> moving_mask(int frame) const;  // [1, rows, cols] 1 on moving objects
+  Result<Image<float>> novel_radiance(int frame) const;      // [rgb, rows, cols] as another camera sees it
+  const std::optional<PosePair>& novel_camera(int frame) const {
+    return novel_cameras_[static_cast<std::size_t>(frame)];
+  }
 
  private:
   GroundTruth(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
@@ -55,6 +67,7 @@ class GroundTruth {
   int rows_ = 0, cols_ = 0;
   std::vector<double> exposures_s_;
   std::vector<int> numbers_;
+  std::vector<std::optional<PosePair>> novel_cameras_;  // of each frame
   double shortest_saturation_ = 0;
   std::array<bool, 256> moving_ids_{};
   bool anything_moves_ = false;

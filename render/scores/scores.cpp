@@ -36,10 +36,20 @@ struct PreviousFrame {
   MotionTruth motion;  // to the next frame
 };
 
+// The motion of what moves in the world; of nothing where the truth does not say what does.
+MotionTruth only_moving(const MotionTruth& motion, const Image<std::uint8_t>& moving) {
+  MotionTruth some{motion.flow.clone(), motion.comparable.clone()};
+  for (std::size_t i = 0; i < some.comparable.size(); ++i)
+    if (moving.empty() || moving.samples()[i] == 0) some.comparable.samples()[i] = 0;
+  return some;
+}
+
 class ClipScoring {
  public:
-  ClipScoring(const GroundTruth& truth, const Estimates& estimates, const ScoreOptions& options)
-      : truth_(truth), estimates_(estimates), options_(options) {}
+  // novel: views from other cameras, or none.
+  ClipScoring(const GroundTruth& truth, const Estimates& estimates, std::optional<Estimates> novel,
+              const ScoreOptions& options)
+      : truth_(truth), estimates_(estimates), novel_(std::move(novel)), options_(options) {}
 
   Result<ClipScores> run() {
     TRY(choose_frames());
@@ -140,7 +150,13 @@ class ClipScoring {
       scored.flicker_stops = f.all.mean();
       flicker_.add(f.all.mean()), flicker_background_.add(f.background.mean());
       if (!e.flow_backward.empty()) flow_backward_ += backward_flow_error(e.flow_backward, previous_.motion);
+      if (!e.field_flow.empty()) {
+        field_flow_ += backward_flow_error(e.field_flow, previous_.motion);
+        field_flow_moving_ +=
+            backward_flow_error(e.field_flow, only_moving(previous_.motion, previous_.moving));
+      }
     }
+    TRY(score_novel_view(frame));
     if (!e.flow_forward.empty() && !now.motion.flow.empty())
       flow_forward_ += forward_flow_error(e.flow_forward, now.motion);
     if (!e.depth.empty()) {
@@ -148,6 +164,16 @@ class ClipScoring {
       if (!depth.empty()) depth_ += depth_error(depth, e.depth, depth_scale_);
     }
     previous_ = std::move(now);
+    return {};
+  }
+
+  Result<void> score_novel_view(int frame) {
+    if (!novel_ || !novel_->contains(truth_.number(frame))) return {};
+    const Image<float> g = TRY(truth_.novel_radiance(frame));
+    if (g.empty()) return {};
+    const Estimate e = TRY(novel_->read(truth_.number(frame), truth_.rows(), truth_.cols()));
+    novel_psnr_mu_.add(
+        score_picture(comparable_pair(g, e.radiance, scores_.shared), Image<std::uint8_t>{}).psnr_mu_db);
     return {};
   }
 
@@ -167,18 +193,22 @@ class ClipScoring {
     scores_.phase_stops = std::sqrt(*phase_square);
     scores_.flicker_stops = flicker_.value(), scores_.flicker_background_stops = flicker_background_.value();
     scores_.flow_backward_epe_px = flow_backward_.mean(), scores_.flow_forward_epe_px = flow_forward_.mean();
+    scores_.field_flow_epe_px = field_flow_.mean();
+    scores_.field_flow_moving_epe_px = field_flow_moving_.mean();
+    scores_.novel_psnr_mu_db = novel_psnr_mu_.value();
     scores_.depth_abs_rel = depth_.mean();
   }
 
   const GroundTruth& truth_;
   const Estimates& estimates_;
+  const std::optional<Estimates> novel_;
   const ScoreOptions& options_;
   std::vector<int> frames_;  // to be compared
   double depth_scale_ = 1;
   PreviousFrame previous_;
   std::map<int, Mean> phases_;  // mean log2 error by half-stops of exposure
-  Mean flicker_, flicker_background_;
-  MeanError depth_, flow_backward_, flow_forward_;
+  Mean flicker_, flicker_background_, novel_psnr_mu_;
+  MeanError depth_, flow_backward_, flow_forward_, field_flow_, field_flow_moving_;
   ClipScores scores_;
 };
 
@@ -194,7 +224,8 @@ Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
     return Error{ErrorCode::Invalid, fmt::format("cannot skip {} frames; give 0 or more", options.skip)};
   const GroundTruth truth = TRY(GroundTruth::open(storage, clip_folder));
   const Estimates estimates = TRY(Estimates::open(storage, estimates_folder));
-  return ClipScoring(truth, estimates, options).run();
+  const auto novel = Estimates::open(storage, estimates_folder + "/novel");
+  return ClipScoring(truth, estimates, novel ? std::optional(novel.value()) : std::nullopt, options).run();
 }
 
 std::string to_json(const ClipScores& scores, const std::string& clip, const std::string& label) {
@@ -219,6 +250,9 @@ std::string to_json(const ClipScores& scores, const std::string& clip, const std
   json["depth_abs_rel"] = or_null(scores.depth_abs_rel);
   json["flow_backward_epe_px"] = or_null(scores.flow_backward_epe_px);
   json["flow_forward_epe_px"] = or_null(scores.flow_forward_epe_px);
+  json["field_flow_epe_px"] = or_null(scores.field_flow_epe_px);
+  json["field_flow_moving_epe_px"] = or_null(scores.field_flow_moving_epe_px);
+  json["novel_psnr_mu"] = or_null(scores.novel_psnr_mu_db);
   for (const FrameScores& scored : scores.frames)
     json["per_frame"].push_back({{"frame", scored.frame},
                                  {"psnr_mu", scored.picture.psnr_mu_db},

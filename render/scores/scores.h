@@ -38,9 +38,12 @@ struct ClipScores {
   std::optional<double> flicker_stops;  // per frame, stops
   std::optional<double> flicker_background_stops;  // on static objects only
   double phase_stops = 0;
-  std::optional<double> depth_abs_rel;         // mean |s d - g| / g, where the estimates carry depth
-  std::optional<double> flow_backward_epe_px;  // where they carry flow to the previous frame
-  std::optional<double> flow_forward_epe_px;   // to the next frame
+  std::optional<double> depth_abs_rel;             // mean |s d - g| / g, where the estimates carry depth
+  std::optional<double> flow_backward_epe_px;      // where they carry flow to the previous frame
+  std::optional<double> flow_forward_epe_px;       // to the next frame
+  std::optional<double> field_flow_epe_px;         // of the field's own flow to the previous frame
+  std::optional<double> field_flow_moving_epe_px;  // of that, on what moves in the world
+  std::optional<double> novel_psnr_mu_db;  // of the views from other cameras, where OUT/novel has them
   std::vector<FrameScores> frames;
   std::vector<int> missing;  // numbers of the clip's frames, skipped ones aside, without an estimate
 };

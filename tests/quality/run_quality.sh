@@ -16,7 +16,7 @@ For each clip: hdrcam import, then for each preset and emission hdrcam replay an
       --peers FILE       hdrpeers.cpp, compiled on the fly; needs a C++ compiler and OpenCV's photo and imgcodecs
       --peer-list LIST   METHOD:RESPONSE, comma separated            (default kang:est2,kang:gt)
       --set NAME=LIST    one more run for each value of a knob: --set steps=0,30,100
-      --geometry         also depth and motion: a second table
+      --geometry         also depth, motion and novel views: a second table
       --skip N           frames left out at either end               (default 1)
       --again            do not keep results of an earlier run
       --keep             keep recordings and HDR frames (large)
@@ -118,6 +118,7 @@ score_hdrcam() {
     mv "$recording.part.mkv" "$recording"
   fi
   mkdir -p "$run/frames"
+  [[ $geometry == no ]] || set -- "$@" --truth "$clip"
   run_step "$run" "$hdrcam" replay "$recording" -o "$run/frames/%06d.exr" --stats "$run/stats.json" "$@" || return 1
   run_step "$run" "$hdrcam" compare "$clip" "$run/frames" --skip "$skip" --label "$label" --json "$run/scores.json"
 }
@@ -136,7 +137,7 @@ score() {
   local cell="${clip##*/}"$'\t'"$method" key
   for key in psnr_mu flicker worst_psnr_mu; do cell+=$'\t'$(figure "$run/scores.json" "$key"); done
   cell+=$'\t'$(figure "$run/stats.json" ms_per_frame)
-  for key in depth_abs_rel flow_backward_epe_px; do cell+=$'\t'$(figure "$run/scores.json" "$key"); done
+  for key in depth_abs_rel flow_backward_epe_px field_flow_epe_px field_flow_moving_epe_px novel_psnr_mu; do cell+=$'\t'$(figure "$run/scores.json" "$key"); done
   echo "$cell" >>"$out/rows.tsv"
   if [[ -s $run/scores.json ]] && ! grep -q '"missing": \[\]' "$run/scores.json"; then
     echo "  some frames of ${clip##*/} have no estimate, see \"missing\" in $run/scores.json" >&2
@@ -155,16 +156,19 @@ words='
 # The second table: what is known of depth and motion.
 geometry_markdown() {
   echo
-  echo 'Depth: mean |s d - g| / g with one scale s a clip. Motion: end-point error of the flow to the previous frame, pixels.'
+  echo 'Depth: mean |s d - g| / g with one scale s a clip. Motion: end-point error of the flow to the previous frame, pixels: of the'
+  echo "state, of the field, of the field where objects move in the world (its scene flow). Novel view: PSNR-mu of the field's"
+  echo "picture from the clip's other camera (gt/novel)."
   echo
-  echo '| clip | method | depth abs-rel | motion error, px |'
-  echo '|---|---|---|---|'
+  echo '| clip | method | depth abs-rel | state motion, px | field motion, px | moving objects, px | novel view, dB |'
+  echo '|---|---|---|---|---|---|---|'
   awk -F '\t' "$words"'$7 != "" || $8 != "" {
-    printf "| %s | %s | %s | %s |\n", $1, $2, or_dash($7, "%.4f"), or_dash($8, "%.3f") }' "$out/rows.tsv"
+    printf "| %s | %s | %s | %s | %s | %s | %s |\n", $1, $2, or_dash($7, "%.4f"), or_dash($8, "%.3f"),
+           or_dash($9, "%.3f"), or_dash($10, "%.3f"), or_dash($11, "%.2f") }' "$out/rows.tsv"
 }
 
 # rows.tsv holds, tab separated: clip, method, psnr_mu, flicker, worst_psnr_mu, ms_per_frame, depth_abs_rel,
-# flow_backward_epe_px.
+# flow_backward_epe_px, field_flow_epe_px, field_flow_moving_epe_px, novel_psnr_mu.
 markdown() {
   echo '# Quality'
   echo
@@ -210,7 +214,8 @@ json() {
       printf " {\"clip\": \"%s\", \"method\": \"%s\", ", $1, $2
       printf "\"psnr_mu\": %s, \"flicker\": %s, \"worst_psnr_mu\": %s, \"ms_per_frame\": %s, ",
              or_null($3), or_null($4), or_null($5), or_null($6)
-      printf "\"depth_abs_rel\": %s, \"flow_backward_epe_px\": %s}", or_null($7), or_null($8)
+      printf "\"depth_abs_rel\": %s, \"flow_backward_epe_px\": %s, \"field_flow_epe_px\": %s, ", or_null($7), or_null($8), or_null($9)
+      printf "\"field_flow_moving_epe_px\": %s, \"novel_psnr_mu\": %s}", or_null($10), or_null($11)
     }
     END { print "\n]" }' "$out/rows.tsv"
 }
@@ -223,7 +228,7 @@ IFS=, read -ra peer_pairs <<<"$peer_list"
 IFS=, read -ra value_list <<<"$knob_values"
 [[ ${#emit_list[@]} -gt 0 ]] || emit_list=('')
 [[ ${#value_list[@]} -gt 0 ]] || value_list=('')
-[[ $geometry == no ]] || replay_flags+=(--layers depth,flow)
+[[ $geometry == no ]] || replay_flags+=(--layers depth,flow,field_flow)
 : >"$out/rows.tsv"
 
 for clip in "${clips[@]}"; do

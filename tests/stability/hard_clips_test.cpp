@@ -18,7 +18,7 @@ void survives(const test::MovingScene& scene, int frames, const std::function<bo
   options.knobs.budget.fit.steps = 2;
   Pipeline pipeline(options, scene.camera(), pool);
   int emitted = 0, taken = 0;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord&) -> Result<void> {
     ++emitted;
     for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
@@ -132,7 +132,7 @@ TEST_CASE("2000 frames of a still scene do not drift") {
   Pipeline pipeline(options, scene.camera(), pool);
   double early = 0, late = 0;
   int emitted = 0;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord&) -> Result<void> {
     double sum = 0;
     for (const float l : frame.radiance.samples()) sum += std::log(static_cast<double>(l) + 1e-4);

@@ -38,7 +38,7 @@ Emitted emitted_by(const std::vector<RawFrame>& frames, const CameraFacts& camer
   WorkerPool pool(2);
   Pipeline pipeline(options, camera, pool);
   Emitted emitted;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord& record) -> Result<void> {
     const auto samples = frame.radiance.samples();
     emitted.radiance.emplace_back(samples.begin(), samples.end());
@@ -224,9 +224,9 @@ TEST_CASE("another seed is another fit, the same seed the same one") {
   const test::MovingScene scene;
   const auto frames = frames_of(scene, 7);
   const auto last = [&](int seed) {
-    Settings::Fit fit;
-    fit.preset = Preset::Fast, fit.emit = EmitLayer::Field, fit.seed = seed;
-    return emitted_by(frames, scene.camera(), options_of(fit)).radiance.back();
+    Settings settings;
+    settings.fit.preset = Preset::Fast, settings.fit.emit = EmitLayer::Field, settings.fit.seed = seed;
+    return emitted_by(frames, scene.camera(), options_of(settings)).radiance.back();
   };
   const auto one = last(1);
   CHECK(last(1) == one);

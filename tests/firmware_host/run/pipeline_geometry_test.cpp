@@ -33,7 +33,7 @@ Emitted emitted_by(const test::MovingScene& scene, EmitLayer layer) {
   WorkerPool pool(2);
   Pipeline pipeline(options_of(Preset::Fast, layer), scene.camera(), pool);
   Emitted emitted;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord& record) -> Result<void> {
     emitted.radiance.assign(frame.radiance.samples().begin(), frame.radiance.samples().end());
     emitted.depth.assign(frame.depth.samples().begin(), frame.depth.samples().end());

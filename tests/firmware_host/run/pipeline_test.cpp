@@ -14,7 +14,7 @@ std::vector<float> emitted_by(const std::vector<RawFrame>& frames, const CameraF
   WorkerPool pool(2);
   Pipeline pipeline(options_of(Preset::Fast, EmitLayer::State), camera, pool);
   std::vector<float> radiance;
-  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord&) -> Result<void> {
     const auto samples = frame.radiance.samples();
     radiance.insert(radiance.end(), samples.begin(), samples.end());
@@ -49,7 +49,7 @@ TEST_CASE("the fit allocates nothing per frame once it is warm, but for OpenCV i
     WorkerPool pool(2);
     PipelineOptions options = options_of(Preset::Fast, layer);
     Pipeline pipeline(options, scene.camera(), pool);
-    const Pipeline::Deliver ignore = [](const HdrFrame&, const ExposedFrame&,
+    const Pipeline::Deliver ignore = [](const HdrFrame&, const FrameEstimate&,
                                         const FrameRecord&) -> Result<void> { return {}; };
     constexpr int kWarm = 60, kCounted = 60;
     std::vector<RawFrame> frames;

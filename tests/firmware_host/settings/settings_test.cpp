@@ -24,9 +24,9 @@ using Catch::Matches;
 
 namespace {
 
-const std::vector<SettingGroup> kAllGroups{SettingGroup::Camera, SettingGroup::Schedule,
-                                           SettingGroup::Sync,   SettingGroup::Fit,
-                                           SettingGroup::Output, SettingGroup::Record};
+const std::vector<SettingGroup> kAllGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
+                                           SettingGroup::Fit,    SettingGroup::Knobs,    SettingGroup::Output,
+                                           SettingGroup::Record};
 
 std::string file_with(const std::string& text) {
   static const std::string folder = sample::scratch_folder("settings");
@@ -68,10 +68,18 @@ std::string other_value(const SettingField& field) {
       return to_text(field.range.most);
     case SettingType::Real:
       return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+    case SettingType::Knob:
+      return field.knob->kind == KnobKind::Choice ? field.knob->choices.back() : to_text(field.knob->least);
     case SettingType::Text:
       break;
   }
   return "a \"quoted\" \\ word, wörtlich\tand\n=[#]";
+}
+
+// "--output", or "--set=steps".
+std::string long_flag(const SettingField& field) {
+  if (field.type == SettingType::Knob) return "--set=" + field.knob->name;
+  return std::string(field.flag).substr(std::string_view(field.flag).find("--"));
 }
 
 Settings all_changed() {
@@ -79,6 +87,13 @@ Settings all_changed() {
   for (const SettingField& field : setting_fields())
     REQUIRE(set_from_text(field, other_value(field), field.key, settings).ok());
   return settings;
+}
+
+// The line of a knob in docs/configuration.md.
+std::string row_of(const Knob& knob) {
+  const auto in = [&](Preset preset) { return knob_value(knobs_of(preset), knob.name).value(); };
+  return fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |", knob.name, in(Preset::Fast),
+                     in(Preset::Balanced), in(Preset::Best), accepted_values(knob), knob.gives, knob.costs);
 }
 
 bool same(const Settings& a, const Settings& b) {
@@ -127,8 +142,7 @@ TEST_CASE("every setting comes back from the printed configuration and from its 
     REQUIRE(printed.ok());
     CHECK(same(printed.value(), changed));
 
-    const std::string flag = std::string(field.flag).substr(std::string_view(field.flag).find("--"));
-    const auto flagged = from_flags({flag + "=" + other_value(field)});
+    const auto flagged = from_flags({long_flag(field) + "=" + other_value(field)});
     REQUIRE(flagged.ok());
     CHECK(same(flagged.value(), changed));
   }
@@ -186,9 +200,9 @@ TEST_CASE("the help shows every flag with its default, under the title of its gr
   const std::string help = verb.help();
   for (const SettingField& field : setting_fields()) {
     INFO(field.key);
+    if (field.type == SettingType::Knob) continue;
     CHECK_THAT(help, Contains(field.flag) && Contains(title(field.group)));
-    CHECK(verb.get_option(std::string(field.flag).substr(std::string_view(field.flag).find("--")))
-              ->get_group() == title(field.group));
+    CHECK(verb.get_option(long_flag(field))->get_group() == title(field.group));
   }
   CHECK_THAT(help, Contains("--buffers INT=8") && Contains("--shutter TEXT=1ms,4ms,16ms"));
   CHECK_THAT(help, Contains("--config") && Contains("--print-config"));
@@ -204,7 +218,7 @@ TEST_CASE("an unknown key names the file, the line and the setting that was mean
              Contains("'camera.perpendicular'; --print-config prints those that there are"));
   CHECK(sentence(from_toml("\n[camra]\nwidth = 640\n")) ==
         "live.toml:2: there is no table [camra] (did you mean 'camera'?); "
-        "there are camera, schedule, sync, fit, output, record");
+        "there are camera, schedule, sync, fit, knobs, output, record");
   CHECK(sentence(from_toml("camera = 3")) ==
         "live.toml:1: 'camera' is a table; write [camera] above its settings");
   CHECK_THAT(sentence(from_toml("[[camera]]\nwidth = 640\n")), Contains("'camera' is a table"));
@@ -247,7 +261,7 @@ TEST_CASE("layers that do not exist are refused with the nearest that does") {
   CHECK(from_flags({"--layers", "depth, flow"}).value().output.layers.flow);
   CHECK(from_flags({"--layers", ""}).ok());
   CHECK(sentence(from_flags({"--layers", "depth,confidense"})) ==
-        "--layers takes any of depth,flow,confidence,provenance, not 'confidense' (did you mean "
+        "--layers takes any of depth,flow,field_flow,confidence,provenance, not 'confidense' (did you mean "
         "'confidence'?)");
   CHECK_THAT(sentence(from_flags({"--layers", "depth,,flow"})), Contains("not ''"));
 }
@@ -327,11 +341,43 @@ TEST_CASE("cut and mutated files are read or refused in one line, never worse") 
   CHECK(refused > 1000);
 }
 
+TEST_CASE("a knob is set by --set and by the file, and is checked where it is read") {
+  const auto set = from_flags({"--set", "steps=100", "--set", "loss.flow=0.5", "--set=steps=7"});
+  REQUIRE(set.ok());
+  CHECK(set.value().fit.knobs == std::map<std::string, std::string>{{"steps", "7"}, {"loss.flow", "0.5"}});
+  const auto file = from_toml("[knobs]\nsteps = 100\nshrinkage = \"off\"\nloss.flow = 0.5\n");
+  REQUIRE(file.ok());
+  CHECK(file.value().fit.knobs ==
+        std::map<std::string, std::string>{{"steps", "100"}, {"shrinkage", "off"}, {"loss.flow", "0.5"}});
+  CHECK_THAT(sentence(from_flags({"--set", "stpes=3"})),
+             Contains("there is no knob 'stpes' (did you mean 'steps'?)"));
+  CHECK_THAT(sentence(from_flags({"--set", "steps=many"})),
+             Contains("steps takes a whole number, 0..1000 steps, not 'many'"));
+  CHECK_THAT(sentence(from_flags({"--set", "steps"})), Contains("write NAME=VALUE"));
+  CHECK_THAT(sentence(from_toml("[knobs]\nsteps = -1\n")), Contains("live.toml:2: knobs.steps takes"));
+  CHECK_THAT(sentence(from_toml("[knobs]\nstpes = 1\n")), Contains("(did you mean 'knobs.steps'?)"));
+}
+
+TEST_CASE("the printed configuration shows each knob as the preset has it, in a comment") {
+  Settings settings;
+  settings.fit.preset = Preset::Best;
+  const std::string text = to_toml(settings, kAllGroups);
+  CHECK_THAT(text, Contains("\n[knobs]\n") && Contains("\n#steps = \"100\"\n"));
+  settings.fit.knobs["steps"] = "7";
+  CHECK_THAT(to_toml(settings, kAllGroups), Contains("\nsteps = \"7\"\n"));
+}
+
 TEST_CASE("docs/configuration.md lists every setting as the program has it") {
   const auto page = read_whole(posix_storage(), HDRCAM_SOURCE_DIR "/docs/configuration.md");
   REQUIRE(page.ok());
   const Settings defaults;
   for (const SettingField& field : setting_fields()) {
+    if (field.type == SettingType::Knob) {
+      const std::string line = row_of(*field.knob);
+      INFO(line);
+      CHECK(page.value().find(line) != std::string::npos);
+      continue;
+    }
     const std::string fallback = to_text(field.read(defaults));
     const std::string line = fmt::format("| `{}` | `{}` | {} | {} |", field.key, field.flag,
                                          fallback.empty() ? "" : "`" + fallback + "`", describe(field));

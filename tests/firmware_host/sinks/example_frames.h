@@ -35,6 +35,8 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
   if (with == With::DepthAndFlow) {
     frame.depth = Image<float>(1, rows, cols);
     frame.flow = Image<float>(2, rows, cols);
+    frame.field_flow = Image<float>(2, rows, cols);
+    frame.field_flow.fill(0.25f);
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < cols; ++x) {
         frame.depth.at(0, y, x) = 1 + static_cast<float>(y);

@@ -119,6 +119,31 @@ TEST_CASE("a frame without an estimate is reported and left out, and flicker nev
     REQUIRE(scored.flicker_stops.has_value() == (scored.frame != 1 && scored.frame != 4));
 }
 
+TEST_CASE(
+    "views from other cameras are scored where truth and estimate have them, with the gains of the clip") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  CHECK_FALSE(scores_of(clip).novel_psnr_mu_db);
+  for (const char* folder : {"gt/novel", "out/novel"})
+    REQUIRE(posix_storage().make_directories(clip / folder).ok());
+  // The views are those of frame 2, so the score is that of frame 2; of frame 4 there is no truth.
+  std::filesystem::copy_file(clip / "gt/hdr/0002.exr", clip / "gt/novel/0002.exr");
+  for (const char* estimate : {"000002.exr", "000004.exr"})
+    std::filesystem::copy_file(clip / "out/000002.exr", clip / (std::string("out/novel/") + estimate));
+  const ClipScores scores = scores_of(clip);
+  REQUIRE(scores.novel_psnr_mu_db);
+  CHECK(*scores.novel_psnr_mu_db == Approx(scores.frames[1].picture.psnr_mu_db));
+}
+
+TEST_CASE("the flow of the field is scored everywhere, and on what moves in the world") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::With);
+  const ClipScores scores = scores_of(clip);
+  CHECK(*scores.field_flow_epe_px == Approx(*scores.flow_backward_epe_px));
+  // On the square the reversed truth is (1, -2), the field's (-1.5, -0.5).
+  CHECK(*scores.field_flow_moving_epe_px == Approx(std::hypot(2.5, 1.5)).epsilon(0.02));
+}
+
 TEST_CASE("estimates that carry depth and flow are scored on them") {
   TemporaryFolder clip;
   write_clip_and_estimates(clip.path(), Geometry::With);

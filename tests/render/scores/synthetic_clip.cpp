@@ -133,7 +133,7 @@ void write_clip(const std::string& folder) {
 }
 
 void write_estimate(const std::string& path, int frame, Geometry geometry) {
-  Image<float> channels(8, kRows, kCols);
+  Image<float> channels(10, kRows, kCols);
   const Image<float> rgb = estimate(frame), z = depth(frame), forward = flow(frame);
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x) {
@@ -144,8 +144,11 @@ void write_estimate(const std::string& path, int frame, Geometry geometry) {
       channels.at(5, y, x) = forward.at(1, y, x) - 0.4f;
       channels.at(6, y, x) = -1.5f;  // the background's motion everywhere: wrong on the square
       channels.at(7, y, x) = -0.5f;
+      channels.at(8, y, x) = -1.5f;  // the field's: the same
+      channels.at(9, y, x) = -0.5f;
     }
-  std::vector<std::string> names{"R", "G", "B", "Z", "forward.u", "forward.v", "backward.u", "backward.v"};
+  std::vector<std::string> names{"R",         "G",          "B",          "Z",       "forward.u",
+                                 "forward.v", "backward.u", "backward.v", "field.u", "field.v"};
   if (geometry == Geometry::Without) names.resize(3);
   Image<float> chosen(static_cast<int>(names.size()), kRows, kCols);
   std::copy_n(channels.plane(0), chosen.size(), chosen.plane(0));

@@ -1,0 +1,72 @@
+#include "firmware_host/run/novel_views.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "render/exr.h"
+#include "render/scores/motion_scores.h"
+#include "render/scores/order_statistics.h"
+
+namespace hdrcam {
+namespace {
+
+Eigen::Isometry3d transform_of(const PoseMatrix& rows) {
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) transform.matrix()(r, c) = rows[static_cast<std::size_t>(4 * r + c)];
+  return transform;
+}
+
+PoseMatrix rows_of(const Eigen::Isometry3d& transform) {
+  PoseMatrix rows{};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 4; ++c) rows[static_cast<std::size_t>(4 * r + c)] = transform.matrix()(r, c);
+  return rows;
+}
+
+}  // namespace
+
+Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
+                                    const std::string& folder, WorkerPool& pool) {
+  NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", pool);
+  for (int frame = 0; frame < views.truth_.frames(); ++frame)
+    if (views.truth_.novel_camera(frame))
+      views.frames_.emplace(static_cast<std::uint64_t>(views.truth_.number(frame)), frame);
+  return views;
+}
+
+Result<void> NovelViews::render(const FrameEstimate& estimate) {
+  const auto found = frames_.find(estimate.frame.facts.sequence);
+  if (found == frames_.end() || !estimate.field) return {};
+  const int frame = found->second;
+  if (TRY(truth_.novel_radiance(frame)).empty()) return {};
+  const Image<float> depth = TRY(truth_.depth(frame));
+  if (depth.empty()) return {};
+
+  estimate.field->look(estimate.view, *pool_, own_);
+  std::vector<float> metres_per_unit;
+  collect_depth_ratios(depth, own_.depth, metres_per_unit);
+  if (metres_per_unit.empty()) return {};
+
+  const PosePair& cameras = *truth_.novel_camera(frame);
+  Eigen::Isometry3d T_own_novel =
+      transform_of(cameras.T_world_own).inverse() * transform_of(cameras.T_world_novel);
+  T_own_novel.translation() /= static_cast<double>(median(metres_per_unit));
+  SceneView view = estimate.view;
+  view.T_world_camera = rows_of(transform_of(view.T_world_camera) * T_own_novel);
+  estimate.field->look(view, *pool_, novel_);
+
+  ExrPicture picture;
+  picture.rows = novel_.radiance.rows(), picture.cols = novel_.radiance.cols();
+  for (int c = 0; c < 3; ++c)
+    picture.channels.push_back({std::string(exr_channel::kRadiance[c]),
+                                {novel_.radiance.plane(c), novel_.radiance.plane_size()},
+                                ExrSample::Half});
+  const auto bytes = TRY(encode_exr(picture));
+  TRY(storage_->make_directories(folder_));
+  return write_whole(*storage_, fmt::format("{}/{:06d}.exr", folder_, found->first), bytes);
+}
+
+}  // namespace hdrcam

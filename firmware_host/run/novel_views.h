@@ -1,0 +1,39 @@
+// What the field shows from cameras that were not there, for scoring: for each frame whose truth says another
+// camera (`novel_c2w` in gt/gt.json) and has its picture (gt/novel), that view as OUT/novel/NNNN.exr, which
+// `hdrcam compare` scores. The truth says the step from one camera to the other; the field's unit of length
+// is found as the median of true over its own depth. Thread-bound.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "hal/core/worker_pool.h"
+#include "hal/storage.h"
+#include "online/frame_estimate.h"
+#include "render/scores/ground_truth.h"
+
+namespace hdrcam {
+
+class NovelViews {
+ public:
+  // folder: of the HDR frames. Storage and pool outlive the views. Errors: those of GroundTruth.
+  static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
+                                 WorkerPool& pool);
+
+  // Nothing for a frame without such a truth, or without a field. Errors: those of the disk.
+  Result<void> render(const FrameEstimate& estimate);
+
+ private:
+  NovelViews(Storage& storage, GroundTruth truth, std::string folder, WorkerPool& pool)
+      : storage_(&storage), truth_(std::move(truth)), folder_(std::move(folder)), pool_(&pool) {}
+
+  Storage* storage_;
+  GroundTruth truth_;
+  std::string folder_;
+  WorkerPool* pool_;
+  std::map<std::uint64_t, int> frames_;  // of the truth, by sequence number
+  FieldPicture own_, novel_;
+};
+
+}  // namespace hdrcam
