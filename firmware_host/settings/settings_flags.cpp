@@ -35,6 +35,23 @@ CLI::Option* add_flag(CLI::App& verb, const SettingField& field, const char* fla
       ->default_str(to_text(field.read(Settings{})));
 }
 
+Result<void> set_knob_from(const std::string& assignment, const std::vector<const SettingField*>& knobs,
+                           Settings& settings) {
+  const std::size_t equals = assignment.find('=');
+  const std::string name = assignment.substr(0, equals);
+  if (equals == std::string::npos)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--set {} sets nothing; write NAME=VALUE, such as --set steps=100", assignment)};
+  std::vector<std::string> names;
+  for (const SettingField* field : knobs) {
+    if (field->knob->name == name)
+      return set_from_text(*field, assignment.substr(equals + 1), name, settings);
+    names.push_back(field->knob->name);
+  }
+  return Error{ErrorCode::Invalid, fmt::format("there is no knob '{}'{}; --print-config lists them", name,
+                                               did_you_mean(name, names))};
+}
+
 }  // namespace
 
 struct SettingsFlags::Given {
@@ -84,27 +101,6 @@ SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<std::string>& key
 }
 
 SettingsFlags::~SettingsFlags() = default;
-
-namespace {
-
-Result<void> set_knob_from(const std::string& assignment, const std::vector<const SettingField*>& knobs,
-                           Settings& settings) {
-  const std::size_t equals = assignment.find('=');
-  const std::string name = assignment.substr(0, equals);
-  if (equals == std::string::npos)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("--set {} sets nothing; write NAME=VALUE, such as --set steps=100", assignment)};
-  std::vector<std::string> names;
-  for (const SettingField* field : knobs) {
-    if (field->knob->name == name)
-      return set_from_text(*field, assignment.substr(equals + 1), name, settings);
-    names.push_back(field->knob->name);
-  }
-  return Error{ErrorCode::Invalid, fmt::format("there is no knob '{}'{}; --print-config lists them", name,
-                                               did_you_mean(name, names))};
-}
-
-}  // namespace
 
 Result<Settings> SettingsFlags::read(Storage& storage) const {
   Settings settings;
