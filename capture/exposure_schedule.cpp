@@ -18,6 +18,19 @@ Result<void> check_slots(std::span<const Exposure> cycle) {
                                                int{ExposureSchedule::kMaxSlots}, cycle.size())};
 }
 
+// A cycle of one exposure, said several times, tells nothing apart and cannot become HDR.
+Result<void> check_distinct(std::span<const Exposure> cycle) {
+  const auto same = [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - log_product(cycle.front())) <= kSameExposure;
+  };
+  if (cycle.size() < 2 || !std::all_of(cycle.begin(), cycle.end(), same)) return {};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("all {} exposures of the cycle are the same, {}; give different ones to --shutter or "
+                  "--gain, or a single one",
+                  cycle.size(), describe(cycle.front()))};
+}
+
 }  // namespace
 
 Duration half_period(Mains mains) {
@@ -43,6 +56,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
                                                   const CameraCapabilities& camera, Duration frame_duration,
                                                   Mains mains) {
   TRY(check_slots(cycle));
+  TRY(check_distinct(cycle));
   const Duration margin = frame_margin(camera);
   const Duration half = half_period(mains);
 

@@ -12,10 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
-#include "hal/recording/recording.h"
 #include "hal/storage.h"
 
 namespace hdrcam {

@@ -121,7 +121,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   options.adapt = settings.schedule.adapt;
   if (!settings.camera.control_delay.empty())
     options.delays = TRY(parse_delays(settings.camera.control_delay));
-  if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
+  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
   if (settings.camera.timestamp != StampMeaning::AsDriverSays)
     options.timestamp_mark = settings.camera.timestamp == StampMeaning::ExposureBegin
                                  ? TimestampMark::ExposureBegin

@@ -4,8 +4,10 @@
 
 #include <string>
 
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 #include "hal/recording/clip_json.h"
-#include "hal/recording/recording.h"
+#include "hal/storage.h"
 
 namespace hdrcam {
 

@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam {
 
