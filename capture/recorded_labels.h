@@ -22,7 +22,8 @@ namespace hdrcam {
 
 class RecordedLabels {
  public:
-  static constexpr int kBeginning = ExposureProof::kWindow;  // frames that are judged together
+  // Frames that are judged together: those that no full window precedes, and a window after them.
+  static constexpr int kBeginning = ExposureProof::kWindow + 4;
 
   explicit RecordedLabels(const CameraFacts& camera);
 

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,6 +63,8 @@ struct ExrAttributes {
   std::optional<PoseMatrix>
       T_world_camera;           // worldToCamera holds its inverse, transposed (row vectors), metres
   std::string owner, comments;  // owner, comments; empty: not written
+  // Ours beyond the standard, each named "hdrcam.": value as text.
+  std::map<std::string, std::string> texts;
 };
 
 struct ExrChannel {

@@ -118,6 +118,48 @@ TEST_CASE("a raw camera is recorded raw, and its recording becomes HDR frames") 
   CHECK(files_in(folder, ".exr") == 12);
 }
 
+TEST_CASE("a black level that the user states reaches recording and fit, of raw and of processed codes") {
+  for (const std::string format : {"", "RGB24"}) {
+    const std::string folder = sample::scratch_folder("live_black");
+    std::vector<std::string> words{"live",
+                                   "--camera",
+                                   "sim:still?size=64x48&fps=60&black=0.06",
+                                   "--shutter",
+                                   "1ms,4ms",
+                                   "--preset",
+                                   "fast",
+                                   "--emit",
+                                   "state",
+                                   "--frames",
+                                   "16",
+                                   "--black-level",
+                                   "15.3",
+                                   "--record",
+                                   folder + "/raw.mkv",
+                                   "--stats",
+                                   folder + "/live.json"};
+    if (!format.empty()) words.insert(words.end(), {"--format", format});
+    require_success(words);
+    require_success({"replay", folder + "/raw.mkv", "--preset", "fast", "--emit", "state", "--stats",
+                     folder + "/replay.json"});
+    CAPTURE(format);
+    for (const RawFrame& frame : frames_in(folder + "/raw.mkv")) {
+      REQUIRE(frame.facts.black_level);
+      CHECK((*frame.facts.black_level)[1] == Approx(15.3));
+    }
+    for (const char* stats : {"/live.json", "/replay.json"}) {
+      const std::string notes = json_in(folder + stats)["notes"].dump();
+      CAPTURE(stats, notes);
+      CHECK(notes.find("black level: 15.3, 15.3, 15.3 codes of 255") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a cycle of equal exposures is refused") {
+  check_refused({"live", "--camera", "sim:still", "--shutter", "1ms,1ms,1ms"}, ErrorCode::Invalid,
+                "all 3 exposures of the cycle are the same");
+}
+
 TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {
   const std::string folder = sample::scratch_folder("live_calibrated");
   const std::string camera = "sim:still?size=96x72&fps=100&reports=no&delay=3,1";
