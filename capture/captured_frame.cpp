@@ -1,5 +1,7 @@
 #include "capture/captured_frame.h"
 
+#include <fmt/format.h>
+
 namespace hdrcam {
 
 void CaptureCounters::count(const Judgement& judgement) {
@@ -18,6 +20,11 @@ void CaptureCounters::count(const Judgement& judgement) {
       break;
   }
   relabelled += judgement.relabelled;
+}
+
+std::string proof_of(const CaptureCounters& camera) {
+  return fmt::format("exposures: {} proved, {} plausible, {} contradicted, {} unknown", camera.proved,
+                     camera.plausible, camera.contradicted, camera.unknown);
 }
 
 }  // namespace hdrcam

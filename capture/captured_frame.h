@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "capture/exposure_adaptation.h"
 #include "capture/exposure_proof.h"
@@ -30,6 +31,9 @@ struct CaptureCounters {
   std::uint64_t dropped() const { return damaged + undecodable; }
   void count(const Judgement& judgement);  // of an emitted frame
 };
+
+// "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown".
+std::string proof_of(const CaptureCounters& counters);
 
 struct CapturedFrame {
   RawFrame raw;  // facts complete: exposure, source, verdict, slot, time of the centre, flags

@@ -134,11 +134,12 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
 // What the recording said already, and what the pictures say now.
 void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   FrameFacts& facts = frame.raw.facts;
-  const bool was_flagged = (facts.flags & kFrameExposureUnproved) != 0;
+  const bool flagged = (facts.flags & kFrameExposureUnproved) != 0;
   if (judgement.unique && (judgement.relabelled || !is_exposure(facts))) {
     relabel(facts, judgement);
-  } else if (was_flagged && judgement.trusted() && !judgement.unique) {
-    frame.proof.verdict = facts.verdict.value_or(Verdict::Unknown);
+  } else if (flagged && judgement.trusted() && !judgement.unique) {
+    const bool contradicted = facts.verdict == Verdict::Contradicted;
+    frame.proof.verdict = contradicted ? Verdict::Contradicted : Verdict::Unknown;
   } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
     frame.proof.verdict = Verdict::Proved;
   }
@@ -160,8 +161,9 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
     return std::abs(a.log_value() - value) < std::abs(b.log_value() - value);
   });
   if (found == cycle_.end()) return;
-  relabelled_.object("frame {}: exposure of {:.6g} s relabelled {:.6g} s by its pictures", facts.sequence,
-                     facts.exposure(), std::exp(found->log_value()));
+  if (is_exposure(facts))
+    relabelled_.object("frame {}: exposure of {:.6g} s relabelled {:.6g} s by its pictures", facts.sequence,
+                       facts.exposure(), std::exp(found->log_value()));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 #include "online/motion/flow_field.h"
 
 namespace hdrcam {

@@ -59,7 +59,9 @@ inline FrameFacts facts(int index, std::mt19937& random) {
   facts.digital_gain = 1 + unit(random);
   facts.slot = index % 3;
   facts.black_level = BlackLevel(std::round(16e6 * unit(random)) / 1e6);
-  if (index % 4 != 3) facts.verdict = static_cast<Verdict>(index % 4);
+  constexpr Verdict kVerdicts[] = {Verdict::Proved, Verdict::Contradicted, Verdict::Plausible,
+                                   Verdict::Unknown};  // as the flags below
+  if (index % 8 < 4) facts.verdict = kVerdicts[index % 4];
   if (index % 4 == 0) facts.exposure_within_ev = unit(random);
   facts.exposure_source = static_cast<ExposureSource>(index % 6);
   facts.flags = static_cast<std::uint32_t>(index % 8);
