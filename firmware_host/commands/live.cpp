@@ -45,6 +45,7 @@ void print_summary(const LiveCounters& counters, const Settings& settings) {
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const std::string file = replayed_file(settings.camera.id);
   RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
+                                 .timeout = flags.limits.options(true).timeout,
                                  .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns,
                                  .copy_to = settings.record.file};
   if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);

@@ -25,6 +25,7 @@ std::optional<int> RecordingSource::frame_count() const {
 
 Result<const RawFrame*> RecordingSource::next() {
   if (options_.frames > 0 && read_ == options_.frames) return nullptr;
+  if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout) return nullptr;
   if (stop_) {
     end_ = Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", read_)};
     return nullptr;

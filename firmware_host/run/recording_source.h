@@ -11,12 +11,14 @@
 
 #include "capture/recording_stage.h"
 #include "firmware_host/run/frame_source.h"
+#include "hal/clock.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
 
 struct RecordingSourceOptions {
-  int frames = 0;  // at most so many, 0 for all
+  int frames = 0;       // at most so many, 0 for all
+  Duration timeout{0};  // of the run, 0 for none
   Contradiction contradiction = Contradiction::Warns;
   std::optional<BlackLevel> black_level = {};  // as the user states it, instead of the recording's own
   std::string copy_to = {};                    // a recording of the frames as judged; "" for none
@@ -50,6 +52,7 @@ class RecordingSource : public FrameSource {
   const std::unique_ptr<RecordingWriter> copy_;
   const RecordingSourceOptions options_;
   const std::atomic<bool>& stop_;
+  const Instant begin_ = posix_clock().now();
   CapturedFrame frame_;
   int read_ = 0;
   Result<void> end_;
