@@ -1,6 +1,7 @@
 #include "capture/capture_stage.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "capture/delay_calibration.h"
 
@@ -63,7 +64,7 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       mains_(mains),
       sensor_(known_sensor(camera.capabilities().model)),
       photometer_(first_response()) {
-  if (codes_.linear && !options_.black_level && !sensor_) most_black_ = PhotometricResponse::kMostBlack;
+  if (codes_.linear && !stated_black()) most_black_ = PhotometricResponse::kMostBlack;
   collect_warnings();
 }
 
@@ -86,10 +87,16 @@ FrameMatcherOptions CaptureStage::matching() const {
   return matching;
 }
 
+// By the user, else by the table of sensors, which speaks of raw codes.
+std::optional<BlackLevel> CaptureStage::stated_black() const {
+  if (options_.black_level) return options_.black_level;
+  if (sensor_ && codes_.linear) return sensor_->black_level;
+  return std::nullopt;
+}
+
 PhotometricResponse CaptureStage::first_response() const {
   if (!codes_.linear) return PhotometricResponse::unknown();
-  if (options_.black_level) return PhotometricResponse::linear(*options_.black_level);
-  if (sensor_) return PhotometricResponse::linear(sensor_->black_level * 255 / 65536);
+  if (const auto black = stated_black()) return PhotometricResponse::linear(*black);
   return PhotometricResponse::linear_unknown_black();
 }
 
@@ -208,7 +215,7 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   judge(buffer, matched, frame);
   follow_light(frame);
   ++counters_.emitted;
-  count(frame.proof);
+  counters_.count(frame.proof);
   return true;
 }
 
@@ -232,8 +239,10 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.digital_gain = label.digital_gain;
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
-  if (sensor_ && codes_.linear)
-    facts.black_level = sensor_->black_level / 65536 * static_cast<float>(1 << codes_.bits);
+  facts.black_level = stated_black();
+  facts.verdict = frame.proof.verdict;
+  if (std::isfinite(frame.proof.within_ev) && frame.proof.within_ev > 0)
+    facts.exposure_within_ev = frame.proof.within_ev;
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
   if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
   frame.lost_before = lost_since_emitted_;
@@ -252,24 +261,6 @@ void CaptureStage::follow_light(const CapturedFrame& frame) {
 int CaptureStage::slot_of(const ExposureClaim& label) const {
   if (camera_.capabilities().sets_exposure) return matcher_->slot_of(label);
   return schedule_.nearest_slot(label.exposure);
-}
-
-void CaptureStage::count(const Judgement& proof) {
-  switch (proof.verdict) {
-    case Verdict::Proved:
-      ++counters_.proved;
-      break;
-    case Verdict::Plausible:
-      ++counters_.plausible;
-      break;
-    case Verdict::Contradicted:
-      ++counters_.contradicted;
-      break;
-    case Verdict::Unknown:
-      ++counters_.unknown;
-      break;
-  }
-  counters_.relabelled += proof.relabelled;
 }
 
 CameraFacts CaptureStage::facts() const {
@@ -291,7 +282,7 @@ Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
   return {};
 }
 
-void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, float black_level) {
+void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {
   photometer_.set_response(PhotometricResponse::known(inverse, black_level));
   most_black_.reset();
   proof_.forget();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "capture/captured_frame.h"
 #include "capture/exposure_adaptation.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
@@ -20,41 +21,13 @@ struct CaptureOptions {
   StreamMode mode{};  // wanted
   int buffers = 8;    // requests under way; fewer than 8 do not reach over a pipeline's delay
   std::optional<ControlDelays> delays{};  // calibrated; default: what the camera or the table of sensors says
-  std::optional<float> black_level{};     // codes of 255; default: of the table of sensors, for raw formats
+  std::optional<BlackLevel> black_level{};  // as the user states it; default: the table of sensors', if raw
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
   std::optional<TimestampMark> timestamp_mark{};  // default: what the camera says
   bool adapt = false;                             // the cycle follows the light (exposure_adaptation.h)
   PixelUnpackSettings unpack{};
   Duration patience{2'000'000'000};  // without a frame for so long is a Timeout
-};
-
-// Frames by what became of them. At every moment captured = emitted + dropped().
-struct CaptureCounters {
-  std::uint64_t captured = 0;  // buffers that the camera handed over
-  std::uint64_t emitted = 0;
-  std::uint64_t damaged = 0;         // dropped: the driver says the pixels are incomplete
-  std::uint64_t undecodable = 0;     // dropped: too short, or a JPEG that does not decode
-  std::uint64_t lost_by_camera = 0;  // never captured: gaps in sequence numbers and timestamps
-  std::uint64_t proved = 0, plausible = 0, contradicted = 0, unknown = 0;  // of the emitted
-  std::uint64_t relabelled = 0;  // of the plausible: by the pictures alone
-  std::uint64_t unreported = 0;  // frames without an exposure from the driver
-  std::uint64_t repeated_cookies = 0;
-  std::uint64_t strobed = 0;        // frames to which a pulse of the strobe line belongs
-  std::uint64_t controls_late = 0;  // frames whose exposure was written late
-  std::uint64_t requests_late = 0;  // no free buffer when a request was due
-  std::uint64_t relocks = 0;        // cadences found again
-  std::uint64_t cycle_changes = 0;  // to follow the light
-
-  std::uint64_t dropped() const { return damaged + undecodable; }
-};
-
-struct CapturedFrame {
-  RawFrame raw;  // facts complete: exposure, source, slot, time of the centre, flags
-  Judgement proof;
-  int lost_before = 0;  // frames
-  std::uint64_t cookie = 0;
-  SlotShares shares;  // clipped and dark, of the picture
 };
 
 class CaptureStage {
@@ -86,7 +59,7 @@ class CaptureStage {
   // Requests from now on follow another cycle.
   Result<void> change_cycle(std::span<const Exposure> cycle);
   // The camera's response, once the fit has found it: ratios become exact (photometry.h).
-  void learn_response(const PhotometricResponse::Curve& inverse, float black_level);
+  void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
 
  private:
   CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOptions& options, const StreamMode& mode,
@@ -94,6 +67,7 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   PhotometricResponse first_response() const;
+  std::optional<BlackLevel> stated_black() const;
   bool narrow_black();
   void collect_warnings();
   void restart_matching();
@@ -104,7 +78,6 @@ class CaptureStage {
   void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
   int slot_of(const ExposureClaim& label) const;
-  void count(const Judgement& proof);
 
   Camera& camera_;
   SyncLine* strobe_;

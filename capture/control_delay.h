@@ -20,6 +20,7 @@
 #include <string_view>
 
 #include "hal/camera.h"
+#include "hal/core/black_level.h"
 
 namespace hdrcam {
 
@@ -32,7 +33,7 @@ struct SensorDelays {
 
 struct KnownSensor {
   SensorDelays delays;
-  float black_level = 0;  // of 65536
+  BlackLevel black_level;
 };
 
 // By the sensor's name anywhere in the model text ("imx219", "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt

@@ -7,7 +7,7 @@
 
 #include <cstdint>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam {
 

@@ -4,8 +4,8 @@
 // radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only value.
 #pragma once
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -50,6 +50,11 @@ std::optional<double> seconds_in(std::string_view text) {
 
 }  // namespace
 
+bool outlasts_frame(double exposure_s, double interval_s) {
+  constexpr double kRounding = 1.05;
+  return interval_s > 0 && exposure_s > kRounding * interval_s;
+}
+
 double log_product(const Exposure& exposure) { return std::log(exposure.product()); }
 
 Result<Duration> parse_duration(std::string_view text) {

@@ -22,6 +22,13 @@ struct Exposure {
 // ln E, the scale on which exposures are compared; a stop is ln 2.
 double log_product(const Exposure& exposure);
 
+// Exposures nearer than this on that scale are the same: what rounding to lines and gain codes may do.
+constexpr double kSameExposure = 0.05;
+
+// Whether an exposure is longer than its frame lasts, beyond what rounded times explain: its time is wrong
+// then.
+bool outlasts_frame(double exposure_s, double interval_s);
+
 // "4ms", "250us", "1/250", "1/250s", "0.004s"; a bare number is seconds. Invalid for anything else, zero or
 // negative.
 Result<Duration> parse_duration(std::string_view text);

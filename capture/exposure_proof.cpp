@@ -28,20 +28,6 @@ int claim_saying(const FrameEvidence& evidence, double value) {
 
 }  // namespace
 
-const char* name(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Proved:
-      return "proved";
-    case Verdict::Plausible:
-      return "plausible";
-    case Verdict::Contradicted:
-      return "contradicted";
-    case Verdict::Unknown:
-      break;
-  }
-  return "unknown";
-}
-
 double ExposureClaim::log_value() const { return log_product(exposure) + std::log(digital_gain); }
 
 void ExposureProof::set_cycle(std::span<const Exposure> cycle) {

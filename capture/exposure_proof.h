@@ -38,9 +38,6 @@
 
 namespace hdrcam {
 
-enum class Verdict { Proved, Plausible, Contradicted, Unknown };
-const char* name(Verdict verdict);
-
 struct ExposureClaim {
   Exposure exposure;
   double digital_gain = 1;
@@ -74,8 +71,7 @@ class ExposureProof {
  public:
   static constexpr int kWindow = 8;      // frames: two rounds of the longest cycle
   static constexpr int kCandidates = 8;  // exposures: a cycle of four, and the cycle before it
-  // Exposures nearer than this are the same: what rounding to lines and gain codes may do. ln.
-  static constexpr double kSame = 0.05;
+  static constexpr double kSame = kSameExposure;
 
   // The exposures that frames can have. After a change of schedule the earlier ones stay candidates, as
   // frames under way still have them, until enough frames are proved to have the new ones.

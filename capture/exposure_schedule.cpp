@@ -18,6 +18,19 @@ Result<void> check_slots(std::span<const Exposure> cycle) {
                                                int{ExposureSchedule::kMaxSlots}, cycle.size())};
 }
 
+// A cycle of one exposure several times tells nothing apart and cannot become HDR.
+Result<void> check_distinct(const std::vector<Exposure>& cycle) {
+  const auto same = [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - log_product(cycle.front())) <= kSameExposure;
+  };
+  if (cycle.size() < 2 || !std::all_of(cycle.begin(), cycle.end(), same)) return {};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("all {} exposures of the cycle are the same, {}; give different ones to --shutter or "
+                  "--gain, or a single one",
+                  cycle.size(), describe(cycle.front()))};
+}
+
 }  // namespace
 
 Duration half_period(Mains mains) {
@@ -47,6 +60,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
   const Duration half = half_period(mains);
 
   ExposureSchedule schedule;
+  std::vector<Exposure> exposures;  // as the sensor makes them
   for (const Exposure& asked : cycle) {
     if (asked.time + margin > frame_duration) {
       const double fastest_hz = std::floor(100 / to_seconds(asked.time + margin)) / 100;
@@ -66,8 +80,10 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
     slot.exposure = TRY(quantised(slot.exposure, camera));
     schedule.shortest_frame_duration_ =
         std::max(schedule.shortest_frame_duration_, slot.exposure.time + margin);
+    exposures.push_back(slot.exposure);
     schedule.slots_[static_cast<std::size_t>(schedule.count_++)] = slot;
   }
+  TRY(check_distinct(exposures));
   return schedule;
 }
 

@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "capture/clip_policy.h"
+
 namespace hdrcam {
 namespace {
 
+constexpr std::size_t kGreen = 1;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 // ln relative exposure of the mean of 201 real responses, at these codes of 255. Made with the DoRF database
@@ -135,10 +138,11 @@ PhotometricResponse PhotometricResponse::unknown() {
   return response;
 }
 
-PhotometricResponse PhotometricResponse::linear(float black_level) {
-  PhotometricResponse response(black_level + 6, 1.03);
+PhotometricResponse PhotometricResponse::linear(const BlackLevel& black_level) {
+  const float black = black_level[kGreen];
+  PhotometricResponse response(black + 6, 1.03);
   response.linear_ = true;
-  response.black_ = black_level;
+  response.black_ = black;
   return response;
 }
 
@@ -151,10 +155,11 @@ PhotometricResponse PhotometricResponse::linear_unknown_black(float most) {
   return response;
 }
 
-PhotometricResponse PhotometricResponse::known(const Curve& inverse, float black_level) {
-  PhotometricResponse response(black_level + 8, 1.1);
+PhotometricResponse PhotometricResponse::known(const Curve& inverse, const BlackLevel& black_level) {
+  const float black = black_level[kGreen];
+  PhotometricResponse response(black + 8, 1.1);
   for (std::size_t z = 0; z < 256; ++z) {
-    const float code = std::max(0.f, (static_cast<float>(z) - black_level) * 255 / (255 - black_level));
+    const float code = std::max(0.f, (static_cast<float>(z) - black) * 255 / (255 - black));
     const auto below = std::min<std::size_t>(254, static_cast<std::size_t>(code));
     const float t = code - static_cast<float>(below);
     response.log_[z] = std::log(std::max(1e-6f, inverse[below] + t * (inverse[below + 1] - inverse[below])));
@@ -164,7 +169,7 @@ PhotometricResponse PhotometricResponse::known(const Curve& inverse, float black
 
 float PhotometricResponse::log_exposure(float code) const {
   if (code < darkest_) return -kInfinity;
-  if (code >= kClipped) return kInfinity;
+  if (code >= clip_policy::kPhotometryClipped) return kInfinity;
   if (linear_) return std::log(code - black_);
   const auto below = static_cast<std::size_t>(code);
   return log_[below] + (code - static_cast<float>(below)) * (log_[below + 1] - log_[below]);
@@ -181,7 +186,7 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
   const int channel = layout == PixelLayout::Rgb ? 1 : 0;
   const int parity = greens(layout).parity;
   const float to_255 = 255.f / static_cast<float>((1 << bits) - 1);
-  const auto clipped = static_cast<std::uint16_t>(PhotometricResponse::kClipped / to_255);
+  const auto clipped = static_cast<std::uint16_t>(clip_policy::kPhotometryClipped / to_255);
 
   signature.darkest_code = 255;
   std::size_t site = 0;

@@ -12,8 +12,8 @@
 #include <optional>
 #include <span>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 
@@ -25,13 +25,13 @@ class PhotometricResponse {
   // The mean of real cameras (Grossberg & Nayar's 201 curves). Their ratios are within a factor of 2.8 of
   // this one's on the logarithmic scale, all of them, for exposures 1 to 4 stops apart.
   static PhotometricResponse unknown();
-  // Raw codes; black level in codes of 255.
-  static PhotometricResponse linear(float black_level);
+  // Raw codes. The ratio is measured in green, and so is the black level that counts here.
+  static PhotometricResponse linear(const BlackLevel& black_level);
   // Raw codes whose black level nobody knows, only that it is 0..`most` codes of 255. Codes are trusted from
   // where that no longer matters much.
   static PhotometricResponse linear_unknown_black(float most = kMostBlack);
   // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
-  static PhotometricResponse known(const Curve& inverse, float black_level);
+  static PhotometricResponse known(const Curve& inverse, const BlackLevel& black_level);
 
   // ln of relative exposure; -inf for codes too dark to say, +inf for clipped ones.
   float log_exposure(float code) const;
@@ -39,7 +39,6 @@ class PhotometricResponse {
   double stretch() const { return stretch_; }
 
   static constexpr float kMostBlack = 18;  // codes of 255: of all sensors known
-  static constexpr float kClipped = 250;   // codes of 255 from here on may be cut off
 
  private:
   PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}

@@ -4,8 +4,9 @@
 #pragma once
 
 #include "hal/camera.h"
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 #include "hal/jpeg_decoder.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "capture/demosaic.h"
+#include "capture/exposure.h"
 
 namespace hdrcam {
 
@@ -24,8 +25,8 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   frame.facts = raw.facts;
   frame.index = index;
   frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
-  frame.blur_fraction =
-      interval_s > 0 ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
+  const bool blurs = interval_s > 0 && !outlasts_frame(raw.facts.exposure_s, interval_s);
+  frame.blur_fraction = blurs ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
 
   const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
   if (is_bayer(settings.layout)) {

@@ -2,19 +2,15 @@
 // relative to the clip's reference. Reentrant.
 #pragma once
 
-#include <array>
-
 #include "capture/exposed_frame.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
-
-// Black level per channel, in codes of 255.
-using BlackLevel = std::array<float, 3>;
 
 // What is common to all frames of a clip.
 struct UnpackSettings {
   int bits = 8;  // significant bits of a raw code
-  BlackLevel black_level{};
+  BlackLevel black_level;
   double reference_exposure = 1;          // E_ref, seconds x gains
   PixelLayout layout = PixelLayout::Rgb;  // Mono is the same as Rgb with one channel
 };

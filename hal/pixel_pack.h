@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "hal/camera.h"
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam {
 

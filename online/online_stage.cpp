@@ -79,9 +79,8 @@ Result<void> OnlineStage::ingest(const RawFrame& raw, const FrameBudget& budget,
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
   settings_.reference_exposure = cycle_mean(waiting_);
-  if (response_known_)
-    settings_.black_level.fill(static_cast<float>(waiting_.front().facts.black_level * kMaxCode /
-                                                  static_cast<double>((1 << settings_.bits) - 1)));
+  const std::optional<BlackLevel> stated = waiting_.front().facts.black_level;
+  if (response_known_) settings_.black_level = stated.value_or(BlackLevel());
   std::vector<ExposedFrame> frames;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
     // the first frame has none before it: its interval is taken to be the second's
@@ -94,7 +93,7 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   waiting_.clear();
 
   if (!response_known_) {
-    ResponseEstimator estimator;
+    ResponseEstimator estimator(stated);
     for (std::size_t i = 1; i < frames.size(); ++i) estimator.add_pair(frames[i - 1], frames[i]);
     const ResponseEstimate estimate = estimator.estimate(noise_);
     response_ = estimate.response;

@@ -9,6 +9,7 @@
 #include <ImfOutputFile.h>
 #include <ImfRational.h>
 #include <ImfStandardAttributes.h>
+#include <ImfStringAttribute.h>
 #include <ImfTimeCode.h>
 
 #include <algorithm>
@@ -131,6 +132,7 @@ void add_attributes(Imf::Header& header, const ExrAttributes& a) {
   if (a.T_world_camera) Imf::addWorldToCamera(header, world_to_camera(*a.T_world_camera));
   if (!a.owner.empty()) Imf::addOwner(header, a.owner);
   if (!a.comments.empty()) Imf::addComments(header, a.comments);
+  for (const auto& [name, text] : a.texts) header.insert(name, Imf::StringAttribute(text));
 }
 
 ExrAttributes attributes_of(const Imf::Header& header) {
@@ -150,6 +152,10 @@ ExrAttributes attributes_of(const Imf::Header& header) {
   if (Imf::hasWorldToCamera(header)) a.T_world_camera = world_from_camera(Imf::worldToCamera(header));
   if (Imf::hasOwner(header)) a.owner = Imf::owner(header);
   if (Imf::hasComments(header)) a.comments = Imf::comments(header);
+  for (auto entry = header.begin(); entry != header.end(); ++entry)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&entry.attribute());
+        text != nullptr && std::string_view(entry.name()).starts_with("hdrcam."))
+      a.texts[entry.name()] = text->value();
   return a;
 }
 

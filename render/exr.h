@@ -6,16 +6,17 @@
 
 #include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
-#include "hal/recording/recording.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -63,6 +64,8 @@ struct ExrAttributes {
   std::optional<PoseMatrix>
       T_world_camera;           // worldToCamera holds its inverse, transposed (row vectors), metres
   std::string owner, comments;  // owner, comments; empty: not written
+  // Ours beyond the standard, each named "hdrcam.": value as text.
+  std::map<std::string, std::string> texts;
 };
 
 struct ExrChannel {

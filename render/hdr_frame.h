@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -5,6 +5,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "hal/recording/image_sequence.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 namespace {

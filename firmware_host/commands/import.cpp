@@ -1,34 +1,40 @@
 // hdrcam import CLIP -o x.mkv: a folder of images and its clip.json become a recording.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <memory>
 
+#include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "hal/recording/image_sequence.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 namespace {
 
 struct ImportOptions {
   std::string clip, output;
+  bool strict = false;
 };
 
-Result<int> copy_frames(Surroundings& around, const ImageSequence& clip, const std::string& path) {
+// The number of frames. What the pictures say of the exposures goes into the recording with them.
+Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path) {
   auto writer = TRY(create_recording(around.storage, path, clip.camera()));
-  for (int i = 0; i < clip.frame_count(); ++i) {
+  CapturedFrame frame;
+  while (TRY(clip.next(frame))) {
     if (around.stop)
-      return Error{ErrorCode::Interrupted,
-                   fmt::format("interrupted at frame {} of {}", i, clip.frame_count())};
-    const RawFrame frame = TRY(clip.read(i));
-    TRY(writer->append(frame));
+      return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}",
+                                                       clip.counters().captured - 1, *clip.frame_count())};
+    TRY(writer->append(frame.raw));
   }
   TRY(writer->finish());
-  return clip.frame_count();
+  return clip.counters().captured;
 }
 
 // Nothing half-written ever has the name of the output, and an older output goes only when the new one is
 // whole.
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
-  const auto clip = TRY(ImageSequence::open(around.storage, options.clip));
+  RecordingStage clip(TRY(open_clip(around.storage, options.clip)),
+                      options.strict ? Contradiction::Fails : Contradiction::Warns);
   const std::string part = options.output + ".part";
   const auto frames = copy_frames(around, clip, part);
   if (!frames) {
@@ -37,6 +43,7 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   }
   TRY(around.storage.rename(part, options.output));
   const CameraFacts& camera = clip.camera();
+  for (const std::string& warning : clip.warnings()) fmt::print(stderr, "warning: {}\n", warning);
   fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames.value(), camera.width,
              camera.height, camera.bits, name(camera.layout));
   return {};
@@ -49,6 +56,8 @@ void add_import(CLI::App& app, Verb& chosen) {
   CLI::App* verb = app.add_subcommand("import", "turn a folder of images with a clip.json into a recording");
   verb->add_option("clip", options->clip, "the clip.json, or the folder that holds it")->required();
   verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
+  verb->add_flag("--strict", options->strict,
+                 "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return import_clip(around, *options); };
   });

@@ -7,7 +7,9 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_source.h"
+#include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
 
@@ -16,6 +18,7 @@ namespace {
 
 struct LiveFlags {
   RunLimits limits;
+  bool strict = false;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -38,15 +41,34 @@ void print_summary(const LiveCounters& counters, const Settings& settings) {
     fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
 }
 
+// A recording in place of the camera, at the fit's pace: what `replay` does, to the same bytes.
+Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
+  const std::string file = replayed_file(settings.camera.id);
+  RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
+                                 .timeout = flags.limits.options(true).timeout,
+                                 .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns,
+                                 .copy_to = settings.record.file};
+  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
+  const auto source = TRY(RecordingSource::open(around.storage, file, options, around.stop));
+  const RunPlan plan{
+      .settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)};
+  const Result<void> ended = run(plan, *source, around.storage);
+  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
+  fmt::print("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
+  return ended;
+}
+
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config())
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (keeps_nothing(settings))
+    fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
+  if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
+    return replay_as_camera(flags, settings, around);
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
-  if (keeps_nothing(settings))
-    fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
 
   const RunPlan plan{
       .settings = settings, .title = camera->camera().name, .command = command_line_of(flags, settings)};
@@ -63,6 +85,9 @@ void add_live(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<LiveFlags>();
   CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames while they come in");
   flags->limits.add_to(*verb);
+  verb->add_flag(
+      "--strict", flags->strict,
+      "fail where the pictures of replay:FILE contradict an exposure, instead of relabelling or flagging it");
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                        SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,

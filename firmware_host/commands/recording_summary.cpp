@@ -9,6 +9,15 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kNotJudged = "not judged";
+
+std::string counts_text(const std::map<std::string, std::uint64_t>& counts) {
+  std::string text;
+  for (const auto& [what, count] : counts)
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  return text.empty() ? "none" : text;
+}
+
 double range_ev(const RecordingSummary& summary) {
   return summary.shortest_exposure_s > 0 ? std::log2(summary.longest_exposure_s / summary.shortest_exposure_s)
                                          : 0;
@@ -36,6 +45,9 @@ void count(RecordingSummary& summary, const FrameFacts& facts, const FrameFacts*
     ++summary.gaps;
     summary.dropped += facts.sequence - before->sequence - 1;
   }
+  ++summary.verdicts[facts.verdict ? name(*facts.verdict) : kNotJudged];
+  ++summary.sources[name(facts.exposure_source)];
+  if (before == nullptr) summary.black_level = facts.black_level;
   summary.unproved += (facts.flags & kFrameExposureUnproved) != 0;
   summary.damaged += (facts.flags & kFrameDamaged) != 0;
   summary.with_pose += facts.T_world_camera.has_value();
@@ -95,6 +107,9 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
                        ? fmt::format("{:.6g} .. {:.6g} s, {:.2f} EV", summary.shortest_exposure_s,
                                      summary.longest_exposure_s, range_ev(summary))
                        : "unknown");
+  row("verdict", counts_text(summary.verdicts));
+  row("source", counts_text(summary.sources));
+  if (summary.black_level) row("black level", fmt::format("{:.2f} codes of 255", (*summary.black_level)[1]));
   row("frames", fmt::format("{} in {:.3f} s", summary.frames, to_seconds(summary.duration)));
   row("dropped",
       summary.dropped == 0 ? "none" : fmt::format("{} in {} gap(s)", summary.dropped, summary.gaps));
@@ -128,6 +143,8 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"dropped", summary.dropped},
                {"gaps", summary.gaps},
                {"unproved", summary.unproved},
+               {"verdicts", summary.verdicts},
+               {"exposure_sources", summary.sources},
                {"damaged", summary.damaged},
                {"with_pose", summary.with_pose},
                {"bytes", summary.bytes},
@@ -135,6 +152,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
   if (const auto& lens = camera.intrinsics)
     json["intrinsics"] = {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
+  if (summary.black_level) json["black_level"] = (*summary.black_level)[1];
   if (summary.end) json["ended_by"] = summary.end->message;
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

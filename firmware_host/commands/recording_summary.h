@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -19,7 +20,10 @@ struct RecordingSummary {
   std::uint64_t dropped = 0;  // missing sequence numbers
   std::uint64_t gaps = 0;     // places where some are missing
   std::uint64_t unproved = 0, damaged = 0, with_pose = 0;
-  Duration duration{0};  // first to last centre of exposure, plus one frame
+  // Frames by the verdict on their exposure, and by where the exposure comes from; 0 is left out.
+  std::map<std::string, std::uint64_t> verdicts, sources;
+  std::optional<BlackLevel> black_level;  // as stated by the first frame
+  Duration duration{0};                   // first to last centre of exposure, plus one frame
   double shortest_exposure_s = 0,
          longest_exposure_s = 0;  // products of time and gains, 0 where none is known
   ExposureCycle cycle;

@@ -1,5 +1,6 @@
 // hdrcam replay RECORDING -o out/%06d.exr: the main job, from a recording instead of a sensor.
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@ namespace {
 struct ReplayFlags {
   std::string recording, truth;
   int frames = 0;
+  bool strict = false;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -32,14 +34,19 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
   if (!flags.truth.empty() && settings.output.path("frames").empty())
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
-  const auto source = TRY(open_recording_source(around.storage, flags.recording, flags.frames, around.stop));
+  const auto source = TRY(RecordingSource::open(
+      around.storage, flags.recording,
+      {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},
+      around.stop));
   const std::string& clip = source->camera().name;
   RunPlan plan{.settings = settings,
                .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
                .command = command_line_of(flags, settings),
                .truth = flags.truth,
                .stop = &around.stop};
-  return run(plan, *source, around.storage);
+  const Result<void> ended = run(plan, *source, around.storage);
+  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
+  return ended;
 }
 
 }  // namespace
@@ -53,6 +60,8 @@ void add_replay(CLI::App& app, Verb& chosen) {
       "--truth", flags->truth,
       "a clip with ground truth: scores in the report, and the field's views from the clip's other cameras "
       "beside the frames, in novel/");
+  verb->add_flag("--strict", flags->strict,
+                 "fail where pictures contradict an exposure, instead of relabelling or flagging it");
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output});
   verb->callback(

@@ -13,6 +13,7 @@
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
 #include "hal/recording/image_sequence.h"
+#include "hal/recording/recording.h"
 #include "hal/sim/effect_costs.h"
 #include "hal/sim/effects/drops.h"
 
@@ -94,7 +95,9 @@ class Timeline {
     facts.exposure_s = to_seconds(exposure.time);
     facts.analogue_gain = exposure.gain;
     facts.slot = static_cast<int>(sequence % cycle_.size());
-    facts.black_level = simulation_.black_level * static_cast<float>((1 << bits) - 1);
+    if (simulation_.black_level > 0)
+      facts.black_level = BlackLevel::of_code(
+          static_cast<double>(simulation_.black_level * static_cast<float>((1 << bits) - 1)), bits);
     if (after_drop) facts.flags |= kFrameAfterDrop;
     return facts;
   }

@@ -33,7 +33,7 @@ void CameraSource::emitted(FrameRecord& record) {
   record.latency_ms = to_seconds(session_->emitted(record.sequence)) * 1e3;
 }
 
-void CameraSource::learn_response(const Response::Curve& inverse, float black_level) {
+void CameraSource::learn_response(const Response::Curve& inverse, const BlackLevel& black_level) {
   session_->learn_response(inverse, black_level);
 }
 

@@ -25,7 +25,7 @@ class CameraSource : public FrameSource {
   Result<void> start() override { return session_->start(); }
   Result<const RawFrame*> next() override;
   void emitted(FrameRecord& record) override;
-  void learn_response(const Response::Curve& inverse, float black_level) override;
+  void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;
   // Errors: what ended the camera or the recording. A recording that was replayed to its end is a good end.
   Result<void> finish(RunRecord& record) override;
   std::string status(const ProgressState& progress) const override;

@@ -54,11 +54,12 @@ std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& m
 }  // namespace
 
 bool is_replayed(const std::string& id) { return id.starts_with(kReplay); }
+std::string replayed_file(const std::string& id) { return id.substr(kReplay.size()); }
 
 Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage) {
   if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()));
   if (is_replayed(id))
-    return open_replayed_camera(storage, id.substr(kReplay.size()), ReplayPace::AsRecorded, posix_clock());
+    return open_replayed_camera(storage, replayed_file(id), ReplayPace::AsRecorded, posix_clock());
   return open_real_camera(id);
 }
 
@@ -121,7 +122,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   options.adapt = settings.schedule.adapt;
   if (!settings.camera.control_delay.empty())
     options.delays = TRY(parse_delays(settings.camera.control_delay));
-  if (settings.camera.black_level >= 0) options.black_level = static_cast<float>(settings.camera.black_level);
+  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
   if (settings.camera.timestamp != StampMeaning::AsDriverSays)
     options.timestamp_mark = settings.camera.timestamp == StampMeaning::ExposureBegin
                                  ? TimestampMark::ExposureBegin

@@ -23,6 +23,8 @@ struct CaptureSetup {
 // of opening it.
 Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage);
 bool is_replayed(const std::string& id);
+// The recording that such a camera replays.
+std::string replayed_file(const std::string& id);
 
 // Null where no line is set.
 Result<std::unique_ptr<SyncLine>> open_strobe(const Settings::Sync& sync);

@@ -43,11 +43,6 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   return text;
 }
 
-std::string proof_of(const CaptureCounters& camera) {
-  return fmt::format("exposures: {} proved, {} plausible, {} contradicted, {} unknown", camera.proved,
-                     camera.plausible, camera.contradicted, camera.unknown);
-}
-
 std::vector<NamedValue> named(const LiveCounters& counters) {
   const CaptureCounters& camera = counters.camera;
   const std::pair<const char*, std::uint64_t> values[] = {

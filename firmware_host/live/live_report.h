@@ -30,8 +30,6 @@ class LiveStatus {
 
 // "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and what the camera lost.
 std::string sentence_of(const LiveCounters& counters, bool fits);
-// "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown".
-std::string proof_of(const CaptureCounters& camera);
 
 // For statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);

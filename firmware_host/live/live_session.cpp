@@ -158,7 +158,7 @@ Result<LiveEnd> LiveSession::finish() {
   return why_;
 }
 
-void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, float black_level) {
+void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {
   const std::lock_guard lock(mutex_);
   learned_ = {inverse, black_level};
 }

@@ -73,13 +73,13 @@ class LiveSession {
   Result<LiveEnd> finish();
 
   // The camera's response, for the proof of the frames to come (CaptureStage::learn_response).
-  void learn_response(const PhotometricResponse::Curve& inverse, float black_level);
+  void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
   LiveCounters counters() const;
 
  private:
   struct LearnedResponse {
     PhotometricResponse::Curve inverse{};
-    float black_level = 0;
+    BlackLevel black_level;
   };
   struct Arrival {
     std::uint64_t sequence = 0;

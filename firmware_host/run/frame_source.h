@@ -9,7 +9,8 @@
 #include "firmware_host/run/progress.h"
 #include "firmware_host/sinks/run_record.h"
 #include "firmware_host/sinks/sink_set.h"
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 
@@ -29,8 +30,8 @@ class FrameSource {
   virtual Result<const RawFrame*> next() = 0;
   // An HDR frame left: what the source knows of its way is added to its record.
   virtual void emitted(FrameRecord&) {}
-  // What the fit found out about the camera: codes 0..255 to relative exposure, black level in such codes.
-  virtual void learn_response(const Response::Curve&, float /*black_level*/) {}
+  // What the fit found out about the camera: codes 0..255 to relative exposure, and the black level.
+  virtual void learn_response(const Response::Curve&, const BlackLevel&) {}
   // The run is over: what the source counted is added to its record. Errors: why it ended before its time,
   // where that has not been said yet.
   virtual Result<void> finish(RunRecord& record) = 0;

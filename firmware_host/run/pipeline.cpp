@@ -90,6 +90,8 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   record_.sequence = frame_.facts.sequence;
   record_.time_s = to_seconds(frame_.facts.timestamp - *first_time_);
   record_.exposure = static_cast<double>(frame_.exposure);
+  record_.exposure_source = frame_.facts.exposure_source;
+  record_.verdict = frame_.facts.verdict;
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
   std::array<double, kProvenances> pixels{};

@@ -8,8 +8,9 @@
 
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/run_record.h"
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 #include "hal/core/worker_pool.h"
-#include "hal/recording/recording.h"
 #include "online/online_stage.h"
 #include "render/render_stage.h"
 

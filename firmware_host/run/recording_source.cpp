@@ -6,55 +6,47 @@
 #include <utility>
 
 namespace hdrcam {
-namespace {
 
-class RecordingSource : public FrameSource {
- public:
-  RecordingSource(std::unique_ptr<RecordingReader> reader, int most, const std::atomic<bool>& stop)
-      : reader_(std::move(reader)), most_(most), stop_(stop) {}
+Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage, const std::string& path,
+                                                               const RecordingSourceOptions& options,
+                                                               const std::atomic<bool>& stop) {
+  auto recording = TRY(RecordingStage::open(storage, path, options.contradiction));
+  std::unique_ptr<RecordingWriter> copy;
+  if (!options.copy_to.empty()) copy = TRY(create_recording(storage, options.copy_to, recording->camera()));
+  return std::unique_ptr<RecordingSource>(
+      new RecordingSource(std::move(recording), std::move(copy), options, stop));
+}
 
-  const CameraFacts& camera() const override { return reader_->camera(); }
-  RunPace pace() const override { return RunPace::Clip; }
-  std::optional<int> frame_count() const override {
-    const std::optional<int> all = reader_->frame_count();
-    if (most_ == 0) return all;
-    return all ? std::min(*all, most_) : most_;
+std::optional<int> RecordingSource::frame_count() const {
+  const std::optional<int> all = recording_->frame_count();
+  if (options_.frames == 0) return all;
+  return all ? std::min(*all, options_.frames) : options_.frames;
+}
+
+Result<const RawFrame*> RecordingSource::next() {
+  if (options_.frames > 0 && read_ == options_.frames) return nullptr;
+  if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout) return nullptr;
+  if (stop_) {
+    end_ = Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", read_)};
+    return nullptr;
   }
-
-  Result<const RawFrame*> next() override {
-    if (most_ > 0 && read_ == most_) return nullptr;
-    if (stop_) {
-      end_ = Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", read_)};
-      return nullptr;
-    }
-    auto next = reader_->next();
-    if (!next && next.error().code == ErrorCode::Truncated && read_ > 0) {
-      end_ = next.error();
-      return nullptr;
-    }
-    frame_ = TRY(std::move(next));
-    if (!frame_) return nullptr;
-    ++read_;
-    return &*frame_;
+  auto more = recording_->next(frame_);
+  if (!more && more.error().code == ErrorCode::Truncated && read_ > 0) {
+    end_ = more.error();
+    return nullptr;
   }
+  if (!TRY(std::move(more))) return nullptr;
+  if (options_.black_level) frame_.raw.facts.black_level = options_.black_level;
+  if (copy_) TRY(copy_->append(frame_.raw));
+  ++read_;
+  return &frame_.raw;
+}
 
-  Result<void> finish(RunRecord&) override { return end_; }
-
- private:
-  const std::unique_ptr<RecordingReader> reader_;
-  const int most_;
-  const std::atomic<bool>& stop_;
-  std::optional<RawFrame> frame_;
-  int read_ = 0;
-  Result<void> end_;
-};
-
-}  // namespace
-
-Result<std::unique_ptr<FrameSource>> open_recording_source(Storage& storage, const std::string& path,
-                                                           int frames, const std::atomic<bool>& stop) {
-  auto reader = TRY(open_recording(storage, path));
-  return std::unique_ptr<FrameSource>(std::make_unique<RecordingSource>(std::move(reader), frames, stop));
+Result<void> RecordingSource::finish(RunRecord& record) {
+  record.notes.push_back(proof_of(recording_->counters()));
+  for (std::string& warning : recording_->warnings()) record.notes.push_back(std::move(warning));
+  if (copy_) TRY(copy_->finish());
+  return end_;
 }
 
 }  // namespace hdrcam

@@ -1,18 +1,61 @@
-// A recording as the source of a run: every frame, as fast as the fit takes them. Thread-bound.
+// A recording as the source of a run: every frame, as fast as the fit takes them, its exposure judged by the
+// pictures (capture/recording_stage.h). The same for `replay` and for a camera that is a recording, which
+// therefore give the same bytes. Thread-bound.
 #pragma once
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "capture/recording_stage.h"
 #include "firmware_host/run/frame_source.h"
+#include "hal/clock.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
 
-// frames: at most so many, 0 for all. stop: becomes true when the user asks to stop; the run then ends with
-// Interrupted, its frames complete. Storage and stop outlive the source. Errors: those of open_recording.
-Result<std::unique_ptr<FrameSource>> open_recording_source(Storage& storage, const std::string& path,
-                                                           int frames, const std::atomic<bool>& stop);
+struct RecordingSourceOptions {
+  int frames = 0;       // at most so many, 0 for all
+  Duration timeout{0};  // of the run, 0 for none
+  Contradiction contradiction = Contradiction::Warns;
+  std::optional<BlackLevel> black_level = {};  // as the user states it, instead of the recording's own
+  std::string copy_to = {};                    // a recording of the frames as judged; "" for none
+};
+
+class RecordingSource : public FrameSource {
+ public:
+  // stop: becomes true when the user asks to stop; the run then ends with Interrupted, its frames complete.
+  // Storage and stop outlive the source. Errors: those of open_recording and, for a copy, of
+  // create_recording.
+  static Result<std::unique_ptr<RecordingSource>> open(Storage& storage, const std::string& path,
+                                                       const RecordingSourceOptions& options,
+                                                       const std::atomic<bool>& stop);
+
+  const CameraFacts& camera() const override { return recording_->camera(); }
+  RunPace pace() const override { return RunPace::Clip; }
+  std::optional<int> frame_count() const override;
+  Result<const RawFrame*> next() override;
+  Result<void> finish(RunRecord& record) override;
+
+  // What the user should be told of the frames so far.
+  std::vector<std::string> warnings() const { return recording_->warnings(); }
+  const CaptureCounters& counters() const { return recording_->counters(); }
+
+ private:
+  RecordingSource(std::unique_ptr<RecordingStage> recording, std::unique_ptr<RecordingWriter> copy,
+                  const RecordingSourceOptions& options, const std::atomic<bool>& stop)
+      : recording_(std::move(recording)), copy_(std::move(copy)), options_(options), stop_(stop) {}
+
+  const std::unique_ptr<RecordingStage> recording_;
+  const std::unique_ptr<RecordingWriter> copy_;
+  const RecordingSourceOptions options_;
+  const std::atomic<bool>& stop_;
+  const Instant begin_ = posix_clock().now();
+  CapturedFrame frame_;
+  int read_ = 0;
+  Result<void> end_;
+};
 
 }  // namespace hdrcam

@@ -163,7 +163,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
       kept.total_ms += ms;
     }
     if (!std::exchange(response_told, true))
-      source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level()[1]);
+      source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
     if (novel_views) TRY(novel_views->render(estimate));
     progress.frame_done(kept);
     return {};

@@ -155,6 +155,10 @@ std::vector<SettingField> camera_fields() {
       choice<kGroup, &C::yuv_range, YuvRange::Limited, YuvRange::Full>(
           "camera.yuv_range", "--yuv-range", "luma range of YUV formats: limited is 16..235, full is 0..255",
           {"limited", "full"}),
+      choice<kGroup, &C::pace, ReplayPace::AsFastAsAsked, ReplayPace::AsRecorded>(
+          "camera.pace", "--pace",
+          "pace of replay:FILE: as fast as the fit takes its frames, or in real time, as from a camera",
+          {"fit", "realtime"}),
   };
 }
 

@@ -11,6 +11,7 @@
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "firmware_host/sinks/exr_sequence.h"
+#include "hal/replay/replayed_camera.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"
 
@@ -30,6 +31,7 @@ struct Settings {
     double black_level = -1;    // codes of 255, of raw formats; -1: from the table of sensors
     StampMeaning timestamp = StampMeaning::AsDriverSays;
     YuvRange yuv_range = YuvRange::Limited;
+    ReplayPace pace = ReplayPace::AsFastAsAsked;  // of a replayed camera
   } camera;
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times

@@ -27,6 +27,10 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   if (options.framerate_hz) attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
   attributes.T_world_camera = facts.T_world_camera;
   attributes.owner = options.owner;
+  attributes.texts["hdrcam.exposureSource"] = name(facts.exposure_source);
+  if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
+  if (facts.exposure_within_ev)
+    attributes.texts["hdrcam.exposureWithinEv"] = fmt::format("{:.3f}", *facts.exposure_within_ev);
   attributes.comments = fmt::format(
       "hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is "
       "{:.6g} of it",

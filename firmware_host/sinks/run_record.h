@@ -30,7 +30,9 @@ struct FrameRecord {
   std::uint64_t sequence = 0;
   double time_s = 0;    // since the first frame
   double exposure = 1;  // E / E_ref
-  double total_ms = 0;  // from the frame's arrival in the pipeline until its work was done
+  ExposureSource exposure_source = ExposureSource::Unknown;
+  std::optional<Verdict> verdict;  // on the exposure; none: it was not judged
+  double total_ms = 0;             // from the frame's arrival in the pipeline until its work was done
   FrameValues
       stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
   FrameValues losses;  // weighted terms of the fit's last step; empty without the field

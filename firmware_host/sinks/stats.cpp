@@ -32,6 +32,8 @@ Json json_of(const FrameRecord& frame) {
             {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
             {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
             {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
+  json["exposure_source"] = name(frame.exposure_source);
+  if (frame.verdict) json["verdict"] = name(*frame.verdict);
   if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;

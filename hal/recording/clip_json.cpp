@@ -8,6 +8,7 @@
 
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/facts_json.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 namespace {
@@ -157,7 +158,7 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   return camera;
 }
 
-Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path) {
+Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path, int bits) {
   ClipFrame frame;
   frame.file = TRY(Fields(json, fmt::format("'{}': frame {}", path, index)).text("file"));
   const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
@@ -173,7 +174,8 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
     facts.timestamp.since_boot = Duration(TRY(fields.integer<Duration::rep>("timestamp_ns")));
   facts.sequence = TRY(fields.integer<std::uint64_t>("sequence", index));
   facts.slot = TRY(fields.integer<int>("slot", -1));
-  facts.black_level = TRY(fields.number("black_level", 0));
+  if (fields.has("black_level"))
+    facts.black_level = BlackLevel::of_code(TRY(fields.number("black_level")), bits);
   facts.flags = TRY(fields.integer<std::uint32_t>("flags", 0));
   if (fields.has("exposure_source")) {
     const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
@@ -182,6 +184,12 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
                           "it is one of embedded, reported, declared, predicted, photometric, unknown");
     facts.exposure_source = *source;
   }
+  if (fields.has("verdict")) {
+    facts.verdict = verdict_named(TRY(fields.text("verdict")));
+    if (!facts.verdict)
+      return fields.wrong("verdict", "it is one of proved, plausible, contradicted, unknown");
+  }
+  if (fields.has("exposure_within_ev")) facts.exposure_within_ev = TRY(fields.number("exposure_within_ev"));
   if (fields.has("c2w")) {
     const auto pose = TRY(fields.numbers("c2w", 12));
     std::copy(pose.begin(), pose.end(), facts.T_world_camera.emplace().begin());
@@ -199,7 +207,7 @@ std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
   return slots;
 }
 
-Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot) {
+Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot, int bits) {
   const FrameFacts& facts = frame.facts;
   const FrameFacts usual;
   const double time_s = static_cast<double>(facts.timestamp.since_boot.count()) / 1e9;
@@ -211,8 +219,10 @@ Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot) {
   if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;
   if (facts.sequence != index) json["sequence"] = facts.sequence;
   if (with_slot) json["slot"] = facts.slot;
-  if (facts.black_level != usual.black_level) json["black_level"] = facts.black_level;
+  if (facts.black_level) json["black_level"] = facts.black_level->code(bits);
   if (facts.exposure_source != usual.exposure_source) json["exposure_source"] = name(facts.exposure_source);
+  if (facts.verdict) json["verdict"] = name(*facts.verdict);
+  if (facts.exposure_within_ev) json["exposure_within_ev"] = *facts.exposure_within_ev;
   if (facts.flags != usual.flags) json["flags"] = facts.flags;
   if (facts.T_world_camera) json["c2w"] = *facts.T_world_camera;
   return json;
@@ -235,7 +245,7 @@ Result<Clip> clip_from_json(std::string text, const std::string& path) {
                  fmt::format("'{}' has {} frame(s); at least two are needed", path, frames.size())};
   bool slots_are_named = false;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    clip.frames.push_back(TRY(frame_of(frames[i], i, path)));
+    clip.frames.push_back(TRY(frame_of(frames[i], i, path, clip.camera.bits)));
     slots_are_named = slots_are_named || frames[i].contains("slot");
   }
   if (slots_are_named) return clip;
@@ -270,7 +280,7 @@ std::string clip_to_json(const Clip& clip) {
   text.back() = ',';
   text += "\n\"frames\":[";
   for (std::size_t i = 0; i < clip.frames.size(); ++i)
-    text += (i == 0 ? "\n" : ",\n") + dumped(frame_json(clip.frames[i], i, with_slots));
+    text += (i == 0 ? "\n" : ",\n") + dumped(frame_json(clip.frames[i], i, with_slots, camera.bits));
   return text + "\n]}\n";
 }
 

@@ -7,7 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 

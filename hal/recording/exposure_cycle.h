@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam {
 

@@ -51,7 +51,7 @@ CameraFacts camera_of(const Json& json) {
   return camera;
 }
 
-FrameFacts facts_of(const Json& json) {
+FrameFacts facts_of(const Json& json, int bits) {
   FrameFacts facts;
   facts.sequence = json.at("sequence").get<std::uint64_t>();
   facts.timestamp.since_boot = Duration(json.at("timestamp_ns").get<Duration::rep>());
@@ -59,7 +59,10 @@ FrameFacts facts_of(const Json& json) {
   facts.analogue_gain = number(json.at("analogue_gain"));
   facts.digital_gain = number(json.at("digital_gain"));
   facts.slot = json.at("slot").get<int>();
-  facts.black_level = number(json.at("black_level"));
+  const double black = number(json.at("black_level"));
+  if (black != 0 || json.contains("black_level_stated")) facts.black_level = BlackLevel::of_code(black, bits);
+  if (const auto within = json.find("exposure_within_ev"); within != json.end())
+    facts.exposure_within_ev = number(*within);
   facts.flags = json.at("flags").get<std::uint32_t>();
   if (const auto pose = json.find("T_world_camera"); pose != json.end()) {
     auto& T = facts.T_world_camera.emplace();
@@ -82,7 +85,7 @@ std::string to_json(const CameraFacts& camera) {
   return dumped(json);
 }
 
-std::string to_json(std::uint64_t index, const FrameFacts& facts) {
+std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits) {
   Json json = {{"index", index},
                {"sequence", facts.sequence},
                {"timestamp_ns", facts.timestamp.since_boot.count()},
@@ -90,9 +93,12 @@ std::string to_json(std::uint64_t index, const FrameFacts& facts) {
                {"analogue_gain", facts.analogue_gain},
                {"digital_gain", facts.digital_gain},
                {"slot", facts.slot},
-               {"black_level", facts.black_level},
+               {"black_level", facts.black_level ? facts.black_level->code(bits) : 0},
                {"exposure_source", name(facts.exposure_source)},
                {"flags", facts.flags}};
+  if (facts.black_level && json["black_level"] == 0) json["black_level_stated"] = true;
+  if (facts.verdict) json["verdict"] = name(*facts.verdict);
+  if (facts.exposure_within_ev) json["exposure_within_ev"] = *facts.exposure_within_ev;
   if (facts.T_world_camera) json["T_world_camera"] = *facts.T_world_camera;
   return dumped(json);
 }
@@ -118,14 +124,19 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
   }
 }
 
-Result<FactsRecord> record_from_json(std::string_view text) {
+Result<FactsRecord> record_from_json(std::string_view text, int bits) {
   try {
     const Json json = Json::parse(text);
     if (json.contains("end")) return FactsRecord{true, json.at("frames").get<std::uint64_t>(), {}};
-    FactsRecord record{false, json.at("index").get<std::uint64_t>(), facts_of(json)};
+    FactsRecord record{false, json.at("index").get<std::uint64_t>(), facts_of(json, bits)};
     const auto source = exposure_source_named(json.at("exposure_source").get<std::string>());
     if (!source) return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown exposure source"};
     record.facts.exposure_source = *source;
+    if (const auto found = json.find("verdict"); found != json.end()) {
+      record.facts.verdict = verdict_named(found->get<std::string>());
+      if (!record.facts.verdict)
+        return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown verdict on its exposure"};
+    }
     return record;
   } catch (const Json::exception& e) {
     return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", e.what())};
@@ -143,6 +154,12 @@ std::optional<ExposureSource> exposure_source_named(std::string_view wanted) {
   for (const auto source : {ExposureSource::Embedded, ExposureSource::Reported, ExposureSource::Declared,
                             ExposureSource::Predicted, ExposureSource::Photometric, ExposureSource::Unknown})
     if (wanted == name(source)) return source;
+  return std::nullopt;
+}
+
+std::optional<Verdict> verdict_named(std::string_view wanted) {
+  for (const auto verdict : {Verdict::Proved, Verdict::Plausible, Verdict::Contradicted, Verdict::Unknown})
+    if (wanted == name(verdict)) return verdict;
   return std::nullopt;
 }
 

@@ -9,7 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 
@@ -21,15 +22,17 @@ struct FactsRecord {
 };
 
 std::string to_json(const CameraFacts& camera);
-std::string to_json(std::uint64_t index, const FrameFacts& facts);
+// bits: of a code, for the black level.
+std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits);
 std::string end_record_json(std::uint64_t frames);
 
 // Errors: Corrupt where a fact is missing or cannot be; Unsupported for a newer format.
 Result<CameraFacts> camera_from_json(std::string_view text);
-Result<FactsRecord> record_from_json(std::string_view text);
+Result<FactsRecord> record_from_json(std::string_view text, int bits);
 
 std::optional<PixelLayout> layout_named(std::string_view name);
 std::optional<ExposureSource> exposure_source_named(std::string_view name);
+std::optional<Verdict> verdict_named(std::string_view name);
 
 // Appends `"crc32"` to a JSON object: over the payload, then over the text as it was.
 std::string seal(const std::string& json_object, std::span<const std::uint8_t> payload);

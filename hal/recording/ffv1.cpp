@@ -1,4 +1,5 @@
 #include "hal/recording/ffv1.h"
+#include "hal/recording/recording.h"
 
 extern "C" {
 #include <libavutil/crc.h>

@@ -4,9 +4,10 @@
 
 #include <cstdint>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
+#include "hal/core/result.h"
 #include "hal/recording/libav.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -76,6 +76,30 @@ Result<RawFrame> ImageSequence::read(int index) const {
   return RawFrame{clip_.frames[static_cast<std::size_t>(index)].facts, std::move(image.samples)};
 }
 
+namespace {
+
+class ClipReader : public RecordingReader {
+ public:
+  explicit ClipReader(ImageSequence clip) : clip_(std::move(clip)) {}
+  const CameraFacts& camera() const override { return clip_.camera(); }
+  std::optional<int> frame_count() const override { return clip_.frame_count(); }
+  Result<std::optional<RawFrame>> next() override {
+    if (at_ == clip_.frame_count()) return std::optional<RawFrame>();
+    return std::optional<RawFrame>(TRY(clip_.read(at_++)));
+  }
+
+ private:
+  const ImageSequence clip_;
+  int at_ = 0;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<RecordingReader>> open_clip(Storage& storage, const std::string& path) {
+  return std::unique_ptr<RecordingReader>(
+      std::make_unique<ClipReader>(TRY(ImageSequence::open(storage, path))));
+}
+
 Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const std::string& folder,
                                                         const CameraFacts& camera) {
   if (const auto held = storage.open(folder + "/" + kClipFile);

@@ -2,10 +2,14 @@
 // written back so that it reads the same, bit by bit. Thread-bound.
 #pragma once
 
+#include <memory>
 #include <string>
 
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
 #include "hal/recording/clip_json.h"
 #include "hal/recording/recording.h"
+#include "hal/storage.h"
 
 namespace hdrcam {
 
@@ -33,6 +37,9 @@ class ImageSequence {
   std::string folder_;
   Clip clip_;
 };
+
+// A clip, read frame by frame like a recording. Errors: those of ImageSequence::open.
+Result<std::unique_ptr<RecordingReader>> open_clip(Storage& storage, const std::string& path);
 
 class ImageSequenceWriter {
  public:

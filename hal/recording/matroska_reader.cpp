@@ -107,7 +107,7 @@ std::string_view text_of(const AVPacket& packet) {
 
 // The number of frames, from the end record, which the index leads to. A container of its own, since it
 // seeks.
-std::optional<int> count_frames(Storage& storage, const std::string& path) {
+std::optional<int> count_frames(Storage& storage, const std::string& path, const CameraFacts& camera) {
   auto container = open_container(storage, path);
   if (!container) return std::nullopt;
   AVFormatContext* demuxer = container->demuxer.get();
@@ -115,7 +115,7 @@ std::optional<int> count_frames(Storage& storage, const std::string& path) {
   const libav::Packet packet(av_packet_alloc());
   for (; av_read_frame(demuxer, packet.get()) >= 0; av_packet_unref(packet.get())) {
     if (packet->stream_index != matroska::kFactsTrack || !seal_holds(text_of(*packet), {})) continue;
-    const auto record = record_from_json(text_of(*packet));
+    const auto record = record_from_json(text_of(*packet), camera.bits);
     if (record && record.value().is_end) return static_cast<int>(record.value().index);
   }
   return std::nullopt;
@@ -165,7 +165,7 @@ Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, 
     return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
   std::unique_ptr<MatroskaReader> reader(
       new MatroskaReader(path, std::move(container), std::move(camera), std::move(*decoder)));
-  if (reader->container_.whole) reader->count_ = count_frames(storage, path);
+  if (reader->container_.whole) reader->count_ = count_frames(storage, path, reader->camera_);
   auto first = reader->advance();
   if (!first && first.error().code == ErrorCode::Truncated)
     return Error{ErrorCode::Truncated, fmt::format("'{}' ends before its first frame", path)};
@@ -217,7 +217,7 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   std::span<const std::uint8_t> pixels;
   if (has_picture_) pixels = {picture_->data, static_cast<std::size_t>(picture_->size)};
   if (!seal_holds(text, pixels)) return corrupt("the checksum over its pixels and facts does not hold");
-  auto record = record_from_json(text);
+  auto record = record_from_json(text, camera_.bits);
   if (!record) return corrupt(record.error().message);
   av_packet_unref(packet_.get());
   if (record->index != frames_)

@@ -50,6 +50,7 @@ class MatroskaWriter : public RecordingWriter {
   std::optional<Error> failure_;
   bool finished_ = false;
   std::uint64_t frames_ = 0;
+  int bits_ = 8;  // of a code
   Instant first_, synced_;
   std::int64_t pts_ms_ = 0, frame_ms_ = 33;
 };
@@ -65,6 +66,7 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
 }
 
 Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
+  bits_ = camera.bits;
   AVFormatContext* muxer = nullptr;
   if (const int code = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr); code < 0)
     return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine cannot write Matroska"};
@@ -122,7 +124,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   const auto since_first = std::chrono::duration_cast<std::chrono::milliseconds>(now - first_).count();
   if (frames_ > 0) pts_ms_ = std::max(pts_ms_, std::int64_t{since_first});
   const std::string facts =
-      seal(to_json(frames_, frame.facts), {picture->data, static_cast<std::size_t>(picture->size)});
+      seal(to_json(frames_, frame.facts, bits_), {picture->data, static_cast<std::size_t>(picture->size)});
 
   picture->stream_index = matroska::kPixelTrack;
   picture->pts = picture->dts = pts_ms_;

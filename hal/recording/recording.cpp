@@ -2,42 +2,6 @@
 
 namespace hdrcam {
 
-const char* name(ExposureSource source) {
-  switch (source) {
-    case ExposureSource::Embedded:
-      return "embedded";
-    case ExposureSource::Reported:
-      return "reported";
-    case ExposureSource::Declared:
-      return "declared";
-    case ExposureSource::Predicted:
-      return "predicted";
-    case ExposureSource::Photometric:
-      return "photometric";
-    case ExposureSource::Unknown:
-      break;
-  }
-  return "unknown";
-}
-
-const char* name(PixelLayout layout) {
-  switch (layout) {
-    case PixelLayout::Rgb:
-      return "rgb";
-    case PixelLayout::Mono:
-      return "mono";
-    case PixelLayout::BayerRggb:
-      return "rggb";
-    case PixelLayout::BayerGrbg:
-      return "grbg";
-    case PixelLayout::BayerGbrg:
-      return "gbrg";
-    case PixelLayout::BayerBggr:
-      return "bggr";
-  }
-  return "unknown";
-}
-
 Result<std::optional<FrameFacts>> RecordingReader::next_facts() {
   auto frame = TRY(next());
   if (!frame) return std::optional<FrameFacts>();

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <optional>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 #include "hal/sim/effects/distortion.h"
 #include "hal/sim/geometry.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "capture/clip_policy.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 
@@ -13,8 +14,7 @@ namespace {
 
 constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr float kMinConfidence = 0.8f;   // of the flow
-constexpr float kFirstCode = 2, kLastCode = 245;
-constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
+constexpr float kSmoothRange = 10;       // codes over 5x5 pixels of the longer exposure
 
 float range_5x5(const Image<float>& image, int channel, int y, int x) {
   float least = std::numeric_limits<float>::max(), most = -least;
@@ -42,6 +42,7 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
   warp_linear(b.codes, a_to_b.vectors, warped_, pool_);
   box_mean(warped_, 1, warped_mean_, pool_);
   box_mean(a.codes, 2, mean_, pool_);
+  const clip_policy::UsableCodes usable = clip_policy::kNoisePair;
   const float ratio = a.exposure / b.exposure;
   const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * 4));
   std::array<Bin, kBrightnesses>& bins = bins_[ratio_key];
@@ -50,7 +51,7 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
       if (a_to_b.confidence.at(0, y, x) < kMinConfidence) continue;
       for (int c = 0; c < 3; ++c) {
         const float za = a.codes.at(c, y, x), zb = warped_.at(c, y, x);
-        if (za < kFirstCode || za > kLastCode || zb < kFirstCode || zb > kLastCode) continue;
+        if (std::min(za, zb) < usable.darkest || std::max(za, zb) > usable.brightest) continue;
         if (range_5x5(warped_mean_, c, y, x) > kSmoothRange) continue;
         const float mean = mean_.at(c, y, x);
         const float exposure = response.exposure_of(c, mean), slope = response.slope(c, mean);

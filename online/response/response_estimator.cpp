@@ -7,6 +7,8 @@
 #include <limits>
 #include <numeric>
 
+#include "capture/clip_policy.h"
+
 namespace hdrcam {
 namespace {
 
@@ -90,7 +92,8 @@ std::vector<float> thumbnail(const ExposedFrame& frame) {
       for (int y = y0; y < std::min(y1, codes.rows()); ++y)
         for (int x = x0; x < std::min(x1, codes.cols()); ++x) sum += static_cast<double>(codes.at(1, y, x));
       const auto mean = static_cast<float>(sum / ((y1 - y0) * (x1 - x0)));
-      cells.push_back(mean < 3 || mean > 250 ? -1 : mean);
+      const auto [darkest, brightest] = clip_policy::kSameScene;
+      cells.push_back(mean < darkest || mean > brightest ? -1 : mean);
     }
   return cells;
 }
@@ -205,22 +208,31 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
   return true;
 }
 
+// The stated one alone; else shares of the darkest codes, the same share for all channels: a pedestal is the
+// sensor's, not a channel's.
+std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
+  if (stated_black_) return {*stated_black_};
+  std::vector<BlackLevel> levels;
+  const float bound = *std::max_element(darkest_.begin(), darkest_.end());
+  for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
+    if (share > 0 && (bound < 1 || share * bound > kMaxBlackLevel)) continue;
+    BlackLevel& level = levels.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) level.set(c, share * darkest_[c]);
+  }
+  return levels;
+}
+
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
-  // one share of the darkest codes for all channels: a pedestal is the sensor's, not a channel's
   std::array<Vector, 3> best;
-  BlackLevel best_black{};
+  BlackLevel best_black;
   double least = std::numeric_limits<double>::max();
   // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior
   // counts half here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
   constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
-  const float bound = *std::max_element(darkest_.begin(), darkest_.end());
-  for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
-    if (share > 0 && (bound < 1 || share * bound > kMaxBlackLevel)) continue;
+  for (const BlackLevel& black : possible_black_levels()) {
     std::array<Vector, 3> curves;
-    BlackLevel black{};
-    double misfit = share > 0 ? kPedestalPenalty : 0;
+    double misfit = black != BlackLevel() ? kPedestalPenalty : 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      black[c] = share * darkest_[c];
       const Curve curve = solve(c, black[c], noise);
       curves[c] = curve.g;
       misfit += curve.match_misfit + kPriorShare * curve.prior_misfit;
@@ -233,11 +245,11 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
 ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
                                                   const NoiseModel& noise) const {
   constexpr int kIterations = 4;
-  constexpr double kMatchSigma = 0.06;             // ln x: motion between the frames moves the quantiles
-  constexpr double kCauchy2 = 4;                   // squared scale of the robust weight, in sigmas
-  constexpr double kMatchWeight = 0.2;             // quantiles are not independent
-  constexpr double kMaxWeightPerRatio = 1000;      // matches of one exposure ratio count as at most so many
-  constexpr float kFirst = 0.99f, kLast = 252.7f;  // codes that are neither black nor saturated
+  constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
+  constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
+  constexpr double kMatchWeight = 0.2;         // quantiles are not independent
+  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most so many
+  const auto [first, last] = clip_policy::kResponseMatch;
   const Prior& p = prior();
   const float stretch = kMaxCode / (kMaxCode - black_level);
 
@@ -261,8 +273,8 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
       double sum = 0, used = 0, usable = 0;
       for (const Match& match : matches.codes) {
         const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
-        usable += match.z1 >= kFirst && match.z2 <= kLast ? 1 : 0;
-        if (z1 < kFirst || z2 > kLast) continue;
+        usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
+        if (z1 < first || z2 > last) continue;
         const Knots k1(z1), k2(z2);
         const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
         const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,13 +22,17 @@ namespace hdrcam {
 
 struct ResponseEstimate {
   Response response;
-  BlackLevel black_level{};
+  BlackLevel black_level;
 };
 
 class ResponseEstimator {
  public:
   static constexpr int kQuantiles = 400;       // matches per pair and channel
   static constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
+
+  // black_level: as camera or user state it; none: it is estimated too.
+  explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt)
+      : stated_black_(black_level) {}
 
   // Adds what two frames of different exposure say, unpacked without a black level. Frames of (nearly) the
   // same exposure, of unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out;
@@ -50,11 +55,13 @@ class ResponseEstimator {
   };
   struct Curve;  // of one channel
 
+  std::vector<BlackLevel> possible_black_levels() const;
   Curve solve(std::size_t channel, float black_level, const NoiseModel& noise) const;
 
+  std::optional<BlackLevel> stated_black_;
   int pairs_ = 0;
-  float shortest_ = 0;    // exposure
-  BlackLevel darkest_{};  // codes of the shortest exposure: an upper bound of the black level
+  float shortest_ = 0;              // exposure
+  std::array<float, 3> darkest_{};  // codes of the shortest exposure: an upper bound of the black level
   std::array<std::map<std::pair<int, int>, Matches>, 3> matches_;  // by exposures in 1/64 stop
 };
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "capture/clip_policy.h"
 #include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
 
@@ -20,7 +21,6 @@ Fusion::Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool) : op
 
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
                     Samples& samples) {
-  const FusionOptions& o = options_;
   for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable}) image->reshape_like(codes);
   const int cols = codes.cols();
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
@@ -32,9 +32,10 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
         for (int x = 0; x < cols; ++x) {
           const float brighter = std::max(z[x], top[x]);
           radiance[x] = tables.radiance(c, z[x]);
-          weight[x] = 1 - smooth_step(o.saturation_begin, o.saturation_end, brighter);
+          weight[x] = 1 - smooth_step(clip_policy::kFadeBegin, clip_policy::kFadeEnd, brighter);
           comparable[x] =
-              (1 - smooth_step(o.compare_begin, o.compare_end, brighter)) * smooth_step(1, 4, z[x]);
+              (1 - smooth_step(clip_policy::kCompareFadeBegin, clip_policy::kCompareFadeEnd, brighter)) *
+              smooth_step(clip_policy::kCompareDarkBegin, clip_policy::kCompareDarkEnd, z[x]);
         }
       }
   });

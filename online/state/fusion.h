@@ -20,16 +20,14 @@ struct Samples {
 };
 
 struct FusionOptions {
-  float saturation_begin = 220, saturation_end = 250;  // codes: a sample's weight falls from 1 to 0
-  float compare_begin = 200, compare_end = 235;        // codes: stricter, for comparisons
-  float relative_noise = 0.02f;                        // of radiance: what the model does not know
-  float blur_weight = 8;                               // of the squared blur bias, added to the variance
-  float chi2_tolerance = 1.5f;  // mean chi^2 over the window up to which a sample is taken as it is
-  float chi2_scale = 1.5f;      // e-folding of the weight above it
-  float chi2_relative = 0.04f;  // of radiance: disagreement always allowed
-  float chi2_texture = 0.25f;   // of the local contrast: disagreement that misalignment explains
-  float gate_floor = 0.002f;    // a sample is never fully rejected: no hole without an answer
-  float misalignment = 0.4f;    // of the local contrast: standard deviation of a warped sample
+  float relative_noise = 0.02f;  // of radiance: what the model does not know
+  float blur_weight = 8;         // of the squared blur bias, added to the variance
+  float chi2_tolerance = 1.5f;   // mean chi^2 over the window up to which a sample is taken as it is
+  float chi2_scale = 1.5f;       // e-folding of the weight above it
+  float chi2_relative = 0.04f;   // of radiance: disagreement always allowed
+  float chi2_texture = 0.25f;    // of the local contrast: disagreement that misalignment explains
+  float gate_floor = 0.002f;     // a sample is never fully rejected: no hole without an answer
+  float misalignment = 0.4f;     // of the local contrast: standard deviation of a warped sample
 };
 
 class Fusion {

@@ -342,7 +342,7 @@ TEST_CASE("the response of the fit makes the proof exact", "[capture]") {
   CHECK(widest_proof() > 1);
   PhotometricResponse::Curve inverse{};
   for (std::size_t z = 0; z < inverse.size(); ++z) inverse[z] = std::pow(static_cast<float>(z) / 255, 2.2f);
-  (*stage)->learn_response(inverse, 0);
+  (*stage)->learn_response(inverse, BlackLevel());
   CHECK(widest_proof() < 0.8);
 }
 

@@ -41,6 +41,19 @@ TEST_CASE("an exposure that does not fit the frame is refused with what would do
   CHECK_FALSE(ExposureSchedule::create({}, sensor(), k30Hz).ok());
 }
 
+TEST_CASE("a cycle of several equal exposures is refused, also where the sensor or the mains make them equal",
+          "[capture]") {
+  const Exposure equal[] = {{1ms, 1}, {1ms, 1}, {1ms, 1}}, nearly[] = {{9ms, 1}, {11ms, 1}};
+  CHECK_FALSE(ExposureSchedule::create(equal, sensor(), k30Hz).ok());
+  CHECK(ExposureSchedule::create(nearly, sensor(), k30Hz).ok());
+  const auto at_mains = ExposureSchedule::create(nearly, sensor(), k30Hz, Mains::Hz50);
+  REQUIRE_FALSE(at_mains.ok());
+  CHECK(at_mains.error().message.find("all 2 exposures of the cycle are the same, 10 ms") == 0);
+  const Exposure one[] = {{4ms, 1}}, two_of_three[] = {{1ms, 1}, {1ms, 1}, {4ms, 1}};
+  CHECK(ExposureSchedule::create(one, sensor(), k30Hz).ok());
+  CHECK(ExposureSchedule::create(two_of_three, sensor(), k30Hz).ok());
+}
+
 TEST_CASE("a coarse exposure unit is not mistaken for a line", "[capture]") {
   CameraCapabilities webcam = sensor();
   webcam.exposure_step = 100us;

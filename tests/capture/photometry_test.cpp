@@ -44,7 +44,7 @@ std::vector<Seen> look(const SensorSettings& settings, const Photometer& photome
 constexpr double kTimes_ms[] = {1, 4, 16};
 
 TEST_CASE("the ratio of raw exposures is measured to a few per cent", "[capture]") {
-  Photometer photometer(PhotometricResponse::linear(16));
+  Photometer photometer(PhotometricResponse::linear(BlackLevel(16)));
   const auto seen = look({.pan_px = 0, .light_walk = 0}, photometer, kTimes_ms, 60);
   for (std::size_t i = 1; i < seen.size(); ++i) {
     const auto ratio = photometer.ratio(seen[i - 1].picture, seen[i].picture);
@@ -60,7 +60,7 @@ TEST_CASE("the truth lies within what the measurement leaves open, in motion and
           "[capture]") {
   int outside = 0, measured = 0;
   for (const SensorKind kind : {SensorKind::RawBayer10, SensorKind::Gamma8, SensorKind::Film8}) {
-    Photometer photometer(kind == SensorKind::RawBayer10 ? PhotometricResponse::linear(16)
+    Photometer photometer(kind == SensorKind::RawBayer10 ? PhotometricResponse::linear(BlackLevel(16))
                                                          : PhotometricResponse::unknown());
     for (const double pan_px : {0.0, 1.0, 3.0}) {
       const auto seen =
@@ -112,7 +112,7 @@ TEST_CASE("raw codes with a black level that nobody knows are measured more wide
 }
 
 TEST_CASE("darkness, white-out and another scene have no ratio", "[capture]") {
-  Photometer photometer(PhotometricResponse::linear(16));
+  Photometer photometer(PhotometricResponse::linear(BlackLevel(16)));
   const auto dark = look({.key = 1e-5}, photometer, kTimes_ms, 4);
   CHECK_FALSE(photometer.ratio(dark[0].picture, dark[1].picture));
   CHECK(dark[0].picture.dark_share == 1);
@@ -130,7 +130,7 @@ TEST_CASE("darkness, white-out and another scene have no ratio", "[capture]") {
 }
 
 TEST_CASE("small pictures are compared by the sites that they have", "[capture]") {
-  Photometer photometer(PhotometricResponse::linear(16));
+  Photometer photometer(PhotometricResponse::linear(BlackLevel(16)));
   const auto seen = look({.width = 64, .height = 48, .pan_px = 0, .object = false, .light_walk = 0},
                          photometer, kTimes_ms, 4);
   CHECK(seen[0].picture.sites == 16 * 12);
@@ -145,7 +145,7 @@ TEST_CASE("small pictures are compared by the sites that they have", "[capture]"
 }
 
 TEST_CASE("a frame and its seven ratios cost less than a millisecond", "[capture]") {
-  Photometer photometer(PhotometricResponse::linear(16));
+  Photometer photometer(PhotometricResponse::linear(BlackLevel(16)));
   const auto seen = look({.width = 320, .height = 240}, photometer, kTimes_ms, 8);
   Image<std::uint16_t> codes(1, 240, 320);
   for (std::size_t i = 0; i < codes.size(); ++i)

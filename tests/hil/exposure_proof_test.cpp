@@ -9,6 +9,7 @@
 #include "hal/real/camera_libcamera.h"
 #include "hal/real/camera_v4l2.h"
 #include "hal/real/sync_line_gpiod.h"
+#include "hal/recording/recording.h"
 #include "tests/contracts/expect.h"
 #include "tests/hil/bed.h"
 #include "tests/hil/label_tally.h"

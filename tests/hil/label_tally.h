@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam::hil {
 

@@ -127,6 +127,7 @@ TEST_CASE("the facts of a frame are readable back from its OpenEXR picture") {
   a.time_code = TimeCode{1, 2, 3, 29};
   a.owner = "the owner";
   a.comments = "E_ref 0.004 s";
+  a.texts = {{"hdrcam.exposureVerdict", "proved"}, {"hdrcam.exposureSource", "reported"}};
   a.T_world_camera = PoseMatrix{c, 0, s, 1.5, 0, 1, 0, -0.25, -s, 0, c, 4};
 
   const ExrAttributes b = round_trip(picture).attributes;
@@ -138,6 +139,7 @@ TEST_CASE("the facts of a frame are readable back from its OpenEXR picture") {
   REQUIRE(*b.time_code == TimeCode{1, 2, 3, 29});
   REQUIRE(b.owner == "the owner");
   REQUIRE(b.comments == "E_ref 0.004 s");
+  REQUIRE(b.texts == a.texts);
   for (std::size_t i = 0; i < 12; ++i)
     REQUIRE((*b.T_world_camera)[i] == Approx((*a.T_world_camera)[i]).margin(1e-6));
 }

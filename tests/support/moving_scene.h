@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 #include "online/response/response.h"
 
 namespace hdrcam::test {

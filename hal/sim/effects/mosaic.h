@@ -3,8 +3,8 @@
 
 #include <span>
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -2,8 +2,8 @@
 // (1: the natural law of a simple lens; 2: a fast lens wide open). Value type, reentrant.
 #pragma once
 
+#include "hal/core/frame.h"
 #include "hal/core/image.h"
-#include "hal/recording/recording.h"
 #include "hal/sim/geometry.h"
 
 namespace hdrcam {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "capture/clip_policy.h"
 #include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
@@ -170,20 +171,20 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
 
 // Share of the 5x5 pixels around each that are clipped, bright or dark, in all channels.
 void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
-  constexpr float kBright = 246, kDark = 4;  // codes
+  const clip_policy::UsableCodes usable = clip_policy::kMotionShare;
   mask_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         const CodeRange range = range_of(frame.codes, y, x);
-        mask_.at(0, y, x) = range.least >= kBright || range.most <= kDark ? 1 : 0;
+        mask_.at(0, y, x) = range.least >= usable.brightest || range.most <= usable.darkest ? 1 : 0;
       }
   });
   box_mean(mask_, 2, share, pool_);
 }
 
 void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
-  constexpr float kBright = 248, kDark = 3;   // codes
+  const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
   constexpr float kClippedConfidence = 0.5f;  // where agreement cannot be seen, half of it is assumed
   rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
   rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
@@ -193,7 +194,7 @@ void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
         for (int x = 0; x < cols_; ++x) {
           const CodeRange range = range_of(frame->codes, y, x);
           float& confidence = motion.to_previous.confidence.at(0, y, x);
-          if (range.least >= kBright || range.most <= kDark)
+          if (range.least >= usable.brightest || range.most <= usable.darkest)
             confidence = std::max(kClippedConfidence, confidence);
         }
     });

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "hal/core/geometry.h"
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 #include "online/priors/seen_frame.h"
 
 namespace hdrcam {

@@ -94,12 +94,88 @@ TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
   CHECK(frames_in(folder + "/raw.mkv").size() == 40);
 }
 
+TEST_CASE(
+    "a recording played as a camera gives the bytes of its replay, whatever it knows of lens and poses") {
+  const std::string folder = sample::scratch_folder("live_same");
+  require_success(
+      {"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "12", "--truth", folder + "/clip"});
+  require_success({"import", folder + "/clip", "-o", folder + "/walk.mkv"});
+  const std::vector<std::string> fit{"--preset", "fast", "--layers", "depth,flow,confidence,provenance"};
+  std::vector<std::string> replay{"replay", folder + "/walk.mkv", "-o", folder + "/replay/%06d.exr"};
+  std::vector<std::string> live{
+      "live",     "--camera",          "replay:" + folder + "/walk.mkv", "-o", folder + "/live/%06d.exr",
+      "--record", folder + "/copy.mkv"};
+  for (auto* words : {&replay, &live}) words->insert(words->end(), fit.begin(), fit.end());
+  require_success(replay);
+  require_success(live);
+  REQUIRE(files_in(folder + "/replay", ".exr") == 12);
+  REQUIRE(files_in(folder + "/live", ".exr") == 12);
+  for (int i = 0; i < 12; ++i) {
+    const std::string name = fmt::format("/{:06}.exr", i);
+    CAPTURE(name);
+    CHECK(value_of(read_whole(posix_storage(), folder + "/replay" + name)) ==
+          value_of(read_whole(posix_storage(), folder + "/live" + name)));
+  }
+  const auto original = frames_in(folder + "/walk.mkv"), copy = frames_in(folder + "/copy.mkv");
+  REQUIRE(copy.size() == original.size());
+  for (std::size_t i = 0; i < copy.size(); ++i) CHECK(sample::same(copy[i], original[i]));
+}
+
+TEST_CASE("wrong exposures of a clip are put right by import, replay and live, or are an error") {
+  const std::string folder = sample::scratch_folder("wrong_labels");
+  require_success({"simulate", "walk?size=160x120", "--shutter", "1ms,4ms,16ms", "--frames", "18", "-o",
+                   folder + "/right.mkv"});
+  // every label is the next frame's
+  {
+    auto frames = frames_in(folder + "/right.mkv");
+    const auto reader = value_of(open_recording(posix_storage(), folder + "/right.mkv"));
+    const auto writer = value_of(create_recording(posix_storage(), folder + "/wrong.mkv", reader->camera()));
+    std::vector<double> exposures_s;
+    for (const RawFrame& frame : frames) exposures_s.push_back(frame.facts.exposure_s);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].facts.exposure_s = exposures_s[(i + 1) % 3];
+      frames[i].facts.slot = static_cast<int>((i + 1) % 3);
+      REQUIRE(writer->append(frames[i]).ok());
+    }
+    REQUIRE(writer->finish().ok());
+  }
+  const auto wrong_in = [&](const std::string& stats) {
+    int wrong = 0;
+    const double cycle[] = {0.25, 1, 4};  // E / E_ref
+    const auto json = json_in(stats);
+    for (const auto& frame : json["per_frame"])
+      wrong += frame["exposure"].get<double>() != Approx(cycle[frame["sequence"].get<int>() % 3]);
+    CHECK(json["per_frame"].size() >= 16);
+    CHECK(json["notes"].dump().find("relabelled by their pictures") != std::string::npos);
+    return wrong;
+  };
+  const std::string stats = folder + "/stats.json";
+  require_success({"replay", folder + "/wrong.mkv", "--emit", "state", "--stats", stats});
+  CHECK(wrong_in(stats) == 0);
+  require_success(
+      {"live", "--camera", "replay:" + folder + "/wrong.mkv", "--emit", "state", "--stats", stats});
+  CHECK(wrong_in(stats) == 0);
+  check_refused({"replay", folder + "/wrong.mkv", "--strict", "--stats", stats}, ErrorCode::BadExposure,
+                "frame 0");
+  require_success({"replay", folder + "/right.mkv", "--strict", "--emit", "state", "--stats", stats});
+
+  require_success({"export", folder + "/wrong.mkv", "-o", folder + "/clip"});
+  check_refused({"import", folder + "/clip", "-o", folder + "/strict.mkv", "--strict"},
+                ErrorCode::BadExposure, "frame 0");
+  const Run imported = run({"import", folder + "/clip", "-o", folder + "/imported.mkv"});
+  REQUIRE(imported.exit_code == kExitOk);
+  int photometric = 0;
+  for (const RawFrame& frame : frames_in(folder + "/imported.mkv"))
+    photometric += frame.facts.exposure_source == ExposureSource::Photometric;
+  CHECK(photometric >= 16);
+}
+
 TEST_CASE("a recording runs through live like a camera, to its end") {
   const std::string folder = sample::scratch_folder("live_replay");
   require_success({"record", "--camera", "sim:still?size=64x48&fps=60", "--format", "RGB24", "--shutter",
                    "1ms,4ms", "--frames", "24", "-o", folder + "/raw.mkv"});
-  require_success({"live", "--camera", "replay:" + folder + "/raw.mkv", "--preset", "fast", "--emit", "state",
-                   "-o", folder + "/%06d.exr", "--stats", folder + "/stats.json"});
+  require_success({"live", "--camera", "replay:" + folder + "/raw.mkv", "--pace", "realtime", "--preset",
+                   "fast", "--emit", "state", "-o", folder + "/%06d.exr", "--stats", folder + "/stats.json"});
   const auto counters = json_in(folder + "/stats.json")["counters"];
   CHECK(counters["captured"] == 24);
   CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 24);
@@ -116,6 +192,48 @@ TEST_CASE("a raw camera is recorded raw, and its recording becomes HDR frames") 
   CHECK(reader->camera().linear);
   require_success({"replay", folder + "/raw.mkv", "--preset", "fast", "-o", folder + "/%06d.exr"});
   CHECK(files_in(folder, ".exr") == 12);
+}
+
+TEST_CASE("a black level that the user states reaches recording and fit, of raw and of processed codes") {
+  for (const std::string format : {"", "RGB24"}) {
+    const std::string folder = sample::scratch_folder("live_black");
+    std::vector<std::string> words{"live",
+                                   "--camera",
+                                   "sim:still?size=64x48&fps=60&black=0.06",
+                                   "--shutter",
+                                   "1ms,4ms",
+                                   "--preset",
+                                   "fast",
+                                   "--emit",
+                                   "state",
+                                   "--frames",
+                                   "16",
+                                   "--black-level",
+                                   "15.3",
+                                   "--record",
+                                   folder + "/raw.mkv",
+                                   "--stats",
+                                   folder + "/live.json"};
+    if (!format.empty()) words.insert(words.end(), {"--format", format});
+    require_success(words);
+    require_success({"replay", folder + "/raw.mkv", "--preset", "fast", "--emit", "state", "--stats",
+                     folder + "/replay.json"});
+    CAPTURE(format);
+    for (const RawFrame& frame : frames_in(folder + "/raw.mkv")) {
+      REQUIRE(frame.facts.black_level);
+      CHECK((*frame.facts.black_level)[1] == Approx(15.3));
+    }
+    for (const char* stats : {"/live.json", "/replay.json"}) {
+      const std::string notes = json_in(folder + stats)["notes"].dump();
+      CAPTURE(stats, notes);
+      CHECK(notes.find("black level: 15.3, 15.3, 15.3 codes of 255") != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("a cycle of equal exposures is refused") {
+  check_refused({"live", "--camera", "sim:still", "--shutter", "1ms,1ms,1ms"}, ErrorCode::Invalid,
+                "all 3 exposures of the cycle are the same");
 }
 
 TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {

@@ -9,6 +9,7 @@
 
 #include "firmware_host/program.h"
 #include "hal/fault/faulty_storage.h"
+#include "hal/recording/recording.h"
 #include "render/exr.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"

@@ -113,7 +113,7 @@ TEST_CASE("a raw recording is Bayer, linear and explained as such") {
   CHECK(reader->camera().layout == PixelLayout::BayerRggb);
   CHECK(reader->camera().bits == 12);
   CHECK(reader->camera().linear);
-  CHECK(value_of(reader->next())->facts.black_level == Approx(0.0625 * 4095));
+  CHECK(value_of(reader->next())->facts.black_level->code(12) == Approx(0.0625 * 4095));
 }
 
 TEST_CASE("simulate refuses in a sentence what it cannot do") {

@@ -52,7 +52,7 @@ class WatchedCamera : public FrameSource {
     return frame;
   }
   void emitted(FrameRecord& record) override { camera_.emitted(record); }
-  void learn_response(const Response::Curve& inverse, float black) override {
+  void learn_response(const Response::Curve& inverse, const BlackLevel& black) override {
     camera_.learn_response(inverse, black);
   }
   Result<void> finish(RunRecord& record) override { return camera_.finish(record); }

@@ -124,9 +124,9 @@ TEST_CASE("a black level that the camera reports is removed before the fit") {
       dark_error_stops(scene, emitted_by(frames_of(scene, 10), calibrated(scene), options), false);
   scene.black_level = 24;
   auto frames = frames_of(scene, 10);
-  for (RawFrame& frame : frames) frame.facts.black_level = 24;
+  for (RawFrame& frame : frames) frame.facts.black_level = BlackLevel(24);
   const double removed = dark_error_stops(scene, emitted_by(frames, calibrated(scene), options), false);
-  for (RawFrame& frame : frames) frame.facts.black_level = 0;
+  for (RawFrame& frame : frames) frame.facts.black_level.reset();
   const double kept = dark_error_stops(scene, emitted_by(frames, calibrated(scene), options), false);
   INFO("dark pixels: " << clean << " stops without a pedestal, " << removed << " with it removed, " << kept
                        << " with it kept");

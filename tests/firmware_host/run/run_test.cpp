@@ -22,7 +22,7 @@ class MemorySource : public FrameSource {
     return next_ < frames_.size() ? &frames_[next_++] : static_cast<const RawFrame*>(nullptr);
   }
   void emitted(FrameRecord& record) override { record.latency_ms = 7; }
-  void learn_response(const Response::Curve&, float) override { ++responses_; }
+  void learn_response(const Response::Curve&, const BlackLevel&) override { ++responses_; }
   Result<void> finish(RunRecord& record) override {
     record.notes.emplace_back("from the source");
     return end_;

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <bit>
+#include <cmath>
 #include <filesystem>
 #include <random>
 #include <string>
@@ -57,7 +58,11 @@ inline FrameFacts facts(int index, std::mt19937& random) {
   facts.analogue_gain = 1 + unit(random);
   facts.digital_gain = 1 + unit(random);
   facts.slot = index % 3;
-  facts.black_level = 16 * unit(random);
+  facts.black_level = BlackLevel(std::round(16e6 * unit(random)) / 1e6);
+  constexpr Verdict kVerdicts[] = {Verdict::Proved, Verdict::Contradicted, Verdict::Plausible,
+                                   Verdict::Unknown};  // as the flags below
+  if (index % 8 < 4) facts.verdict = kVerdicts[index % 4];
+  if (index % 4 == 0) facts.exposure_within_ev = unit(random);
   facts.exposure_source = static_cast<ExposureSource>(index % 6);
   facts.flags = static_cast<std::uint32_t>(index % 8);
   if (index % 2 == 1)
@@ -85,14 +90,20 @@ inline bool same_bits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
+// A file keeps it to a millionth of a code.
+inline bool same_black_level(const std::optional<BlackLevel>& a, const std::optional<BlackLevel>& b) {
+  return a.has_value() == b.has_value() && (!a || std::abs(a->code(16) - b->code(16)) < 1e-3);
+}
+
 inline bool same(const FrameFacts& a, const FrameFacts& b) {
   if (a.T_world_camera.has_value() != b.T_world_camera.has_value()) return false;
   for (std::size_t i = 0; a.T_world_camera && i < 12; ++i)
     if (!same_bits((*a.T_world_camera)[i], (*b.T_world_camera)[i])) return false;
   return a.sequence == b.sequence && a.timestamp == b.timestamp && same_bits(a.exposure_s, b.exposure_s) &&
          same_bits(a.analogue_gain, b.analogue_gain) && same_bits(a.digital_gain, b.digital_gain) &&
-         a.slot == b.slot && same_bits(a.black_level, b.black_level) &&
-         a.exposure_source == b.exposure_source && a.flags == b.flags;
+         a.slot == b.slot && same_black_level(a.black_level, b.black_level) && a.verdict == b.verdict &&
+         a.exposure_within_ev == b.exposure_within_ev && a.exposure_source == b.exposure_source &&
+         a.flags == b.flags;
 }
 
 inline bool same(const Image<std::uint16_t>& a, const Image<std::uint16_t>& b) {

@@ -67,7 +67,7 @@ TEST_CASE("the response is found from six frames of an unknown camera") {
     CHECK(response_error(estimate.response, Response::gamma(exponent)) < 0.12);
     CHECK(response_error(prior_mean_response(), Response::gamma(exponent)) >
           1.5 * response_error(estimate.response, Response::gamma(exponent)));
-    for (const float black : estimate.black_level) CHECK(black < 2);
+    for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] < 2);
   }
 }
 
@@ -77,7 +77,7 @@ TEST_CASE("a black level is found together with the response") {
   scene.sensitivity = 60;  // a dark scene: black pixels are there to be seen
   scene.black_level = 14;
   const auto estimate = estimated(exposed(scene, 6));
-  for (const float black : estimate.black_level) CHECK(black == Approx(14).margin(1.5));
+  for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == Approx(14).margin(1.5));
   CHECK(response_error(estimate.response, Response::gamma(2.2f)) < 0.15);
 }
 

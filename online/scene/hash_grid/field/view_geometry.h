@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
+#include "hal/core/frame.h"
 #include "hal/core/geometry.h"
-#include "hal/recording/recording.h"
 
 namespace hdrcam {
 

@@ -4,26 +4,28 @@
 // Reentrant.
 #pragma once
 
+#include "capture/clip_policy.h"
 #include "online/scene/hash_grid/field/window.h"
 #include "online/scene/hash_grid/fit/learned_response.h"
 #include "online/scene/hash_grid/fit/losses/robust.h"
 
 namespace hdrcam {
 
-constexpr float kClippedAbove = 0.985f, kClippedBelow = 0.004f;  // of a value 0..1
-
 // radiance[3], measured values[3] (kNoValue: none). Adds to d_radiance[3] and, if not null, to the response's
 // gradient. Returns the weighted loss, mean over channels.
 template <class T>
 T photometric_loss(T weight, const LearnedResponse<T>& response, T exposure, const T* radiance,
                    const float* measured, T* d_radiance, typename LearnedResponse<T>::Gradient* d_response) {
+  using clip_policy::kLossOfOne;
   constexpr T kSoftness = T(0.01);
   T loss = 0;
   for (int c = 0; c < 3; ++c) {
     if (measured[c] == kNoValue) continue;
     const auto predicted = response.evaluate(c, exposure * radiance[c]);
     const T error = predicted.value - T(measured[c]);
-    if ((measured[c] >= kClippedAbove && error > 0) || (measured[c] <= kClippedBelow && error < 0)) continue;
+    if ((measured[c] >= kLossOfOne.brightest && error > 0) ||
+        (measured[c] <= kLossOfOne.darkest && error < 0))
+      continue;
     const auto rho = robust(error, kSoftness);
     const T d_value = weight / 3 * rho.slope;
     loss += weight / 3 * rho.value;

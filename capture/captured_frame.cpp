@@ -1,0 +1,30 @@
+#include "capture/captured_frame.h"
+
+#include <fmt/format.h>
+
+namespace hdrcam {
+
+void CaptureCounters::count(const Judgement& judgement) {
+  switch (judgement.verdict) {
+    case Verdict::Proved:
+      ++proved;
+      break;
+    case Verdict::Plausible:
+      ++plausible;
+      break;
+    case Verdict::Contradicted:
+      ++contradicted;
+      break;
+    case Verdict::Unknown:
+      ++unknown;
+      break;
+  }
+  relabelled += judgement.relabelled;
+}
+
+std::string proof_of(const CaptureCounters& camera) {
+  return fmt::format("exposures: {} proved, {} plausible, {} contradicted, {} unknown", camera.proved,
+                     camera.plausible, camera.contradicted, camera.unknown);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,204 @@
+#include "capture/recorded_labels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "capture/exposure_schedule.h"
+
+namespace hdrcam {
+namespace {
+
+bool is_exposure(const FrameFacts& facts) { return facts.exposure() > 0 && std::isfinite(facts.exposure()); }
+
+bool judgeable(const FrameFacts& facts) {
+  const bool unlabelled = facts.exposure_source == ExposureSource::Unknown;
+  return (facts.flags & kFrameDamaged) == 0 && (is_exposure(facts) || unlabelled);
+}
+
+PhotometricResponse response_of(const CameraFacts& camera, const std::optional<BlackLevel>& black) {
+  if (!camera.linear) return PhotometricResponse::unknown();
+  return black ? PhotometricResponse::linear(*black) : PhotometricResponse::linear_unknown_black();
+}
+
+// The judgement of a frame that two proofs looked at: by the frames before it, and by those after it.
+Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
+  if (by_earlier.unique && by_later.unique &&
+      std::abs(*by_earlier.unique - *by_later.unique) > kSameExposure) {
+    Judgement divided = by_earlier;
+    divided.verdict = Verdict::Contradicted;
+    divided.relabelled = false;
+    divided.unique.reset();
+    return divided;
+  }
+  if (by_earlier.verdict == Verdict::Proved) return by_earlier;
+  if (by_later.unique) return by_later;
+  if (by_earlier.unique) return by_earlier;
+  return by_earlier.trusted() ? by_later : by_earlier;
+}
+
+}  // namespace
+
+double RecordedLabels::Label::log_value() const {
+  return std::log(exposure_s * analogue_gain * digital_gain);
+}
+
+RecordedLabels::RecordedLabels(const CameraFacts& camera)
+    : camera_(camera), photometer_(response_of(camera, std::nullopt)) {}
+
+// What the recording says of a frame; empty where nobody knew. nullopt for a frame that cannot be judged.
+std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts) const {
+  if (!judgeable(facts)) return std::nullopt;
+  FrameEvidence evidence;
+  if (is_exposure(facts))
+    evidence.add({{Instant::from_seconds(facts.exposure_s).since_boot, facts.analogue_gain},
+                  facts.digital_gain,
+                  facts.exposure_source});
+  return evidence;
+}
+
+// The distinct exposures of the last labels are those that a frame can have.
+void RecordedLabels::learn_cycle(const FrameFacts& facts) {
+  constexpr std::size_t kRemembered = 16;  // labels: four rounds of the longest cycle
+  if (!is_exposure(facts)) return;
+  const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot};
+  const auto same = [](const Label& a) {
+    return
+        [value = a.log_value()](const Label& b) { return std::abs(value - b.log_value()) <= kSameExposure; };
+  };
+  if (recent_.size() == kRemembered) recent_.erase(recent_.begin());
+  recent_.push_back(label);
+  if (std::any_of(cycle_.begin(), cycle_.end(), same(label))) return;
+
+  std::vector<Label> distinct;
+  for (const Label& seen : recent_)
+    if (std::none_of(distinct.begin(), distinct.end(), same(seen))) distinct.push_back(seen);
+  if (distinct.size() > ExposureSchedule::kMaxSlots) distinct.clear();
+  cycle_ = std::move(distinct);
+  std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
+  for (std::size_t i = 0; i < cycle_.size(); ++i)
+    exposures[i] = {Instant::from_seconds(cycle_[i].exposure_s).since_boot,
+                    cycle_[i].analogue_gain * cycle_[i].digital_gain};
+  proof_.set_cycle({exposures.data(), cycle_.size()});
+}
+
+void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
+  if (frames.empty()) return;
+  photometer_.set_response(response_of(camera_, frames.front().raw.facts.black_level));
+  for (const CapturedFrame& frame : frames)
+    if (judgeable(frame.raw.facts)) learn_cycle(frame.raw.facts);
+  std::vector<Judgement> by_later(frames.size());
+  ExposureProof backwards = proof_;
+  for (std::size_t i = frames.size(); i-- > 0;) {
+    const auto evidence = evidence_of(frames[i].raw.facts);
+    if (!evidence) continue;
+    photometer_.observe(frames[i].raw.codes, camera_.layout, camera_.bits, picture_);
+    by_later[i] = backwards.judge(*evidence, picture_, photometer_);
+  }
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const std::size_t other = i > 0 ? i - 1 : std::min<std::size_t>(1, frames.size() - 1);
+    const Duration apart =
+        std::chrono::abs(frames[i].raw.facts.timestamp - frames[other].raw.facts.timestamp);
+    finish(frames[i], joined(judge_forward(frames[i]), by_later[i]),
+           other == i ? std::nullopt : std::optional(apart));
+  }
+}
+
+void RecordedLabels::judge(CapturedFrame& frame) {
+  learn_cycle(frame.raw.facts);
+  std::optional<Duration> interval;
+  if (last_time_) interval = frame.raw.facts.timestamp - *last_time_;
+  const Judgement judgement = judge_forward(frame);
+  finish(frame, judgement, interval);
+}
+
+// A frame that cannot be judged answers an empty judgement.
+Judgement RecordedLabels::judge_forward(const CapturedFrame& frame) {
+  const auto evidence = evidence_of(frame.raw.facts);
+  if (!evidence) return {};
+  photometer_.observe(frame.raw.codes, camera_.layout, camera_.bits, picture_);
+  return proof_.judge(*evidence, picture_, photometer_);
+}
+
+void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
+                            std::optional<Duration> interval) {
+  FrameFacts& facts = frame.raw.facts;
+  ++frames_;
+  last_time_ = facts.timestamp;
+  frame.proof = judgement;
+  if (judgeable(facts)) settle(frame, judgement);
+  check_duration(frame, interval);
+}
+
+// What the recording said already, and what the pictures say now.
+void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
+  FrameFacts& facts = frame.raw.facts;
+  const bool flagged = (facts.flags & kFrameExposureUnproved) != 0;
+  if (judgement.unique && (judgement.relabelled || !is_exposure(facts))) {
+    relabel(facts, judgement);
+  } else if (flagged && judgement.trusted() && !judgement.unique) {
+    const bool contradicted = facts.verdict == Verdict::Contradicted;
+    frame.proof.verdict = contradicted ? Verdict::Contradicted : Verdict::Unknown;
+  } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
+    frame.proof.verdict = Verdict::Proved;
+  }
+  if (frame.proof.verdict == Verdict::Contradicted && is_exposure(facts)) {
+    contradicted_.object("frame {}: its pictures contradict its exposure of {:.6g} s", facts.sequence,
+                         facts.exposure());
+  }
+  facts.verdict = frame.proof.verdict;
+  if (judgement.within_ev > 0 && std::isfinite(judgement.within_ev) && !facts.exposure_within_ev)
+    facts.exposure_within_ev = judgement.within_ev;
+  facts.flags &= ~kFrameExposureUnproved;
+  if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
+}
+
+// The whole label of the frames that have the exposure which the pictures found.
+void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
+  const double value = judgement.label.log_value();
+  const auto found = std::min_element(cycle_.begin(), cycle_.end(), [&](const Label& a, const Label& b) {
+    return std::abs(a.log_value() - value) < std::abs(b.log_value() - value);
+  });
+  if (found == cycle_.end()) return;
+  if (is_exposure(facts))
+    relabelled_.object("frame {}: exposure of {:.6g} s relabelled {:.6g} s by its pictures", facts.sequence,
+                       facts.exposure(), std::exp(found->log_value()));
+  facts.exposure_s = found->exposure_s;
+  facts.analogue_gain = found->analogue_gain;
+  facts.digital_gain = found->digital_gain;
+  facts.slot = found->slot;
+  facts.exposure_source = ExposureSource::Photometric;
+  facts.exposure_within_ev.reset();
+}
+
+// An exposure cannot outlast its frame: its duration is wrong, though its ratio to the others may be right.
+void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration> interval) {
+  FrameFacts& facts = frame.raw.facts;
+  if (!interval || !outlasts_frame(facts.exposure_s, to_seconds(*interval))) return;
+  if (frame.proof.verdict == Verdict::Proved) facts.verdict = frame.proof.verdict = Verdict::Plausible;
+  overlong_.object("frame {}: an exposure of {:.6g} s does not fit into {:.6g} s", facts.sequence,
+                   facts.exposure_s, to_seconds(*interval));
+}
+
+std::optional<std::string> RecordedLabels::objection() const {
+  for (const Objections* objections : {&relabelled_, &contradicted_, &overlong_})
+    if (objections->count > 0) return objections->first;
+  return std::nullopt;
+}
+
+std::vector<std::string> RecordedLabels::warnings() const {
+  std::vector<std::string> warnings;
+  const auto warn = [&](const Objections& objections, const char* what) {
+    if (objections.count > 0)
+      warnings.push_back(
+          fmt::format("{} of {} frames {}; {}", objections.count, frames_, what, objections.first));
+  };
+  warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
+  warn(contradicted_,
+       "are kept out of the fit: their pictures contradict their exposures, which should be checked");
+  warn(overlong_, "are said to be exposed longer than they last, so no motion blur is derived from that");
+  return warnings;
+}
+
+}  // namespace hdrcam

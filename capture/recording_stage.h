@@ -1,0 +1,54 @@
+// A recording as a stream of frames whose exposures are judged: to a recording what CaptureStage is to a
+// camera. Each frame comes once, in order, and waits for whoever reads it; the pictures judge the exposures
+// that the file states (recorded_labels.h). Thread-bound.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/captured_frame.h"
+#include "capture/recorded_labels.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+// What it means that pictures contradict a stated exposure: a warning, or the end.
+enum class Contradiction { Warns, Fails };
+
+class RecordingStage {
+ public:
+  // Errors: those of open_recording.
+  static Result<std::unique_ptr<RecordingStage>> open(Storage& storage, const std::string& path,
+                                                      Contradiction contradiction);
+  RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction);
+
+  // The next frame; false at the end. Errors: those of RecordingReader::next, after all frames before it;
+  // BadExposure for the first contradiction, where that fails.
+  Result<bool> next(CapturedFrame& frame);
+
+  const CameraFacts& camera() const { return recording_->camera(); }
+  // Where it is known before the end.
+  std::optional<int> frame_count() const { return recording_->frame_count(); }
+  const CaptureCounters& counters() const { return counters_; }
+  // What the user should be told of the frames so far, empty if nothing.
+  std::vector<std::string> warnings() const { return labels_.warnings(); }
+
+ private:
+  void read_beginning();
+  void count(CapturedFrame& frame);
+  // Whether there was one more; what ended the recording is kept in end_.
+  bool read(CapturedFrame& frame);
+
+  std::unique_ptr<RecordingReader> recording_;
+  const Contradiction contradiction_;
+  RecordedLabels labels_;
+  std::vector<CapturedFrame> beginning_;  // judged together, the next one last
+  bool begun_ = false;
+  std::optional<Result<bool>> end_;
+  CaptureCounters counters_;
+  std::optional<std::uint64_t> last_sequence_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,202 @@
+// The exposures that a recording states, against its pictures: right ones stay, wrong ones are found.
+#include "capture/recording_stage.h"
+
+#include <functional>
+#include <utility>
+
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+test::MovingScene scene_of(std::vector<double> exposures_s) {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  scene.exposures_s = std::move(exposures_s);
+  return scene;
+}
+
+std::vector<RawFrame> filmed(const test::MovingScene& scene, int count) {
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < count; ++i) {
+    frames.push_back(scene.frame(i));
+    frames.back().facts.slot = i % static_cast<int>(scene.exposures_s.size());
+  }
+  return frames;
+}
+
+// A recording in memory.
+class Reel : public RecordingReader {
+ public:
+  Reel(CameraFacts camera, std::vector<RawFrame> frames)
+      : camera_(std::move(camera)), frames_(std::move(frames)) {}
+  const CameraFacts& camera() const override { return camera_; }
+  std::optional<int> frame_count() const override { return static_cast<int>(frames_.size()); }
+  Result<std::optional<RawFrame>> next() override {
+    if (at_ == frames_.size()) return std::optional<RawFrame>();
+    return std::optional<RawFrame>(std::move(frames_[at_++]));
+  }
+
+ private:
+  CameraFacts camera_;
+  std::vector<RawFrame> frames_;
+  std::size_t at_ = 0;
+};
+
+struct Judged {
+  std::vector<FrameFacts> facts;
+  CaptureCounters counters;
+  std::vector<std::string> warnings;
+  std::optional<Error> error;
+};
+
+Judged judged(const test::MovingScene& scene, std::vector<RawFrame> frames,
+              Contradiction contradiction = Contradiction::Warns) {
+  RecordingStage stage(std::make_unique<Reel>(scene.camera(), std::move(frames)), contradiction);
+  Judged result;
+  for (CapturedFrame frame;;) {
+    const auto more = stage.next(frame);
+    if (!more) result.error = more.error();
+    if (!more || !more.value()) break;
+    result.facts.push_back(frame.raw.facts);
+  }
+  result.counters = stage.counters();
+  result.warnings = stage.warnings();
+  return result;
+}
+
+// The frame that gets the label of frame `index`.
+using Relabelling = std::function<int(int index, int count)>;
+
+std::vector<RawFrame> with_labels(const test::MovingScene& scene, int count, const Relabelling& label_of) {
+  std::vector<RawFrame> frames = filmed(scene, count);
+  const std::vector<RawFrame> truth = filmed(scene, count);
+  for (int i = 0; i < count; ++i)
+    frames[static_cast<std::size_t>(i)].facts.exposure_s =
+        truth[static_cast<std::size_t>(label_of(i, count))].facts.exposure_s;
+  return frames;
+}
+
+double true_exposure_s(const test::MovingScene& scene, const FrameFacts& facts) {
+  return scene.exposures_s[facts.sequence % scene.exposures_s.size()];
+}
+
+const std::vector<std::vector<double>> kCycles = {
+    {0.001, 0.004, 0.016}, {0.016, 0.004, 0.001}, {0.002, 0.016}, {0.001, 0.002, 0.004, 0.008}};
+
+TEST_CASE("right exposures of a recording stay as they are, and pictures prove them", "[capture]") {
+  for (const auto& exposures_s : kCycles) {
+    const auto scene = scene_of(exposures_s);
+    const Judged result = judged(scene, filmed(scene, 24));
+    CAPTURE(exposures_s, result.counters.proved, result.counters.plausible);
+    REQUIRE(result.facts.size() == 24);
+    CHECK(result.warnings.empty());
+    CHECK(result.counters.proved >= 20);
+    for (const FrameFacts& facts : result.facts) {
+      CHECK(facts.exposure_s == true_exposure_s(scene, facts));
+      CHECK(facts.exposure_source == ExposureSource::Declared);
+      CHECK((facts.verdict == Verdict::Proved || facts.verdict == Verdict::Plausible));
+      CHECK(facts.flags == 0);
+    }
+  }
+}
+
+TEST_CASE("exposures shifted by a frame, or told in reverse, are found from the first frame on",
+          "[capture]") {
+  const std::pair<const char*, Relabelling> errors[] = {
+      {"shifted by one", [](int i, int count) { return i + 1 < count ? i + 1 : i - 2; }},
+      {"reversed", [](int i, int) { return 2 - i % 3 + i / 3 * 3; }}};
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  for (const auto& [what, label_of] : errors) {
+    const Judged result = judged(scene, with_labels(scene, 24, label_of));
+    CAPTURE(what, result.counters.proved, result.counters.relabelled, result.counters.contradicted);
+    for (const FrameFacts& facts : result.facts)
+      if ((facts.flags & kFrameExposureUnproved) == 0)
+        CHECK(facts.exposure_s == true_exposure_s(scene, facts));
+    CHECK(result.counters.relabelled + result.counters.proved >= 23);
+    REQUIRE_FALSE(result.warnings.empty());
+    CHECK(result.warnings.front().find("relabelled by their pictures; frame ") != std::string::npos);
+  }
+}
+
+TEST_CASE("a recording that states one exposure for all its different frames is told so", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  const Judged result = judged(scene, with_labels(scene, 24, [](int, int) { return 1; }));
+  CHECK(result.counters.relabelled == 0);
+  CHECK(result.counters.proved == 0);
+  CHECK(result.counters.contradicted >= 8);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings.front().find("their pictures contradict their exposures") != std::string::npos);
+}
+
+TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  for (const int wrong : {0, 3, 8, 13}) {
+    const Judged result =
+        judged(scene, with_labels(scene, 24, [&](int i, int) { return i == wrong ? i + 1 : i; }));
+    CAPTURE(wrong);
+    CHECK(result.counters.relabelled == 1);
+    CHECK(result.counters.contradicted == 0);
+    for (const FrameFacts& facts : result.facts) CHECK(facts.exposure_s == true_exposure_s(scene, facts));
+    CHECK(result.facts[static_cast<std::size_t>(wrong)].exposure_source == ExposureSource::Photometric);
+    CHECK(result.facts[static_cast<std::size_t>(wrong)].slot == wrong % 3);
+  }
+}
+
+TEST_CASE("asked to be strict, a recording ends at the first exposure that its pictures contradict",
+          "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  const Judged wrong = judged(scene, with_labels(scene, 24, [](int i, int) { return i == 13 ? 14 : i; }),
+                              Contradiction::Fails);
+  REQUIRE(wrong.error);
+  CHECK(wrong.error->code == ErrorCode::BadExposure);
+  CHECK(wrong.error->message.find("frame 13") != std::string::npos);
+  CHECK(wrong.facts.size() == 13);
+  CHECK_FALSE(judged(scene, filmed(scene, 24), Contradiction::Fails).error);
+}
+
+TEST_CASE("an exposure longer than its frame lasts is said, and its frame kept", "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  scene.framerate_hz = 100;  // 10 ms a frame
+  const Judged result = judged(scene, filmed(scene, 12));
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings.front().find("4 of 12 frames are said to be exposed longer than they last") == 0);
+  for (const FrameFacts& facts : result.facts) {
+    CHECK(facts.exposure_s == true_exposure_s(scene, facts));
+    CHECK(facts.flags == 0);
+    if (facts.slot == 2) CHECK(facts.verdict == Verdict::Plausible);
+  }
+  CHECK(judged(scene, filmed(scene, 12), Contradiction::Fails).error);
+}
+
+TEST_CASE("what a camera proved stays proved, and what nobody knew is found by the pictures", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  auto frames = filmed(scene, 24);
+  for (RawFrame& frame : frames) frame.facts.verdict = Verdict::Proved;
+  FrameFacts& first = frames[0].facts;
+  first.exposure_s = 0, first.exposure_source = ExposureSource::Unknown;
+  first.verdict = Verdict::Unknown, first.flags = kFrameExposureUnproved;
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.facts[0].exposure_s == 0.001);
+  CHECK(result.facts[0].exposure_source == ExposureSource::Photometric);
+  CHECK(result.facts[0].flags == 0);
+  CHECK(result.counters.proved == 23);
+}
+
+TEST_CASE("where pictures say nothing, a flag of the recording stays", "[capture]") {
+  auto scene = scene_of({0.001, 0.004, 0.016});
+  auto frames = filmed(scene, 12);
+  for (RawFrame& frame : frames) frame.codes.fill(0);
+  frames[4].facts.flags = kFrameExposureUnproved;
+  frames[4].facts.verdict = Verdict::Contradicted;
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.facts[4].verdict == Verdict::Contradicted);
+  CHECK(result.facts[4].flags == kFrameExposureUnproved);
+  CHECK(result.facts[5].verdict == Verdict::Plausible);
+  CHECK(result.facts[5].flags == 0);
+}
+
+}  // namespace
+}  // namespace hdrcam
