@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/capture/sensor_model.h"
 
 namespace hdrcam {
@@ -389,7 +389,7 @@ TEST_CASE("capture does not allocate once it runs", "[capture]") {
   for (int i = 0; i < 400; ++i) ok &= (*stage)->next(frame).ok();
   const std::uint64_t by_stage = allocations_so_far() - before - (camera.inside() - before_inside);
   CHECK(ok);
-  CHECK(by_stage == 0);
+  CHECK_ALLOCATIONS(by_stage == 0);
 }
 
 TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {

@@ -1,3 +1,4 @@
+#include "tests/allocation_checks.h"
 #include "tests/contracts/camera_contract.h"
 
 #include <chrono>
@@ -5,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "tests/allocations.h"
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
@@ -194,7 +194,7 @@ void does_not_allocate_per_frame(const CameraUnderTest& facts) {
   }
   const double per_frame = static_cast<double>(allocations_so_far() - before) / facts.frames;
   INFO(per_frame << " allocations a frame");
-  CHECK(per_frame <= facts.allocations_per_frame);
+  CHECK_ALLOCATIONS(per_frame <= facts.allocations_per_frame);
 }
 
 struct Clause {

@@ -1,8 +1,8 @@
+#include "tests/allocation_checks.h"
 #include "tests/contracts/clock_contract.h"
 
 #include <chrono>
 
-#include "tests/allocations.h"
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
@@ -54,7 +54,7 @@ void does_not_allocate(const ClockUnderTest& facts) {
   const std::uint64_t before = allocations_so_far();
   (void)facts.clock.now();
   (void)facts.clock.instant_of(ClockDomain::Monotonic, stamp);
-  CHECK(allocations_so_far() == before);
+  CHECK_ALLOCATIONS(allocations_so_far() == before);
 }
 
 struct Clause {

@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
@@ -42,7 +42,7 @@ void does_not_allocate_per_edge(const InputLineUnderTest& facts) {
     if (i > 1) in_waits += allocations_so_far() - before;
     REQUIRE(came);
   }
-  CHECK(in_waits == 0);
+  CHECK_ALLOCATIONS(in_waits == 0);
 }
 
 void times_out_without_an_edge(const InputLineUnderTest& facts) {

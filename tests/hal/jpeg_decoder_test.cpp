@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 
 #include <jpeglib.h>
 #include <catch2/catch.hpp>
@@ -241,5 +241,5 @@ TEST_CASE("a decoder that has seen a picture allocates nothing for the next") {
   const bool ok = decode(bytes, rgb).ok();
   const auto after = allocations_so_far();
   CHECK(ok);
-  CHECK(after == before);
+  CHECK_ALLOCATIONS(after == before);
 }

@@ -110,13 +110,39 @@ TEST_CASE("one thread and two leave the same bytes, another seed leaves others")
 }
 
 TEST_CASE("each layer can be had alone") {
-  const std::string folder = sample::scratch_folder("replay_layers"), clip = write_clip(folder, 6);
-  for (const char* layer : {"merged", "state", "field"}) {
-    REQUIRE(
-        run({"replay", clip, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset", "fast"})
-            .code == 0);
-    CHECK(files_in(folder + "/" + layer, ".exr").size() == 6);
+  const std::string folder = sample::scratch_folder("replay_layers");
+  std::vector<ExrImage> state, merged, field;
+  for (auto& [layer, pictures] : {std::pair{"state", &state}, {"merged", &merged}, {"field", &field}}) {
+    REQUIRE(run({"replay", kDemo, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset",
+                 "fast", "--layers", "provenance", "--frames", "8"})
+                .code == 0);
+    for (const auto& path : files_in(folder + "/" + layer, ".exr"))
+      pictures->push_back(read_exr(posix_storage(), path).value());
+    REQUIRE(pictures->size() == 8);
   }
+  const auto plane = [](const ExrImage& picture, std::string_view name) {
+    const auto channel = picture.find(name);
+    REQUIRE(channel.has_value());
+    return std::span(picture.samples.plane(*channel), picture.samples.plane_size());
+  };
+  constexpr auto kField = static_cast<float>(Provenance::Field);
+  std::size_t answers = 0, elsewhere = 0, own = 0, of_field = 0, pixels = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const auto s = plane(state[i], "G"), m = plane(merged[i], "G"), f = plane(field[i], "G");
+    const auto from_s = plane(state[i], exr_channel::kProvenance),
+               from_m = plane(merged[i], exr_channel::kProvenance),
+               from_f = plane(field[i], exr_channel::kProvenance);
+    for (std::size_t p = 0; p < s.size(); ++p) {
+      if (m[p] != s[p]) ++(from_m[p] == kField ? answers : elsewhere);
+      own += from_s[p] == kField ? 0 : 1;
+      of_field += from_f[p] == kField && f[p] != s[p] ? 1 : 0;
+    }
+    pixels += s.size();
+  }
+  CHECK(answers > 0);              // merged is the state's picture ..
+  CHECK(elsewhere == 0);           // .. but where the field answers,
+  CHECK(own == pixels);            // the state knows no field,
+  CHECK(of_field > pixels * 0.9);  // and the field alone is another picture
 }
 
 TEST_CASE("what cannot be is said in one sentence, with an exit code of its own") {

@@ -6,7 +6,7 @@
 
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/run/run.h"
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/contracts/expect.h"
 
 namespace hdrcam {
@@ -94,7 +94,7 @@ void lasts(std::uint64_t frames, std::uint64_t warm) {
   const Growth growth = growth_over(frames, warm);
 
   // its own.
-  CHECK(growth.allocations == 0);
+  CHECK_ALLOCATIONS(growth.allocations == 0);
   if (allocations_are_counted()) CHECK(growth.bytes < 2 << 20);  // a sanitizer keeps what is freed
   CHECK(threads_of_this_process() == threads);
 }

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/contracts/expect.h"
 #include "tests/support/moving_scene.h"
 
@@ -58,7 +58,7 @@ TEST_CASE("the fit allocates nothing per frame once it is warm, but for OpenCV i
     const std::uint64_t before = own_allocations_so_far();
     for (int i = kWarm; i < kWarm + kCounted; ++i)
       require_done(pipeline.take(frames[static_cast<std::size_t>(i)], ignore));
-    CHECK(own_allocations_so_far() - before == 0);
+    CHECK_ALLOCATIONS(own_allocations_so_far() - before == 0);
   }
 }
 

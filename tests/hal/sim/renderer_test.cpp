@@ -5,7 +5,8 @@
 
 #include "hal/sim/renderer.h"
 #include "hal/sim/simulation.h"
-#include "tests/allocations.h"
+
+#include "tests/allocation_checks.h"
 
 #include <catch2/catch.hpp>
 
@@ -100,5 +101,5 @@ TEST_CASE("rendering allocates nothing after the first frame") {
   renderer.render({0.1, 0.116}, picture);
   const std::uint64_t before = allocations_so_far();
   for (int i = 0; i < 5; ++i) renderer.render({0.1 * i, 0.1 * i + 0.016}, picture);
-  CHECK(allocations_so_far() == before);
+  CHECK_ALLOCATIONS(allocations_so_far() == before);
 }

@@ -6,7 +6,7 @@
 
 #include "hal/pixel_pack.h"
 #include "hal/sim/sim_bench.h"
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/contracts/camera_contract.h"
 #include "tests/contracts/expect.h"
 
@@ -267,7 +267,7 @@ TEST_CASE("a running camera allocates nothing once the first frame has come") {
   }
   const std::uint64_t after = allocations_so_far();
   CHECK(good);
-  CHECK(after == before);
+  CHECK_ALLOCATIONS(after == before);
 }
 
 TEST_CASE("five hundred and a thousand small frames a second can be asked for") {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hal/sim/effect_costs.h"
-#include "tests/allocations.h"
+#include "tests/allocation_checks.h"
 #include "tests/contracts/expect.h"
 
 using namespace hdrcam;
@@ -121,8 +121,8 @@ TEST_CASE("an effect that is off holds no memory") {
   const std::uint64_t least = allocations(bare);
   for (const char* effect : {"vignetting", "flare", "hot-pixels", "response"}) {  // those that hold memory
     INFO(effect);
-    CHECK(allocations(fmt::format("{}&with={}", bare, effect)) > least);
-    CHECK(allocations(fmt::format("{0}&with={1}&without={1}", bare, effect)) == least);
+    CHECK_ALLOCATIONS(allocations(fmt::format("{}&with={}", bare, effect)) > least);
+    CHECK_ALLOCATIONS(allocations(fmt::format("{0}&with={1}&without={1}", bare, effect)) == least);
   }
 }
 
@@ -178,5 +178,5 @@ TEST_CASE("an exposure allocates nothing after the first") {
   const std::uint64_t before = allocations_so_far();
   for (std::uint64_t i = 1; i < 6; ++i)
     sensor.expose({i, 0.5 + static_cast<double>(i) / 30, 0.016, 1}, codes);
-  CHECK(allocations_so_far() == before);
+  CHECK_ALLOCATIONS(allocations_so_far() == before);
 }

@@ -40,23 +40,6 @@ TEST_CASE("a response is strictly monotone and inverts itself") {
   }
 }
 
-TEST_CASE("the leak is continuous at 0 and 1, and its slope is the derivative and never zero") {
-  const Response response = Response::gamma(2.2f);
-  float slope = 0;
-  CHECK(response.leaky_value(0, 0, &slope) == Approx(0).margin(5e-3));
-  CHECK(response.leaky_value(0, 1, &slope) == Approx(1));
-  CHECK(response.leaky_value(0, 1.0001f, &slope) == Approx(1).margin(1e-4));
-  for (const float x : {-3.f, -0.1f, 1.2f, 2.f, 50.f}) {
-    const float h = 1e-2f * std::abs(x);
-    float ignored = 0;
-    const float numeric =
-        (response.leaky_value(1, x + h, &ignored) - response.leaky_value(1, x - h, &ignored)) / (2 * h);
-    response.leaky_value(1, x, &slope);
-    CHECK(slope == Approx(numeric).epsilon(0.02).margin(2e-6));
-    CHECK(slope > 0);
-  }
-}
-
 TEST_CASE("the response is found from six frames of an unknown camera") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;

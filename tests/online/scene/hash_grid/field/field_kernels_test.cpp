@@ -45,7 +45,8 @@ struct Grid {
 
 }  // namespace
 
-TEST_CASE("a grid level encodes, scatters and differentiates like its readable twin", "[field][kernels]") {
+TEST_CASE("a grid level encodes, scatters and differentiates like its readable twin",
+          "[isa][field][kernels]") {
   Grid it;
   for (int l = 0; l < 5; ++l) {
     INFO("level " << l << (it.grid.level(l).dense ? ", dense" : ", hashed"));
@@ -72,7 +73,7 @@ TEST_CASE("a grid level encodes, scatters and differentiates like its readable t
   }
 }
 
-TEST_CASE("grid levels have the sizes that arithmetic by hand gives", "[field]") {
+TEST_CASE("grid levels have the sizes that arithmetic by hand gives", "[isa][field]") {
   // 4 x 3 x 2 cells have 5 * 4 * 3 = 60 vertices; 64 x 48 x 32 have 65 * 49 * 33 = 105105, more than 2^9
   const auto levels = hash_levels({5, 9, 1, 4, 64, 0.75f, 0.5f});
   REQUIRE(levels.size() == 5);
@@ -85,7 +86,7 @@ TEST_CASE("grid levels have the sizes that arithmetic by hand gives", "[field]")
   CHECK(levels[2].cells[0] == 16);
 }
 
-TEST_CASE("the matrix kernels agree with their readable twins", "[field][kernels]") {
+TEST_CASE("the matrix kernels agree with their readable twins", "[isa][field][kernels]") {
   Pcg32 random(6);
   for (const auto& [in, out] : {std::pair{8, 32}, {16, 32}, {32, 32}, {32, 12}, {32, 8}}) {
     INFO(in << " -> " << out);
@@ -117,7 +118,7 @@ TEST_CASE("the matrix kernels agree with their readable twins", "[field][kernels
   }
 }
 
-TEST_CASE("Adam moves only what has a gradient, like its readable twin", "[field][kernels]") {
+TEST_CASE("Adam moves only what has a gradient, like its readable twin", "[isa][field][kernels]") {
   Pcg32 random(7);
   constexpr std::size_t kCount = 1000;  // not a multiple of anything
   std::vector<float> parameter(kCount), gradient(kCount, 0), mean(kCount, 0.1f), variance(kCount, 0.2f);

@@ -52,7 +52,7 @@ double log_error(const MovingScene& scene, const FieldPicture& view, int i, bool
 
 }  // namespace
 
-TEST_CASE("a field of zero steps renders the state's picture and the state's motion", "[field]") {
+TEST_CASE("a field of zero steps renders the state's picture and the state's motion", "[isa][field]") {
   Run run;
   for (int i = 0; i < 5; ++i) run.take(i, 0);
   const FieldPicture& view = run.look();
@@ -65,7 +65,7 @@ TEST_CASE("a field of zero steps renders the state's picture and the state's mot
   CHECK(view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * share).margin(0.3));
 }
 
-TEST_CASE("the picture of any size is finite and positive", "[field]") {
+TEST_CASE("the picture of any size is finite and positive", "[isa][field]") {
   Run run;
   for (int i = 0; i < 3; ++i) run.take(i, 5);
   for (int step : {1, 2, 3, 7}) {
@@ -76,7 +76,7 @@ TEST_CASE("the picture of any size is finite and positive", "[field]") {
   }
 }
 
-TEST_CASE("steps lower the loss", "[field]") {
+TEST_CASE("steps lower the loss", "[isa][field]") {
   FieldOptions options = MovingScene::small_options();
   Run run(options);
   for (int i = 0; i < 4; ++i) run.take(i, 0, true);
@@ -92,7 +92,7 @@ TEST_CASE("steps lower the loss", "[field]") {
   CHECK(last < 0.9 * first);
 }
 
-TEST_CASE("what a neighbour saw reaches the frame that was blind", "[field]") {
+TEST_CASE("what a neighbour saw reaches the frame that was blind", "[isa][field]") {
   // the long exposure clips the square, and this state forgets at once: only the window knows
   const auto error_after = [](int steps) {
     Run run;
@@ -105,7 +105,7 @@ TEST_CASE("what a neighbour saw reaches the frame that was blind", "[field]") {
   CHECK(filled < 0.5 * blind);
 }
 
-TEST_CASE("one and two threads give the same bytes", "[field]") {
+TEST_CASE("one and two threads give the same bytes", "[isa][field]") {
   const auto bytes = [](int threads) {
     Run run(MovingScene::small_options(), threads);
     for (int i = 0; i < 4; ++i) run.take(i, 7);
@@ -116,7 +116,7 @@ TEST_CASE("one and two threads give the same bytes", "[field]") {
   CHECK(std::memcmp(one.plane(0), three.plane(0), one.size() * sizeof(float)) == 0);
 }
 
-TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[field]") {
+TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[isa][field]") {
   Run run;
   run.scene.speed_px = 0;
   for (int i = 0; i < 3; ++i) run.take(i, 4);
@@ -126,7 +126,7 @@ TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[field]") {
   for (float v : view.dynamic_share.samples()) CHECK(v == 0);
 }
 
-TEST_CASE("between two frames the content is between its places", "[field]") {
+TEST_CASE("between two frames the content is between its places", "[isa][field]") {
   Run run;
   run.scene.speed_px = 4;
   for (int i = 0; i < 3; ++i) run.take(i, 0);
@@ -139,7 +139,8 @@ TEST_CASE("between two frames the content is between its places", "[field]") {
   CHECK_FALSE(is_bright(23));
 }
 
-TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture", "[field]") {
+TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture",
+          "[isa][field]") {
   Run run;
   run.scene.speed_px = 0;
   RigidTransform pose;
@@ -158,7 +159,7 @@ TEST_CASE("the anchor follows a camera that leaves it, and the field stays the s
     REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
 }
 
-TEST_CASE("a frame that does not fit is refused and changes nothing", "[field]") {
+TEST_CASE("a frame that does not fit is refused and changes nothing", "[isa][field]") {
   Run run;
   run.take(0, 2);
   FieldObservation seen = run.scene.frame(1);

@@ -33,7 +33,7 @@ struct Stream {
 
 }  // namespace
 
-TEST_CASE("a step moves parameters of both branches", "[field]") {
+TEST_CASE("a step moves parameters of both branches", "[isa][field]") {
   Stream stream(MovingScene::small_options());
   for (int i = 0; i < 3; ++i) REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
   const FieldNetworks<float>& networks = stream.fit.field().networks;
@@ -46,7 +46,7 @@ TEST_CASE("a step moves parameters of both branches", "[field]") {
   CHECK(network_of(networks.moving) != moving);
 }
 
-TEST_CASE("a step that is not a number changes no parameter, and is counted", "[field][stability]") {
+TEST_CASE("a step that is not a number changes no parameter, and is counted", "[isa][field][stability]") {
   FieldOptions options = MovingScene::small_options();
   // the loss of every ray, and every gradient with it
   options.losses[static_cast<std::size_t>(LossTerm::Combined)] = std::numeric_limits<float>::quiet_NaN();
@@ -61,7 +61,7 @@ TEST_CASE("a step that is not a number changes no parameter, and is counted", "[
 }
 
 TEST_CASE("a step whose loss explodes takes the parameters back to where the frame began",
-          "[field][stability]") {
+          "[isa][field][stability]") {
   FieldOptions options = MovingScene::small_options();
   options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
   Stream stream(options);
@@ -88,4 +88,59 @@ TEST_CASE("a step whose loss explodes takes the parameters back to where the fra
   REQUIRE(stream.fit.counts().rolled_back == 1);
   REQUIRE(taken > 0);  // so that there was something to take back
   CHECK(parameters(stream.fit) == kept);
+}
+
+TEST_CASE("a fit whose good copy explodes again and again starts its networks anew, and goes on",
+          "[isa][field][stability]") {
+  FieldOptions options = MovingScene::small_options();
+  options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
+  Stream stream(options);
+  for (int i = 0; i < 7; ++i) {
+    const FieldObservation seen = stream.scene.frame(i);
+    // two frames whose flow leads 300 pixels away, everywhere
+    if (i == 4) std::fill_n(stream.scene.to_previous.vectors.plane(0), 32 * 48, 300.f);
+    if (i == 5) std::fill_n(stream.scene.from_previous.vectors.plane(0), 32 * 48, 300.f);
+    REQUIRE(stream.fit.observe(seen, stream.scene.response).ok());
+    if (i < 4)
+      for (int s = 0; s < 20; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  }
+  const std::vector<float> learned = parameters(stream.fit);
+  for (int s = 0; s < FitHealth::kPatience; ++s)
+    REQUIRE(stream.fit.step().verdict == StepVerdict::RolledBack);
+  CHECK(stream.fit.counts().restarted == 1);
+  CHECK(parameters(stream.fit) != learned);
+  // what was usual is forgotten: steps are taken again, and stay numbers
+  for (int i = 7; i < 16; ++i) {
+    REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+    for (int s = 0; s < 10; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  }
+  for (const float p : parameters(stream.fit)) REQUIRE(std::isfinite(p));
+  CHECK(stream.fit.counts().restarted == 1);
+}
+
+TEST_CASE("the response stays monotone, from 0 to 1, after every refinement", "[isa][field][stability]") {
+  FieldOptions options = MovingScene::small_options();
+  options.fits_response = true;
+  options.response_rate = 1e-2f;  // as quick as it may be set
+  Stream stream(options);
+  const LearnedResponse<float>& learned = stream.fit.response();
+  float moved = 0;
+  for (int i = 0; i < 12; ++i) {
+    // codes that no monotone curve explains: every other frame is labelled with a wrong exposure
+    FieldObservation seen = stream.scene.frame(i);
+    if (i % 2 == 1) seen.exposure *= 6;
+    REQUIRE(stream.fit.observe(seen, stream.scene.response).ok());
+    for (int s = 0; s < 10; ++s) {
+      const float before = learned.point(1, 128);
+      stream.fit.step();
+      moved += std::abs(learned.point(1, 128) - before);
+      for (int c = 0; c < 3; ++c) {
+        REQUIRE(learned.point(c, 0) == 0);
+        REQUIRE(learned.point(c, LearnedResponse<float>::kSegments) == Approx(1));
+        for (int j = 1; j < LearnedResponse<float>::kPoints; ++j)
+          REQUIRE(learned.point(c, j) >= learned.point(c, j - 1));
+      }
+    }
+  }
+  CHECK(moved > 1e-3f);  // it was refined at all
 }

@@ -114,7 +114,7 @@ double norm(std::span<const double> values) {
 
 }  // namespace
 
-TEST_CASE("each loss term has the gradient that finite differences find", "[field][gradient]") {
+TEST_CASE("each loss term has the gradient that finite differences find", "[isa][field][gradient]") {
   const auto term = GENERATE(LossTerm::Combined, LossTerm::Warped, LossTerm::Occlusion, LossTerm::Flow,
                              LossTerm::Depth, LossTerm::Cycle, LossTerm::SpatialSmoothness,
                              LossTerm::TemporalSmoothness, LossTerm::MinimalFlow, LossTerm::State,
@@ -128,7 +128,7 @@ TEST_CASE("each loss term has the gradient that finite differences find", "[fiel
   bench.check_all();
 }
 
-TEST_CASE("the whole objective has the right gradient", "[field][gradient]") {
+TEST_CASE("the whole objective has the right gradient", "[isa][field][gradient]") {
   SECTION("blended by density") {
     Bench bench;
     bench.weights = default_loss_weights();
@@ -154,7 +154,7 @@ TEST_CASE("the whole objective has the right gradient", "[field][gradient]") {
   }
 }
 
-TEST_CASE("the response has the gradient that finite differences find", "[field][gradient]") {
+TEST_CASE("the response has the gradient that finite differences find", "[isa][field][gradient]") {
   Bench bench;
   bench.weights[static_cast<std::size_t>(LossTerm::Combined)] = 1;
   const float smoothness = 0.01f;
@@ -182,7 +182,7 @@ TEST_CASE("the response has the gradient that finite differences find", "[field]
   }
 }
 
-TEST_CASE("the learned response starts as the response it is given and stays monotone", "[field]") {
+TEST_CASE("the learned response starts as the response it is given and stays monotone", "[isa][field]") {
   LearnedResponse<double> learned{Response::gamma(2.2f)};
   for (double x : {1e-4, 1e-3, 0.01, 0.1, 0.5, 0.9})
     CHECK(learned.evaluate(1, x).value == Approx(std::pow(x, 1 / 2.2)).margin(0.003));
@@ -195,4 +195,27 @@ TEST_CASE("the learned response starts as the response it is given and stays mon
   for (int c = 0; c < 3; ++c)
     for (int j = 1; j < LearnedResponse<double>::kPoints; ++j)
       CHECK(learned.point(c, j) >= learned.point(c, j - 1));
+}
+
+TEST_CASE("the learned response leaks: continuous at 0 and 1, its derivative right and never zero",
+          "[isa][field]") {
+  const LearnedResponse<double> learned{Response::gamma(2.2f)};
+  for (int c = 0; c < 3; ++c) {
+    for (const double edge : {0.0, 1.0}) {
+      const double below = learned.evaluate(c, edge - 1e-9).value,
+                   above = learned.evaluate(c, edge + 1e-9).value;
+      CHECK(above == Approx(below).margin(1e-4));
+      CHECK(below == Approx(edge).margin(1e-4));
+    }
+    for (const double x : {-3.0, -0.1, 0.013, 0.4, 1.2, 2.0, 50.0}) {
+      const double h = 1e-6;  // of ln |x|
+      const double numeric =
+          (learned.evaluate(c, x * std::exp(h)).value - learned.evaluate(c, x * std::exp(-h)).value) /
+          (2 * h);
+      const double d_log = learned.evaluate(c, x).d_log;
+      INFO("channel " << c << " at " << x);
+      CHECK(d_log == Approx(numeric).epsilon(1e-4));
+      CHECK(d_log / x > 0);  // brighter is never a smaller code
+    }
+  }
 }

@@ -1,0 +1,97 @@
+// What the emitted pictures must reach on small simulated clips: every number of the quality floor, in one
+// place. A bound leaves room for another machine's rounding and for nothing else: who makes the pictures
+// better raises it (`./run test "[floor]" -s` prints what is measured), and from then on the suite holds
+// that. Worse pictures fail.
+#pragma once
+
+#include "firmware_host/run/pipeline.h"
+
+namespace hdrcam::test {
+
+// Small, and each hard where a part of the method pays.
+struct FloorClip {
+  const char* scene;
+  const char* shutter;
+  int frames;
+};
+// hand-held, six objects that move, a sun that clips, shot noise, a film's response
+inline constexpr FloorClip kWalk{"walk?size=128x96&seed=3&full-well=1500", "1ms,4ms,16ms", 20};
+// its first frames: fits take their time
+inline constexpr FloorClip kShortWalk{"walk?size=128x96&seed=3&full-well=1500", "1ms,4ms,16ms", 9};
+// a quick pan; the longest exposure lasts as long as a frame
+inline constexpr FloorClip kPan{"pan?size=112x84&seed=2&speed=2", "2ms,8ms,32ms", 16};
+// few photons, quick things
+inline constexpr FloorClip kDim{"fast?size=128x96&seed=2&full-well=500", "1.5ms,6ms,26ms", 16};
+
+// Parts of the method, each with what turns it off.
+inline void leave(PipelineOptions&) {}
+inline void no_look_ahead(PipelineOptions& options) { options.online.look_ahead = 0; }
+inline void two_frames_ahead(PipelineOptions& options) { options.online.look_ahead = 2; }
+inline void no_shrinkage(PipelineOptions& options) { options.render.emission.shrinkage = ShrinkageMode::Off; }
+inline void no_warp_variance(PipelineOptions& options) { options.online.state.fusion.misalignment = 0; }
+inline void no_blur_variance(PipelineOptions& options) { options.online.state.fusion.blur_weight = 0; }
+inline void no_gate(PipelineOptions& options) { options.online.state.fusion.chi2_tolerance = 1e9f; }
+using Change = void (*)(PipelineOptions&);
+
+struct PictureFloor {
+  const char* name;
+  FloorClip clip;
+  Preset preset;
+  EmitLayer layer;
+  Change change;
+  double psnr_mu_db, worst_db;        // at least
+  double flicker_stops, phase_stops;  // at most
+};
+inline constexpr PictureFloor kPictureFloors[] = {
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.4, 0.0745, 0.008},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.6, 35.1, 0.0895,
+     0.0105},
+    {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 37.9, 35.3, 0.073,
+     0.0085},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 35.2, 29.9, 0.059, 0.015},
+    // with the noise model left as assumed: 29.5 dB, .205 stops
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 30.8, 25.5, 0.139, 0.011},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 37.8, 34.5, 0.0865, 0.0135},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 38.6, 36.4, 0.0775, 0.0095},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.2, 36.8, 0.073, 0.008},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 35.4, 32.5, 0.1135, 0.0145},
+};
+
+// Without the part the picture must lose this much, or the part is not worth its place (or not at work).
+struct PartWorth {
+  const char* part;
+  FloorClip clip;
+  Change without;
+  double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
+};
+inline constexpr PartWorth kPartWorths[] = {
+    {"look-ahead", kWalk, no_look_ahead, 0.5, 0.008},       {"shrinkage", kWalk, no_shrinkage, 0.45, 0.002},
+    {"warp variance", kWalk, no_warp_variance, 1.4, 0.008}, {"gate", kWalk, no_gate, 0.3, -0.002},
+    {"blur variance", kPan, no_blur_variance, 0.35, 0.001},
+};
+
+// Each preset over the one before it.
+inline constexpr double kPresetGain_db = 0.2;
+
+// What the field answers where nobody saw the pixel: so many samples at least on kShortWalk, and their error
+// (mean |log2|) at most this share of the lower bound's that the state holds there.
+inline constexpr int kFieldAnswers = 300;
+inline constexpr double kFieldErrorShare = 0.97;
+// The field alone is another picture than the state's: mean |log2| between them, stops.
+inline constexpr double kFieldFromState_stops = 0.02;
+
+// Squared error of ln radiance over the variance that the frame claims, before shrinkage; the median over
+// pixels (.79 if errors were normal and the claim exact) and the ratio of the sums (1).
+struct ClaimedVariance {
+  Provenance provenance;
+  double least_median, most_median, most_sum;
+};
+inline constexpr ClaimedVariance kClaimedVariances[] = {
+    {Provenance::Own, 0.3, 1.4, 2},
+    {Provenance::Carried, 0.3, 1.4, 2},
+    {Provenance::LookAhead, 0.3, 1.4, 2},
+};
+// Of the pixels called a bound, those whose truth is not below nine tenths of it.
+inline constexpr double kBoundsKept = 0.9;
+
+}  // namespace hdrcam::test

@@ -1,0 +1,51 @@
+// A small simulated clip that knows its answer, and what the pipeline makes of it. The program's own
+// `simulate` verb films it, so that its truth is the one that `hdrcam compare` reads. The same text makes the
+// same clip on every machine. Thread-bound; all is kept in memory but the truth, which is in a folder that
+// goes at the end of the run.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firmware_host/run/pipeline.h"
+#include "firmware_host/sinks/run_record.h"
+#include "render/scores/scores.h"
+
+namespace hdrcam::test {
+
+struct SimulatedClip {
+  std::string folder;  // clip.json and gt/, as score_clip reads them
+  CameraFacts camera;
+  std::vector<RawFrame> frames;
+};
+
+// scene: "walk?size=128x96"; shutter: "1ms,4ms,16ms"
+SimulatedClip film(const std::string& scene, const std::string& shutter, int frames);
+
+struct EmittedClip {
+  std::vector<HdrFrame> frames;  // radiance, sigma and provenance only
+  int fit_steps = 0;             // over all frames
+};
+
+EmittedClip emit(const SimulatedClip& clip, const PipelineOptions& options);
+
+// As `hdrcam compare` gives them.
+ClipScores scores_of(const SimulatedClip& clip, const EmittedClip& emitted);
+
+// Does the claimed uncertainty hold? Over all pixels that are not white.
+struct Calibration {
+  // Squared error of ln radiance over the variance that the frame claims (sigma squared).
+  struct Ratio {
+    double median, of_sums;
+    int pixels;
+  };
+  static constexpr int kFewPixels = 500;
+  std::array<std::optional<Ratio>, kProvenances> ratios;  // none where only few pixels say so
+  double bounds_kept = 1;  // share of the pixels called a bound whose truth is not below nine tenths of it
+};
+// scores: of the same frames; their gains make estimate and truth comparable.
+Calibration calibration_of(const SimulatedClip& clip, const EmittedClip& emitted, const ClipScores& scores);
+
+}  // namespace hdrcam::test
