@@ -29,16 +29,12 @@ Result<int> copy_frames(Surroundings& around, const ImageSequence& clip, const s
 // whole.
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   const auto clip = TRY(ImageSequence::open(around.storage, options.clip));
-  const std::string part = options.output + ".part";
-  const auto frames = copy_frames(around, clip, part);
-  if (!frames) {
-    (void)around.storage.remove(part);
-    return frames.error();
-  }
-  TRY(around.storage.rename(part, options.output));
+  FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
+  const int frames = TRY(copy_frames(around, clip, making.path()));
+  TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames.value(), camera.width,
-             camera.height, camera.bits, name(camera.layout));
+  fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames, camera.width, camera.height,
+             camera.bits, name(camera.layout));
   return {};
 }
 

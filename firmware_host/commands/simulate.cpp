@@ -122,7 +122,8 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
                              const SimulatedSensor& sensor) {
   Outputs outputs;
   CameraFacts facts = sensor.facts();
-  if (!flags.output.empty()) outputs.recording = TRY(create_recording(around.storage, flags.output, facts));
+  if (!flags.output.empty())
+    outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace));
   if (!flags.truth.empty()) {
     outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts));
     outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));

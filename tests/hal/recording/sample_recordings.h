@@ -30,6 +30,14 @@ inline std::string scratch_folder(const std::string& name) {
   return folder.string();
 }
 
+// Files in the folder that were never given their name.
+inline int unfinished_files_in(const std::string& folder) {
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    found += entry.path().extension() == ".part" ? 1 : 0;
+  return found;
+}
+
 inline CameraFacts camera(PixelLayout layout, int bits, int width, int height) {
   CameraFacts camera;
   camera.name = "bridge \"é\"";
