@@ -114,7 +114,7 @@ inline bool same(const RawFrame& a, const RawFrame& b) {
 // Appends the frames and finishes; stops at the first error.
 inline Result<void> record(Storage& storage, const std::string& path, const CameraFacts& camera,
                            const std::vector<RawFrame>& frames) {
-  auto writer = TRY(create_recording(storage, path, camera));
+  auto writer = TRY(create_recording(storage, path, camera, Creation::Replace));
   for (const RawFrame& frame : frames) TRY(writer->append(frame));
   return writer->finish();
 }
