@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "hal/recording/image_sequence.h"
 
 namespace hdrcam {
@@ -10,6 +11,7 @@ namespace {
 
 struct ImportOptions {
   std::string clip, output;
+  KeptWork kept;
 };
 
 Result<int> copy_frames(Surroundings& around, const ImageSequence& clip, const std::string& path) {
@@ -29,6 +31,9 @@ Result<int> copy_frames(Surroundings& around, const ImageSequence& clip, const s
 // whole.
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   const auto clip = TRY(ImageSequence::open(around.storage, options.clip));
+  std::vector<NamedInput> inputs{{"the clip that is read", clip.path()}};
+  for (int i = 0; i < clip.frame_count(); ++i) inputs.push_back({"a frame that is read", clip.path_of(i)});
+  TRY(options.kept.check(around.storage, inputs, {{"--output", options.output, OutputKind::Recording}}));
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const int frames = TRY(copy_frames(around, clip, making.path()));
   TRY(making.commit());
@@ -45,6 +50,7 @@ void add_import(CLI::App& app, Verb& chosen) {
   CLI::App* verb = app.add_subcommand("import", "turn a folder of images with a clip.json into a recording");
   verb->add_option("clip", options->clip, "the clip.json, or the folder that holds it")->required();
   verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
+  options->kept.add_to(*verb);
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return import_clip(around, *options); };
   });

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/live_report.h"
@@ -16,6 +17,7 @@ namespace {
 
 struct LiveFlags {
   RunLimits limits;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -42,6 +44,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config())
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
   for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
@@ -63,6 +66,7 @@ void add_live(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<LiveFlags>();
   CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames while they come in");
   flags->limits.add_to(*verb);
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                        SettingGroup::Fit, SettingGroup::Output, SettingGroup::Record});

@@ -1,10 +1,12 @@
 // hdrcam replay RECORDING -o out/%06d.exr: the main job, from a recording instead of a sensor.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -15,6 +17,7 @@ namespace {
 struct ReplayFlags {
   std::string recording, truth;
   int frames = 0;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -22,6 +25,12 @@ std::string command_line_of(const ReplayFlags& flags, const Settings& settings) 
   std::string text = fmt::format("hdrcam replay {}", flags.recording) + flags.settings->as_flags(settings);
   if (flags.frames > 0) text += fmt::format(" --frames {}", flags.frames);
   return text;
+}
+
+std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
+  std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
+  if (!flags.truth.empty()) inputs.push_back({"the clip with ground truth", flags.truth + "/clip.json"});
+  return inputs;
 }
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
@@ -32,6 +41,10 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
   if (!flags.truth.empty() && settings.output.path("frames").empty())
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
+  if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
+    return Error{ErrorCode::Invalid,
+                 "nothing to write; give --output out/%06d.exr, --preview, --sheet, --stats or --report"};
+  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
   const auto source = TRY(open_recording_source(around.storage, flags.recording, flags.frames, around.stop));
   const std::string& clip = source->camera().name;
   RunPlan plan{.settings = settings,
@@ -50,6 +63,7 @@ void add_replay(CLI::App& app, Verb& chosen) {
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
   verb->add_option("--frames", flags->frames, "frames to take [all]")->check(CLI::PositiveNumber);
   verb->add_option("--truth", flags->truth, "a clip with ground truth: adds scores to the report");
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Output});
   verb->callback(
