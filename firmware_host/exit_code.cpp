@@ -24,6 +24,7 @@ constexpr std::array kExitCodes{
     ExitCode{14, ErrorCode::Unplugged, "the device went away"},
     ExitCode{15, ErrorCode::Timeout, "nothing came within the promised time"},
     ExitCode{16, ErrorCode::Unsupported, "valid, but not offered by this build or device"},
+    ExitCode{17, ErrorCode::Exists, "an output is there already; --force replaces it"},
     ExitCode{kExitInterrupted, ErrorCode::Interrupted, "stopped by ^C; the files written so far are whole"},
 };
 

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "firmware_host/program.h"
+#include "firmware_host/terminal.h"
 #include "hal/storage.h"
 
 namespace {
@@ -26,6 +27,17 @@ void stop_cleanly_once(int signal) {
   sigaction(signal, &action, nullptr);
 }
 
+// A lost terminal ends a run as ^C does. It may hang up more than once, and nohup's wish is kept.
+void stop_cleanly_on_hangup() {
+  struct sigaction action {};
+  sigaction(SIGHUP, nullptr, &action);
+  if (action.sa_handler == SIG_IGN) return;
+  action = {};
+  action.sa_handler = [](int) { stop_requested = true; };
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGHUP, &action, nullptr);
+}
+
 // What the libraries below remark goes where progress goes; the standard output is for results.
 void log_to_standard_error() {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("hdrcam"));
@@ -35,9 +47,12 @@ void log_to_standard_error() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  hdrcam::occupy_standard_streams();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that left is an error of the write, not the end of a recording
   log_to_standard_error();
   stop_cleanly_once(SIGINT);
   stop_cleanly_once(SIGTERM);
+  stop_cleanly_on_hangup();
   const std::span<const char* const> args(argv + 1, static_cast<std::size_t>(argc > 0 ? argc - 1 : 0));
   return hdrcam::run_program(args, hdrcam::posix_storage(), stop_requested, std::cout, std::cerr);
 }

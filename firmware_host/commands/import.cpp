@@ -5,6 +5,7 @@
 
 #include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -14,6 +15,7 @@ namespace {
 struct ImportOptions {
   std::string clip, output;
   bool strict = false;
+  KeptWork kept;
 };
 
 // The number of frames. What the pictures say of the exposures goes into the recording with them.
@@ -30,22 +32,28 @@ Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, co
   return clip.counters().captured;
 }
 
+// What must not be overwritten: the clip.json and every image.
+Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& path) {
+  const auto clip = TRY(ImageSequence::open(storage, path));
+  std::vector<NamedInput> files{{"the clip that is read", clip.path()}};
+  for (int i = 0; i < clip.frame_count(); ++i) files.push_back({"a frame that is read", clip.path_of(i)});
+  return files;
+}
+
 // Nothing half-written ever has the name of the output, and an older output goes only when the new one is
 // whole.
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
+  TRY(options.kept.check(around.storage, TRY(files_of(around.storage, options.clip)),
+                         {{"--output", options.output, OutputKind::Recording}}));
   RecordingStage clip(TRY(open_clip(around.storage, options.clip)),
                       options.strict ? Contradiction::Fails : Contradiction::Warns);
-  const std::string part = options.output + ".part";
-  const auto frames = copy_frames(around, clip, part);
-  if (!frames) {
-    (void)around.storage.remove(part);
-    return frames.error();
-  }
-  TRY(around.storage.rename(part, options.output));
+  FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
+  const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
+  TRY(making.commit());
   const CameraFacts& camera = clip.camera();
   for (const std::string& warning : clip.warnings()) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames.value(), camera.width,
-             camera.height, camera.bits, name(camera.layout));
+  fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames, camera.width, camera.height,
+             camera.bits, name(camera.layout));
   return {};
 }
 
@@ -58,6 +66,7 @@ void add_import(CLI::App& app, Verb& chosen) {
   verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
   verb->add_flag("--strict", options->strict,
                  "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
+  options->kept.add_to(*verb);
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return import_clip(around, *options); };
   });

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
@@ -19,6 +20,7 @@ namespace {
 struct LiveFlags {
   RunLimits limits;
   bool strict = false;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -62,6 +64,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config())
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
     fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
@@ -88,6 +91,7 @@ void add_live(CLI::App& app, Verb& chosen) {
   verb->add_flag(
       "--strict", flags->strict,
       "fail where the pictures of replay:FILE contradict an exposure, instead of relabelling or flagging it");
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                        SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,

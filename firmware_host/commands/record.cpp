@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/live_report.h"
@@ -14,6 +15,7 @@ namespace {
 
 struct RecordFlags {
   RunLimits limits;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -26,6 +28,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
+  TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(false), around.storage, around.stop));
   LiveSession& session = camera->session();
@@ -51,6 +54,7 @@ void add_record(CLI::App& app, Verb& chosen) {
   CLI::App* verb =
       app.add_subcommand("record", "record a camera's frames, raw, each with its proved exposure");
   flags->limits.add_to(*verb);
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return record_frames(*flags, around); }; });

@@ -1,11 +1,13 @@
 // hdrcam replay RECORDING -o out/%06d.exr: the main job, from a recording instead of a sensor.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -17,6 +19,7 @@ struct ReplayFlags {
   std::string recording, truth;
   int frames = 0;
   bool strict = false;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -24,6 +27,12 @@ std::string command_line_of(const ReplayFlags& flags, const Settings& settings) 
   std::string text = fmt::format("hdrcam replay {}", flags.recording) + flags.settings->as_flags(settings);
   if (flags.frames > 0) text += fmt::format(" --frames {}", flags.frames);
   return text;
+}
+
+std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
+  std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
+  if (!flags.truth.empty()) inputs.push_back({"the clip with ground truth", flags.truth + "/clip.json"});
+  return inputs;
 }
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
@@ -34,6 +43,10 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
   if (!flags.truth.empty() && settings.output.path("frames").empty())
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
+  if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
+    return Error{ErrorCode::Invalid,
+                 "nothing to write; give --output out/%06d.exr, --preview, --sheet, --stats or --report"};
+  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
       {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},
@@ -62,6 +75,7 @@ void add_replay(CLI::App& app, Verb& chosen) {
       "beside the frames, in novel/");
   verb->add_flag("--strict", flags->strict,
                  "fail where pictures contradict an exposure, instead of relabelling or flagging it");
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output});
   verb->callback(

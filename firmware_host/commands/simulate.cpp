@@ -9,6 +9,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
@@ -24,6 +25,7 @@ struct SimulateFlags {
   std::string scene, output, truth, format = "rgb";
   int frames = 48, bits = 0;
   bool list = false, explain = false;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -125,11 +127,13 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
                              const SimulatedSensor& sensor) {
   Outputs outputs;
   CameraFacts facts = sensor.facts();
-  if (!flags.output.empty()) outputs.recording = TRY(create_recording(around.storage, flags.output, facts));
   if (!flags.truth.empty()) {
     outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts));
     outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));
   }
+  // last: nothing that is refused has emptied an earlier recording
+  if (!flags.output.empty())
+    outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace));
   return outputs;
 }
 
@@ -203,6 +207,7 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
     print_plan(sensor, costs, timeline.longest_s());
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
+  TRY(flags.kept.check(around.storage, {}, {{"--output", flags.output, OutputKind::Recording}}));
   Outputs outputs = TRY(open_outputs(around, flags, sensor));
   return film(around, flags, timeline, sensor, pool, outputs);
 }
@@ -222,6 +227,7 @@ void add_simulate(CLI::App& app, Verb& chosen) {
       ->check(CLI::Range(1, 1'000'000));
   verb->add_option("--format", flags->format, "pixel format: rgb or bayer")->capture_default_str();
   verb->add_option("--bits", flags->bits, "bits per sample, 8..16 [8 for rgb, 12 for bayer]");
+  flags->kept.add_to(*verb);
   verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
   verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
   flags->settings = std::make_unique<SettingsFlags>(

@@ -17,7 +17,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->facts_ = source->capture_->facts();
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
-    recording = TRY(create_recording(storage, settings.record.file, source->facts_));
+    recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace));
   limits.memory_bytes = static_cast<std::size_t>(settings.record.memory_mib) << 20;
   source->session_ = std::make_unique<LiveSession>(*source->capture_, std::move(recording), limits);
   return source;

@@ -21,6 +21,7 @@ enum class ErrorCode {
   SizeChanged,   // frames of different size within one clip
   TooShort,      // fewer frames than the method needs
   Permission,    // exists, but may not be read or written
+  Exists,        // an output that is there already
   NoSpace,       // the disk or quota is full
   Io,            // any other failure of the operating system
   Busy,          // held by somebody else

@@ -67,8 +67,9 @@ Result<std::unique_ptr<StorageFile>> FaultyStorage::open(const std::string& path
   return std::unique_ptr<StorageFile>(std::make_unique<File>(*this, TRY(inner_.open(path)), path, false));
 }
 
-Result<std::unique_ptr<StorageFile>> FaultyStorage::create(const std::string& path) {
-  return std::unique_ptr<StorageFile>(std::make_unique<File>(*this, TRY(inner_.create(path)), path, true));
+Result<std::unique_ptr<StorageFile>> FaultyStorage::create(const std::string& path, Creation how) {
+  return std::unique_ptr<StorageFile>(
+      std::make_unique<File>(*this, TRY(inner_.create(path, how)), path, true));
 }
 
 }  // namespace hdrcam

@@ -31,12 +31,14 @@ class FaultyStorage : public Storage {
   FaultyStorage(Storage& inner, StorageFaults faults) : inner_(inner), faults_(std::move(faults)) {}
 
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override;
-  Result<std::unique_ptr<StorageFile>> create(const std::string& path) override;
+  Result<std::unique_ptr<StorageFile>> create(const std::string& path,
+                                              Creation how = Creation::Replace) override;
   Result<void> rename(const std::string& from, const std::string& to) override {
     return inner_.rename(from, to);
   }
   Result<void> remove(const std::string& path) override { return inner_.remove(path); }
   Result<void> make_directories(const std::string& path) override { return inner_.make_directories(path); }
+  Result<FileFacts> look_at(const std::string& path) override { return inner_.look_at(path); }
 
   // What has been asked of the disk so far, refused calls included.
   std::uint64_t reads() const { return reads_; }

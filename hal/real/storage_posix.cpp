@@ -19,6 +19,8 @@ Error error_of(int code, const std::string& what, const std::string& path) {
   switch (code) {
     case ENOENT:
       return {ErrorCode::NotFound, fmt::format("'{}' does not exist", path), code};
+    case EEXIST:
+      return {ErrorCode::Exists, fmt::format("'{}' exists already", path), code};
     case EACCES:
     case EPERM:
     case EROFS:
@@ -33,6 +35,20 @@ Error error_of(int code, const std::string& what, const std::string& path) {
     default:
       return {ErrorCode::Io, fmt::format("cannot {} '{}': {}", what, path, reason), code};
   }
+}
+
+FileKind kind_of(const struct stat& status) {
+  if (S_ISREG(status.st_mode)) return FileKind::Regular;
+  return S_ISDIR(status.st_mode) ? FileKind::Folder : FileKind::Other;
+}
+
+// Where a symbolic link to a file that is not there yet leads: what the standard library leaves unresolved.
+std::filesystem::path end_of_links(std::filesystem::path path) {
+  constexpr int kMostLinks = 40;  // as many as the kernel follows
+  std::error_code ignored;
+  for (int i = 0; i < kMostLinks && std::filesystem::is_symlink(path, ignored); ++i)
+    path = path.parent_path() / std::filesystem::read_symlink(path, ignored);
+  return path;
 }
 
 class PosixFile : public StorageFile {
@@ -56,8 +72,7 @@ class PosixFile : public StorageFile {
   Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) override {
     std::size_t done = 0;
     while (done < bytes.size()) {
-      const ssize_t n =
-          ::pwrite(fd_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
+      const ssize_t n = write_some(offset + done, bytes.subspan(done));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) return error_of(errno, "write", path_);
       done += static_cast<std::size_t>(n);
@@ -78,8 +93,23 @@ class PosixFile : public StorageFile {
   }
 
  private:
+  // A FIFO or a terminal has no places: it takes what comes, in order.
+  ssize_t write_some(std::uint64_t offset, std::span<const std::byte> bytes) {
+    if (!streams_) {
+      const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+      if (n >= 0 || errno != ESPIPE) return n;
+      streams_ = true;
+    }
+    if (offset != streamed_) return errno = ESPIPE, -1;
+    const ssize_t n = ::write(fd_, bytes.data(), bytes.size());
+    if (n > 0) streamed_ += static_cast<std::uint64_t>(n);
+    return n;
+  }
+
   int fd_;
   std::string path_;
+  bool streams_ = false;
+  std::uint64_t streamed_ = 0;
 };
 
 class PosixStorage : public Storage {
@@ -87,10 +117,17 @@ class PosixStorage : public Storage {
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override {
     return opened(path, O_RDONLY, "read");
   }
-  Result<std::unique_ptr<StorageFile>> create(const std::string& path) override {
+  Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
+    if (how == Creation::New) return opened(path, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW, "write");
+    struct stat there {};
+    if (::stat(path.c_str(), &there) == 0 && kind_of(there) == FileKind::Other)
+      return opened(path, O_WRONLY, "write");  // a FIFO opened to read as well would be its own reader
     return opened(path, O_RDWR | O_CREAT | O_TRUNC, "write");
   }
   Result<void> rename(const std::string& from, const std::string& to) override {
+    struct stat replaced {};
+    if (::stat(to.c_str(), &replaced) == 0 && ::chmod(from.c_str(), replaced.st_mode & 07777) != 0)
+      return error_of(errno, "write", to);
     if (std::rename(from.c_str(), to.c_str()) != 0) return error_of(errno, "write", to);
     return {};
   }
@@ -104,10 +141,25 @@ class PosixStorage : public Storage {
     if (code) return error_of(code.value(), "create the folder", path);
     return {};
   }
+  Result<FileFacts> look_at(const std::string& path) override {
+    FileFacts facts;
+    std::error_code code;
+    facts.real_path = std::filesystem::weakly_canonical(end_of_links(path), code).string();
+    if (code) return error_of(code.value(), "look at", path);
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+      if (errno == ENOENT) return facts;
+      return error_of(errno, "look at", path);
+    }
+    facts.kind = kind_of(status);
+    facts.device = status.st_dev, facts.inode = status.st_ino;
+    facts.size_bytes = static_cast<std::uint64_t>(status.st_size);
+    return facts;
+  }
 
  private:
   static Result<std::unique_ptr<StorageFile>> opened(const std::string& path, int flags, const char* what) {
-    const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0644);
+    const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
     if (fd < 0) {
       if (errno == ENOENT && (flags & O_CREAT) != 0)
         return Error{ErrorCode::Permission, fmt::format("cannot write '{}': its folder does not exist", path),
@@ -123,27 +175,6 @@ class PosixStorage : public Storage {
 Storage& posix_storage() {
   static PosixStorage storage;
   return storage;
-}
-
-Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
-  const std::string temporary = path + ".part";
-  const auto write = [&]() -> Result<void> {
-    auto file = TRY(storage.create(temporary));
-    return file->write_at(0, bytes);
-  };
-  if (auto written = write(); !written) {
-    (void)storage.remove(temporary);
-    return written;
-  }
-  return storage.rename(temporary, path);
-}
-
-Result<std::string> read_whole(Storage& storage, const std::string& path) {
-  auto file = TRY(storage.open(path));
-  std::string text(TRY(file->size()), '\0');
-  const std::size_t n = TRY(file->read_at(0, std::as_writable_bytes(std::span(text))));
-  text.resize(n);
-  return text;
 }
 
 }  // namespace hdrcam

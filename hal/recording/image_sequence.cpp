@@ -9,8 +9,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr const char* kClipFile = "clip.json";
-
 // 16-bit samples to codes: the code in the upper bits, or scaled to the full range. False where a sample is
 // neither.
 bool to_codes(Image<std::uint16_t>& samples, int bits) {
@@ -35,7 +33,7 @@ void to_samples(Image<std::uint16_t>& codes, int bits) {
 Result<ImageSequence> ImageSequence::open(Storage& storage, const std::string& path) {
   const bool is_file = path.ends_with(".json");
   const std::filesystem::path file =
-      is_file ? std::filesystem::path(path) : std::filesystem::path(path) / kClipFile;
+      is_file ? std::filesystem::path(path) : std::filesystem::path(path) / ImageSequence::kFile;
   ImageSequence sequence(storage, file.parent_path().string());
   std::string text = TRY(read_whole(storage, file.string()));
   sequence.clip_ = TRY(clip_from_json(std::move(text), file.string()));
@@ -102,7 +100,7 @@ Result<std::unique_ptr<RecordingReader>> open_clip(Storage& storage, const std::
 
 Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const std::string& folder,
                                                         const CameraFacts& camera) {
-  if (const auto held = storage.open(folder + "/" + kClipFile);
+  if (const auto held = storage.open(folder + "/" + ImageSequence::kFile);
       held || held.error().code != ErrorCode::NotFound)
     return held ? Error{ErrorCode::Invalid,
                         fmt::format("'{}' already holds a clip; name another folder or remove it", folder)}
@@ -130,7 +128,7 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
 
 Result<void> ImageSequenceWriter::finish() {
   const std::string text = clip_to_json(clip_);
-  return write_whole(*storage_, folder_ + "/" + kClipFile, std::as_bytes(std::span(text)));
+  return write_whole(*storage_, folder_ + "/" + ImageSequence::kFile, std::as_bytes(std::span(text)));
 }
 
 }  // namespace hdrcam

@@ -17,11 +17,15 @@ struct PngImage;
 
 class ImageSequence {
  public:
+  static constexpr const char* kFile = "clip.json";
+
   // path: of the clip.json, or of the folder that holds it. The storage outlives the sequence.
   // Errors: those of clip_from_json and, for the first image, of read.
   static Result<ImageSequence> open(Storage& storage, const std::string& path);
 
   const CameraFacts& camera() const { return clip_.camera; }
+  std::string path() const { return folder_.empty() ? kFile : folder_ + "/" + kFile; }
+  std::string path_of(int index) const;  // of an image
   int frame_count() const { return static_cast<int>(clip_.frames.size()); }
   const FrameFacts& facts(int index) const { return clip_.frames[static_cast<std::size_t>(index)].facts; }
   // Errors: NotFound, Permission; Corrupt (a damaged PNG); SizeChanged (another size, or grey among RGB);
@@ -30,7 +34,6 @@ class ImageSequence {
 
  private:
   ImageSequence(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
-  std::string path_of(int index) const;
   Result<PngImage> load(int index) const;
 
   Storage* storage_;

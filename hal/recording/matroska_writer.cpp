@@ -27,7 +27,7 @@ struct FreeMuxer {
 class MatroskaWriter : public RecordingWriter {
  public:
   static Result<std::unique_ptr<RecordingWriter>> create(Storage& storage, const std::string& path,
-                                                         const CameraFacts& camera);
+                                                         const CameraFacts& camera, Creation how);
   Result<void> append(const RawFrame& frame) override;
   Result<void> finish() override;
 
@@ -56,10 +56,13 @@ class MatroskaWriter : public RecordingWriter {
 };
 
 Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage, const std::string& path,
-                                                                const CameraFacts& camera) {
+                                                                const CameraFacts& camera, Creation how) {
   TRY(check_recordable(camera));
   auto encoder = TRY(Ffv1Encoder::open(camera));
-  auto file = TRY(storage.create(path));
+  if (TRY(storage.look_at(path)).kind == FileKind::Other)
+    return Error{ErrorCode::Permission,
+                 fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
+  auto file = TRY(storage.create(path, how));
   std::unique_ptr<MatroskaWriter> writer(new MatroskaWriter(std::move(file), std::move(encoder)));
   TRY(writer->write_header(camera));
   return std::unique_ptr<RecordingWriter>(std::move(writer));
@@ -176,8 +179,8 @@ Result<void> MatroskaWriter::finish() {
 }  // namespace
 
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
-                                                          const CameraFacts& camera) {
-  return MatroskaWriter::create(storage, path, camera);
+                                                          const CameraFacts& camera, Creation how) {
+  return MatroskaWriter::create(storage, path, camera, how);
 }
 
 }  // namespace hdrcam

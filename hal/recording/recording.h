@@ -38,10 +38,12 @@ class RecordingReader {
 constexpr int kMinSidePx = 2,
               kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
 
-// Errors: Permission, NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a
-// write has failed, every later call returns the same error.
+// Errors: Exists where there is a file that may not be replaced; Permission, also for a device or a FIFO;
+// NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has failed, every
+// later call returns the same error.
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
-                                                          const CameraFacts& camera);
+                                                          const CameraFacts& camera,
+                                                          Creation how = Creation::New);
 // Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame),
 // Unsupported (a newer format).
 Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path);

@@ -72,6 +72,53 @@ void makes_folders(const StorageUnderTest& facts) {
   CHECK(value_of(read_whole(facts.storage, folder + "/file")) == "deep");
 }
 
+void makes_a_new_file_only_where_none_is(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/new";
+  require_done(value_of(facts.storage.create(path, Creation::New))->write_at(0, bytes_of("first")));
+  const auto again = facts.storage.create(path, Creation::New);
+  REQUIRE_FALSE(again.ok());
+  CHECK(again.error().code == ErrorCode::Exists);
+  CHECK(again.error().message.find(path) != std::string::npos);
+  CHECK(value_of(read_whole(facts.storage, path)) == "first");
+}
+
+void knows_a_file_by_any_name(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/known", missing = facts.folder + "/unknown";
+  require_done(facts.storage.make_directories(facts.folder + "/sub"));
+  write(facts, path, "12345");
+  const FileFacts one = value_of(facts.storage.look_at(path));
+  const FileFacts other = value_of(facts.storage.look_at(facts.folder + "/sub/../known"));
+  CHECK(one.kind == FileKind::Regular);
+  CHECK(one.size_bytes == 5);
+  CHECK(one.inode == other.inode);
+  CHECK(one.device == other.device);
+  CHECK(one.real_path == other.real_path);
+  CHECK(value_of(facts.storage.look_at(facts.folder)).kind == FileKind::Folder);
+  CHECK(value_of(facts.storage.look_at(missing)).kind == FileKind::Missing);
+  CHECK(value_of(facts.storage.look_at(facts.folder + "/no/such/file")).kind == FileKind::Missing);
+}
+
+void names_a_file_once_it_is_whole(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/whole";
+  write(facts, path, "old");
+  std::string part;
+  {
+    FileInMaking given_up = value_of(FileInMaking::beside(facts.storage, path));
+    part = given_up.path();
+    write(facts, part, "half");
+  }
+  CHECK(value_of(facts.storage.look_at(part)).kind == FileKind::Missing);
+  CHECK(value_of(read_whole(facts.storage, path)) == "old");
+  FileInMaking making = value_of(FileInMaking::beside(facts.storage, path));
+  CHECK(making.path() != part);  // nobody can prepare it
+  write(facts, making.path(), "new");
+  require_done(making.commit());
+  CHECK(value_of(read_whole(facts.storage, path)) == "new");
+  require_done(write_whole(facts.storage, path, bytes_of("newer")));
+  CHECK(value_of(read_whole(facts.storage, path)) == "newer");
+  CHECK_FALSE(write_whole(facts.storage, facts.folder, bytes_of("into a folder")).ok());
+}
+
 struct Clause {
   const char* sentence;
   void (*holds)(const StorageUnderTest&);
@@ -82,6 +129,9 @@ constexpr Clause kClauses[] = {
     {"names the file that is missing", names_what_is_missing},
     {"replaces a file by rename", replaces_by_rename},
     {"makes folders and their parents", makes_folders},
+    {"makes a new file only where none is", makes_a_new_file_only_where_none_is},
+    {"knows a file by any of its names", knows_a_file_by_any_name},
+    {"gives a file its name once it is whole", names_a_file_once_it_is_whole},
 };
 
 }  // namespace

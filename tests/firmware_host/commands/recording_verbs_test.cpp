@@ -53,7 +53,7 @@ TEST_CASE("exporting what was imported gives the clip, and importing that the sa
       const std::string folder = sample::scratch_folder("verbs");
       const auto frames = write_clip(folder + "/clip", sample::camera(layout, bits, 37, 23), 6);
       REQUIRE(hdrcam_verb("import " + folder + "/clip/clip.json -o " + folder + "/x.mkv").ok());
-      CHECK(!std::filesystem::exists(folder + "/x.mkv.part"));
+      CHECK(sample::unfinished_files_in(folder) == 0);
       const auto replayed = sample::replay(posix_storage(), folder + "/x.mkv");
       CHECK(!replayed.error);
       CHECK(replayed.frames.size() == 6);
@@ -78,7 +78,7 @@ TEST_CASE("a failed import leaves neither a new output nor a changed old one") {
   write_file(folder + "/x.mkv", "older");
   const auto untouched = [&] {
     CHECK(text_of(folder + "/x.mkv") == "older");
-    CHECK(!std::filesystem::exists(folder + "/x.mkv.part"));
+    CHECK(sample::unfinished_files_in(folder) == 0);
   };
   SECTION("the disk is full") {
     FaultyStorage disk(posix_storage(), {.space_bytes = 4000});

@@ -35,7 +35,7 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
   REQUIRE(sink.value()->finish().ok());
 
   CHECK(std::filesystem::exists(folder + "/new/0043.exr"));
-  CHECK_FALSE(std::filesystem::exists(folder + "/new/0041.exr.part"));
+  CHECK(sample::unfinished_files_in(folder + "/new") == 0);
   const auto read = read_exr(posix_storage(), folder + "/new/0041.exr");
   REQUIRE(read.ok());
   const ExrImage& image = read.value();

@@ -158,7 +158,7 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
   for (std::uint64_t refused = 0; refused < all_writes; ++refused) {
     INFO("write " << refused << " of " << all_writes);
     FaultyStorage disk(posix_storage(), {.failing_write = refused});
-    auto writer = create_recording(disk, path, made.camera);
+    auto writer = create_recording(disk, path, made.camera, Creation::Replace);
     std::size_t appended = 0;
     if (!writer) {
       REQUIRE(sample::error_of(writer).code == ErrorCode::Io);

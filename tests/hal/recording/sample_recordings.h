@@ -31,6 +31,14 @@ inline std::string scratch_folder(const std::string& name) {
   return folder.string();
 }
 
+// Files in the folder that were never given their name.
+inline int unfinished_files_in(const std::string& folder) {
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    found += entry.path().extension() == ".part" ? 1 : 0;
+  return found;
+}
+
 inline CameraFacts camera(PixelLayout layout, int bits, int width, int height) {
   CameraFacts camera;
   camera.name = "bridge \"é\"";
@@ -117,7 +125,7 @@ inline bool same(const RawFrame& a, const RawFrame& b) {
 // Appends the frames and finishes; stops at the first error.
 inline Result<void> record(Storage& storage, const std::string& path, const CameraFacts& camera,
                            const std::vector<RawFrame>& frames) {
-  auto writer = TRY(create_recording(storage, path, camera));
+  auto writer = TRY(create_recording(storage, path, camera, Creation::Replace));
   for (const RawFrame& frame : frames) TRY(writer->append(frame));
   return writer->finish();
 }

@@ -1,0 +1,38 @@
+#include "firmware_host/commands/kept_work.h"
+
+#include <CLI/CLI.hpp>
+#include <string_view>
+
+#include "firmware_host/sinks/sink_table.h"
+
+namespace hdrcam {
+
+void KeptWork::add_to(CLI::App& verb) {
+  verb.add_flag("--force", force_, "replace outputs of an earlier run");
+}
+
+Result<void> KeptWork::check(Storage& storage, const std::vector<NamedInput>& inputs,
+                             const std::vector<NamedOutput>& outputs) const {
+  return check_outputs(storage, inputs, outputs, force_ ? Overwrite::Force : Overwrite::Refuse);
+}
+
+std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag) {
+  std::vector<NamedOutput> outputs;
+  for (const SinkKind& sink : sink_kinds()) {
+    const std::string& path = settings.output.path(sink.name);
+    const std::string_view flag = sink.flag;
+    const bool numbered = path.find('%') != std::string::npos;
+    outputs.push_back(
+        {std::string(flag.substr(flag.find("--"))), path, numbered ? OutputKind::Frames : OutputKind::Page});
+  }
+  outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
+  return outputs;
+}
+
+std::vector<NamedInput> inputs_of(const Settings::Camera& camera) {
+  constexpr std::string_view kReplay = "replay:";
+  if (!camera.id.starts_with(kReplay)) return {};
+  return {{"the recording that is read", camera.id.substr(kReplay.size())}};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,33 @@
+// --force, and what it is about: an output never takes the place of an input or of an earlier take
+// (sinks/output_guard.h). What the verbs that write share. Thread-bound.
+#pragma once
+
+#include <vector>
+
+#include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/output_guard.h"
+
+namespace CLI {
+class App;
+}
+
+namespace hdrcam {
+
+class KeptWork {
+ public:
+  void add_to(CLI::App& verb);  // --force
+
+  // Errors: those of check_outputs.
+  Result<void> check(Storage& storage, const std::vector<NamedInput>& inputs,
+                     const std::vector<NamedOutput>& outputs) const;
+
+ private:
+  bool force_ = false;
+};
+
+// The outputs of a run: its sinks and its recording, by the flags that name them for this verb.
+std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag);
+// The recording that a camera "replay:FILE" reads; empty for any other camera.
+std::vector<NamedInput> inputs_of(const Settings::Camera& camera);
+
+}  // namespace hdrcam

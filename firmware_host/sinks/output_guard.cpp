@@ -1,0 +1,136 @@
+#include "firmware_host/sinks/output_guard.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace hdrcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A pattern as the names that it may take: everything up to the number, digits, the rest.
+struct NameSet {
+  std::string folder, before, after;  // folder: without symbolic links
+
+  bool holds(const fs::path& file) const {
+    const std::string name = file.filename().string();
+    if (name.size() <= before.size() + after.size()) return false;
+    if (!name.starts_with(before) || !name.ends_with(after)) return false;
+    return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(before.size()),
+                       name.end() - static_cast<std::ptrdiff_t>(after.size()),
+                       [](unsigned char c) { return std::isdigit(c) != 0; });
+  }
+};
+
+// nullopt for what is no pattern; its sink says why.
+Result<std::optional<NameSet>> names_of(Storage& storage, const std::string& pattern) {
+  const fs::path path(pattern);
+  const std::string name = path.filename().string();
+  const std::size_t percent = name.find('%'), end = name.find('d', percent);
+  if (percent == std::string::npos || end == std::string::npos) return std::optional<NameSet>{};
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  return std::optional(NameSet{TRY(storage.look_at(folder.string())).real_path, name.substr(0, percent),
+                               name.substr(end + 1)});
+}
+
+// Where an input or an output stands on the disk.
+struct Place {
+  std::string words;  // "the recording that is read", "--stats"
+  std::string path;
+  FileFacts facts;
+  std::optional<NameSet> names;  // of numbered frames
+};
+
+bool same_file(const FileFacts& a, const FileFacts& b) {
+  if (a.kind == FileKind::Missing || b.kind == FileKind::Missing)
+    return a.kind == b.kind && a.real_path == b.real_path;
+  return a.kind != FileKind::Other && a.device == b.device && a.inode == b.inode;
+}
+
+bool meet(const Place& a, const Place& b) {
+  if (a.names && b.names)
+    return a.names->folder == b.names->folder && a.names->before == b.names->before &&
+           a.names->after == b.names->after;
+  const auto in = [](const NameSet& names, const Place& file) {
+    const fs::path real(file.facts.real_path);
+    return real.parent_path() == names.folder && names.holds(real);
+  };
+  if (a.names) return in(*a.names, b);
+  if (b.names) return in(*b.names, a);
+  return same_file(a.facts, b.facts);
+}
+
+Result<Place> place_of(Storage& storage, const NamedOutput& output) {
+  if (output.kind == OutputKind::Frames)
+    return Place{output.flag, output.path, {}, TRY(names_of(storage, output.path))};
+  return Place{output.flag, output.path, TRY(storage.look_at(output.path)), std::nullopt};
+}
+
+// How many files of these names there are, and one of them.
+struct EarlierFrames {
+  int count = 0;
+  std::string one;
+};
+EarlierFrames earlier_frames(const NameSet& names) {
+  EarlierFrames found;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(names.folder, ignored))
+    if (names.holds(entry.path())) {
+      ++found.count;
+      if (found.one.empty() || entry.path() < found.one) found.one = entry.path().string();
+    }
+  return found;
+}
+
+Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
+  if (kind == OutputKind::Recording && place.facts.kind == FileKind::Regular)
+    return Error{ErrorCode::Exists, fmt::format("{} '{}' is there already; name another file, or replace it "
+                                                "with --force",
+                                                place.words, place.path)};
+  if (!place.names) return {};
+  if (const EarlierFrames earlier = earlier_frames(*place.names); earlier.count > 0)
+    return Error{
+        ErrorCode::Exists,
+        fmt::format("{} '{}' would mix with {} earlier file(s), '{}' among them; name another folder, "
+                    "or replace them with --force",
+                    place.words, place.path, earlier.count, earlier.one)};
+  return {};
+}
+
+// A page replaces a page, never a frame or a recording that a typing error names.
+Result<void> is_no_work_of_another_kind(const Place& place) {
+  constexpr std::string_view kWork[] = {".exr", ".mkv", ".mp4", ".mov", ".dng", ".cr2", ".nef"};
+  if (place.facts.kind != FileKind::Regular) return {};
+  const std::string extension = fs::path(place.facts.real_path).extension().string();
+  if (std::find(std::begin(kWork), std::end(kWork), extension) == std::end(kWork)) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{} '{}' would replace a picture or a recording; name another "
+                                               "file",
+                                               place.words, place.path)};
+}
+
+}  // namespace
+
+Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
+                           std::span<const NamedOutput> outputs, Overwrite overwrite) {
+  std::vector<Place> taken;
+  for (const NamedInput& input : inputs)
+    taken.push_back({input.what, input.path, TRY(storage.look_at(input.path)), std::nullopt});
+  for (const NamedOutput& output : outputs) {
+    if (output.path.empty()) continue;
+    Place place = TRY(place_of(storage, output));
+    for (const Place& other : taken)
+      if (meet(place, other))
+        return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
+                                                     place.words, place.path, other.words, other.path)};
+    if (output.kind == OutputKind::Page) TRY(is_no_work_of_another_kind(place));
+    if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(place, output.kind));
+    taken.push_back(std::move(place));
+  }
+  return {};
+}
+
+}  // namespace hdrcam

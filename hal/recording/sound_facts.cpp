@@ -1,0 +1,65 @@
+#include "hal/recording/sound_facts.h"
+
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+constexpr double kLeastFocal_px = 1, kMostFocal_px = 1e6;
+constexpr double kMostPictures = 10;     // between the principal point and the picture, in widths or heights
+constexpr double kMostDistance_m = 1e7;  // from the world's origin
+constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotation from 0 or 1
+
+bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
+
+}  // namespace
+
+std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, int height_px) {
+  for (const auto& [name, focal_px] : {std::pair{"fx", lens.fx_px}, std::pair{"fy", lens.fy_px}})
+    if (!within(focal_px, kLeastFocal_px, kMostFocal_px))
+      return fmt::format("'{}' is {}; a focal length is {:g} to {:g} pixels", name, focal_px, kLeastFocal_px,
+                         kMostFocal_px);
+  for (const auto& [name, centre_px, side_px] :
+       {std::tuple{"cx", lens.cx_px, width_px}, std::tuple{"cy", lens.cy_px, height_px}})
+    if (!within(centre_px, -kMostPictures * side_px, kMostPictures * side_px))
+      return fmt::format("'{}' is {}; a principal point is in or near the picture, in pixels", name,
+                         centre_px);
+  return std::nullopt;
+}
+
+std::optional<std::string> objection_to(const PoseMatrix& T) {
+  for (const double value : T)
+    if (!std::isfinite(value)) return fmt::format("the pose holds {}", value);
+  for (const std::size_t place : {3U, 7U, 11U})
+    if (std::abs(T[place]) > kMostDistance_m)
+      return fmt::format("the pose is {:g} m away; metres of at most {:g} are possible", T[place],
+                         kMostDistance_m);
+  const auto product = [&](std::size_t a, std::size_t b) {  // of two rows of the rotation
+    return T[4 * a] * T[4 * b] + T[4 * a + 1] * T[4 * b + 1] + T[4 * a + 2] * T[4 * b + 2];
+  };
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = a; b < 3; ++b)
+      if (std::abs(product(a, b) - (a == b ? 1 : 0)) > kMostDeviation)
+        return fmt::format("the pose is no rotation: the product of its rows {} and {} is {:g}, not {}", a, b,
+                           product(a, b), a == b ? 1 : 0);
+  const double determinant = T[0] * (T[5] * T[10] - T[6] * T[9]) - T[1] * (T[4] * T[10] - T[6] * T[8]) +
+                             T[2] * (T[4] * T[9] - T[5] * T[8]);
+  if (determinant < 0)
+    return "the pose mirrors the world: its determinant is -1; camera axes are right-handed";
+  return std::nullopt;
+}
+
+std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before) {
+  if (facts.T_world_camera)
+    if (auto objection = objection_to(*facts.T_world_camera)) return objection;
+  if (before == nullptr) return std::nullopt;
+  if (facts.sequence <= before->sequence)
+    return fmt::format("its number {} does not come after {}, that of the frame before it", facts.sequence,
+                       before->sequence);
+  if (facts.timestamp <= before->timestamp)
+    return fmt::format("its time {:.6f} s does not come after {:.6f} s, that of the frame before it",
+                       facts.timestamp.seconds(), before->timestamp.seconds());
+  return std::nullopt;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,21 @@
+// Whether facts that came from a file can be those of a camera. Each function gives nullopt, or a clause that
+// says what is wrong with which value, to be put after "frame 3: ". Reentrant.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+// Focal lengths of 1 to 1e6 pixels; a principal point within ten pictures of this one.
+std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, int height_px);
+
+// A rotation (orthonormal to 1 %, right-handed) and a place within 1e7 metres.
+std::optional<std::string> objection_to(const PoseMatrix& T_world_camera);
+
+// The frame's own pose, and its number and time after those of the frame before it.
+std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before);
+
+}  // namespace hdrcam

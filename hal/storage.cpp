@@ -1,0 +1,65 @@
+#include "hal/storage.h"
+
+#include <filesystem>
+#include <random>
+
+namespace hdrcam {
+namespace {
+
+// Beside `path`, so that a rename stays within one file system. std::random_device is the kernel's generator.
+std::string unpredictable_name_beside(const std::string& path) {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
+  const std::filesystem::path beside(path);
+  return (beside.parent_path() / fmt::format(".{}.{:016x}.part", beside.filename().string(), number))
+      .string();
+}
+
+}  // namespace
+
+Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& path) {
+  const FileFacts there = TRY(storage.look_at(path));
+  if (there.kind == FileKind::Folder)
+    return Error{ErrorCode::Permission, fmt::format("cannot write '{}': it is a folder", path)};
+  if (there.kind == FileKind::Other)
+    return Error{ErrorCode::Permission,
+                 fmt::format("cannot write '{}': it is a device or a FIFO; name a regular file", path)};
+  return FileInMaking(storage, unpredictable_name_beside(there.real_path), there.real_path);
+}
+
+FileInMaking::FileInMaking(FileInMaking&& other) noexcept
+    : storage_(other.storage_),
+      path_(std::move(other.path_)),
+      final_path_(std::move(other.final_path_)),
+      ours_(std::exchange(other.ours_, false)) {}
+
+FileInMaking::~FileInMaking() {
+  if (ours_) (void)storage_->remove(path_);
+}
+
+Result<void> FileInMaking::commit() {
+  TRY(storage_->rename(path_, final_path_));
+  ours_ = false;
+  return {};
+}
+
+Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
+  if (TRY(storage.look_at(path)).kind == FileKind::Other)
+    return TRY(storage.create(path))->write_at(0, bytes);
+  FileInMaking making = TRY(FileInMaking::beside(storage, path));
+  {
+    auto file = TRY(storage.create(making.path(), Creation::New));
+    TRY(file->write_at(0, bytes));
+  }
+  return making.commit();
+}
+
+Result<std::string> read_whole(Storage& storage, const std::string& path) {
+  auto file = TRY(storage.open(path));
+  std::string text(TRY(file->size()), '\0');
+  const std::size_t n = TRY(file->read_at(0, std::as_writable_bytes(std::span(text))));
+  text.resize(n);
+  return text;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,99 @@
+#include "firmware_host/sinks/output_guard.h"
+
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder with a recording, and what a run would do in it.
+struct Desk {
+  explicit Desk(const char* name) : folder(sample::scratch_folder(name)) { put("walk.mkv"); }
+
+  void put(const std::string& file) const {
+    fs::create_directories(fs::path(folder + "/" + file).parent_path());
+    std::ofstream(folder + "/" + file) << file;
+  }
+  Result<void> check(std::vector<NamedOutput> outputs, Overwrite overwrite = Overwrite::Refuse) const {
+    for (NamedOutput& output : outputs)
+      if (!output.path.starts_with('/')) output.path = folder + "/" + output.path;
+    const std::vector<NamedInput> inputs{{"the recording that is read", folder + "/walk.mkv"}};
+    return check_outputs(posix_storage(), inputs, outputs, overwrite);
+  }
+
+  std::string folder;
+};
+
+TEST_CASE("no output may be the recording that is read, under any name, even with --force") {
+  const Desk desk("guard_input");
+  fs::create_symlink("walk.mkv", desk.folder + "/soft.html");
+  fs::create_hard_link(desk.folder + "/walk.mkv", desk.folder + "/hard.json");
+  fs::create_directory(desk.folder + "/sub");
+  for (const char* path : {"walk.mkv", "sub/../walk.mkv", "soft.html", "hard.json"})
+    for (const OutputKind kind : {OutputKind::Page, OutputKind::Recording})
+      for (const Overwrite overwrite : {Overwrite::Refuse, Overwrite::Force}) {
+        INFO(path);
+        const Result<void> checked = desk.check({{"--report", path, kind}}, overwrite);
+        require_error(checked, ErrorCode::Invalid);
+        CHECK(checked.error().message.find("--report") != std::string::npos);
+        CHECK(checked.error().message.find("the recording that is read") != std::string::npos);
+      }
+}
+
+TEST_CASE("two outputs may not be one file, also before it exists") {
+  const Desk desk("guard_outputs");
+  require_error(desk.check({{"--stats", "out.json"}, {"--report", "./out.json"}}), ErrorCode::Invalid);
+  require_error(desk.check({{"--output", "out/%06d.exr", OutputKind::Frames}, {"--stats", "out/000001.exr"}}),
+                ErrorCode::Invalid);
+  require_error(desk.check({{"--output", "out/%06d.png", OutputKind::Frames},
+                            {"--preview", "out/%04d.png", OutputKind::Frames}}),
+                ErrorCode::Invalid);
+  require_done(desk.check({{"--output", "out/%06d.exr", OutputKind::Frames},
+                           {"--preview", "out/%06d.png", OutputKind::Frames},
+                           {"--stats", "out/stats.json"},
+                           {"--report", "out/report.html"},
+                           {"--sheet", ""}}));
+}
+
+TEST_CASE("an earlier recording is replaced with --force only") {
+  const Desk desk("guard_take");
+  desk.put("take1.mkv");
+  const std::vector<NamedOutput> outputs{{"--output", "take1.mkv", OutputKind::Recording}};
+  const Result<void> checked = desk.check(outputs);
+  require_error(checked, ErrorCode::Exists);
+  CHECK(checked.error().message.find("--force") != std::string::npos);
+  require_done(desk.check(outputs, Overwrite::Force));
+  require_done(desk.check({{"--output", "take2.mkv", OutputKind::Recording}}));
+}
+
+TEST_CASE("frames do not mix with those of an earlier run unless --force says so") {
+  const Desk desk("guard_frames");
+  const std::vector<NamedOutput> outputs{{"--output", "out/%06d.exr", OutputKind::Frames}};
+  require_done(desk.check(outputs));
+  desk.put("out/notes.txt"), desk.put("out/poster.exr");
+  require_done(desk.check(outputs));
+  desk.put("out/000041.exr");
+  const Result<void> checked = desk.check(outputs);
+  require_error(checked, ErrorCode::Exists);
+  CHECK(checked.error().message.find("000041.exr") != std::string::npos);
+  require_done(desk.check(outputs, Overwrite::Force));
+}
+
+TEST_CASE("a page is made anew, but never over a picture or a recording") {
+  const Desk desk("guard_page");
+  desk.put("report.html"), desk.put("out/000001.exr"), desk.put("other.mkv");
+  require_done(desk.check({{"--report", "report.html"}}));
+  require_error(desk.check({{"--stats", "out/000001.exr"}}), ErrorCode::Invalid);
+  require_error(desk.check({{"--stats", "other.mkv"}}, Overwrite::Force), ErrorCode::Invalid);
+  require_done(desk.check({{"--stats", "/dev/null"}, {"--report", "/dev/null"}}));
+}
+
+}  // namespace
+}  // namespace hdrcam

@@ -1,0 +1,103 @@
+// What only a real file system has: links, FIFOs, devices, permissions.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <thread>
+
+#include "hal/storage.h"
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct TemporaryFolder {
+  TemporaryFolder() {
+    char path[] = "/tmp/hdrcam-posix-XXXXXX";
+    REQUIRE(mkdtemp(path) != nullptr);
+    name = path;
+  }
+  ~TemporaryFolder() { fs::remove_all(name); }
+  std::string operator/(const char* file) const { return name + "/" + file; }
+  std::string name;
+};
+
+std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
+std::string whole(const std::string& path) { return value_of(read_whole(posix_storage(), path)); }
+
+TEST_CASE("a file written through a symbolic link leaves the link where it is") {
+  const TemporaryFolder folder;
+  require_done(write_whole(posix_storage(), folder / "target", bytes_of("old")));
+  fs::create_symlink("target", folder / "link");
+  fs::create_symlink("not-there-yet", folder / "dangling");
+  require_done(write_whole(posix_storage(), folder / "link", bytes_of("new")));
+  require_done(write_whole(posix_storage(), folder / "dangling", bytes_of("made")));
+  CHECK(fs::is_symlink(folder / "link"));
+  CHECK(fs::is_symlink(folder / "dangling"));
+  CHECK(whole(folder / "target") == "new");
+  CHECK(whole(folder / "not-there-yet") == "made");
+}
+
+TEST_CASE("a new file is never made through a symbolic link that somebody prepared") {
+  const TemporaryFolder folder;
+  require_done(write_whole(posix_storage(), folder / "victim", bytes_of("precious")));
+  fs::create_symlink("victim", folder / "trap");
+  CHECK(posix_storage().create(folder / "trap", Creation::New).error().code == ErrorCode::Exists);
+  CHECK(whole(folder / "victim") == "precious");
+}
+
+TEST_CASE("a file that is replaced keeps its permissions") {
+  const TemporaryFolder folder;
+  require_done(write_whole(posix_storage(), folder / "secret", bytes_of("old")));
+  REQUIRE(chmod((folder / "secret").c_str(), 0600) == 0);
+  require_done(write_whole(posix_storage(), folder / "secret", bytes_of("new")));
+  struct stat status {};
+  REQUIRE(stat((folder / "secret").c_str(), &status) == 0);
+  CHECK((status.st_mode & 07777) == 0600);
+}
+
+TEST_CASE("a FIFO is written through, not replaced") {
+  const TemporaryFolder folder;
+  const std::string fifo = folder / "fifo";
+  REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
+  std::string read;
+  std::thread reader([&] {
+    const int fd = ::open(fifo.c_str(), O_RDONLY);
+    std::array<char, 64> buffer{};
+    for (ssize_t n; (n = ::read(fd, buffer.data(), buffer.size())) > 0;)
+      read.append(buffer.data(), static_cast<std::size_t>(n));
+    ::close(fd);
+  });
+  const Result<void> written = write_whole(posix_storage(), fifo, bytes_of("statistics"));
+  reader.join();
+  require_done(written);
+  CHECK(read == "statistics");
+  CHECK(fs::is_fifo(fifo));
+  CHECK_FALSE(FileInMaking::beside(posix_storage(), fifo).ok());
+}
+
+TEST_CASE("a device is written through, not replaced") {
+  require_done(write_whole(posix_storage(), "/dev/null", bytes_of("gone")));
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("two names of one file are the same file, also through links") {
+  const TemporaryFolder folder;
+  require_done(write_whole(posix_storage(), folder / "one", bytes_of("1")));
+  fs::create_symlink("one", folder / "soft");
+  fs::create_hard_link(folder / "one", folder / "hard");
+  const FileFacts one = value_of(posix_storage().look_at(folder / "one"));
+  for (const char* other : {"soft", "hard"}) {
+    const FileFacts facts = value_of(posix_storage().look_at(folder / other));
+    CHECK(facts.device == one.device);
+    CHECK(facts.inode == one.inode);
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
