@@ -30,7 +30,7 @@ struct OnlineStage::Step {
   ExposedFrame frame;
   StateMotion motion;   // between the state at the frame before and this one
   RadianceState state;  // after this frame; only kept where the look-ahead is longer than one frame
-  PoseMatrix T_world_camera = kIdentityPose;
+  RigidTransform T_world_camera;
   FitReport fit;
   bool advanced = false, emitted = false;
 };

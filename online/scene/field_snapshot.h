@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "hal/core/geometry.h"
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
 #include "hal/recording/recording.h"
@@ -16,7 +17,7 @@ namespace hdrcam {
 
 // From where, when and how large. Pixels of the view are those of its lens, centres at +0.5.
 struct SceneView {
-  PoseMatrix T_world_camera{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  RigidTransform T_world_camera;
   double time_s = 0;      // centre of the exposure; clamped to what the field knows
   double exposure_s = 0;  // the picture is the mean over this interval around time_s; 0: an instant
   Intrinsics lens;

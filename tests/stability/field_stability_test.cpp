@@ -39,7 +39,7 @@ struct Stream {
     }
   }
   void check(double time_s) {
-    renderer.render(fit.field(), MovingScene::view(fit, kIdentityPose, time_s, 2), pool, view);
+    renderer.render(fit.field(), MovingScene::view(fit, {}, time_s, 2), pool, view);
     for (const Image<float>* plane :
          {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
       for (float v : plane->samples()) REQUIRE(std::isfinite(v));
@@ -92,8 +92,7 @@ TEST_CASE("the field survives poses without parallax", "[stability]") {
   Stream stream;
   stream.run(10, 5, [](int i, FieldObservation& seen) {
     const double turn = 0.05 * i;  // rotation only
-    seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), 0, 0, 1, 0, 0,
-                           -std::sin(turn), 0, std::cos(turn), 0};
+    seen.T_world_camera.R = rotation({0, turn, 0});
   });
   CHECK_FALSE(stream.fit.field().window.has_parallax());
 }
@@ -102,8 +101,7 @@ TEST_CASE("a camera that turns right round does not break the field", "[stabilit
   Stream stream;
   stream.run(12, 3, [](int i, FieldObservation& seen) {
     const double turn = 0.6 * i;
-    seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), i * 0.3, 0, 1, 0, 0,
-                           -std::sin(turn), 0, std::cos(turn), 1.0 * i};
+    seen.T_world_camera = {rotation({0, turn, 0}), {0.3 * i, 0, 1.0 * i}};
   });
 }
 
@@ -113,7 +111,7 @@ TEST_CASE("a view behind the scene or at the edge of time is finite", "[stabilit
   for (double time_s : {-100.0, 0.0, 1.5 / 30, 4.0 / 30, 4.49 / 30, 1e9}) {
     stream.check(time_s);
     stream.renderer.render(stream.fit.field(),
-                           MovingScene::view(stream.fit, {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1, -3}, time_s, 4),
+                           MovingScene::view(stream.fit, {rotation({0, M_PI, 0}), {0, 0, -3}}, time_s, 4),
                            stream.pool, stream.view);
     for (float v : stream.view.radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   }
@@ -133,7 +131,7 @@ TEST_CASE("what is not a number never reaches the fit", "[stability]") {
     strew(stream.scene.to_previous.vectors), strew(stream.scene.from_previous.confidence);
     seen.time_s = i == 2 ? static_cast<double>(bad) : seen.time_s;
     seen.blur_fraction = bad;
-    if (i == 3) seen.T_world_camera[5] = static_cast<double>(bad);
+    if (i == 3) seen.T_world_camera.R(1, 1) = static_cast<double>(bad);
   });
   CHECK(stream.fit.counts().skipped == 0);
 }
@@ -145,7 +143,7 @@ TEST_CASE("a depth prior that is partly wrong or not a number leaves the picture
     const float values[] = {0.2f, kNan, kInf, -1.f, 7.f, 0.f};
     for (std::size_t p = 0; p < depth.size(); ++p) depth.samples()[p] = values[p % 6];
     seen.inverse_depth = &depth;
-    seen.T_world_camera[3] = 0.02 * i;  // there is parallax, so that depth is looked for
+    seen.T_world_camera.t.x() = 0.02 * i;  // there is parallax, so that depth is looked for
   });
   CHECK(stream.fit.field().window.has_parallax());
   for (std::size_t p = 0; p < stream.view.depth.size(); ++p) REQUIRE(stream.view.depth.samples()[p] >= 1);

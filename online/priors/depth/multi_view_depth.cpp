@@ -55,7 +55,7 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
 }
 
 const DepthMap& MultiViewDepth::next(const CameraPose& pose, const FlowField& to_previous) {
-  const RigidTransform T_world_camera = from_matrix(pose.T_world_camera);
+  const RigidTransform T_world_camera = pose.T_world_camera;
   if (!started_ || to_previous.empty() || pose.lost) {
     restart(T_world_camera);
     return prior_;

@@ -9,10 +9,10 @@
 
 #include <array>
 
+#include "hal/core/geometry.h"
 #include "hal/core/worker_pool.h"
 #include "online/pictures/flow_field.h"
 #include "online/priors/depth/depth_prior.h"
-#include "online/priors/pose/rigid_transform.h"
 
 namespace hdrcam {
 

@@ -21,8 +21,8 @@ const CameraPose& GivenPose::next(const FrameFacts& facts) {
   if (pose_.lost) return pose_;
   if (!started_) T_first_world_ = given.inverse(), started_ = true;
   const RigidTransform T_first_camera = T_first_world_ * given;
-  pose_.motion = motion_between(from_matrix(pose_.T_world_camera), T_first_camera);
-  pose_.T_world_camera = to_matrix(T_first_camera);
+  pose_.motion = motion_between(pose_.T_world_camera, T_first_camera);
+  pose_.T_world_camera = T_first_camera;
   return pose_;
 }
 

@@ -1,8 +1,8 @@
 // The two poses that need no pictures: a camera that never moves, and one whose poses came with the frames.
 #pragma once
 
+#include "hal/core/geometry.h"
 #include "online/priors/pose/pose_prior.h"
-#include "online/priors/pose/rigid_transform.h"
 
 namespace hdrcam {
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "online/priors/pose/rigid_transform.h"
+#include "hal/core/geometry.h"
 
 namespace hdrcam {
 

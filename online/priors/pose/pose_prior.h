@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "hal/core/geometry.h"
 #include "hal/recording/recording.h"
 #include "online/priors/seen_frame.h"
 
@@ -27,7 +28,7 @@ struct DepthSample {
 };
 
 struct CameraPose {
-  PoseMatrix T_world_camera{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  RigidTransform T_world_camera;
   CameraMotion motion = CameraMotion::Still;
   float inlier_share = 1;                  // share of the tracked points that agree with the pose, 0..1
   bool lost = false;                       // the pose is a guess: the motion before, continued

@@ -87,7 +87,7 @@ const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowFiel
   tracks_.coast(lens_, T_camera_world_, rows, cols);
   if (!depth_known_) tracks_.restart_when_thin();
   tracks_.seed(to_previous.confidence, rows, cols, lens_, T_camera_world_, depth_known_);
-  pose_.T_world_camera = to_matrix(T_camera_world_.inverse());
+  pose_.T_world_camera = T_camera_world_.inverse();
   return pose_;
 }
 

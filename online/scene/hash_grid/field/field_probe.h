@@ -11,7 +11,7 @@ namespace hdrcam {
 
 // From where and when. Between frames the dynamic content moves along the scene flow of the nearest frame.
 struct ProbeView {
-  PoseMatrix T_anchor_camera = kIdentityPose;
+  RigidTransform T_anchor_camera;
   int frame = 0;     // position in the window of the frame nearest in time
   float offset = 0;  // intervals after (+) or before (-) that frame, -0.5..0.5
 };

@@ -8,7 +8,7 @@ namespace {
 constexpr int kStripes = 8;  // units of work that own a probe; enough for any number of threads we meet
 
 // The nearest frame and the distance to it in frame intervals.
-ProbeView probe_view(const WindowFrames& window, const PoseMatrix& T_world_camera, double time_s) {
+ProbeView probe_view(const WindowFrames& window, const RigidTransform& T_world_camera, double time_s) {
   ProbeView view;
   view.T_anchor_camera = window.T_anchor_camera(T_world_camera);
   view.frame = window.nearest(time_s);

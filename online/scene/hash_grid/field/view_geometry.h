@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "hal/core/geometry.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
@@ -23,28 +24,22 @@ struct WindowFrustum {
   static constexpr double kDepthUnit = 0.01;
 };
 
-// a * b of rigid transforms, and the inverse.
-PoseMatrix compose(const PoseMatrix& T_a_b, const PoseMatrix& T_b_c);
-PoseMatrix inverse(const PoseMatrix& T_a_b);
-constexpr PoseMatrix kIdentityPose = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-bool is_rigid(const PoseMatrix& T);  // finite, and a rotation within 1e-3
-
 template <class T>
 class ViewGeometry {
  public:
-  ViewGeometry(const WindowFrustum& frustum, const PoseMatrix& T_anchor_camera)
+  ViewGeometry(const WindowFrustum& frustum, const RigidTransform& T_anchor_camera)
       : focal_{T(frustum.camera.fx_px), T(frustum.camera.fy_px)},
         centre_{T(frustum.camera.cx_px), T(frustum.camera.cy_px)},
         size_{T(frustum.cols), T(frustum.rows)},
         margin_(frustum.margin) {
-    const PoseMatrix T_camera_anchor = inverse(T_anchor_camera);
+    const RigidTransform T_camera_anchor = T_anchor_camera.inverse();
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j < 3; ++j) {
-        to_anchor_[i][j] = T(T_anchor_camera[static_cast<std::size_t>(4 * i + j)]);
-        from_anchor_[i][j] = T(T_camera_anchor[static_cast<std::size_t>(4 * i + j)]);
+        to_anchor_[i][j] = T(T_anchor_camera.R(i, j));
+        from_anchor_[i][j] = T(T_camera_anchor.R(i, j));
       }
-      to_anchor_[i][3] = T(T_anchor_camera[static_cast<std::size_t>(4 * i + 3)] / frustum.near);
-      from_anchor_[i][3] = T(T_camera_anchor[static_cast<std::size_t>(4 * i + 3)] / frustum.near);
+      to_anchor_[i][3] = T(T_anchor_camera.t(i) / frustum.near);
+      from_anchor_[i][3] = T(T_camera_anchor.t(i) / frustum.near);
     }
   }
 

@@ -38,38 +38,6 @@ float guide_at(const Image<float>& guide, int y, int x) {
 
 }  // namespace
 
-PoseMatrix compose(const PoseMatrix& a, const PoseMatrix& b) {
-  PoseMatrix c{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 4; ++j) {
-      c[4 * i + j] = j == 3 ? a[4 * i + 3] : 0;
-      for (std::size_t k = 0; k < 3; ++k) c[4 * i + j] += a[4 * i + k] * b[4 * k + j];
-    }
-  return c;
-}
-
-PoseMatrix inverse(const PoseMatrix& a) {
-  PoseMatrix b{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) {
-      b[4 * i + j] = a[4 * j + i];
-      b[4 * i + 3] -= a[4 * j + i] * a[4 * j + 3];
-    }
-  return b;
-}
-
-bool is_rigid(const PoseMatrix& T) {
-  for (double value : T)
-    if (!std::isfinite(value)) return false;
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = i; j < 3; ++j) {
-      double dot = 0;
-      for (std::size_t k = 0; k < 3; ++k) dot += T[4 * i + k] * T[4 * j + k];
-      if (std::abs(dot - (i == j ? 1 : 0)) > 1e-3) return false;
-    }
-  return true;
-}
-
 void WindowFrame::copy_from(const WindowFrame& other) {
   index = other.index, slot = other.slot, time_s = other.time_s;
   exposure = other.exposure, blur_fraction = other.blur_fraction;
@@ -89,8 +57,8 @@ int WindowFrames::nearest(double time_s) const {
   return best;
 }
 
-PoseMatrix WindowFrames::T_anchor_camera(const PoseMatrix& T_world_camera) const {
-  return compose(inverse(T_world_anchor_), T_world_camera);
+RigidTransform WindowFrames::T_anchor_camera(const RigidTransform& T_world_camera) const {
+  return T_world_anchor_.inverse() * T_world_camera;
 }
 
 Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
@@ -164,9 +132,9 @@ Result<void> Window::advance(const FieldObservation& seen) {
   if (previous != nullptr && frame.time_s <= previous->time_s) frame.time_s = previous->time_s + 1e-3;
   frame.exposure = seen.exposure;
   frame.blur_fraction = std::isfinite(seen.blur_fraction) ? std::clamp(seen.blur_fraction, 0.f, 1.f) : 0;
-  frame.T_world_camera = is_rigid(seen.T_world_camera) ? seen.T_world_camera
-                         : previous != nullptr         ? previous->T_world_camera
-                                                       : kIdentityPose;
+  frame.T_world_camera = seen.T_world_camera.is_rigid() ? seen.T_world_camera
+                         : previous != nullptr          ? previous->T_world_camera
+                                                        : RigidTransform();
   if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
   frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
   take_base(seen, frame);
@@ -284,10 +252,10 @@ void Window::take_surface(WindowFrame& frame) const {
     }
 }
 
-PoseMatrix Window::move_anchor() {
+RigidTransform Window::move_anchor() {
   CHECK(!order_.empty());
-  const PoseMatrix T_world_new = newest().T_world_camera;
-  const PoseMatrix T_new_old = compose(inverse(T_world_new), T_world_anchor_);
+  const RigidTransform T_world_new = newest().T_world_camera;
+  const RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   for (int i = 0; i < size(); ++i) {
     WindowFrame& lifted = writable(i);
@@ -296,8 +264,8 @@ PoseMatrix Window::move_anchor() {
       if (j < 0 || j >= size()) continue;
       const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera),
           there(frustum_, frame(j).T_anchor_camera);
-      const ViewGeometry<double> here_new(frustum_, compose(T_new_old, frame(i).T_anchor_camera));
-      const ViewGeometry<double> there_new(frustum_, compose(T_new_old, frame(j).T_anchor_camera));
+      const ViewGeometry<double> here_new(frustum_, T_new_old * frame(i).T_anchor_camera);
+      const ViewGeometry<double> there_new(frustum_, T_new_old * frame(j).T_anchor_camera);
       for (int y = 0; y < frustum_.rows; ++y)
         for (int x = 0; x < frustum_.cols; ++x) {
           BasePixel& base = lifted.base.at(0, y, x);
@@ -315,8 +283,7 @@ PoseMatrix Window::move_anchor() {
     }
   }
   T_world_anchor_ = T_world_new;
-  for (WindowFrame* frame : order_)
-    frame->T_anchor_camera = compose(inverse(T_world_new), frame->T_world_camera);
+  for (WindowFrame* frame : order_) frame->T_anchor_camera = T_world_new.inverse() * frame->T_world_camera;
   return T_new_old;
 }
 
@@ -334,8 +301,7 @@ bool Window::anchor_is_stale() const {
 
 bool WindowFrames::has_parallax() const {
   for (const WindowFrame* frame : order_) {
-    const PoseMatrix& T = frame->T_anchor_camera;
-    const double moved = std::sqrt(T[3] * T[3] + T[7] * T[7] + T[11] * T[11]);
+    const double moved = frame->T_anchor_camera.t.norm();
     if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px > 0.5) return true;
   }
   return false;

@@ -32,8 +32,8 @@ struct FieldObservation {
   const FlowField* to_previous = nullptr;    // this frame -> previous
   const FlowField* from_previous = nullptr;  // previous frame -> this one
   const Image<float>* inverse_depth =
-      nullptr;  // [1, rows, cols] prior: near / z, NaN where unknown; null: none
-  PoseMatrix T_world_camera = kIdentityPose;  // identity where the camera is fixed or unknown
+      nullptr;                    // [1, rows, cols] prior: near / z, NaN where unknown; null: none
+  RigidTransform T_world_camera;  // identity where the camera is fixed or unknown
 };
 
 // The base of one pixel, interleaved because the field reads all of it at a fractional position.
@@ -52,7 +52,7 @@ struct WindowFrame {
   int slot = 0;  // of the dynamic hash grid
   double time_s = 0;
   float exposure = 1, blur_fraction = 0;
-  PoseMatrix T_world_camera = kIdentityPose, T_anchor_camera = kIdentityPose;
+  RigidTransform T_world_camera, T_anchor_camera;
   Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is no measurement
   Image<BasePixel> base;  // [1, rows, cols]
   Image<float>
@@ -85,7 +85,7 @@ class WindowFrames {
   const WindowFrame& newest() const { return frame(size() - 1); }
   int nearest(double time_s) const;  // position of the frame nearest in time
   const WindowFrustum& frustum() const { return frustum_; }
-  PoseMatrix T_anchor_camera(const PoseMatrix& T_world_camera) const;
+  RigidTransform T_anchor_camera(const RigidTransform& T_world_camera) const;
   // poses differ by a translation that shifts the near plane by half a pixel or more
   bool has_parallax() const;
   bool has_motion() const;  // more than a thousandth of the pixels of some frame move
@@ -93,7 +93,7 @@ class WindowFrames {
  protected:
   friend class Window;
   WindowFrustum frustum_;
-  PoseMatrix T_world_anchor_ = kIdentityPose;
+  RigidTransform T_world_anchor_;
   std::vector<WindowFrame*> order_;
 };
 
@@ -105,7 +105,7 @@ class Window : public WindowFrames {
   // BadExposure for an exposure that is not a positive number.
   Result<void> advance(const FieldObservation& seen);
   // Makes the newest frame the anchor; bases are lifted anew. Returns T_new_old of the anchors.
-  PoseMatrix move_anchor();
+  RigidTransform move_anchor();
   void clear() { order_.clear(); }
   // The frame to write to: itself, or a copy that takes its place where a snapshot holds it.
   WindowFrame& writable(int i);

@@ -339,8 +339,8 @@ void FieldFit::refresh_guide() {
 // looked up anew at the place where each of its vertices was; hashed levels, which cannot be enumerated,
 // start at zero.
 void FieldFit::reanchor() {
-  const PoseMatrix T_old_new = inverse(window_.move_anchor());
-  const ViewGeometry<double> old_anchor(window_.frustum(), kIdentityPose),
+  const RigidTransform T_old_new = window_.move_anchor().inverse();
+  const ViewGeometry<double> old_anchor(window_.frustum(), RigidTransform()),
       moved(window_.frustum(), T_old_new);
   for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved, table_before_);
   ++health_.counts().anchors_moved;

@@ -18,7 +18,7 @@ SyntheticScene room() {
 
 CameraPose at(const RigidTransform& T_world_camera, bool lost = false) {
   CameraPose pose;
-  pose.T_world_camera = to_matrix(T_world_camera);
+  pose.T_world_camera = T_world_camera;
   pose.lost = lost;
   return pose;
 }

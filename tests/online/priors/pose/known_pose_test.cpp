@@ -7,7 +7,7 @@ using namespace hdrcam;
 
 namespace {
 
-const PoseMatrix kIdentity{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+const RigidTransform kIdentity;
 
 FrameFacts at(const RigidTransform& T_world_camera) {
   FrameFacts facts;
@@ -30,13 +30,13 @@ TEST_CASE("given poses are relative to the first frame", "[pose]") {
   GivenPose pose;
   const RigidTransform first{rotation({0.3, -0.2, 0.1}), {1, 2, 3}};
   const RigidTransform step{rotation({0, 0.02, 0}), {0.1, 0, 0.05}};
-  const RigidTransform start = from_matrix(pose.next(at(first)).T_world_camera);
+  const RigidTransform start = pose.next(at(first)).T_world_camera;
   CHECK((start.R - Eigen::Matrix3d::Identity()).norm() < 1e-12);
   CHECK(start.t.norm() < 1e-12);
   const CameraPose& second = pose.next(at(first * step));
   CHECK(second.motion == CameraMotion::General);
-  CHECK((from_matrix(second.T_world_camera).R - step.R).norm() < 1e-12);
-  CHECK((from_matrix(second.T_world_camera).t - step.t).norm() < 1e-12);
+  CHECK((second.T_world_camera.R - step.R).norm() < 1e-12);
+  CHECK((second.T_world_camera.t - step.t).norm() < 1e-12);
 }
 
 TEST_CASE("given poses tell what kind of motion they are", "[pose]") {
@@ -49,7 +49,7 @@ TEST_CASE("given poses tell what kind of motion they are", "[pose]") {
 TEST_CASE("a frame without a usable pose keeps the last one and says so", "[pose]") {
   GivenPose pose;
   pose.next(at({}));
-  const PoseMatrix before = pose.next(at({rotation({0, 0.01, 0}), {1, 0, 0}})).T_world_camera;
+  const RigidTransform before = pose.next(at({rotation({0, 0.01, 0}), {1, 0, 0}})).T_world_camera;
   CHECK(pose.next({}).lost);
   CHECK(pose.next(at({Eigen::Matrix3d::Identity(), {NAN, 0, 0}})).lost);
   CHECK(pose.next({}).T_world_camera == before);

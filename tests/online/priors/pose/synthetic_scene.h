@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "hal/core/geometry.h"
 #include "online/pictures/flow_field.h"
-#include "online/priors/pose/rigid_transform.h"
 
 namespace hdrcam::test {
 

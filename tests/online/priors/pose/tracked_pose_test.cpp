@@ -23,7 +23,7 @@ std::vector<CameraPose> track(const SyntheticScene& scene, const std::vector<Fra
   return poses;
 }
 
-RigidTransform pose_of(const CameraPose& pose) { return from_matrix(pose.T_world_camera); }
+RigidTransform pose_of(const CameraPose& pose) { return pose.T_world_camera; }
 
 double angle_deg(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle() / kDegree; }
 
@@ -32,8 +32,7 @@ double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }
 
 bool all_finite(const CameraPose& pose) {
-  bool finite = std::isfinite(pose.inlier_share);
-  for (const double v : pose.T_world_camera) finite = finite && std::isfinite(v);
+  bool finite = std::isfinite(pose.inlier_share) && pose.T_world_camera.finite();
   for (const DepthSample& s : pose.depth_samples)
     finite =
         finite && std::isfinite(s.inverse_depth) && s.inverse_depth >= 0 && s.weight >= 0 && s.weight <= 1;
@@ -77,7 +76,7 @@ TEST_CASE("a camera that does not move stays exactly where it was", "[pose]") {
   const SyntheticScene scene = room();
   const auto poses = track(scene, film(scene, straight_path(12, {0, 0, 0}, {0, 0, 0}), 0.05));
   for (const CameraPose& pose : poses) {
-    CHECK(pose.T_world_camera == PoseMatrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
+    CHECK(pose.T_world_camera == RigidTransform());
     CHECK(pose.motion == CameraMotion::Still);
     CHECK_FALSE(pose.lost);
   }

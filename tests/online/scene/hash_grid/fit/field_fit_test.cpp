@@ -31,7 +31,7 @@ struct Run {
     for (int s = 0; s < steps; ++s) fit.step();
   }
   const FieldPicture& look(int step = 1) {
-    renderer.render(fit.field(), MovingScene::view(fit, kIdentityPose, last_time_s, step), pool, view);
+    renderer.render(fit.field(), MovingScene::view(fit, {}, last_time_s, step), pool, view);
     return view;
   }
 };
@@ -132,7 +132,7 @@ TEST_CASE("between two frames the content is between its places", "[field]") {
   for (int i = 0; i < 3; ++i) run.take(i, 0);
   const double half = run.last_time_s - 0.5 / 30;
   FieldPicture between;
-  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, kIdentityPose, half, 1), run.pool, between);
+  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, {}, half, 1), run.pool, between);
   // at frame 1 the square's front edge is at 20, at frame 2 at 24
   const auto is_bright = [&](int x) { return between.radiance.at(1, 14, x) > 1; };
   CHECK(is_bright(19));
@@ -142,10 +142,10 @@ TEST_CASE("between two frames the content is between its places", "[field]") {
 TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture", "[field]") {
   Run run;
   run.scene.speed_px = 0;
-  PoseMatrix pose = kIdentityPose;
+  RigidTransform pose;
   for (int i = 0; i < 12; ++i) {
     FieldObservation seen = run.scene.frame(i);
-    pose[3] = 0.12 * i;
+    pose.t.x() = 0.12 * i;
     seen.T_world_camera = pose;
     REQUIRE(run.fit.observe(seen, run.scene.response).ok());
     run.last_time_s = seen.time_s;

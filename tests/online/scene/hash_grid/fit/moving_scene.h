@@ -74,7 +74,7 @@ struct MovingScene {
   static FitBudget small_budget() { return {1, 64, 4, 4}; }
 
   // The view of a fit's own camera, one pixel for step x step.
-  static SceneView view(const FieldFit& fit, const PoseMatrix& T_world_camera, double time_s, int step) {
+  static SceneView view(const FieldFit& fit, const RigidTransform& T_world_camera, double time_s, int step) {
     const WindowFrustum& frustum = fit.field().window.frustum();
     return reduced({T_world_camera, time_s, 0, frustum.camera, frustum.rows, frustum.cols}, step);
   }

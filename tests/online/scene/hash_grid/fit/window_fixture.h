@@ -59,8 +59,7 @@ struct WindowFixture {
     if (i > 0) seen.to_previous = &to_previous, seen.from_previous = &from_previous;
     if (poses) {
       const double turn = 0.02 * i;
-      seen.T_world_camera = {std::cos(turn),  0, std::sin(turn), 0.05 * i, 0, 1, 0, -0.02 * i,
-                             -std::sin(turn), 0, std::cos(turn), 0.03 * i};
+      seen.T_world_camera = {rotation({0, turn, 0}), {0.05 * i, -0.02 * i, 0.03 * i}};
     }
     return seen;
   }

@@ -1,9 +1,10 @@
-// A rotation and a translation: p_dst = R p_src + t. Value type, reentrant.
+// Rigid transforms, as Eigen matrices: T_dst_src takes p_src to p_dst = R p_src + t. Camera axes x right, y
+// down, z forward; metres or the unit that the owner says. Value types, reentrant.
 #pragma once
 
 #include <Eigen/Dense>
-
-#include "hal/recording/recording.h"
+#include <array>
+#include <cmath>
 
 namespace hdrcam {
 
@@ -13,8 +14,15 @@ struct RigidTransform {
 
   RigidTransform inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
   bool finite() const { return R.allFinite() && t.allFinite(); }
+  // finite, and R a rotation within 1e-3
+  bool is_rigid() const {
+    return finite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-3;
+  }
   friend RigidTransform operator*(const RigidTransform& T_a_b, const RigidTransform& T_b_c) {
     return {T_a_b.R * T_b_c.R, T_a_b.R * T_b_c.t + T_a_b.t};
+  }
+  friend bool operator==(const RigidTransform& a, const RigidTransform& b) {
+    return a.R == b.R && a.t == b.t;
   }
 };
 
@@ -34,27 +42,20 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-// Of a PoseMatrix: row-major 3x4.
-inline std::size_t entry(int row, int col) {
-  return static_cast<std::size_t>(row) * 4 + static_cast<std::size_t>(col);
+// As files and facts hold a transform: row-major 3x4, [R t].
+using TransformRows = std::array<double, 12>;
+
+inline RigidTransform from_matrix(const TransformRows& rows) {
+  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
+  return {m.leftCols<3>(), m.col(3)};
 }
 
-inline RigidTransform from_matrix(const PoseMatrix& m) {
-  RigidTransform T;
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) T.R(row, col) = m[entry(row, col)];
-    T.t(row) = m[entry(row, 3)];
-  }
-  return T;
-}
-
-inline PoseMatrix to_matrix(const RigidTransform& T) {
-  PoseMatrix m{};
-  for (int row = 0; row < 3; ++row) {
-    for (int col = 0; col < 3; ++col) m[entry(row, col)] = T.R(row, col);
-    m[entry(row, 3)] = T.t(row);
-  }
-  return m;
+inline TransformRows to_matrix(const RigidTransform& T) {
+  TransformRows rows{};
+  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
+  m.leftCols<3>() = T.R;
+  m.col(3) = T.t;
+  return rows;
 }
 
 }  // namespace hdrcam
