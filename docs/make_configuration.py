@@ -1,0 +1,65 @@
+#!/usr/bin/env python3
+"""make_configuration.py HDRCAM: rewrites the tables of docs/configuration.md from what the program prints (--print-config).
+A test compares the page with the program."""
+import pathlib
+import re
+import subprocess
+import sys
+
+root = pathlib.Path(__file__).resolve().parent.parent
+titles = {"camera": "Camera", "schedule": "Schedule", "sync": "Sync line", "fit": "Fit", "knobs": "Knobs",
+          "output": "Output", "record": "Recording"}
+source = "".join((root / "firmware_host" / name).read_text()
+                 for name in ("settings/setting_fields.cpp", "sinks/sink_table.cpp"))
+
+
+def printed(*flags):
+    return subprocess.run([sys.argv[1], "live", "--print-config", *flags], capture_output=True, text=True,
+                          check=True).stdout
+
+
+def knobs_of(preset):
+    """name -> value, of the commented lines."""
+    return dict(re.findall(r'^#([\w.]+) = "(.*)"$', printed("--preset", preset), re.M))
+
+
+def flag_of(table, name):
+    found = re.search(rf'"{table}\.{name}",\s*"(-[^"]*)"', source)
+    if not found:
+        found = re.search(rf'{{"{name}", "(-[^"]*)"', source)
+    return found[1]
+
+
+def knob_row(name, about, presets):
+    gives, rest = about.removesuffix('; "": as the preset has it)').split("; costs: ", 1)
+    costs, takes = rest.rsplit(" (", 1)
+    return f"| `{name}` | {' | '.join(values[name] for values in presets)} | {takes} | {gives} | {costs} |\n"
+
+
+def tables():
+    presets = [knobs_of(preset) for preset in ("fast", "balanced", "best")]
+    text, table, about = "", "", ""
+    for line in printed().splitlines():
+        if line.startswith("["):
+            table = line.strip("[]")
+            text += f"{'' if not text else chr(10)}## {titles[table]}\n\n"
+            if table == "knobs":
+                text += ("What `--set NAME=VALUE` and `[knobs]` take (`online/knobs.h`), and what each preset sets.\n\n"
+                         "| name | fast | balanced | best | takes | gives | costs |\n|---|---|---|---|---|---|---|\n")
+            else:
+                text += "| key | flag | default | meaning |\n|---|---|---|---|\n"
+        elif line.startswith("# "):
+            about = line[2:]
+        elif line.startswith("#"):
+            text += knob_row(line[1:].split(" = ")[0], about, presets)
+        elif line:
+            name, value = line.split(" = ", 1)
+            value = value.strip('"')
+            shown = f"`{value}`" if value else ""
+            text += f"| `{table}.{name}` | `{flag_of(table, name)}` | {shown} | {about} |\n"
+    return text
+
+
+page = root / "docs" / "configuration.md"
+before = page.read_text()
+page.write_text(before[:before.index("## Camera")] + tables())
