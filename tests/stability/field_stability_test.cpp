@@ -34,7 +34,7 @@ struct Stream {
       for (int s = 0; s < steps; ++s) {
         const StepReport report = fit.step();
         REQUIRE(report.verdict == StepVerdict::Taken);  // nothing of a hard case reaches the loss
-        REQUIRE(report.total < 20);                     // the loss does not explode
+        REQUIRE(report.total < 100);                    // the loss does not explode
       }
       check(seen.time_s);
       const FieldNetworks<float>& networks = fit.field().networks;
