@@ -2,32 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <vector>
 
+#include "hal/core/geometry.h"
 #include "render/exr.h"
 #include "render/scores/motion_scores.h"
 #include "render/scores/order_statistics.h"
 
 namespace hdrcam {
-namespace {
-
-Eigen::Isometry3d transform_of(const PoseMatrix& rows) {
-  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) transform.matrix()(r, c) = rows[static_cast<std::size_t>(4 * r + c)];
-  return transform;
-}
-
-PoseMatrix rows_of(const Eigen::Isometry3d& transform) {
-  PoseMatrix rows{};
-  for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 4; ++c) rows[static_cast<std::size_t>(4 * r + c)] = transform.matrix()(r, c);
-  return rows;
-}
-
-}  // namespace
-
 Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_folder,
                                     const std::string& folder, WorkerPool& pool) {
   NovelViews views(storage, TRY(GroundTruth::open(storage, clip_folder)), folder + "/novel", pool);
@@ -51,11 +33,11 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
   if (metres_per_unit.empty()) return {};
 
   const PosePair& cameras = *truth_.novel_camera(frame);
-  Eigen::Isometry3d T_own_novel =
-      transform_of(cameras.T_world_own).inverse() * transform_of(cameras.T_world_novel);
-  T_own_novel.translation() /= static_cast<double>(median(metres_per_unit));
+  RigidTransform T_own_novel =
+      from_matrix(cameras.T_world_own).inverse() * from_matrix(cameras.T_world_novel);
+  T_own_novel.t /= static_cast<double>(median(metres_per_unit));
   SceneView view = estimate.view;
-  view.T_world_camera = rows_of(transform_of(view.T_world_camera) * T_own_novel);
+  view.T_world_camera = view.T_world_camera * T_own_novel;
   estimate.field->look(view, *pool_, novel_);
 
   ExrPicture picture;

@@ -7,6 +7,7 @@
 
 #include "capture/exposed_frame.h"
 #include "hal/core/inline_list.h"
+#include "hal/core/result.h"
 #include "online/pictures/flow_field.h"
 #include "online/priors/depth/depth_prior.h"
 #include "online/priors/pose/pose_prior.h"

@@ -25,12 +25,12 @@ inline constexpr FloorClip kDim{"fast?size=128x96&seed=2&full-well=500", "1.5ms,
 
 // Parts of the method, each with what turns it off.
 inline void leave(PipelineOptions&) {}
-inline void no_look_ahead(PipelineOptions& options) { options.online.look_ahead = 0; }
-inline void two_frames_ahead(PipelineOptions& options) { options.online.look_ahead = 2; }
-inline void no_shrinkage(PipelineOptions& options) { options.render.emission.shrinkage = ShrinkageMode::Off; }
-inline void no_warp_variance(PipelineOptions& options) { options.online.state.fusion.misalignment = 0; }
-inline void no_blur_variance(PipelineOptions& options) { options.online.state.fusion.blur_weight = 0; }
-inline void no_gate(PipelineOptions& options) { options.online.state.fusion.chi2_tolerance = 1e9f; }
+inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead = 0; }
+inline void two_frames_ahead(PipelineOptions& options) { options.knobs.look_ahead = 2; }
+inline void no_shrinkage(PipelineOptions& options) { options.knobs.budget.shrinks = false; }
+inline void no_warp_variance(PipelineOptions& options) { options.knobs.state.fusion.misalignment = 0; }
+inline void no_blur_variance(PipelineOptions& options) { options.knobs.state.fusion.blur_weight = 0; }
+inline void no_gate(PipelineOptions& options) { options.knobs.state.fusion.chi2_tolerance = 1e9f; }
 using Change = void (*)(PipelineOptions&);
 
 struct PictureFloor {

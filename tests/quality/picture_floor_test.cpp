@@ -79,9 +79,8 @@ TEST_CASE("fast, balanced and best rise in work and in quality", "[floor]") {
     return outcome_of(kShortWalk, preset, EmitLayer::Merged, leave);
   };
   const auto samples = [&](Preset preset) {  // of the fit, counted where they are drawn
-    const FieldOptions field = options_of(preset, EmitLayer::Merged).online.field->field;
-    return static_cast<double>(merged(preset).emitted.fit_steps) * field.rays_per_step *
-           field.samples_per_ray;
+    const FitBudget fit = options_of(preset, EmitLayer::Merged).knobs.budget.fit;
+    return static_cast<double>(merged(preset).emitted.fit_steps) * fit.rays_per_step * fit.samples_per_ray;
   };
   const Preset presets[] = {Preset::Fast, Preset::Balanced, Preset::Best};
   for (int i = 0; i + 1 < 3; ++i) {
@@ -89,8 +88,8 @@ TEST_CASE("fast, balanced and best rise in work and in quality", "[floor]") {
     INFO(name(lesser) << ": " << in_words(merged(lesser).scores) << "\n"
                       << name(greater) << ": " << in_words(merged(greater).scores));
     CHECK(samples(greater) > 1.5 * samples(lesser));
-    CHECK(options_of(greater, EmitLayer::Merged).online.flow >
-          options_of(lesser, EmitLayer::Merged).online.flow);
+    CHECK(options_of(greater, EmitLayer::Merged).knobs.budget.flow >
+          options_of(lesser, EmitLayer::Merged).knobs.budget.flow);
     CHECK(merged(greater).scores.mean.psnr_mu_db >= merged(lesser).scores.mean.psnr_mu_db + kPresetGain_db);
   }
 }

@@ -55,7 +55,7 @@ EmittedClip emit(const SimulatedClip& clip, const PipelineOptions& options) {
   WorkerPool pool(2);
   Pipeline pipeline(options, clip.camera, pool);
   EmittedClip emitted;
-  const Pipeline::Deliver keep = [&](const HdrFrame& frame, const ExposedFrame&,
+  const Pipeline::Deliver keep = [&](const HdrFrame& frame, const FrameEstimate&,
                                      const FrameRecord& record) -> Result<void> {
     HdrFrame& kept = emitted.frames.emplace_back();
     kept.facts = frame.facts;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "hal/core/check.h"
 #include "online/priors/pose/median.h"
 
 namespace hdrcam {

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "hal/core/frame.h"
 #include "hal/core/geometry.h"
 
 namespace hdrcam {
