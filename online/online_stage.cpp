@@ -52,6 +52,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
   settings_.layout = camera.layout;
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes went through no codec
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
+  assumed_noise_ = noise_;
 }
 
 OnlineStage::~OnlineStage() = default;
@@ -267,7 +268,7 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   else
     noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
-    noise_ = noise_estimator_.solve(noise_);
+    noise_ = noise_estimator_.solve(assumed_noise_);
     for (auto& [exposure, tables] : tables_) tables.rebuild(response_, noise_);
   }
   if (timing_) timing_("noise", watch.lap_ms());
