@@ -30,14 +30,15 @@ class StateFilter {
   Fusion& fusion() { return fusion_; }
 
  private:
-  void predict(const FlowField& to_previous, const Samples& samples, const ExposureTables& tables);
+  // Carries the state to the frame of samples_.
+  void predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables);
 
   StateOptions options_;
   WorkerPool& pool_;
   Fusion fusion_;
   RadianceState state_, predicted_;
   Samples samples_;
-  Image<float> gate_, mean_, contrast_, added_, zero_flow_;
+  Image<float> gate_, mean_, contrast_, added_;
 };
 
 }  // namespace hdrcam
