@@ -168,6 +168,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (timing_) timing_("motion", watch.lap_ms());
 
   filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
+  tables_.at(step.frame.exposure).rebuild(response_, noise_, filter_.residuals().excess(step.frame.exposure));
   step.advanced = true;
   if (knobs_.look_ahead > 1) step.state.copy_from(filter_.state());
   if (timing_) timing_("state", watch.lap_ms());
@@ -257,7 +258,9 @@ Result<void> OnlineStage::finish(const Emit& emit) {
 const ExposureTables& OnlineStage::tables_for(float exposure) {
   const auto found = tables_.find(exposure);
   if (found != tables_.end()) return found->second;
-  return tables_.emplace(exposure, ExposureTables(response_, noise_, exposure)).first->second;
+  return tables_
+      .emplace(exposure, ExposureTables(response_, noise_, exposure, filter_.residuals().excess(exposure)))
+      .first->second;
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
@@ -269,7 +272,8 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
     noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
     noise_ = noise_estimator_.solve(assumed_noise_);
-    for (auto& [exposure, tables] : tables_) tables.rebuild(response_, noise_);
+    for (auto& [exposure, tables] : tables_)
+      tables.rebuild(response_, noise_, filter_.residuals().excess(exposure));
   }
   if (timing_) timing_("noise", watch.lap_ms());
 }

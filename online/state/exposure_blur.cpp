@@ -39,8 +39,8 @@ void blur_difference(const Image<float>& radiance, const Image<float>& flow, flo
           for (int c = 0; c < channels; ++c) difference.at(c, y, x) = 0;
           continue;
         }
-        const int count = std::clamp(static_cast<int>(std::ceil(std::min(length, kLongest))) + 1, kLeastTaps,
-                                     kMostTaps);
+        const int count =
+            std::clamp(static_cast<int>(std::ceil(std::min(length, kLongest))) + 1, kLeastTaps, kMostTaps);
         const float px = static_cast<float>(x), py = static_cast<float>(y);
         for (int k = 0; k < count; ++k) {
           const float instant =
@@ -50,7 +50,8 @@ void blur_difference(const Image<float>& radiance, const Image<float>& flow, flo
           const int qy = static_cast<int>(std::clamp(py + instant * dy[x], 0.f, bottom) + 0.5f);
           const float sx = std::clamp(px + instant * flow.at(0, qy, qx), 0.f, right);
           const float sy = std::clamp(py + instant * flow.at(1, qy, qx), 0.f, bottom);
-          const int ix = std::min(static_cast<int>(sx), cols - 2), iy = std::min(static_cast<int>(sy), rows - 2);
+          const int ix = std::min(static_cast<int>(sx), cols - 2),
+                    iy = std::min(static_cast<int>(sy), rows - 2);
           taps[static_cast<std::size_t>(k)] = {
               static_cast<std::size_t>(iy) * pitch + static_cast<std::size_t>(ix),
               sx - static_cast<float>(ix), sy - static_cast<float>(iy)};

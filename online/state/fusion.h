@@ -24,15 +24,15 @@ struct FusionOptions {
   float saturation_begin = 220, saturation_end = 250;  // codes: a sample's weight falls from 1 to 0
   float compare_begin = 200, compare_end = 235;        // codes: stricter, for comparisons
   float relative_noise = 0.02f;                        // of radiance: what the model does not know
-  float blur_variance = 1;         // of the squared blur that the state predicts, added to the sample's
+  float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
   float unknown_blur_variance = 8;  // the same where the state does not know the pixel
-  float blur_tolerance = 0.1f;     // of the squared blur: disagreement that the gate allows it
-  float chi2_tolerance = 1.5f;  // mean chi^2 over the window up to which a sample is taken as it is
-  float chi2_scale = 1.5f;      // e-folding of the weight above it
-  float chi2_relative = 0.04f;  // of radiance: disagreement always allowed
-  float chi2_texture = 0.25f;   // of the local contrast: disagreement that misalignment explains
-  float gate_floor = 0.002f;    // a sample is never fully rejected: no hole without an answer
-  float misalignment = 0.4f;    // of the local contrast: standard deviation of a warped sample
+  float blur_tolerance = 0.1f;      // of the squared blur: disagreement that the gate allows it
+  float chi2_tolerance = 1.5f;      // mean chi^2 over the window up to which a sample is taken as it is
+  float chi2_scale = 1.5f;          // e-folding of the weight above it
+  float chi2_relative = 0.04f;      // of radiance: disagreement always allowed
+  float chi2_texture = 0.25f;       // of the local contrast: disagreement that misalignment explains
+  float gate_floor = 0.002f;        // a sample is never fully rejected: no hole without an answer
+  float misalignment = 0.4f;        // of the local contrast: standard deviation of a warped sample
 };
 
 class Fusion {
@@ -47,10 +47,10 @@ class Fusion {
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
-  // Fills samples.blur: what the exposure's motion adds to the state's picture at these pixels, so that a long
-  // exposure is compared with, and corrected by, what it would show of the state. flow: pixels per interval;
-  // fraction: of the interval that the exposure lasts. Where the motion's `confidence` is low or the state does
-  // not know the pixel, the sample itself stands in for the scene.
+  // Fills samples.blur: what the exposure's motion adds to the state's picture at these pixels, so that a
+  // long exposure is compared with, and corrected by, what it would show of the state. flow: pixels per
+  // interval; fraction: of the interval that the exposure lasts. Where the motion's `confidence` is low or
+  // the state does not know the pixel, the sample itself stands in for the scene.
   void model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
                   float fraction, Samples& samples);
 

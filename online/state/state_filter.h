@@ -5,6 +5,7 @@
 
 #include "capture/exposed_frame.h"
 #include "online/state/fusion.h"
+#include "online/state/sample_residuals.h"
 
 namespace hdrcam {
 
@@ -27,6 +28,7 @@ class StateFilter {
   void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);
 
   const RadianceState& state() const { return state_; }
+  const SampleResiduals& residuals() const { return residuals_; }
   Fusion& fusion() { return fusion_; }
 
  private:
@@ -38,6 +40,7 @@ class StateFilter {
   Fusion fusion_;
   RadianceState state_, predicted_;
   Samples samples_;
+  SampleResiduals residuals_;
   Image<float> gate_, mean_, contrast_, added_;
 };
 

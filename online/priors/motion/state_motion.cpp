@@ -102,7 +102,7 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
     gray_of_state(blur_, tables, state_gray_, pool_);
     flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &start_to_},
-                   {&state_gray_, &frame_gray_, &motion.from_previous.vectors, &start_from_}});
+                            {&state_gray_, &frame_gray_, &motion.from_previous.vectors, &start_from_}});
   }
   rate(nullptr, motion);
 }
