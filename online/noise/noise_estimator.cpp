@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "online/noise/robust_spread.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 
@@ -15,8 +16,8 @@ namespace {
 
 constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr float kMinConfidence = 0.8f;   // of the flow
-constexpr float kFirstCode = 4;          // of the shorter exposure, as the longer one predicts it: darker ones
-                                         // are cut off at zero and spread too little
+constexpr float kFirstCode = 4;  // of the shorter exposure, as the longer one predicts it: darker ones
+                                 // are cut off at zero and spread too little
 constexpr float kLastCode = 245;
 constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 
@@ -86,30 +87,16 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
     }
 }
 
-// The middle four fifths of the differences tell their variance: what moved or was clipped is outside.
 NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector<float>& sorted) {
-  constexpr double kTail = 0.1;                 // left out on either side
-  constexpr double kVarianceOfMiddle = 0.4377;  // of the middle of a normal distribution
-  constexpr double kModelError = 0.6;           // in ln: bins are not as simple as the model
-  constexpr double kNeighbours = 4;             // differences of which about one is independent
+  constexpr double kModelError = 0.6;  // in ln: bins are not as simple as the model, nor independent
+  constexpr double kNeighbours = 4;    // differences of which about one is independent
   sorted.assign(bin.differences.begin(), bin.differences.end());
   const auto n = static_cast<double>(sorted.size());
-  const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(kTail * n);
-  const auto last = sorted.end() - static_cast<std::ptrdiff_t>(kTail * n);
-  std::nth_element(sorted.begin(), first, sorted.end());
-  std::nth_element(first, last - 1, sorted.end());
-  double sum = 0, square = 0;
-  for (auto d = first; d != last; ++d) sum += static_cast<double>(*d);
-  const auto used = static_cast<double>(last - first);
-  for (auto d = first; d != last; ++d) {
-    const double off = static_cast<double>(*d) - sum / used;
-    square += off * off;
-  }
   return {bin.shot_sum / bin.count,
           bin.read_sum / bin.count,
           bin.code_sum / bin.count,
           bin.relative_sum / bin.count,
-          std::max(1e-14, square / used / kVarianceOfMiddle),
+          std::max(1e-14, robust_spread(sorted).variance),
           std::sqrt(kModelError * kModelError + 3 * kNeighbours / n)};
 }
 

@@ -8,6 +8,7 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
                              const VarianceExcess& excess) {
   constexpr float kDarkCode = 10;  // below it the slope of the response is a guess: take the largest nearby
   constexpr int kBlackCode = 4, kSureCode = 8;
+  excess_ = excess;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     for (std::size_t z = 0; z < 256; ++z) radiance_[channel][z] = response.inverse(c)[z] / exposure_;

@@ -43,6 +43,7 @@ class ExposureTables {
   void rebuild(const Response& response, const NoiseModel& noise, const VarianceExcess& excess = {});
 
   float exposure() const { return exposure_; }
+  const VarianceExcess& excess() const { return excess_; }
 
   // code 0..255 -> radiance
   float radiance(int channel, float code) const {
@@ -68,6 +69,7 @@ class ExposureTables {
  private:
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)
   float exposure_;
+  VarianceExcess excess_;
   std::array<std::array<float, 257>, 3> radiance_{};
   std::array<std::array<float, kSegments + 2>, 3> variance_{}, code_{};
 };

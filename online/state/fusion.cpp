@@ -22,7 +22,9 @@ Fusion::Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool) : op
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
                     Samples& samples) {
   const FusionOptions& o = options_;
-  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable}) image->reshape_like(codes);
+  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
+    image->reshape_like(codes);
+  samples.blur.fill(0);
   const int cols = codes.cols();
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)

@@ -43,7 +43,8 @@ class Fusion {
   void set_white(float white) { white_ = white; }
   float white() const { return white_; }
 
-  // codes: [rgb, rows, cols]; brightest: the largest code that went into a warped one, or codes itself.
+  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code that went into a
+  // warped one, or codes itself.
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 

@@ -29,10 +29,14 @@ class SampleResiduals {
  private:
   static int slot_of(float exposure);
 
-  struct Channel {
-    std::vector<float> residuals, predicted;  // of the frame at hand, one bin: relative exposure; squared
+  // Of the frame at hand: at most kCapacity of its pixels, picked evenly.
+  struct Bin {
+    static constexpr std::size_t kCapacity = 2048;
+    std::vector<float> residuals, predicted;  // relative exposure; variance of it by noise and response alone
+    std::size_t seen = 0;
+    void add(float residual, float variance);
   };
-  std::array<std::array<Channel, VarianceExcess::kBins>, 3> bins_;
+  std::array<std::array<Bin, VarianceExcess::kBins>, 3> bins_;
   std::map<int, VarianceExcess> excess_;  // by half stops of exposure
 };
 

@@ -18,8 +18,6 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   state_.radiance.copy_from(samples_.radiance);
   state_.variance.fill(kUnseenVariance);
-  samples_.blur.reshape_like(samples_.radiance);
-  samples_.blur.fill(0);  // no motion is known yet
   fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
 }
 
