@@ -20,8 +20,9 @@ inline constexpr UsableCodes kSameScene{3, 250};
 // Matched codes for the response: neither black nor saturated. The least code is 1, less rounding.
 inline constexpr UsableCodes kResponseMatch{0.99f, 252.7f};
 
-// Pairs of samples for the noise: far enough from the ends that noise is not cut on one side.
-inline constexpr UsableCodes kNoisePair{2, 245};
+// Pairs of samples for the noise: far enough from the ends that noise is not cut on one side; of the darker
+// one as the brighter one predicts it.
+inline constexpr UsableCodes kNoisePair{4, 245};
 
 // A pixel that shows no texture to match: all its channels beyond one end. Stricter where a share of clipped
 // pixels decides between two motions than where one pixel's agreement is rated.

@@ -112,9 +112,9 @@ void add_stream(std::vector<Knob>& table) {
   table.push_back(whole<&K::bootstrap_frames>(
       "bootstrap_frames", kAtStart, 2, 64,
       {"frames", "latency of the first emission", "a surer first response and black level"}));
-  table.push_back(
-      real<&K::code_noise>("code_noise", kAtStart, 0, 20,
-                           {"codes rms", "nothing", "how far a codec moved the codes: 1 clean, 2 MJPEG"}));
+  table.push_back(real<&K::code_noise>(
+      "code_noise", kAtStart, 0, 20,
+      {"codes rms", "nothing", "where the estimate of what a codec did starts: 1 clean, 2 MJPEG"}));
   table.push_back(real<&K::state, &StateOptions::variance_growth>(
       "state.variance_growth", kAtStart, 0, 1, {"per frame", "nothing", "more forgets the past sooner"}));
   table.push_back(real<&K::state, &StateOptions::relative_growth>(
@@ -123,9 +123,9 @@ void add_stream(std::vector<Knob>& table) {
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::relative_noise>(
       "state.relative_noise", kAtStart, 0, 1,
       {"of radiance", "nothing", "variance of what the noise model does not know"}));
-  table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::blur_weight>(
-      "state.blur_weight", kAtStart, 0, 1000,
-      {"", "nothing", "variance of a sample that motion blurred; 0 leaves it out"}));
+  table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::blur_variance>(
+      "state.blur_variance", kAtStart, 0, 1000,
+      {"", "nothing", "variance of a sample, by the square of the blur that the state predicts"}));
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::misalignment>(
       "state.misalignment", kAtStart, 0, 10,
       {"of local contrast", "nothing", "variance that a warp adds; 0 leaves it out"}));
@@ -231,13 +231,13 @@ Knobs knobs_of(Preset preset) {
   FitBudget& fit = knobs.budget.fit;
   switch (preset) {
     case Preset::Fast:
-      knobs.budget.flow = FlowQuality::Fast;
       knobs.budget.render_step = 4;
       fit.steps = 10, fit.samples_per_ray = 6, fit.samples_without_parallax = 1;
       knobs.hash_grid.shape.static_grid.log2_entries = 14;
       knobs.hash_grid.shape.dynamic_grid.log2_entries = 12;
       break;
     case Preset::Balanced:
+      knobs.budget.flow = FlowQuality::Fine;
       break;
     case Preset::Best:
       knobs.budget.flow = FlowQuality::Fine;

@@ -52,6 +52,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
   settings_.layout = camera.layout;
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes went through no codec
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
+  assumed_noise_ = noise_;
 }
 
 OnlineStage::~OnlineStage() = default;
@@ -166,6 +167,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (timing_) timing_("motion", watch.lap_ms());
 
   filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
+  tables_.at(step.frame.exposure).rebuild(response_, noise_, filter_.residuals().excess(step.frame.exposure));
   step.advanced = true;
   if (knobs_.look_ahead > 1) step.state.copy_from(filter_.state());
   if (timing_) timing_("state", watch.lap_ms());
@@ -255,7 +257,9 @@ Result<void> OnlineStage::finish(const Emit& emit) {
 const ExposureTables& OnlineStage::tables_for(float exposure) {
   const auto found = tables_.find(exposure);
   if (found != tables_.end()) return found->second;
-  return tables_.emplace(exposure, ExposureTables(response_, noise_, exposure)).first->second;
+  return tables_
+      .emplace(exposure, ExposureTables(response_, noise_, exposure, filter_.residuals().excess(exposure)))
+      .first->second;
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
@@ -266,8 +270,9 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   else
     noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
-    noise_ = noise_estimator_.solve(noise_);
-    for (auto& [exposure, tables] : tables_) tables.rebuild(response_, noise_);
+    noise_ = noise_estimator_.solve(assumed_noise_);
+    for (auto& [exposure, tables] : tables_)
+      tables.rebuild(response_, noise_, filter_.residuals().excess(exposure));
   }
   if (timing_) timing_("noise", watch.lap_ms());
 }

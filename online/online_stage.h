@@ -70,7 +70,7 @@ class OnlineStage {
   Instant last_time_;
 
   Response response_;
-  NoiseModel noise_;
+  NoiseModel assumed_noise_, noise_;  // before anything was measured, and as measured so far
   NoiseEstimator noise_estimator_;
   std::map<float, ExposureTables> tables_;
 

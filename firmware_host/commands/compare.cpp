@@ -44,6 +44,8 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
        fixed(scores.phase_stops, 4));
   fmt::print("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
              scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
+  fmt::print("one gain for all channels: PSNR-mu {:.2f} dB, cast {:+.2f} {:+.2f} {:+.2f} stops\n",
+             scores.psnr_mu_single_gain_db, scores.cast_stops[0], scores.cast_stops[1], scores.cast_stops[2]);
   if (scores.depth_abs_rel)
     fmt::print("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
   if (scores.flow_backward_epe_px)

@@ -211,7 +211,8 @@ std::vector<SettingField> fit_fields() {
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
                                        {0, kMostInt, {}}),
       number<&Settings::fit, &F::code_noise>(
-          "fit.code_noise", "--code-noise", "rms of compression noise, codes: 1 clean, 2 MJPEG", {0, 20, {}}),
+          "fit.code_noise", "--code-noise",
+          "where the estimate of compression noise starts, codes rms: 1 clean, 2 MJPEG", {0, 20, {}}),
   };
 }
 

@@ -1,7 +1,9 @@
 // The sensor's noise, measured while the stream runs: pairs of neighbouring frames, matched by the flow,
-// compared in smooth places. In each bin of brightness the median of the squared difference gives a variance;
-// shot and read noise are the non-negative line through the bins (relative least squares), with a code-domain
-// term for what a codec did tried beside them. Thread-bound.
+// compared in smooth places. In each bin of brightness the spread of the differences around their own centre
+// gives a variance, so that an error of the response, which moves the centre, is not taken for noise. Shot,
+// read and code-domain noise (and what is proportional to the light: imperfect matches) are solved together,
+// as the most probable values under a prior that knows what cameras have: where the bins cannot tell them
+// apart the prior does, and no value ends at a limit. Thread-bound.
 #pragma once
 
 #include <array>
@@ -25,12 +27,12 @@ class NoiseEstimator {
   }
 
   // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the
-  // larger, and interpolating b halves only the smaller.
+  // larger, and what b says of a pixel's brightness is the more certain.
   void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                 const Response& response);
 
-  // The model that fits what was seen; `otherwise` where too little was. code_noise and code_step are taken
-  // from `otherwise`: what a codec does sits at edges, where this estimator does not look.
+  // The most probable model; `otherwise` where too little was seen. code_step is taken from `otherwise`, and
+  // its code_noise is where the prior of the code-domain noise lies.
   NoiseModel solve(const NoiseModel& otherwise);
 
  private:
@@ -38,23 +40,30 @@ class NoiseEstimator {
   // ratio are made when it is first seen, so that a scene that brightens later takes no memory.
   struct Bin {
     static constexpr std::size_t kCapacity = 4096;
-    std::vector<float> squares;
+    std::vector<float> differences;
     std::size_t next = 0;
-    double count = 0, exposure_sum = 0, slope2_sum = 0, ratio = 1;
-    Bin() { squares.reserve(kCapacity); }
-    void add(float square, float x, float slope2);
+    double count = 0, shot_sum = 0, read_sum = 0, code_sum = 0, relative_sum = 0;
+    Bin() { differences.reserve(kCapacity); }
+    void add(float difference) {
+      if (differences.size() < kCapacity)
+        differences.push_back(difference);
+      else
+        differences[next] = difference, next = (next + 1) % kCapacity;
+      count += 1;
+    }
   };
-
-  WorkerPool& pool_;
-  // What one bin says: variance = shot * shot_factor + read * read_factor + slope2 * code variance.
+  // What one bin says: variance = shot * shot_factor + read * read_factor + code * code_factor + ..., in
+  // relative exposure squared, known to `sigma` in ln.
   struct Equation {
-    double shot_factor, read_factor, slope2, variance, weight;
+    double shot_factor, read_factor, code_factor, relative_factor, variance, sigma;
   };
+  static Equation equation_of(const Bin& bin, std::vector<float>& sorted);
 
   static constexpr int kBrightnesses = 28;  // half stops below full exposure
 
+  WorkerPool& pool_;
   std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
-  Image<float> warped_, warped_mean_, mean_;
+  Image<float> warped_, warped_mean_;
   std::vector<Equation> equations_;  // of the last solve()
   std::vector<float> sorted_;
 };

@@ -81,31 +81,4 @@ void local_contrast(const Image<float>& in, Image<float>& mean, Image<float>& va
     });
 }
 
-void blur_bias(const Image<float>& radiance, const Image<float>& flow, float fraction, Image<float>& bias,
-               WorkerPool& pool) {
-  constexpr float kStep = 0.4f;  // of the blur length: where the second difference is taken
-  const int rows = radiance.rows(), cols = radiance.cols();
-  bias.reshape_like(radiance);
-  pool.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) {
-        const float u = flow.at(0, y, x) * fraction, v = flow.at(1, y, x) * fraction;
-        const float length = std::sqrt(u * u + v * v);
-        if (!(length > 1e-3f)) {
-          for (int c = 0; c < radiance.channels(); ++c) bias.at(c, y, x) = 0;
-          continue;
-        }
-        const int step = std::clamp(static_cast<int>(std::lround(length * kStep)), 1, 64);
-        const int dx = static_cast<int>(std::lround(u / length)) * step;
-        const int dy = static_cast<int>(std::lround(v / length)) * step;
-        const int xa = std::clamp(x + dx, 0, cols - 1), xb = std::clamp(x - dx, 0, cols - 1);
-        const int ya = std::clamp(y + dy, 0, rows - 1), yb = std::clamp(y - dy, 0, rows - 1);
-        const float scale = length * length / (24 * static_cast<float>(step) * static_cast<float>(step));
-        for (int c = 0; c < radiance.channels(); ++c)
-          bias.at(c, y, x) =
-              (radiance.at(c, ya, xa) + radiance.at(c, yb, xb) - 2 * radiance.at(c, y, x)) * scale;
-      }
-  });
-}
-
 }  // namespace hdrcam

@@ -12,7 +12,8 @@ constexpr float kMinStep = 2e-6f;  // of x from one code to the next: strictly m
 
 }  // namespace
 
-Response::Response(const std::array<Curve, 3>& inverse) : inverse_(inverse) {
+Response::Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty)
+    : inverse_(inverse), uncertainty_(uncertainty) {
   for (auto& x : inverse_) {
     x[0] = std::max(x[0], 0.4f * x[1]);
     for (std::size_t z = 1; z < kCodes; ++z) x[z] = std::max(x[z], x[z - 1] + kMinStep);
@@ -62,6 +63,11 @@ float Response::exposure_of(int channel, float code) const {
   code = std::clamp(code, 0.f, 255.f);
   const auto z = static_cast<std::size_t>(std::min(254, static_cast<int>(code)));
   return x[z] + (x[z + 1] - x[z]) * (code - static_cast<float>(z));
+}
+
+float Response::uncertainty(int channel, float code) const {
+  const auto z = static_cast<std::size_t>(std::clamp(code + 0.5f, 0.f, 255.f));
+  return uncertainty_[static_cast<std::size_t>(channel)][z];
 }
 
 float Response::slope(int channel, float code) const {

@@ -18,7 +18,8 @@ class Response {
 
   // inverse: [rgb][code] relative exposure. Made monotone, scaled to x(255) = 1; code 0 means "below x(1)",
   // never 0.
-  explicit Response(const std::array<Curve, 3>& inverse);
+  // uncertainty: [rgb][code] one sigma of ln x; none where the curve is known.
+  explicit Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty = {});
   static Response linear();
   static Response gamma(float exponent);  // x = (z / 255) ^ exponent
 
@@ -26,6 +27,8 @@ class Response {
   float exposure_of(int channel, float code) const;
   // dx/dz at a code: how much exposure one code step is
   float slope(int channel, float code) const;
+  // one sigma of ln x at a code
+  float uncertainty(int channel, float code) const;
   // relative exposure -> code 0..255, clipped
   float code_of(int channel, float x) const;
   // relative exposure -> value 0..1 with the leak; derivative d value / d x, never zero
@@ -38,7 +41,7 @@ class Response {
   void build_forward();
 
   std::array<Curve, 3> inverse_{};
-  std::array<Curve, 3> slope_{};
+  std::array<Curve, 3> slope_{}, uncertainty_{};
   std::array<std::vector<float>, 3> forward_;
 };
 

@@ -172,6 +172,7 @@ class Ranking {
 
 struct ResponseEstimator::Curve {
   Vector g;
+  Matrix precision;                           // of g, given the matches and the prior
   double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior
 };
 
@@ -223,23 +224,31 @@ std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
 }
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
-  std::array<Vector, 3> best;
+  std::array<Curve, 3> best;
   BlackLevel best_black;
   double least = std::numeric_limits<double>::max();
   // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior
   // counts half here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
   constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
   for (const BlackLevel& black : possible_black_levels()) {
-    std::array<Vector, 3> curves;
+    std::array<Curve, 3> curves;
     double misfit = black != BlackLevel() ? kPedestalPenalty : 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const Curve curve = solve(c, black[c], noise);
-      curves[c] = curve.g;
-      misfit += curve.match_misfit + kPriorShare * curve.prior_misfit;
+      curves[c] = solve(c, black[c], noise);
+      misfit += curves[c].match_misfit + kPriorShare * curves[c].prior_misfit;
     }
-    if (misfit < least) least = misfit, best = curves, best_black = black;
+    if (misfit < least) least = misfit, best = std::move(curves), best_black = black;
   }
-  return {Response(curves_of(best)), best_black};
+  // What the fit leaves open: the posterior deviation of ln x against the middle code, where the gauge is.
+  std::array<Response::Curve, 3> uncertainty;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Vector variance =
+        best[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
+    for (int z = 0; z < kKnots; ++z)
+      uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
+    uncertainty[c][0] = uncertainty[c][1];
+  }
+  return {Response(curves_of({best[0].g, best[1].g, best[2].g}), uncertainty), best_black};
 }
 
 ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
@@ -253,7 +262,7 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
   const Prior& p = prior();
   const float stretch = kMaxCode / (kMaxCode - black_level);
 
-  Curve curve{p.mean};
+  Curve curve{p.mean, {}};
   Vector& g = curve.g;
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
     Matrix A = p.precision;
@@ -297,6 +306,7 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
     curve.prior_misfit = d.dot(p.precision * d);
     if (iteration == kIterations) break;
     g = A.llt().solve(b);
+    curve.precision = A;
     for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
   }
   return curve;

@@ -1,9 +1,14 @@
 #include "online/state/exposure_tables.h"
 
+#include "hal/core/interpolate.h"
+
 namespace hdrcam {
 
-void ExposureTables::rebuild(const Response& response, const NoiseModel& noise) {
+void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
+                             const VarianceExcess& excess) {
   constexpr float kDarkCode = 10;  // below it the slope of the response is a guess: take the largest nearby
+  constexpr int kBlackCode = 4, kSureCode = 8;
+  excess_ = excess;
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     for (std::size_t z = 0; z < 256; ++z) radiance_[channel][z] = response.inverse(c)[z] / exposure_;
@@ -15,7 +20,12 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise) 
       float slope = response.slope(c, code);
       if (code < kDarkCode)
         for (float d = -2; d <= 2; ++d) slope = std::max(slope, response.slope(c, code + d));
-      const float variance = noise.exposure_variance(x) + slope * slope * noise.code_variance();
+      float variance =
+          noise.exposure_variance(x) + slope * slope * noise.code_variance() + excess.at(channel, x);
+      // near black a code is a bound more than a measurement: what is darker, or was made so, reads the same
+      const float bound = response.inverse(c)[kBlackCode] * (1 - smooth_step(kBlackCode, kSureCode, code));
+      const float doubt = x * response.uncertainty(c, code);
+      variance += bound * bound + doubt * doubt;
       variance_[channel][i] = variance / (exposure_ * exposure_);
       code_[channel][i] = code;
     }

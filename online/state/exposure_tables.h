@@ -12,15 +12,38 @@
 
 namespace hdrcam {
 
+// Variance that samples of one exposure turned out to have beyond the noise model's, by channel and by what
+// the state expected, in relative exposure squared (sample_residuals.h). Bins are half stops, so that they
+// resolve what lies below the first code, too: there a sample says next to nothing.
+struct VarianceExcess {
+  static constexpr std::size_t kBins = 32;  // down to 16 stops below full exposure
+  std::array<std::array<float, kBins>, 3> bins{};
+
+  // Place of a relative exposure among the bins' centres.
+  static float place_of(float x) {
+    return std::clamp(-2 * std::log2(std::max(x, 1e-7f)) - 0.5f, 0.f, static_cast<float>(kBins - 1));
+  }
+  float at(std::size_t channel, float x) const {
+    const float place = place_of(x);
+    const auto i = std::min(static_cast<std::size_t>(place), kBins - 2);
+    const auto& b = bins[channel];
+    return b[i] + (b[i + 1] - b[i]) * (place - static_cast<float>(i));
+  }
+};
+
 class ExposureTables {
  public:
   // exposure: relative, E / E_ref
-  ExposureTables(const Response& response, const NoiseModel& noise, float exposure) : exposure_(exposure) {
-    rebuild(response, noise);
+  ExposureTables(const Response& response, const NoiseModel& noise, float exposure,
+                 const VarianceExcess& excess = {})
+      : exposure_(exposure) {
+    rebuild(response, noise, excess);
   }
-  void rebuild(const Response& response, const NoiseModel& noise);
+  // A sample's variance is that of the noise, of the response and of what samples have shown beyond both.
+  void rebuild(const Response& response, const NoiseModel& noise, const VarianceExcess& excess = {});
 
   float exposure() const { return exposure_; }
+  const VarianceExcess& excess() const { return excess_; }
 
   // code 0..255 -> radiance
   float radiance(int channel, float code) const {
@@ -46,6 +69,7 @@ class ExposureTables {
  private:
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)
   float exposure_;
+  VarianceExcess excess_;
   std::array<std::array<float, 257>, 3> radiance_{};
   std::array<std::array<float, kSegments + 2>, 3> variance_{}, code_{};
 };

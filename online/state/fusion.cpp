@@ -5,6 +5,7 @@
 #include "capture/clip_policy.h"
 #include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
+#include "online/state/exposure_blur.h"
 
 namespace hdrcam {
 namespace {
@@ -14,14 +15,16 @@ constexpr float kTiny = 1e-20f;
 }  // namespace
 
 Fusion::Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool) : options_(options), pool_(pool) {
-  for (auto* image : {&mean_, &contrast_, &bias_, &guess_}) image->reshape(3, rows, cols);
+  for (auto* image : {&mean_, &contrast_, &guess_, &shown_}) image->reshape(3, rows, cols);
   for (auto* image : {&disagreement_, &coverage_, &disagreement_mean_, &coverage_mean_})
     image->reshape(1, rows, cols);
 }
 
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
                     Samples& samples) {
-  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable}) image->reshape_like(codes);
+  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
+    image->reshape_like(codes);
+  samples.blur.fill(0);
   const int cols = codes.cols();
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
@@ -41,6 +44,23 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
   });
 }
 
+void Fusion::model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
+                        float fraction, Samples& samples) {
+  constexpr float kBelieved = 0.3f;  // confidence
+  const float known = known_limit(white_);
+  const int rows = state.radiance.rows(), cols = state.radiance.cols();
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int c = 0; c < 3; ++c)
+      for (int y = y0; y < y1; ++y) {
+        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
+                    *r = samples.radiance.row(c, y), *trust = confidence.row(0, y);
+        float* shown = shown_.row(c, y);
+        for (int x = 0; x < cols; ++x) shown[x] = trust[x] > kBelieved && v[x] < known ? s[x] : r[x];
+      }
+  });
+  blur_difference(shown_, flow, fraction, samples.blur, pool_);
+}
+
 void Fusion::gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
                   const Image<float>& confidence, Image<float>& gate) {
   const FusionOptions& o = options_;
@@ -57,12 +77,12 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
       for (int c = 0; c < 3; ++c) {
         const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y);
         const float *r = samples.radiance.row(c, y), *m = samples.comparable.row(c, y);
-        const float *mean = mean_.row(c, y), *contrast = contrast_.row(c, y);
+        const float *mean = mean_.row(c, y), *contrast = contrast_.row(c, y), *blur = samples.blur.row(c, y);
         for (int x = 0; x < cols; ++x) {
           const float mask = v[x] < known ? m[x] : 0;
-          const float d = s[x] - r[x], average = 0.5f * (s[x] + r[x]);
+          const float d = s[x] + blur[x] - r[x], average = 0.5f * (s[x] + r[x]);
           const float allowed = v[x] + tables.variance(c, mean[x]) + relative2 * average * average +
-                                texture2 * contrast[x] + kTiny;
+                                texture2 * contrast[x] + o.blur_tolerance * blur[x] * blur[x] + kTiny;
           chi2[x] += mask * d * d / allowed;
           covered[x] += mask;
         }
@@ -99,8 +119,7 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
 }
 
 void Fusion::update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
-                    const Image<float>& flow, float blur_fraction, const Image<float>* gate,
-                    const Image<float>* extra_variance, Image<float>& share) {
+                    const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share) {
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float known = known_limit(white_);
@@ -116,7 +135,6 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
       }
   });
   box_mean(guess_, 1, mean_, pool_);
-  if (blur_fraction > 0) blur_bias(mean_, flow, blur_fraction, bias_, pool_);
 
   share.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
@@ -127,16 +145,23 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
       for (int c = 0; c < 3; ++c) {
         float *s = state.radiance.row(c, y), *v = state.variance.row(c, y);
         const float *r = samples.radiance.row(c, y), *usable = samples.weight.row(c, y);
-        const float *mean = mean_.row(c, y), *bias = bias_.row(c, y);
+        const float *mean = mean_.row(c, y), *blur = samples.blur.row(c, y);
         const float* extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr;
         for (int x = 0; x < cols; ++x) {
           float variance = tables.variance(c, mean[x]) + relative2 * mean[x] * mean[x];
-          if (blur_fraction > 0) variance += o.blur_weight * bias[x] * bias[x];
+          const float blur2 = blur[x] * blur[x];
+          float sample = r[x];
+          if (v[x] < known) {
+            sample = std::max(0.f, sample - blur[x] * blur2 / (blur2 + v[x] + kTiny));
+            variance += o.blur_variance * blur2;
+          } else {
+            variance += o.unknown_blur_variance * blur2;
+          }
           if (extra != nullptr) variance += extra[x];
           const float weight = usable[x] * (g != nullptr ? g[x] : 1.f) / (variance + kTiny);
           const float before = 1 / (v[x] + kTiny);
           if (weight > 1e-5f / (mean[x] * mean[x] + kTiny) || v[x] < known) {
-            s[x] = (s[x] * before + r[x] * weight) / (before + weight);
+            s[x] = (s[x] * before + sample * weight) / (before + weight);
             v[x] = 1 / (before + weight);
             shared[x] += weight / (before + weight) * (1 / 3.f);
           } else {

@@ -6,7 +6,7 @@
 namespace hdrcam {
 
 StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool)
-    : options_(options), pool_(pool), fusion_(options.fusion, rows, cols, pool), zero_flow_(2, rows, cols) {
+    : options_(options), pool_(pool), fusion_(options.fusion, rows, cols, pool) {
   for (auto* state : {&state_, &predicted_}) {
     state->radiance = Image<float>(3, rows, cols);
     state->variance = Image<float>(3, rows, cols);
@@ -18,24 +18,24 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   state_.radiance.copy_from(samples_.radiance);
   state_.variance.fill(kUnseenVariance);
-  fusion_.update(state_, samples_, tables, zero_flow_, 0, nullptr, nullptr, state_.own_share);
+  fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
 }
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
                           const FlowField& to_previous) {
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
-  predict(to_previous, samples_, tables);
+  predict(to_previous, frame.blur_fraction, tables);
+  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white());
   std::swap(state_, predicted_);
-  fusion_.update(state_, samples_, tables, to_previous.vectors, frame.blur_fraction, nullptr, nullptr,
-                 state_.own_share);
+  fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
 }
 
-void StateFilter::predict(const FlowField& to_previous, const Samples& samples,
-                          const ExposureTables& tables) {
+void StateFilter::predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables) {
   const Image<float>& flow = to_previous.vectors;
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
-  fusion_.gate(predicted_, samples, tables, to_previous.confidence, gate_);
+  fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
+  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_);
   local_contrast(predicted_.radiance, mean_, contrast_, pool_);
   fusion_.warp_variance(contrast_, flow, added_);
 

@@ -5,6 +5,7 @@
 
 #include "capture/exposed_frame.h"
 #include "online/state/fusion.h"
+#include "online/state/sample_residuals.h"
 
 namespace hdrcam {
 
@@ -27,17 +28,20 @@ class StateFilter {
   void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);
 
   const RadianceState& state() const { return state_; }
+  const SampleResiduals& residuals() const { return residuals_; }
   Fusion& fusion() { return fusion_; }
 
  private:
-  void predict(const FlowField& to_previous, const Samples& samples, const ExposureTables& tables);
+  // Carries the state to the frame of samples_.
+  void predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables);
 
   StateOptions options_;
   WorkerPool& pool_;
   Fusion fusion_;
   RadianceState state_, predicted_;
   Samples samples_;
-  Image<float> gate_, mean_, contrast_, added_, zero_flow_;
+  SampleResiduals residuals_;
+  Image<float> gate_, mean_, contrast_, added_;
 };
 
 }  // namespace hdrcam

@@ -95,6 +95,15 @@ ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& es
   return pair;
 }
 
+double psnr_mu_db(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared) {
+  const Image<float> t = normalised(truth, {1, 1, 1}, shared.white);
+  const Image<float> e = normalised(estimate, shared.gain, shared.white);
+  double sum = 0;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    sum += square(static_cast<double>(mu_law(t.samples()[i]) - mu_law(e.samples()[i])));
+  return decibel(sum / static_cast<double>(t.size()));
+}
+
 PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t>& moving) {
   const auto truth = pair.truth.samples(), estimate = pair.estimate.samples();
   const std::size_t pixels = pair.truth.plane_size();

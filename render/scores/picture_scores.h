@@ -38,6 +38,9 @@ struct PictureScores {
 ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate,
                                const Normalisation& shared);
 
+// psnr_mu alone, of radiance [rgb, rows, cols] of one size, finite, made comparable as above.
+double psnr_mu_db(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared);
+
 // moving: [1, rows, cols] 1 on moving objects, or empty.
 PictureScores score_picture(const ComparablePair& pair, const Image<std::uint8_t>& moving);
 

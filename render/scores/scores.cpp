@@ -127,6 +127,10 @@ class ClipScoring {
                                  "RGB"[c])};
       scores_.shared.gain[c] = std::exp(median(log_ratios[c]));
     }
+    const auto& gain = scores_.shared.gain;
+    single_gain_ = scores_.shared;
+    single_gain_.gain.fill(std::cbrt(gain[0] * gain[1] * gain[2]));
+    for (std::size_t c = 0; c < 3; ++c) scores_.cast_stops[c] = std::log2(gain[c] / single_gain_.gain[c]);
     if (!depth_ratios.empty()) depth_scale_ = median(depth_ratios);
     return {};
   }
@@ -140,6 +144,7 @@ class ClipScoring {
     FrameScores& scored = scores_.frames.emplace_back();
     scored.frame = truth_.number(frame);
     scored.picture = score_picture(now.pair, now.moving);
+    single_gain_db_.add(psnr_mu_db(g, e.radiance, single_gain_));
     // half-stop phases, ties to even
     phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(
         scored.picture.log_bias_stops);
@@ -197,6 +202,7 @@ class ClipScoring {
     scores_.field_flow_moving_epe_px = field_flow_moving_.mean();
     scores_.novel_psnr_mu_db = novel_psnr_mu_.value();
     scores_.depth_abs_rel = depth_.mean();
+    scores_.psnr_mu_single_gain_db = *single_gain_db_;
   }
 
   const GroundTruth& truth_;
@@ -205,9 +211,10 @@ class ClipScoring {
   const ScoreOptions& options_;
   std::vector<int> frames_;  // to be compared
   double depth_scale_ = 1;
+  Normalisation single_gain_;
   PreviousFrame previous_;
   std::map<int, Mean> phases_;  // mean log2 error by half-stops of exposure
-  Mean flicker_, flicker_background_, novel_psnr_mu_;
+  Mean flicker_, flicker_background_, single_gain_db_, novel_psnr_mu_;
   MeanError depth_, flow_backward_, flow_forward_, field_flow_, field_flow_moving_;
   ClipScores scores_;
 };
@@ -247,6 +254,8 @@ std::string to_json(const ClipScores& scores, const std::string& clip, const std
   json["flicker"] = or_null(scores.flicker_stops);
   json["flick_bg"] = or_null(scores.flicker_background_stops);
   json["phase"] = scores.phase_stops;
+  json["psnr_mu_single_gain"] = scores.psnr_mu_single_gain_db;
+  json["cast_stops"] = scores.cast_stops;
   json["depth_abs_rel"] = or_null(scores.depth_abs_rel);
   json["flow_backward_epe_px"] = or_null(scores.flow_backward_epe_px);
   json["flow_forward_epe_px"] = or_null(scores.flow_forward_epe_px);

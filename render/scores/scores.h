@@ -38,6 +38,9 @@ struct ClipScores {
   std::optional<double> flicker_stops;  // per frame, stops
   std::optional<double> flicker_background_stops;  // on static objects only
   double phase_stops = 0;
+  // A gain for each channel hides a cast: the score with one for all, and how far each channel is off it.
+  double psnr_mu_single_gain_db = 0;
+  std::array<double, 3> cast_stops{};              // log2 of each channel's gain over their geometric mean
   std::optional<double> depth_abs_rel;             // mean |s d - g| / g, where the estimates carry depth
   std::optional<double> flow_backward_epe_px;      // where they carry flow to the previous frame
   std::optional<double> flow_forward_epe_px;       // to the next frame

@@ -29,7 +29,9 @@ inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead =
 inline void two_frames_ahead(PipelineOptions& options) { options.knobs.look_ahead = 2; }
 inline void no_shrinkage(PipelineOptions& options) { options.knobs.budget.shrinks = false; }
 inline void no_warp_variance(PipelineOptions& options) { options.knobs.state.fusion.misalignment = 0; }
-inline void no_blur_variance(PipelineOptions& options) { options.knobs.state.fusion.blur_weight = 0; }
+inline void no_blur_variance(PipelineOptions& options) {
+  options.knobs.state.fusion.blur_variance = options.knobs.state.fusion.unknown_blur_variance = 0;
+}
 inline void no_gate(PipelineOptions& options) { options.knobs.state.fusion.chi2_tolerance = 1e9f; }
 using Change = void (*)(PipelineOptions&);
 

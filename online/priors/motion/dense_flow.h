@@ -14,9 +14,10 @@
 namespace hdrcam {
 
 struct FlowRequest {
-  const Image<std::uint8_t>* from;  // [1, rows, cols]
-  const Image<std::uint8_t>* to;    // [1, rows, cols]
-  Image<float>* flow;               // [dx dy, rows, cols] pixels: where each pixel of `from` is in `to`
+  const Image<std::uint8_t>* from;      // [1, rows, cols]
+  const Image<std::uint8_t>* to;        // [1, rows, cols]
+  Image<float>* flow;                   // [dx dy, rows, cols] pixels: where each pixel of `from` is in `to`
+  const Image<float>* start = nullptr;  // a first guess of it, or null
 };
 
 class DenseFlow {

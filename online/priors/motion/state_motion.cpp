@@ -6,6 +6,7 @@
 #include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
+#include "online/state/exposure_blur.h"
 
 namespace hdrcam {
 namespace {
@@ -83,9 +84,27 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, FlowQuality quality, StateMotion& motion) {
   gray_of_frame(frame, frame_gray_, pool_);
-  gray_of_state(state.radiance, tables, state_gray_, pool_);
-  flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
-                          {&state_gray_, &frame_gray_, &motion.from_previous.vectors}});
+  if (last_.empty()) {
+    gray_of_state(state.radiance, tables, state_gray_, pool_);
+    flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
+                            {&state_gray_, &frame_gray_, &motion.from_previous.vectors}});
+  } else {
+    // constant velocity, at the state's pixels and at the frame's
+    const double interval_s = to_seconds(frame.facts.timestamp - last_time_);
+    const float step_ratio = last_interval_s_ > 0 && interval_s > 0
+                                 ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
+                                 : 1.f;
+    start_from_.reshape_like(last_);
+    for (std::size_t i = 0; i < last_.size(); ++i)
+      start_from_.samples()[i] = -step_ratio * last_.samples()[i];
+    warp_linear(last_, last_, start_to_, pool_);
+    for (float& v : start_to_.samples()) v *= step_ratio;
+    blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
+    for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
+    gray_of_state(blur_, tables, state_gray_, pool_);
+    flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &start_to_},
+                            {&state_gray_, &frame_gray_, &motion.from_previous.vectors, &start_from_}});
+  }
   rate(nullptr, motion);
 }
 
@@ -120,6 +139,9 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
     }
   }
   rate(&frame, motion);
+  if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
+  last_time_ = frame.facts.timestamp;
+  last_.copy_from(motion.to_previous.vectors);
 }
 
 // Motion through a frame that shows none, from the flow between the state before it and the frame after it,

@@ -13,7 +13,8 @@ class MotionEstimator final : public MotionPrior {
  public:
   MotionEstimator(int rows, int cols, WorkerPool& pool);
 
-  // Both flows as matched, with their confidence.
+  // Both flows as matched, with their confidence. The state is shown as the frame would show it: at its
+  // exposure, and blurred along the motion of the last step. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
              FlowQuality quality, StateMotion& motion) override;
   // Completes motion where the frame is clipped, from the step before and from the frame after it.
@@ -30,6 +31,10 @@ class MotionEstimator final : public MotionPrior {
   DenseFlow flow_;
   Image<std::uint8_t> frame_gray_, state_gray_;
   Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
+  Image<float> last_;  // the motion of the last step, completed: from the state's pixels to the state before
+  Instant last_time_;  // where that step ended
+  double last_interval_s_ = 0;                 // how long it took; 0 where that is not known
+  Image<float> start_to_, start_from_, blur_;  // where the search starts; the state as the exposure blurs it
   Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
 };
 

@@ -7,38 +7,66 @@
 
 using namespace hdrcam;
 
-TEST_CASE("shot noise is measured from a still scene, and nothing is claimed from too little") {
-  test::MovingScene scene;
-  scene.rows = 96, scene.cols = 128;
-  scene.drift_px = scene.disc_px = 0;
-  scene.detail = 0.2;
+namespace {
+
+// What the estimator finds in nine frames of a still scene.
+NoiseModel found_in(const test::MovingScene& scene, const Response& response) {
   WorkerPool pool(2);
-  const Response response = Response::gamma(scene.gamma);
   FlowField still{Image<float>(2, scene.rows, scene.cols), Image<float>(1, scene.rows, scene.cols)};
   still.confidence.fill(1);
   UnpackSettings settings;
   settings.reference_exposure = 0.004;
-  std::vector<float> found;
-  for (const double full_well : {700., 2500.}) {
-    scene.full_well = full_well;
-    NoiseEstimator estimator(pool);
-    NoiseModel guess;
-    CHECK(estimator.solve(guess).full_well == guess.full_well);
-    for (int i = 0; i + 1 < 9; ++i) {
-      const auto a = unpack(scene.frame(i), i, 1 / 30., settings).value();
-      const auto b = unpack(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
-      if (a.exposure <= b.exposure)
-        estimator.add_pair(a, b, still, response);
-      else
-        estimator.add_pair(b, a, still, response);
-    }
-    found.push_back(estimator.solve(guess).full_well);
+  NoiseEstimator estimator(pool);
+  for (int i = 0; i + 1 < 9; ++i) {
+    const auto a = unpack(scene.frame(i), i, 1 / 30., settings).value();
+    const auto b = unpack(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
+    if (a.exposure <= b.exposure)
+      estimator.add_pair(a, b, still, response);
+    else
+      estimator.add_pair(b, a, still, response);
   }
-  INFO("found " << found[0] << " and " << found[1] << " electrons");
-  // interpolation is assumed to halve the noise of one frame; a still scene is not interpolated: up to 1.5
-  // times too much
-  CHECK(found[0] > 350);
-  CHECK(found[0] < 1050);
-  // with a deeper well the step of eight bits hides the shot noise: only the order is certain
-  CHECK(found[1] > 2 * found[0]);
+  NoiseModel assumed;
+  assumed.code_noise = 0.3f;
+  return estimator.solve(assumed);
+}
+
+test::MovingScene still_scene() {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128;
+  scene.drift_px = scene.disc_px = 0;
+  scene.detail = 0.2;
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "full well and read noise are found within a factor of two, and nothing is claimed from too little") {
+  WorkerPool pool(1);
+  CHECK(NoiseEstimator(pool).solve(NoiseModel{}).full_well == NoiseModel{}.full_well);
+  struct Sensor {
+    double full_well, read_noise;
+  };
+  for (const Sensor sensor : {Sensor{1000, 10}, Sensor{2500, 6}, Sensor{8000, 5}}) {
+    test::MovingScene scene = still_scene();
+    scene.full_well = sensor.full_well, scene.read_noise = sensor.read_noise;
+    const NoiseModel found = found_in(scene, Response::gamma(scene.gamma));
+    INFO("found " << found.full_well << " / " << found.read_noise << " electrons, codes " << found.code_noise
+                  << ", of " << sensor.full_well << " / " << sensor.read_noise);
+    CHECK(found.full_well > 0.5 * sensor.full_well);
+    CHECK(found.full_well < 2 * sensor.full_well);
+    CHECK(found.read_noise > 0.5 * sensor.read_noise);
+    CHECK(found.read_noise < 2 * sensor.read_noise);
+  }
+}
+
+TEST_CASE("an error of the response is not taken for noise") {
+  test::MovingScene scene = still_scene();
+  scene.full_well = 2500;
+  const NoiseModel right = found_in(scene, Response::gamma(scene.gamma));
+  const NoiseModel wrong = found_in(scene, Response::gamma(scene.gamma - 0.2f));
+  INFO("full well " << right.full_well << " with the right response, " << wrong.full_well
+                    << " with a wrong one");
+  CHECK(wrong.full_well > 0.6f * right.full_well);
+  CHECK(wrong.full_well < 1.7f * right.full_well);
 }

@@ -54,6 +54,19 @@ TEST_CASE("the response is found from six frames of an unknown camera") {
   }
 }
 
+TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  const Response found = estimated(exposed(scene, 6)).response;
+  const Response nothing_seen = ResponseEstimator().estimate({}).response;
+  for (int c = 0; c < 3; ++c) {
+    INFO("channel " << c);
+    CHECK(found.uncertainty(c, 60) < 0.5f * nothing_seen.uncertainty(c, 60));
+    CHECK(found.uncertainty(c, 1) > 3 * found.uncertainty(c, 110));
+    CHECK(Response::gamma(2.2f).uncertainty(c, 60) == 0);
+  }
+}
+
 TEST_CASE("a black level is found together with the response") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;

@@ -105,6 +105,10 @@ TEST_CASE("the truth itself scores without error, whatever gain each channel has
   REQUIRE(scores.mean.ssim_mu == Approx(1).margin(1e-6));
   REQUIRE(*scores.flicker_stops < 1e-5);
   REQUIRE(scores.phase_stops < 1e-5);
+  // but a cast does not hide from one gain for all channels
+  REQUIRE(scores.psnr_mu_single_gain_db < 25);
+  REQUIRE(scores.cast_stops[0] == Approx(4 / 3.).margin(1e-3));
+  REQUIRE(scores.cast_stops[1] == Approx(-8 / 3.).margin(1e-3));
 }
 
 TEST_CASE("a frame without an estimate is reported and left out, and flicker never spans the gap") {

@@ -1,0 +1,83 @@
+#include "online/state/sample_residuals.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online/noise/robust_spread.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kStride = 2;              // pixels
+constexpr float kMinConfidence = 0.8f;  // of the motion
+constexpr std::size_t kEnough = 40;
+constexpr float kLearning = 0.3f;       // share of a new frame in what is known of its slot
+constexpr float kMisalignment = 0.05f;  // squared pixels per (2 pixels)^2: what a match may be off
+constexpr float kRelative = 0.05f;      // of radiance: contrast that does no harm
+
+}  // namespace
+
+SampleResiduals::SampleResiduals() {
+  for (auto& channel : bins_)
+    for (Bin& bin : channel) bin.residuals.reserve(Bin::kCapacity), bin.predicted.reserve(Bin::kCapacity);
+}
+
+void SampleResiduals::Bin::add(float residual, float variance) {
+  std::size_t place = seen++;
+  if (place < kCapacity) {
+    residuals.push_back(residual), predicted.push_back(variance);
+    return;
+  }
+  place = place * 2654435761u % seen;  // takes the place of an earlier one, or is left out
+  if (place < kCapacity) residuals[place] = residual, predicted[place] = variance;
+}
+
+int SampleResiduals::slot_of(float exposure) {
+  return static_cast<int>(std::lround(2 * std::log2(exposure)));
+}
+
+void SampleResiduals::observe(const RadianceState& predicted, const Samples& samples,
+                              const Image<float>& confidence, const ExposureTables& tables, float white) {
+  const float known = known_limit(white), exposure2 = tables.exposure() * tables.exposure();
+  for (auto& channel : bins_)
+    for (Bin& bin : channel) bin.residuals.clear(), bin.predicted.clear(), bin.seen = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 1; y < predicted.radiance.rows() - 1; y += kStride) {
+      const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
+      const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
+      const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
+      const float* trust = confidence.row(0, y);
+      for (int x = 1; x < predicted.radiance.cols() - 1; x += kStride) {
+        if (trust[x] < kMinConfidence || v[x] >= known || w[x] < 0.5f) continue;
+        const float variance = tables.variance(c, s[x]) + v[x];
+        const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
+        const float misplaced = kMisalignment * (slope_x * slope_x + slope_y * slope_y);
+        if (misplaced > variance + kRelative * kRelative * s[x] * s[x]) continue;
+        const float x_seen = s[x] * tables.exposure();
+        const auto place = static_cast<std::size_t>(std::lround(VarianceExcess::place_of(x_seen)));
+        const auto channel = static_cast<std::size_t>(c);
+        bins_[channel][place].add((r[x] - s[x] - b[x]) * tables.exposure(),
+                                  variance * exposure2 - tables.excess().at(channel, x_seen));
+      }
+    }
+  VarianceExcess& slot = excess_[slot_of(tables.exposure())];
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t k = 0; k < VarianceExcess::kBins; ++k) {
+      Bin& bin = bins_[c][k];
+      if (bin.residuals.size() < kEnough) continue;
+      const auto middle = bin.predicted.begin() + static_cast<std::ptrdiff_t>(bin.predicted.size() / 2);
+      std::nth_element(bin.predicted.begin(), middle, bin.predicted.end());
+      const Spread spread = robust_spread(bin.residuals);
+      const double seen = spread.centre * spread.centre + spread.variance;
+      const auto excess = static_cast<float>(std::max(0.0, seen - static_cast<double>(*middle)));
+      slot.bins[c][k] += kLearning * (excess - slot.bins[c][k]);
+    }
+}
+
+const VarianceExcess& SampleResiduals::excess(float exposure) const {
+  static const VarianceExcess kNone;
+  const auto found = excess_.find(slot_of(exposure));
+  return found == excess_.end() ? kNone : found->second;
+}
+
+}  // namespace hdrcam
