@@ -7,10 +7,10 @@
 #include <memory>
 #include <utility>
 
+#include "hal/core/frame.h"
 #include "hal/core/geometry.h"
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
-#include "hal/core/frame.h"
 #include "online/pictures/flow_field.h"
 
 namespace hdrcam {

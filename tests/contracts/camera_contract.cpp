@@ -1,5 +1,5 @@
-#include "tests/allocation_checks.h"
 #include "tests/contracts/camera_contract.h"
+#include "tests/allocation_checks.h"
 
 #include <chrono>
 #include <thread>

@@ -1,5 +1,5 @@
-#include "tests/allocation_checks.h"
 #include "tests/contracts/clock_contract.h"
+#include "tests/allocation_checks.h"
 
 #include <chrono>
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "hal/core/geometry.h"
 #include "hal/core/frame.h"
+#include "hal/core/geometry.h"
 #include "online/priors/seen_frame.h"
 
 namespace hdrcam {

@@ -59,7 +59,8 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
 
 TEST_CASE("the layers that were asked for are in the file, and no others") {
   const std::string folder = scratch_folder("exr-layers");
-  const ExrLayers all{.depth = true, .flow = true, .field_flow = true, .confidence = true, .provenance = true};
+  const ExrLayers all{
+      .depth = true, .flow = true, .field_flow = true, .confidence = true, .provenance = true};
   for (const auto compression : {ExrCompression::Zip, ExrCompression::Piz}) {
     auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr",
                                     {.layers = all, .compression = compression});
