@@ -30,9 +30,10 @@ struct DenseFlow::Engine {
     const auto view = [&](const Image<std::uint8_t>& image) {
       return cv::Mat(rows, cols, CV_8U, const_cast<std::uint8_t*>(image.plane(0)));
     };
-    interleaved.release();  // what it holds is where DIS starts
+    // What it holds is where DIS starts. It is always given: without, DIS goes on from the guess before.
+    interleaved.create(rows, cols, CV_32FC2);
+    interleaved.setTo(0);
     if (request.start != nullptr) {
-      interleaved.create(rows, cols, CV_32FC2);
       for (int y = 0; y < rows; ++y) {
         auto* out = interleaved.ptr<cv::Vec2f>(y);
         const float *dx = request.start->row(0, y), *dy = request.start->row(1, y);

@@ -21,11 +21,11 @@ TEST_CASE("a search that starts from a guess stays with it where the picture rep
   const Image<std::uint8_t> from = stripes(0), to = stripes(kShift);
   Image<float> found, start(2, kRows, kCols);
   flow.compute(FlowQuality::Fine, {{&from, &to, &found}});
-  CHECK(found.at(0, 32, 48) == Approx(kShift).margin(0.5));
+  const float unguided = found.at(0, 32, 48);  // one of many shifts that fit
   std::fill_n(start.plane(0), start.plane_size(), static_cast<float>(kShift + kPeriod));
   flow.compute(FlowQuality::Fine, {{&from, &to, &found, &start}});
   CHECK(found.at(0, 32, 48) == Approx(kShift + kPeriod).margin(0.5));
   // a guess is not remembered
   flow.compute(FlowQuality::Fine, {{&from, &to, &found}});
-  CHECK(found.at(0, 32, 48) == Approx(kShift).margin(0.5));
+  CHECK(found.at(0, 32, 48) == unguided);
 }
