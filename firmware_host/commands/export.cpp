@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "firmware_host/commands/command.h"
-#include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -24,7 +23,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
     auto frame = reader->next();
     if (!frame && frame.error().code == ErrorCode::Truncated) {
-      remark("{}; exporting these\n", frame.error().message);
+      fmt::print(stderr, "{}; exporting these\n", frame.error().message);
       break;
     }
     if (!frame) return frame.error();
@@ -32,7 +31,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     TRY(clip.append(**frame));
   }
   TRY(clip.finish());
-  say("{}: {} frames\n", options.folder, frames);
+  fmt::print("{}: {} frames\n", options.folder, frames);
   return {};
 }
 

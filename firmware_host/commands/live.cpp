@@ -13,7 +13,6 @@
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -38,10 +37,10 @@ bool keeps_nothing(const Settings& settings) {
 }
 
 void print_summary(const LiveCounters& counters, const Settings& settings) {
-  say("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true), proof_of(counters.camera),
-      to_seconds(counters.longest_latency) * 1e3);
+  fmt::print("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true), proof_of(counters.camera),
+             to_seconds(counters.longest_latency) * 1e3);
   if (!settings.record.file.empty())
-    say("recorded {} frames to {}\n", counters.recorded, settings.record.file);
+    fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
 }
 
 // A recording in place of the camera, at the fit's pace: what `replay` does, to the same bytes.
@@ -56,22 +55,23 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   const RunPlan plan{
       .settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)};
   const Result<void> ended = run(plan, *source, around.storage);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
-  say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
+  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
+  fmt::print("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
   return ended;
 }
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config())
+    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
-    remark("note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
+    fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return replay_as_camera(flags, settings, around);
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
-  for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
+  for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
 
   const RunPlan plan{
       .settings = settings, .title = camera->camera().name, .command = command_line_of(flags, settings)};

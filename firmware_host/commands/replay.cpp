@@ -11,7 +11,6 @@
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -38,7 +37,8 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config())
+    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
   if (!flags.truth.empty() && settings.output.path("frames").empty())
@@ -58,7 +58,7 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
                .truth = flags.truth,
                .stop = &around.stop};
   const Result<void> ended = run(plan, *source, around.storage);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
   return ended;
 }
 

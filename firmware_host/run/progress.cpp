@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "firmware_host/terminal.h"
-
 namespace hdrcam {
 namespace {
 
@@ -39,7 +37,7 @@ std::string progress_line(const ProgressState& state) {
 StatusLine::StatusLine(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
 
 StatusLine::~StatusLine() {
-  if (terminal_ && shown_) std::fputs("\n", stream_);
+  if (terminal_ && shown_) fmt::print(stream_, "\n");
 }
 
 bool StatusLine::due(Clock::time_point now) const {
@@ -49,14 +47,11 @@ bool StatusLine::due(Clock::time_point now) const {
 void StatusLine::show(const std::string& words, Clock::time_point now) {
   shown_ = now;
   if (!terminal_) {
-    std::fputs((words + "\n").c_str(), stream_);
+    fmt::print(stream_, "{}\n", words);
   } else {
-    // No wider than the terminal, where a line that wraps would stay; blanks overwrite the rest of a longer
-    // one.
-    const auto columns = static_cast<std::size_t>(std::max(0, columns_of(stream_)));
-    const std::string shown = columns > 1 ? words.substr(0, columns - 1) : words;
-    std::fputs(fmt::format("\r{:<{}}", shown, std::max(shown_width_, shown.size())).c_str(), stream_);
-    shown_width_ = shown.size();
+    // Blanks overwrite the rest of a longer line before.
+    fmt::print(stream_, "\r{:<{}}", words, std::max(shown_width_, words.size()));
+    shown_width_ = words.size();
   }
   std::fflush(stream_);
 }
