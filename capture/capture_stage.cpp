@@ -42,11 +42,10 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
     if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
                    std::max(delays->exposure, delays->gain) > kMostDelay))
       return Error{ErrorCode::Invalid,
-                   fmt::format("control delays of {} and {} frames cannot be; they are 0 to {}",
+                   fmt::format("control delays of {} and {} frames are out of range; give 0 to {}",
                                delays->exposure, delays->gain, kMostDelay)};
   if (strobe != nullptr && !strobe->capabilities().input)
-    return Error{ErrorCode::Unsupported,
-                 "the strobe line is an output; set sync.line to one that sees edges"};
+    return Error{ErrorCode::Unsupported, "the strobe line is an output; set sync.line to an input line"};
   const auto schedule =
       TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
                                : ExposureSchedule::observed(walked));
@@ -87,7 +86,7 @@ FrameMatcherOptions CaptureStage::matching() const {
   return matching;
 }
 
-// By the user, else by the table of sensors, which speaks of raw codes.
+// The black level that the user states, else that of the sensor table, which holds for raw codes.
 std::optional<BlackLevel> CaptureStage::stated_black() const {
   if (options_.black_level) return options_.black_level;
   if (sensor_ && codes_.linear) return sensor_->black_level;
@@ -100,8 +99,8 @@ PhotometricResponse CaptureStage::first_response() const {
   return PhotometricResponse::linear_unknown_black();
 }
 
-// No pixel is darker than black, so the darkest place seen so far bounds a black level that nobody tells.
-// Whether the bound became so much lower that earlier pictures must be forgotten.
+// No pixel is darker than black, so the darkest site so far bounds an unreported black level. Returns whether
+// the bound fell so far that earlier pictures must be discarded.
 bool CaptureStage::narrow_black() {
   constexpr float kNoise = 0.5f, kLeast = 1;  // codes of 255
   if (!most_black_ || *most_black_ <= kLeast) return false;
@@ -117,12 +116,12 @@ void CaptureStage::collect_warnings() {
   for (int i = 0; i < schedule_.slots(); ++i)
     if (schedule_.slot(i).flickers)
       warnings_.push_back(
-          fmt::format("shutter {} is shorter than half a mains period and will pulse under lamps",
+          fmt::format("shutter {} is shorter than half a mains period and will flicker under lamps",
                       describe(schedule_.slot(i).exposure.time)));
   const FrameMatcherOptions how = matching();
   if (!how.delays && !offers.reports_exposure)
     warnings_.push_back(
-        fmt::format("'{}' neither reports exposures nor is its control delay known; frames are labelled by "
+        fmt::format("'{}' does not report exposures and its control delay is unknown; frames are labelled by "
                     "their pictures alone; run 'hdrcam calibrate delay' once",
                     offers.id));
 }
@@ -145,14 +144,14 @@ Result<void> CaptureStage::start() {
   TRY(camera_.start());
   depth_ = options_.buffers;
   TRY(top_up());
-  depth_ = under_way_;  // a device may have fewer buffers than it was asked for
+  depth_ = under_way_;  // a device may have fewer buffers than requested
   counters_.requests_late = 0;
   return {};
 }
 
 Result<void> CaptureStage::stop() { return camera_.stop(); }
 
-// Queues requests until the camera has as many as it takes. One that finds no free buffer waits for the next
+// Queues requests until the camera's queue is full. A request that finds no free buffer waits for the next
 // frame.
 Result<void> CaptureStage::top_up() {
   while (under_way_ < depth_) {
@@ -257,7 +256,7 @@ void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (cycle && change_cycle(first(*cycle, schedule_.slots()))) ++counters_.cycle_changes;
 }
 
-// Of a camera that sets its exposures itself, requests know no slots.
+// The requests of a camera that sets its exposures itself have no slots.
 int CaptureStage::slot_of(const ExposureClaim& label) const {
   if (camera_.capabilities().sets_exposure) return matcher_->slot_of(label);
   return schedule_.nearest_slot(label.exposure);

@@ -1,9 +1,9 @@
-// The camera side of the program, from requests to frames whose exposure is known: keeps the camera supplied
-// with requests, joins each buffer with what belongs to it (frame_matcher.h), lets the pictures prove the
-// exposure (exposure_proof.h), unpacks the pixels. It never waits for anybody but the camera, and holds no
-// queue of its own: what a slow consumer leaves waiting are the camera's buffers, and a camera without free
-// buffers drops frames, which the next frame counts. Thread-bound, except stop(); no allocation per frame
-// after the first.
+// The camera side of the program, from requests to frames whose exposure is known. It keeps the camera
+// supplied with requests, joins each buffer with its request, report and strobe pulse (frame_matcher.h),
+// proves the exposure from the pictures (exposure_proof.h) and unpacks the pixels. It waits for the camera
+// only and holds no queue of its own: a slow consumer leaves frames in the camera's buffers, and a camera
+// without free buffers drops frames, which the next frame counts. Thread-bound, except stop(); no allocation
+// per frame after the first.
 #pragma once
 
 #include <atomic>
@@ -19,32 +19,32 @@ namespace hdrcam {
 
 struct CaptureOptions {
   StreamMode mode{};  // wanted
-  int buffers = 8;    // requests under way; fewer than 8 do not reach over a pipeline's delay
-  std::optional<ControlDelays> delays{};  // calibrated; default: what the camera or the table of sensors says
-  std::optional<BlackLevel> black_level{};  // as the user states it; default: the table of sensors', if raw
+  int buffers = 8;    // queued capture requests; fewer than 8 do not cover a pipeline's delay
+  std::optional<ControlDelays> delays{};    // calibrated; default: the camera's or the sensor table's
+  std::optional<BlackLevel> black_level{};  // stated by the user; default for raw: the sensor table's
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
-  std::optional<TimestampMark> timestamp_mark{};  // default: what the camera says
+  std::optional<TimestampMark> timestamp_mark{};  // default: as the camera states it
   bool adapt = false;                             // the cycle follows the light (exposure_adaptation.h)
   PixelUnpackSettings unpack{};
-  Duration patience{2'000'000'000};  // without a frame for so long is a Timeout
+  Duration patience{2'000'000'000};  // Timeout after this long without a frame
 };
 
 class CaptureStage {
  public:
-  // Configures the camera and checks the cycle against what it then offers; a camera that sets its exposures
-  // itself (a replayed one) has a cycle of its own, which is taken. `strobe` may be null. Errors: the
-  // camera's own, and those of ExposureSchedule::create. The camera, the line and this stage belong to one
-  // thread.
+  // Configures the camera and checks the cycle against the capabilities that it then has. A camera that sets
+  // its exposures itself (a replayed one) brings its own cycle, which replaces the given one. `strobe` may be
+  // null. Errors: the camera's own, and those of ExposureSchedule::create. The camera, the line and this
+  // stage belong to one thread.
   static Result<std::unique_ptr<CaptureStage>> open(Camera& camera, SyncLine* strobe,
                                                     std::span<const Exposure> cycle, Mains mains,
                                                     const CaptureOptions& options);
 
   Result<void> start();
-  // The next frame, into `frame`, whose storage is used again. Errors: the camera's own; Interrupted after
+  // Writes the next frame into `frame`, whose storage is reused. Errors: the camera's own; Interrupted after
   // stop().
   Result<void> next(CapturedFrame& frame);
-  // Ends a waiting next(); from any thread. start() may follow.
+  // Ends a waiting next(); may be called from any thread. start() may follow.
   Result<void> stop();
 
   // For the recording.
@@ -52,13 +52,13 @@ class CaptureStage {
   const StreamMode& mode() const { return mode_; }
   const ExposureSchedule& schedule() const { return schedule_; }
   const CaptureCounters& counters() const { return counters_; }
-  // What the user should be told at the start, empty if nothing: an exposure that pulses under lamps, an
-  // unknown sensor, no way to know exposures but by the pictures.
+  // Warnings for the user at the start; empty if there are none: an exposure that flickers under lamps, an
+  // unknown sensor, a camera whose exposures only the pictures can determine.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // Requests from now on follow another cycle.
+  // Makes later requests follow another cycle.
   Result<void> change_cycle(std::span<const Exposure> cycle);
-  // The camera's response, once the fit has found it: ratios become exact (photometry.h).
+  // Takes the camera's response once the fit has estimated it; ratios then become exact (photometry.h).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
 
  private:
@@ -73,7 +73,7 @@ class CaptureStage {
   void restart_matching();
   Result<void> top_up();
   Result<void> drain_strobe();
-  // Whether the buffer became a frame; if not, it was dropped and counted.
+  // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
@@ -88,7 +88,7 @@ class CaptureStage {
   Mains mains_;
   std::optional<KnownSensor> sensor_;
   std::vector<std::string> warnings_;
-  std::optional<float> most_black_;  // codes of 255: what is known of a black level that nobody tells
+  std::optional<float> most_black_;  // codes of 255: upper bound of an unreported black level
 
   Photometer photometer_;
   PhotometricSignature picture_;
@@ -96,7 +96,7 @@ class CaptureStage {
   std::optional<FrameMatcher> matcher_;
   std::optional<ExposureAdaptation> adaptation_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
-  int under_way_ = 0, depth_ = 0;           // requests with the camera now, and as many as it takes
+  int under_way_ = 0, depth_ = 0;           // queued requests now, and at most
   int lost_since_emitted_ = 0;
   CaptureCounters counters_;
 };

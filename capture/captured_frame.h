@@ -1,5 +1,5 @@
-// A frame with the judgement of its exposure, as it leaves a camera (capture_stage.h) or a recording
-// (recording_stage.h), and the count of what became of all frames. Plain values.
+// A frame with the judgement of its exposure, as CaptureStage (capture_stage.h) or RecordingStage
+// (recording_stage.h) delivers it, and the counters of all frames. Plain values.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,28 @@
 
 namespace hdrcam {
 
-// Frames by what became of them. At every moment captured = emitted + dropped().
+// Counts of frames by outcome. At every moment captured = emitted + dropped().
 struct CaptureCounters {
-  std::uint64_t captured = 0;  // that the camera or the recording handed over
+  std::uint64_t captured = 0;  // delivered by the camera or the recording
   std::uint64_t emitted = 0;
-  std::uint64_t damaged = 0;         // dropped: the driver says the pixels are incomplete
+  std::uint64_t damaged = 0;         // dropped: the driver reports incomplete pixels
   std::uint64_t undecodable = 0;     // dropped: too short, or a JPEG that does not decode
   std::uint64_t lost_by_camera = 0;  // never captured: gaps in sequence numbers and timestamps
   std::uint64_t proved = 0, plausible = 0, contradicted = 0, unknown = 0;  // of the emitted
-  std::uint64_t relabelled = 0;  // of the plausible: by the pictures alone
-  std::uint64_t unreported = 0;  // frames without an exposure from the driver
+  std::uint64_t relabelled = 0;  // among the plausible: by the pictures alone
+  std::uint64_t unreported = 0;  // frames whose exposure the driver did not report
   std::uint64_t repeated_cookies = 0;
-  std::uint64_t strobed = 0;        // frames to which a pulse of the strobe line belongs
+  std::uint64_t strobed = 0;        // frames matched with a pulse of the strobe line
   std::uint64_t controls_late = 0;  // frames whose exposure was written late
   std::uint64_t requests_late = 0;  // no free buffer when a request was due
-  std::uint64_t relocks = 0;        // cadences found again
+  std::uint64_t relocks = 0;        // times the prediction found the cadence again
   std::uint64_t cycle_changes = 0;  // to follow the light
 
   std::uint64_t dropped() const { return damaged + undecodable; }
   void count(const Judgement& judgement);  // of an emitted frame
 };
 
-// "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown".
+// Returns text like "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown".
 std::string proof_of(const CaptureCounters& counters);
 
 struct CapturedFrame {
@@ -40,7 +40,7 @@ struct CapturedFrame {
   Judgement proof;
   int lost_before = 0;  // frames
   std::uint64_t cookie = 0;
-  SlotShares shares;  // clipped and dark, of the picture
+  SlotShares shares;  // clipped and dark share of the picture
 };
 
 }  // namespace hdrcam

@@ -47,7 +47,7 @@ void ControlDelay::push(const ExposureRequest& request, Duration frame_duration)
 }
 
 ControlDelay::Writes ControlDelay::frame_started(std::uint64_t sequence) {
-  // A fast control is written as many frames after the slowest as it is faster:
+  // A fast control is written later than the slowest by the difference of their delays:
   // DelayedControls::applyControls.
   const auto due = [&](int delay) -> const Entry& {
     const auto held_back = static_cast<std::uint64_t>(delays_.most() - delay);
@@ -55,7 +55,7 @@ ControlDelay::Writes ControlDelay::frame_started(std::uint64_t sequence) {
   };
   const Writes writes{due(delays_.exposure).request.exposure, due(delays_.gain).request.analogue_gain,
                       due(delays_.vblank).frame_duration};
-  // A jump beyond the history leaves nothing of it but the last request.
+  // A jump longer than the history keeps only the last request.
   if (sequence > write_count_ + kHistory) {
     const Entry last = entry(write_count_);
     ring_.fill(last);

@@ -1,6 +1,6 @@
-// The software twin of a sensor whose controls act some frames after they are written, and not all after the
-// same number. The twin holds back the faster ones so that all values of one request meet on one frame, and
-// knows which request that is: libcamera's DelayedControls
+// A model of a sensor whose controls act some frames after they are written, each with its own delay. The
+// model holds back the faster controls so that all values of one request act on the same frame, and it knows
+// which request that is. It is libcamera's DelayedControls
 // (src/libcamera/pipeline/rpi/common/delayed_controls.cpp) as a value.
 //
 //   frame start      s        s+1      s+2         exposure acts after 2, gain after 1
@@ -9,8 +9,8 @@
 //                    -        A.gain   B.gain
 //   frame shows                        A           shown_by(s + 2) = A, cookie included
 //
-// A frame start that the twin missed makes it disagree with the sensor for a frame or a few; only the
-// pictures tell (exposure_proof.h). Thread-bound; no allocation.
+// After a missed frame start the model disagrees with the sensor for one or a few frames; only the pictures
+// show it (exposure_proof.h). Thread-bound; no allocation.
 #pragma once
 
 #include <algorithm>
@@ -36,21 +36,21 @@ struct KnownSensor {
   BlackLevel black_level;
 };
 
-// By the sensor's name anywhere in the model text ("imx219", "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt
-// for a sensor that is not in the table: the caller warns, and takes SensorDelays{}, which is what most
-// sensors do, or measures them (delay_calibration.h). Source: libcamera's camera_sensor_properties.cpp and
-// its tuning files.
+// Looks up a sensor whose name occurs anywhere in the model text ("imx219",
+// "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a sensor that is not in the table: the caller warns and
+// uses SensorDelays{}, which most sensors have, or measures the delays (delay_calibration.h). Source:
+// libcamera's camera_sensor_properties.cpp and its tuning files.
 std::optional<KnownSensor> known_sensor(std::string_view model);
 
 class ControlDelay {
  public:
   static constexpr int kHistory = 32;  // requests; older ones are forgotten
 
-  // What to write at a frame start: each value when its delay asks for it, the blanking first.
+  // What to write at a frame start: each value as early as its delay requires, the blanking first.
   struct Writes {
     Duration exposure{0};
     double analogue_gain = 1;
-    Duration frame_duration{0};  // vertical blanking, as the frame duration that it makes
+    Duration frame_duration{0};  // vertical blanking, expressed as the resulting frame duration
   };
   struct Latched {
     std::uint64_t cookie = 0;
@@ -58,15 +58,15 @@ class ControlDelay {
     double analogue_gain = 1;
   };
 
-  // `now`: what the sensor is set to before the first frame.
+  // `now`: the sensor's settings before the first frame.
   ControlDelay(const SensorDelays& delays, const ExposureRequest& now, Duration frame_duration);
 
-  // What the next frame start takes. A second push before it replaces the first.
+  // Sets the request for the next frame start. A second push before it replaces the first.
   void push(const ExposureRequest& request, Duration frame_duration);
-  // Frame `sequence` begins. Frames between the last start and this one were missed and take the last request
+  // Frame `sequence` begins. Frames between the last start and this one were missed and get the last request
   // again.
   Writes frame_started(std::uint64_t sequence);
-  // What the frame shows, if every frame start was seen; nullopt where it is too old or not decided yet.
+  // The request that the frame shows, if no frame start was missed; nullopt where too old or undecided.
   std::optional<Latched> shown_by(std::uint64_t sequence) const;
 
   const SensorDelays& delays() const { return delays_; }
@@ -80,7 +80,7 @@ class ControlDelay {
   const Entry& entry(std::uint64_t index) const { return ring_[index % kHistory]; }
 
   SensorDelays delays_;
-  Entry before_;  // what the sensor was set to
+  Entry before_;  // the initial settings
   std::array<Entry, kHistory> ring_{};
   std::uint64_t write_count_ = 0;  // frame starts so far, which is also where the next push goes
 };

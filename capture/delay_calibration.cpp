@@ -41,7 +41,7 @@ void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& 
   }
   last_picture_ = picture;
   last_index_ = index;
-  // The request of a frame keeps its turn while frames are lost.
+  // A lost frame does not use up its request: the next frame takes it.
   const std::uint64_t during = index + 1;
   for (std::uint64_t lost = newest_ + 1; lost < during && lost <= newest_ + kHistory; ++lost)
     asked_[lost % kHistory] = asked_[newest_ % kHistory];
@@ -50,12 +50,12 @@ void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& 
 }
 
 DelayEstimate DelayCalibration::estimate() const {
-  // A comparison is wrong by scene change or chance this often; a delay that is not the camera's disagrees
-  // with about half of them.
+  // Scene changes and chance make this share of comparisons wrong; a wrong delay disagrees with about half of
+  // them.
   constexpr double kWrong = 0.1, kMostMisses = 0.2, kSure = 0.9999;
   std::array<double, kMaxDelay + 1> log_likelihood{};
   for (std::size_t d = 0; d < log_likelihood.size(); ++d) {
-    // A delay too long to have been compared as often is judged by its share.
+    // A longer delay has fewer comparisons and is judged by its share of hits.
     const int compared = hits_[d] + misses_[d];
     const double share = compared > 0 ? static_cast<double>(misses_[d]) / compared : 1;
     const double weight = static_cast<double>(hits_[0] + misses_[0]);
@@ -73,7 +73,7 @@ DelayEstimate DelayCalibration::estimate() const {
   estimate.agreement = estimate.comparisons > 0 ? static_cast<double>(hits_[best]) / estimate.comparisons : 0;
   if (estimate.comparisons < kEnough) {
     estimate.reason = fmt::format(
-        "only {} of {} comparisons that it takes could be made: the scene is too dark, clipped "
+        "only {} of the {} required comparisons were possible: the scene is too dark, clipped "
         "or unsteady",
         estimate.comparisons, int{kEnough});
   } else if (1 - estimate.agreement > kMostMisses) {
@@ -102,7 +102,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
   PhotometricSignature picture;
   Image<std::uint16_t> codes;
   std::uint64_t cookie = 0, index = 0, sequence = 0;
-  // Whether there was a free buffer: a device may have fewer than it was asked for. If not, the exposure
+  // Returns whether there was a free buffer: a device may have fewer than requested. If not, the exposure
   // waits.
   std::optional<Exposure> pending;
   const auto queue_next = [&]() -> Result<bool> {

@@ -29,27 +29,28 @@ RedAt red_at(PixelLayout layout) {
   return {};
 }
 
-// Mirrors about the border pixel, which has the colour phase of the pixel it stands for.
+// Mirrors about the border pixel, which keeps the colour phase.
 int mirrored(int i, int count) {
   if (i < 0) i = -i;
   if (i >= count) i = 2 * (count - 1) - i;
   return std::clamp(i, 0, count - 1);
 }
 
-// One line through a red or blue pixel: two greens beside it, two of its own colour beyond them.
+// One line through a red or blue pixel: the two greens beside it and the two samples of its own colour beyond
+// them.
 struct Line {
   float gradient, green;
 };
 Line along(float far_before, float green_before, float own, float green_after, float far_after) {
   const float bend = 2 * own - far_before - far_after;
-  // The colour's own curvature sharpens the green, but never beyond the greens that were seen: at the border
-  // of something clipped it would ring.
+  // The curvature of the sampled colour sharpens the green, limited to the range of the neighbouring greens:
+  // beside a clipped region it would ring otherwise.
   const float green = std::clamp((green_before + green_after) / 2 + bend / 4,
                                  std::min(green_before, green_after), std::max(green_before, green_after));
   return {std::abs(green_before - green_after) + std::abs(bend), green};
 }
 
-// Green where the mosaic has none: along the line on which the picture changes less.
+// Green where the mosaic has none, interpolated along the line with the smaller gradient.
 void fill_green(const Image<std::uint16_t>& mosaic, RedAt red, float* green) {
   const int rows = mosaic.rows(), cols = mosaic.cols();
   for (int y = 0; y < rows; ++y) {

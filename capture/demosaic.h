@@ -1,8 +1,8 @@
-// Bayer mosaic -> three full channels, along edges: green by the direction of the smaller gradient, corrected
-// by the curvature of the colour that is there (Hamilton and Adams, "Adaptive color plan interpolation in
-// single sensor color electronic camera", US 5629734, 1997), but never beyond its neighbours; red and blue by
-// their difference to green. Scaling the codes scales the result, so an exposure passes through it as through
-// a linear filter. Reentrant.
+// Bayer mosaic -> three full channels, along edges: green is interpolated in the direction of the smaller
+// gradient and corrected by the curvature of the colour sampled there (Hamilton and Adams, "Adaptive color
+// plan interpolation in single sensor color electronic camera", US 5629734, 1997), limited to the range of
+// its neighbours; red and blue are interpolated as differences to green. Scaling the codes scales the result,
+// so exposures can be compared after it as after a linear filter. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ constexpr bool is_bayer(PixelLayout layout) {
   return layout != PixelLayout::Rgb && layout != PixelLayout::Mono;
 }
 
-// mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the same
-// codes, clipped to 0 .. max_code. Beyond the border the mosaic is mirrored, which keeps its colours in
+// mosaic: [1, rows, cols] codes of a Bayer layout, at least 2x2. rgb: [rgb, rows, cols] float in the
+// same codes, clipped to 0 .. max_code. The mosaic is mirrored at the border, which keeps its colour
 // phase.
 void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb);
 

@@ -1,7 +1,7 @@
-// A frame whose exposure is known: what leaves capture/ and enters the fit. Codes are linear in the file's
-// codes, scaled so that the largest code is 255 and the black level is 0; the camera's response is still in
-// them. Exposures are relative to the clip's reference E_ref (geometric mean of the first cycle), so that
-// radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only value.
+// A frame whose exposure is known: the output of capture/ and the input of the fit. Codes are linear in the
+// file's codes, scaled so that the largest code is 255 and the black level is 0; the camera's response is
+// still applied. Exposures are relative to the clip's reference E_ref (geometric mean of the first cycle), so
+// that radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only value.
 #pragma once
 
 #include "hal/core/frame.h"
@@ -16,7 +16,7 @@ struct ExposedFrame {
   int index = 0;       // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
   float exposure = 1;  // E / E_ref
   float blur_fraction =
-      0;               // exposure time over the time to the next frame, 0..1: how much of the motion blurs
+      0;               // exposure time over the time to the next frame, 0..1: share of the motion that blurs
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 };
 

@@ -23,7 +23,7 @@ std::vector<std::string_view> split(std::string_view text) {
   }
 }
 
-// The number at the head of the text, which then loses it; nullopt where there is none.
+// Parses the number at the start of the text and removes it from the text; nullopt where there is none.
 std::optional<double> take_number(std::string_view& text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -101,7 +101,7 @@ std::string describe(const Exposure& exposure) {
 }
 
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera) {
-  // Half a step beyond the range still rounds into it.
+  // A value up to half a step outside the range still rounds into it.
   const Duration half_line = camera.exposure_step / 2;
   if (exposure.time < camera.exposure_min - half_line || exposure.time > camera.exposure_max + half_line)
     return Error{ErrorCode::BadExposure,

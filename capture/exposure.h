@@ -1,5 +1,5 @@
-// An exposure that can be asked of a sensor: a time and an analogue gain, and how a user writes them. What
-// counts for the picture is the product E = time x gain. Value type, reentrant.
+// An exposure that a sensor can be set to: a time and an analogue gain, and the notation in which a user
+// writes them. The picture depends on the product E = time x gain. Value type, reentrant.
 #pragma once
 
 #include <string_view>
@@ -22,11 +22,11 @@ struct Exposure {
 // ln E, the scale on which exposures are compared; a stop is ln 2.
 double log_product(const Exposure& exposure);
 
-// Exposures nearer than this on that scale are the same: what rounding to lines and gain codes may do.
+// Exposures nearer than this on that scale are equal: rounding to lines and gain codes changes less.
 constexpr double kSameExposure = 0.05;
 
-// Whether an exposure is longer than its frame lasts, beyond what rounded times explain: its time is wrong
-// then.
+// Whether an exposure is longer than its frame by more than rounding explains; its time is then
+// wrong.
 bool outlasts_frame(double exposure_s, double interval_s);
 
 // "4ms", "250us", "1/250", "1/250s", "0.004s"; a bare number is seconds. Invalid for anything else, zero or
@@ -34,14 +34,14 @@ bool outlasts_frame(double exposure_s, double interval_s);
 Result<Duration> parse_duration(std::string_view text);
 
 // A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2" (one for all, or one each; empty means
-// 1). Invalid, naming the part that cannot be.
+// 1). Invalid, naming the wrong part.
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain);
 
-// "4 ms x 2", with the gain only where it is not 1.
+// Returns text like "4 ms x 2"; the gain is left out where it is 1.
 std::string describe(Duration duration);
 std::string describe(const Exposure& exposure);
 
-// The nearest exposure that the sensor has: time in whole lines (exposure_step), gain in whole codes
+// The nearest exposure that the sensor can do: time in whole lines (exposure_step), gain in whole codes
 // (gain_step). BadExposure where it is outside the sensor's range, naming the range.
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera);
 

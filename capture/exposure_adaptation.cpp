@@ -31,7 +31,7 @@ std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, c
   if (!advice.changes()) return std::nullopt;
   Cycle next = followed(cycle, advice, longest_, gain_max_);
   for (std::size_t i = 0; i < slots; ++i) next[i].time = std::max(next[i].time, shortest_);
-  if (next == cycle_) return std::nullopt;  // the sensor has no more to give
+  if (next == cycle_) return std::nullopt;  // the sensor's range is exhausted
   cycle_ = next;
   waiting_ = kSettling * slots_;
   return next;

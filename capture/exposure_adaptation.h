@@ -1,6 +1,6 @@
-// Follows the light: gathers what the frames of each slot lost to clipping and to the dark, and after a few
-// cycles says what the cycle should become (exposure_advice.h). Then it waits until frames of the new cycle
-// have come back. Thread-bound; no allocation.
+// Adapts the cycle to the light: averages the clipped and dark shares of the frames of each slot, and after a
+// few cycles proposes a new cycle (exposure_advice.h). Then it waits until frames of the new cycle arrive.
+// Thread-bound; no allocation.
 #pragma once
 
 #include <array>
@@ -15,17 +15,17 @@ class ExposureAdaptation {
  public:
   using Cycle = std::array<Exposure, ExposureSchedule::kMaxSlots>;
 
-  // shortest, longest: times that the sensor can do within a frame; gain_max: analogue.
+  // shortest, longest: exposure times that the sensor can do within a frame; gain_max: analogue.
   ExposureAdaptation(std::span<const Exposure> cycle, Duration shortest, Duration longest, double gain_max);
 
-  // A frame of a slot whose exposure is certain. Returns the next cycle (its first slots() entries) where it
-  // should change.
+  // Adds a frame whose slot and exposure are certain. Returns the next cycle (its first slots() entries)
+  // where it should change.
   std::optional<Cycle> observe(int slot, const SlotShares& shares);
   int slots() const { return slots_; }
 
  private:
-  static constexpr int kCycles = 4;    // gathered before it speaks
-  static constexpr int kSettling = 5;  // cycles under way when the schedule changes
+  static constexpr int kCycles = 4;    // averaged before it proposes a change
+  static constexpr int kSettling = 5;  // queued cycles when the schedule changes
 
   Cycle cycle_{};
   const int slots_;
@@ -33,7 +33,7 @@ class ExposureAdaptation {
   const double gain_max_;
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};
   std::array<int, ExposureSchedule::kMaxSlots> counts_{};
-  int waiting_ = 0;  // frames until the new cycle is back
+  int waiting_ = 0;  // frames until the new cycle arrives
 };
 
 }  // namespace hdrcam

@@ -12,8 +12,8 @@ constexpr float kMostDark = 0.05f;  // of the longest exposure
 constexpr float kNoneDark = 0.005f;
 constexpr float kStep = 1;  // stops
 
-// Too much lost at this end: move. Nothing lost, and the other end of the same frame suffers: move back,
-// carefully.
+// If too much is lost at this end, the exposure moves a step. If nothing is lost here but the other end of
+// the same frame suffers, it moves back by a smaller step.
 float shortest_stops(const SlotShares& shares) {
   if (shares.clipped > kMostClipped) return -kStep;
   if (shares.clipped < kNoneClipped && shares.dark > 0.9f) return kStep / 2;

@@ -1,5 +1,5 @@
-// What the next cycle of exposures should be, from how much of each frame is clipped or lost in the dark. A
-// value: the pipeline carries it back to the schedule, which decides. Reentrant.
+// Proposes the next cycle of exposures from the shares of each frame that are clipped or too dark. The advice
+// is a value: the pipeline carries it back to the schedule, which decides. Reentrant.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace hdrcam {
 
-// Of the frames of one slot, over the last cycles.
+// Shares of the frames of one slot, over the last cycles.
 struct SlotShares {
   float clipped = 0, dark = 0;  // of the picture, 0..1
 };
@@ -19,12 +19,12 @@ struct ExposureAdvice {
   bool changes() const;
 };
 
-// The shortest exposure should keep all highlights but lamps, the longest should leave little in the dark;
-// those between keep their place in the ladder. At most one stop at a time, so that the fit can follow; a
-// wide dead zone, so that it rests. cycle and shares: one per slot.
+// The shortest exposure should keep all highlights except lamps, the longest should leave little in the dark;
+// the exposures between keep their relative place. A change is at most one stop, so that the fit can follow,
+// and a wide dead zone prevents oscillation. cycle and shares: one per slot.
 ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShares> shares);
 
-// The cycle with the advice followed: by time up to `longest`, then by gain up to `gain_max`.
+// The cycle with the advice applied: first by time up to `longest`, then by gain up to `gain_max`.
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
                                                            const ExposureAdvice& advice, Duration longest,
                                                            double gain_max);

@@ -11,14 +11,14 @@ namespace {
 constexpr double kOdd =
     std::numeric_limits<double>::quiet_NaN();  // the assignment of a frame that is left out
 
-// A strobe pulse is as long as the exposure but for the interrupt's latency at its two edges.
+// A strobe pulse lasts as long as the exposure, except for the interrupt latency at its two edges.
 Duration strobe_slack(Duration exposure) { return Duration(60'000) + exposure / 16; }
 
 bool strobe_allows(Duration width, Duration exposure) {
   return std::chrono::abs(width - exposure) <= strobe_slack(exposure);
 }
 
-// The first claim that says `value`; -1 for none.
+// Index of the first claim that states `value`; -1 for none.
 int claim_saying(const FrameEvidence& evidence, double value) {
   for (int i = 0; i < evidence.claim_count; ++i)
     if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= ExposureProof::kSame)
@@ -44,8 +44,8 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   });
 }
 
-// The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure beyond the
-// cycle, it is a candidate too, in place of a neighbour that no picture could tell from it.
+// The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure outside the
+// cycle, it is a candidate too, in place of a neighbour that no picture could distinguish from it.
 void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {
   constexpr double kIndistinct = 0.15;
   frame.value_count = 0;
@@ -78,8 +78,8 @@ bool ExposureProof::fits(int age, double value, const std::array<double, kWindow
   return true;
 }
 
-// The least number of odd frames among all explanations, newer frames being assigned; kNever if it is not
-// below bound.
+// The least number of outliers among all explanations, given the assignment of the newer frames; kNever if it
+// is not below bound.
 int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kWindow>& assigned) const {
   if (odd >= bound) return kNever;
   if (age == count_) return odd;
@@ -100,7 +100,7 @@ int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kW
 
 ExposureProof::Explanations ExposureProof::explain() const {
   constexpr int kMostOdd = 2, kMargin = 2,
-                kBound = kMostOdd + kMargin + 1;  // what costs more does not matter
+                kBound = kMostOdd + kMargin + 1;  // higher costs are all alike
   Explanations result;
   const Frame& newest = back(0);
   std::array<double, kWindow> assigned{};
@@ -126,7 +126,7 @@ ExposureProof::Explanations ExposureProof::explain() const {
   return result;
 }
 
-// How often the ratios to trusted neighbours speak against a claim, and for it.
+// How often the ratios to trusted neighbours contradict a claim, and how often they support it.
 ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
   Votes votes;
   for (int age = 1; age < count_; ++age) {
@@ -138,8 +138,8 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
   return votes;
 }
 
-// Whether the claim needs more odd frames than the best explanation does. One that is further off than any
-// that were counted needs them all.
+// Whether the claim needs more outliers than the best explanation does. A claim outside all counted
+// candidates makes every frame an outlier.
 bool ExposureProof::another_explains_better(double claimed, const Explanations& explanations) const {
   const Frame& newest = back(0);
   for (int i = 0; i < newest.value_count; ++i)
@@ -148,8 +148,8 @@ bool ExposureProof::another_explains_better(double claimed, const Explanations& 
   return explanations.fewest_odd < kNever;
 }
 
-// How far the truth may be from a label that the neighbours confirm: the best ratio's own width, and through
-// a neighbour of the same exposure no better than that neighbour is known itself.
+// How far the truth may be from a label that the neighbours confirm: the width of the best ratio; through a
+// neighbour of the same exposure, at least that neighbour's own uncertainty.
 double ExposureProof::open_interval_ev(double label) const {
   double open = std::numeric_limits<double>::infinity();
   for (int age = 1; age < count_; ++age) {
@@ -168,7 +168,7 @@ double ExposureProof::open_interval_ev(double label) const {
   return open / std::numbers::ln2;
 }
 
-// The pictures are unanimous: does a claim say the same?
+// The pictures are unanimous: does a claim agree?
 Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double value) const {
   Judgement judgement;
   judgement.unique = value;
@@ -189,7 +189,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     judgement.within_ev =
         std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
   }
-  // Unanimous, but by neighbours that are not trusted themselves.
+  // Unanimous, but the neighbours are not trusted themselves.
   if (std::isinf(judgement.within_ev)) judgement.verdict = Verdict::Plausible;
   return judgement;
 }
@@ -213,7 +213,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
              (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;
   } else if (!told_apart_ && judgement.label.source == ExposureSource::Embedded && votes.in_favour >= 2) {
-    judgement.verdict = Verdict::Proved;  // the sensor says so itself, and the light did not change
+    judgement.verdict = Verdict::Proved;  // the sensor's embedded data says so, and the light did not change
     judgement.within_ev = open_interval_ev(claimed);
   } else {
     judgement.verdict = Verdict::Plausible;
@@ -221,7 +221,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   return judgement;
 }
 
-// Once the new cycle has been seen often enough, the one before it is history.
+// Once enough frames of the new cycle have been proved, the previous cycle is dropped.
 void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
   if (cycle_count_ == current_count_ || judgement.verdict != Verdict::Proved) return;
   const double value = judgement.label.log_value();

@@ -1,12 +1,12 @@
-// Which exposure a frame really has, and how sure that is. Whoever reports or predicts an exposure makes a
-// claim; the proof weighs claims against witnesses that do not depend on them: the pictures, and the strobe.
+// Decides which exposure a frame really has, and how certain that is. A reported or predicted exposure is a
+// claim; the proof weighs claims against witnesses that do not depend on them: the pictures and the strobe.
 //
-//   claims      embedded in the frame by the sensor, reported by the driver, predicted from what was asked
+//     claims      embedded in the frame by the sensor, reported by the driver, predicted from the requests
 //   witnesses   ratios between the pictures of the last eight frames (photometry.h), the strobe's width
 //
-// 1. The pictures alone are asked which exposures of the cycle explain them. Every assignment of exposures
+// 1. First the pictures alone decide which exposures of the cycle explain them. Every assignment of exposures
 //    to the last eight frames that lies within all measured ratios is an explanation; a frame that fits none
-//    is called odd and left out, at a cost of one. The newest frame's exposure is *unique* when every
+//    is an outlier and is left out, at a cost of one. The newest frame's exposure is *unique* when every
 //    explanation with another exposure costs two more: two witnesses would have to be wrong together. One
 //    ratio of 4 fits two places of a cycle 1:4:16; the next ratio settles it, which is why a cycle proves
 //    itself within about one round. Frames already proved keep their exposure in every explanation.
@@ -21,12 +21,12 @@
 //    not unique, claims disagree, or the best
 //      is a doubtful prediction                  -> unknown
 //    not unique, nothing contradicts             -> plausible
-// 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and keep out of the fit.
+// 3. Contradicted and unknown frames are flagged (kFrameExposureUnproved) and are kept out of the fit.
 //
-// What is proved: the product time x gain, relative to the frames around it, to within `within_ev`. Pictures
-// know no absolute scale; it is that of the claims, and without effect on relative radiance. A cycle of one
-// exposure proves nothing by pictures: there a frame is proved only by the strobe or by the sensor's embedded
-// data. Thread-bound; bounded state, no allocation.
+// The proof covers the product time x gain, relative to the neighbouring frames, to within `within_ev`.
+// Pictures carry no absolute scale: the claims set it, and it does not change relative radiance. In a cycle
+// of one exposure pictures prove nothing; only the strobe or the sensor's embedded data proves a frame there.
+// Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <array>
@@ -46,7 +46,7 @@ struct ExposureClaim {
   double log_value() const;  // ln of the product of all three
 };
 
-// What is said and seen of one frame, besides its picture. Claims best first.
+// The evidence about one frame besides its picture. The best claim comes first.
 struct FrameEvidence {
   static constexpr int kMaxClaims = 3;
   std::array<ExposureClaim, kMaxClaims> claims{};
@@ -59,10 +59,10 @@ struct FrameEvidence {
 
 struct Judgement {
   Verdict verdict = Verdict::Unknown;
-  ExposureClaim label;  // the exposure that the frame is taken to have; source Unknown where there is none
+  ExposureClaim label;           // the exposure assigned to the frame; source Unknown where there is none
   bool relabelled = false;       // by the pictures, against all claims
-  double within_ev = 0;          // of a proved label, stops: what the witnesses leave open
-  std::optional<double> unique;  // ln E that only the pictures and the strobe say, where they are unanimous
+  double within_ev = 0;          // remaining uncertainty of a proved label, stops
+  std::optional<double> unique;  // ln E from pictures and strobe alone, where they are unanimous
 
   bool trusted() const { return verdict == Verdict::Proved || verdict == Verdict::Plausible; }
 };
@@ -73,17 +73,17 @@ class ExposureProof {
   static constexpr int kCandidates = 8;  // exposures: a cycle of four, and the cycle before it
   static constexpr double kSame = kSameExposure;
 
-  // The exposures that frames can have. After a change of schedule the earlier ones stay candidates, as
-  // frames under way still have them, until enough frames are proved to have the new ones.
+  // Sets the exposures that frames can have. After a change of schedule the earlier ones stay candidates,
+  // because queued requests still carry them, until enough frames are proved to have the new ones.
   void set_cycle(std::span<const Exposure> cycle);
-  // All that earlier frames said is void: another response, a restarted camera.
+  // Discards the evidence of earlier frames: after a new response or a restart of the camera.
   void forget() { count_ = 0; }
 
-  // The next frame, with its picture. Frames whose pixels are damaged do not come here.
+  // Judges the next frame by its picture. The caller leaves out frames whose pixels are damaged.
   Judgement judge(const FrameEvidence& evidence, const PhotometricSignature& picture, Photometer& photometer);
 
  private:
-  static constexpr int kValues = kCandidates + 1;  // and what a claim says beyond the cycle
+  static constexpr int kValues = kCandidates + 1;  // and a claim outside the cycle
   struct Frame {
     PhotometricSignature picture;
     std::array<std::optional<PhotometricRatio>, kWindow>
@@ -92,13 +92,13 @@ class ExposureProof {
     int value_count = 0;
     Judgement judgement;
   };
-  // How many of the frames must be odd if the newest has exposure `value`; kNever where that cannot be.
+  // How many frames must be outliers if the newest has exposure `value`; kNever where that is impossible.
   struct Explanations {
     std::array<int, kValues> odd_if{};
     int odd_if_newest_is_odd = 0;
     int fewest_odd = kNever;
     std::optional<int> unique;  // index into the newest frame's values
-    bool fits_nothing = false;  // the newest frame is the odd one
+    bool fits_nothing = false;  // the newest frame is the outlier
   };
   static constexpr int kNever = kWindow + 1;
 

@@ -18,7 +18,7 @@ Result<void> check_slots(std::span<const Exposure> cycle) {
                                                int{ExposureSchedule::kMaxSlots}, cycle.size())};
 }
 
-// A cycle of one exposure several times tells nothing apart and cannot become HDR.
+// A cycle that repeats one exposure cannot be told apart by the proof and gives no HDR.
 Result<void> check_distinct(const std::vector<Exposure>& cycle) {
   const auto same = [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) <= kSameExposure;
@@ -45,8 +45,8 @@ Duration half_period(Mains mains) {
   return Duration(0);
 }
 
-// Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where the step of the control is no line
-// but a coarse unit (UVC counts in 100 us), 48 of them would be far too much.
+// Sensors need between 4 and 48 lines (IMX708) beyond the exposure. Where a step of the control is not a line
+// but a coarse unit (UVC counts in 100 us), 48 steps would be far too much.
 Duration ExposureSchedule::frame_margin(const CameraCapabilities& camera) {
   constexpr Duration kMost{1'000'000};
   return std::min(48 * camera.exposure_step, kMost);
@@ -60,7 +60,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
   const Duration half = half_period(mains);
 
   ExposureSchedule schedule;
-  std::vector<Exposure> exposures;  // as the sensor makes them
+  std::vector<Exposure> exposures;  // rounded to what the sensor can do
   for (const Exposure& asked : cycle) {
     if (asked.time + margin > frame_duration) {
       const double fastest_hz = std::floor(100 / to_seconds(asked.time + margin)) / 100;

@@ -65,8 +65,8 @@ int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
 }
 
-// The duration that the camera keeps is the median of the last intervals from number to number, once a few
-// were seen: one long interval is a lost frame, many are a slow camera.
+// The camera's real frame duration is the median of the last intervals per sequence number, once there are a
+// few: one long interval is a lost frame, many are a slow camera.
 void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
   if (buffer.sequence <= sequence_ || buffer.timestamp <= timestamp_) return;
   const auto steps = static_cast<Duration::rep>(buffer.sequence - sequence_);
@@ -82,15 +82,15 @@ void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
   interval_ = kept ? options_.frame_duration : *middle;
 }
 
-// The request that was completed had its turn when the frame after the one before began, and kept it while
-// frames were lost.
+// The completed request was due when the frame after the previous one began, and stayed due while frames were
+// lost.
 void FrameMatcher::note_turns(std::uint64_t cookie, bool repeated, int advance) {
   for (std::uint64_t back = 0; back < static_cast<std::uint64_t>(std::clamp(advance, 1, int{kFrames}));
        ++back)
     turn_[(index_ - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
 }
 
-// The request whose controls were written as that frame began; null where nobody knows.
+// The request whose controls were written when that frame began; null where it is unknown.
 const FrameMatcher::Asked* FrameMatcher::written_at(std::int64_t index) const {
   const auto newest = static_cast<std::int64_t>(index_);
   if (index < 0 || newest - index >= kFrames) return nullptr;
@@ -110,7 +110,7 @@ std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, in
   return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
 }
 
-// Whether the controls that the prediction rests upon were written so late that the frame may show others.
+// Whether the controls behind the prediction were written so late that the frame may show others.
 bool FrameMatcher::may_show_earlier(std::uint64_t index) const {
   const auto changed_late = [&](int delay, auto&& value) {
     const std::int64_t frame = static_cast<std::int64_t>(index) + shift_ - delay;
@@ -126,8 +126,8 @@ bool FrameMatcher::may_show_earlier(std::uint64_t index) const {
          changed_late(options_.delays->gain, [](const Asked& asked) { return asked.request.analogue_gain; });
 }
 
-// What the driver says of this frame. A report without gain is completed by the prediction, or by a schedule
-// that has only one gain.
+// The driver's report for this frame. A report without gain takes the gain from the prediction, or from a
+// schedule that has only one gain.
 std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buffer,
                                                        const std::optional<ExposureClaim>& predicted) const {
   if (!buffer.exposure || *buffer.exposure <= Duration(0)) return std::nullopt;
@@ -145,8 +145,8 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
                        buffer.exposure_embedded ? ExposureSource::Embedded : ExposureSource::Reported};
 }
 
-// The pulse, counted from the first, whose rising edge lies where this frame's should, within a quarter of a
-// frame.
+// The number of the pulse, counted from the first, whose rising edge is within a quarter of a frame of the
+// time expected for this frame.
 std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
   if (options_.strobe == StrobePulse::Absent) return std::nullopt;
   const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
@@ -188,7 +188,7 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   return frame;
 }
 
-// The kernel took the edge's time in its interrupt handler; the driver may have been slower.
+// The kernel stamps the edge in its interrupt handler; the driver's timestamp may be later.
 void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
   frame.strobed = true;
   if (options_.strobe == StrobePulse::MarksFrame) {
@@ -206,8 +206,8 @@ bool FrameMatcher::explains_lessons(int shift) const {
   });
 }
 
-// Shifts the prediction when the last frames, among them at least two exposures, all say that it is late or
-// early by the same number of frames. One frame that was late on its own does not.
+// Shifts the prediction when the last frames, with at least two different exposures, all show it late or
+// early by the same number of frames. A single late frame does not shift it.
 void FrameMatcher::learn(double log_value) {
   if (!predicted_for(index_, shift_)) return;
   std::rotate(lessons_.begin(), lessons_.begin() + 1, lessons_.end());

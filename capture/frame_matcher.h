@@ -1,14 +1,14 @@
-// Joins what belongs to one frame: the buffer, the request that it completed, what the driver reported, the
-// strobe pulse that lay in its exposure. Finds out which frames never came. The result is evidence, not
-// belief: exposure_proof.h judges it, and what the pictures then say unanimously comes back (learn) and
-// corrects the prediction, so that one missed frame start, or a delay that was wrong all along, is made good
-// within a cycle.
+// Joins the parts of one frame: the buffer, the request that it completed, the driver's report and
+// the strobe pulse during its exposure. It also determines which frames were lost. The result is
+// evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed back (learn) and
+// correct the prediction, so that a missed frame start or a wrong delay is corrected within a
+// cycle.
 //
-// Frames are counted by three witnesses: the driver's sequence number, its timestamp, and strobe pulses. Two
-// that agree decide. Where number and time disagree and there is no strobe, the time decides if it lies on
-// the grid of the frame duration, else the number (counters restart in standby, and miss drops). The frame
-// duration is the one that is seen: not every camera keeps the one that it agreed to. Thread-bound; bounded
-// state, no allocation.
+// Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
+// strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
+// decides if it lies on the grid of the frame duration, otherwise the number (counters restart in standby and
+// miss drops). The frame duration is measured: not every camera keeps the one that it agreed to.
+// Thread-bound; bounded state, no allocation.
 #pragma once
 
 #include <array>
@@ -21,30 +21,30 @@
 
 namespace hdrcam {
 
-// What the strobe line means on this sensor.
+// What a pulse of the strobe line marks on this sensor.
 enum class StrobePulse { Absent, MarksFrame, SpansExposure };
 struct FrameMatcherOptions {
   Duration frame_duration{33'333'333};
-  // Controls are written as the frame of their own request begins (hal/camera.h), and show so many frames
-  // later; zero where a request's exposure is that of its own frame. nullopt: nobody knows, nothing is
+  // Controls are written when the frame of their own request begins (hal/camera.h) and act this many frames
+  // later; zero where a request sets the exposure of its own frame. nullopt: unknown, so nothing is
   // predicted.
   std::optional<ControlDelays> delays;
   StrobePulse strobe = StrobePulse::Absent;
-  Duration strobe_after_timestamp{0};  // of the rising edge, as wired
+  Duration strobe_after_timestamp{0};  // of the rising edge; depends on the wiring
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
 };
 
 struct MatchedFrame {
   FrameEvidence evidence;
-  std::uint64_t index = 0;  // of the frame at the sensor: 0 for the first, counting those that never came
-  int lost_before = 0;      // frames between the one before and this one
-  bool cookie_repeated = false;  // the request was completed before: the cookie says nothing
-  Instant timestamp;             // the driver's; the strobe's where that marks the frame
+  std::uint64_t index = 0;       // frame number at the sensor: 0 for the first, lost frames count
+  int lost_before = 0;           // lost frames between the previous one and this one
+  bool cookie_repeated = false;  // the request was completed before: the cookie is not usable
+  Instant timestamp;             // the driver's; the strobe's where a pulse marks the frame
   TimestampMark mark = TimestampMark::ExposureBegin;
-  bool strobed = false;                // a pulse of the strobe line belongs to it
+  bool strobed = false;                // a pulse of the strobe line was matched
   std::optional<Instant> strobe_rise;  // of a pulse that spans the exposure
 
-  // The middle of an exposure of this length: by the strobe where there was one.
+  // The middle of an exposure of this length, from the strobe where there is one.
   Instant centre(Duration exposure) const;
 };
 
@@ -53,35 +53,35 @@ class FrameMatcher {
   FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule);
 
   // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster
-  // one of it is held back for later requests (control_delay.h), so that both show on one frame.
+  // control is held back for later requests (control_delay.h), so that both act on the same frame.
   ExposureRequest next_request();
-  // Requests from now on follow another schedule.
+  // Makes later requests follow another schedule.
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
 
-  // An edge of the strobe line, in order.
+  // Adds an edge of the strobe line, in order.
   void strobe(const Edge& edge);
-  // The next completed buffer, in order, after the edges that came before it.
+  // Matches the next completed buffer, in order, after the edges before it.
   MatchedFrame match(const CapturedBuffer& buffer);
-  // What the pictures and the strobe alone say about the frame matched last.
+  // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
   void learn(double log_value);
 
-  // The slot of the schedule that the last matched frame was asked for, where its exposure is this one; -1
+  // The slot that was requested for the last matched frame, where its exposure is this one; -1
   // unknown.
   int slot_of(const ExposureClaim& label) const;
-  // From frame to frame, as seen lately.
+  // The measured frame duration.
   Duration frame_duration() const { return interval_; }
-  // Frames by which the prediction had to be shifted so far; changes of it are cadences found again.
+  // Frames by which the prediction is shifted so far, and how often that changed.
   int shift() const { return shift_; }
   int relocks() const { return relocks_; }
 
  private:
   static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kLessons = 3, kMaxShift = 4;
   static constexpr int kIntervals = 8,
-                       kConfirmed = 3;  // intervals looked at, and needed to know the duration
+                       kConfirmed = 3;  // intervals used, and needed to know the duration
 
   struct Asked {
     ExposureRequest request;  // as it was queued
-    int slot = -1;            // that it stands for, though part of it may be held back
+    int slot = -1;            // its slot, though part of it may be held back
     bool valid = false;
     bool late = false;  // its controls were written late
   };
@@ -116,15 +116,15 @@ class FrameMatcher {
   std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
   Instant timestamp_;
   Duration interval_;
-  std::array<Duration, kIntervals> intervals_{};  // from number to number, the last ones
+  std::array<Duration, kIntervals> intervals_{};  // per sequence number, the last ones
   std::uint64_t interval_count_ = 0;
-  // By frame: the cookie of the request whose controls were written as it began.
+  // By frame: the cookie of the request whose controls were written when it began.
   std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
   std::array<Pulse, kPulses> pulses_{};
   std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
   bool line_high_ = false;
-  std::optional<std::uint64_t> last_pulse_;  // of the frame before; none where an edge was lost since
+  std::optional<std::uint64_t> last_pulse_;  // of the previous frame; none where an edge was lost since
 
   std::array<Lesson, kLessons> lessons_{};
   int lesson_count_ = 0, shift_ = 0, relocks_ = 0;

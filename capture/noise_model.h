@@ -1,5 +1,5 @@
-// The noise of one sample: shot, read and quantisation noise, plus a term in the code domain for what a codec
-// did. Variances are of relative exposure x (0..1, 1 = full well). Value type, reentrant.
+// The noise of one sample: shot, read and quantisation noise, plus a term in the code domain for compression.
+// Variances are of relative exposure x (0..1, 1 = full well). Value type, reentrant.
 #pragma once
 
 namespace hdrcam {

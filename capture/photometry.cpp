@@ -33,7 +33,7 @@ float mean_camera(float code) {
   return below->log_exposure + t * (above->log_exposure - below->log_exposure);
 }
 
-// Which pixels of a box carry the light that is compared: green ones of a mosaic, all of a plane.
+// Which pixels of a box are compared: the green ones of a mosaic, all of a plane.
 struct Greens {
   int parity = -1;  // of x + y; -1: all
 };
@@ -63,9 +63,9 @@ void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature&
            b.at_site[static_cast<std::size_t>((y + shift.dy) * a.cols + x + shift.dx)]);
 }
 
-// Which sites are brighter than the site of a given rank: the same ones whatever the exposure (Ward, "Fast,
-// robust image registration for compositing high dynamic range photographs from hand-held exposures", 2003).
-// A word a row.
+// Marks the sites that are brighter than the site of a given rank; they are the same for every exposure
+// (Ward, "Fast, robust image registration for compositing high dynamic range photographs from hand-held
+// exposures", 2003). One word per row.
 using Bitmap = std::array<std::uint64_t, PhotometricSignature::kSiteRows>;
 static_assert(PhotometricSignature::kSiteCols <= 64);
 
@@ -78,8 +78,8 @@ Bitmap brighter_than(const PhotometricSignature& signature, float threshold) {
   return bitmap;
 }
 
-// The shift under which the two bitmaps differ least, within a sixth of the picture; that of no motion where
-// the frames show no common rank.
+// The shift under which the two bitmaps differ least, within a sixth of the picture; zero where the frames
+// have no common rank.
 SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
   constexpr int kReach = 6;
   std::size_t rank = 0;
@@ -103,7 +103,7 @@ SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
                                     in_b[static_cast<std::size_t>(y + dy)] >> std::max(0, dx)) &
                                    seen);
       const double area = width * height;
-      // A little in favour of no motion: flat pictures fit everywhere.
+      // A small preference for no motion, since flat pictures fit everywhere.
       const double share = differing / area + 0.002 * (std::abs(dx) + std::abs(dy));
       if (share < least) least = share, best = {dy, dx, area / a.sites};
     }
@@ -122,7 +122,7 @@ double correlation(const PhotometricSignature& a, const PhotometricSignature& b,
   return (sab - sa * sb / n) / std::sqrt(std::max(1e-12, va * vb));
 }
 
-// How wide the scene's ln radiance is, one standard deviation.
+// Standard deviation of the scene's ln radiance.
 double spread_of(const PhotometricSignature& signature) {
   constexpr double kUnknown = 2, kQuartiles = 0.7413;
   const auto sites = static_cast<std::size_t>(signature.sites);
@@ -146,8 +146,8 @@ PhotometricResponse PhotometricResponse::linear(const BlackLevel& black_level) {
   return response;
 }
 
-// Black is taken to lie in the middle of what it can be. At the darkest code that is trusted it may be off by
-// a quarter of the light, which moves the logarithm of a ratio of two by less than `stretch`.
+// Black is assumed in the middle of its range. At the darkest code that is used it may be wrong by a quarter
+// of the light, which moves the logarithm of a ratio of two by less than `stretch`.
 PhotometricResponse PhotometricResponse::linear_unknown_black(float most) {
   PhotometricResponse response(2 * most + 4, 1.05 + 0.75 * static_cast<double>(most / kMostBlack));
   response.linear_ = true;
@@ -253,8 +253,8 @@ std::optional<Photometer::Centre> Photometer::ratio_by_rank(const PhotometricSig
     if (std::isfinite(difference)) scratch_[static_cast<std::size_t>(count++)] = difference;
   }
   if (count < 5) return std::nullopt;
-  // Neighbouring ranks err together, and content that enters the picture moves all of them: hardly any
-  // average out.
+  // The errors of neighbouring ranks are correlated, and content that enters the picture moves all of them,
+  // so averaging helps little.
   return centre(count, 2);
 }
 
@@ -264,16 +264,16 @@ std::optional<PhotometricRatio> Photometer::ratio(const PhotometricSignature& a,
   const SiteShift shift = align(a, b);
   const auto site = ratio_by_site(a, b, shift), rank = ratio_by_rank(a, b);
   if (!site || !rank) return std::nullopt;
-  // Not the same scene: what is bright in one place there is not bright here. A flat scene cannot tell, nor
-  // be told.
+  // Low correlation means different scenes: bright places of one are not bright in the other. A flat scene
+  // cannot be tested this way.
   constexpr double kFlat = 0.15, kSameScene = 0.5;
   if (site->scatter > kFlat && correlation(a, b, shift) < kSameScene) return std::nullopt;
 
-  constexpr double kFloor = 0.01;  // quantisation, blur and response of a still scene
+  constexpr double kFloor = 0.01;  // quantisation, blur and response error of a static scene
   const double site_variance = site->sigma * site->sigma + kFloor * kFloor;
-  // What moved, and what entered the picture in place of what left it, shifts all ranks together: they do not
-  // show it.
-  constexpr double kPatches = 25;  // that a picture has of independent content
+  // Motion and new content in the picture shift all ranks together, so the scatter of the ranks does not show
+  // them.
+  constexpr double kPatches = 25;  // patches of independent content in a picture
   const double spread = spread_of(a);
   const double content =
       (site->scatter * site->scatter + 2 * spread * spread * (1 - shift.overlap)) / kPatches;
@@ -282,7 +282,7 @@ std::optional<PhotometricRatio> Photometer::ratio(const PhotometricSignature& a,
   const double value = variance * (site->median / site_variance + rank->median / rank_variance);
   const double disagreement = std::abs(site->median - rank->median);
 
-  constexpr double kLamps = 0.08;  // light itself is steady to this
+  constexpr double kLamps = 0.08;  // the light itself is constant to this
   const double half_width = kLamps + 3 * std::sqrt(variance) + disagreement;
   const double stretch = response_.stretch();
   const auto outward = [&](double bound, double sign) {

@@ -1,11 +1,11 @@
-// The ratio of the exposures of two neighbouring frames, from their pictures alone: the witness that neither
-// the driver nor the sensor can influence. An exposure changes all parts of a picture by one factor, motion
-// changes parts by many: so the factor is measured twice, at the same place (1200 sites, aligned for a
-// panning camera) and at the same rank (quantiles; indifferent to motion), and what the two disagree upon is
-// the uncertainty. Codes become exposures through the response; while that is unknown, through the mean of
-// 201 real cameras, whose spread only stretches a ratio: equal stays equal and brighter stays brighter,
-// whatever the camera. Thread-bound; no allocation; a 320x240 picture and its ratios to the seven before it
-// take 0.13 ms.
+// Measures the ratio of the exposures of two neighbouring frames from their pictures alone, so that neither
+// the driver nor the sensor can influence it. An exposure scales the whole picture by one factor; motion
+// changes parts of it by different factors. The factor is therefore measured twice: at the same place (1200
+// sites, aligned for a panning camera) and at the same rank (quantiles, insensitive to motion). Their
+// disagreement is the uncertainty. The response turns codes into exposures; while it is unknown, the mean of
+// 201 real cameras does, whose spread only stretches a ratio: equal stays equal and brighter stays brighter
+// for every camera. Thread-bound; no allocation; a 320x240 picture and its ratios to the seven before it take
+// 0.13 ms.
 #pragma once
 
 #include <array>
@@ -17,28 +17,28 @@
 
 namespace hdrcam {
 
-// ln of the relative exposure that gave a code 0..255, and how far it can be trusted.
+// ln of the relative exposure of a code 0..255, and its uncertainty.
 class PhotometricResponse {
  public:
   using Curve = std::array<float, 256>;
 
-  // The mean of real cameras (Grossberg & Nayar's 201 curves). Their ratios are within a factor of 2.8 of
-  // this one's on the logarithmic scale, all of them, for exposures 1 to 4 stops apart.
+  // The mean of real cameras (Grossberg & Nayar's 201 curves). All their ratios are within a factor of 2.8 of
+  // this one's on the logarithmic scale, for exposures 1 to 4 stops apart.
   static PhotometricResponse unknown();
-  // Raw codes. The ratio is measured in green, and so is the black level that counts here.
+  // Response of raw codes. The ratio is measured in green, so the black level of green is used.
   static PhotometricResponse linear(const BlackLevel& black_level);
-  // Raw codes whose black level nobody knows, only that it is 0..`most` codes of 255. Codes are trusted from
-  // where that no longer matters much.
+  // Raw codes with an unreported black level of 0..`most` codes of 255. Codes are used from where that range
+  // matters little.
   static PhotometricResponse linear_unknown_black(float most = kMostBlack);
   // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
   static PhotometricResponse known(const Curve& inverse, const BlackLevel& black_level);
 
-  // ln of relative exposure; -inf for codes too dark to say, +inf for clipped ones.
+  // ln of relative exposure; -inf for codes too dark to measure, +inf for clipped ones.
   float log_exposure(float code) const;
-  // A measured ln ratio may be off by this factor, either way.
+  // A measured ln ratio may be wrong by this factor in either direction.
   double stretch() const { return stretch_; }
 
-  static constexpr float kMostBlack = 18;  // codes of 255: of all sensors known
+  static constexpr float kMostBlack = 18;  // codes of 255: the largest of all known sensors
 
  private:
   PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}
@@ -46,11 +46,11 @@ class PhotometricResponse {
   Curve log_{};      // at whole codes
   float black_ = 0;  // for the linear case, where the logarithm is taken directly
   bool linear_ = false;
-  float darkest_;  // codes below say nothing
+  float darkest_;  // codes below it are not used
   double stretch_;
 };
 
-// What is kept of a frame to compare it with later ones.
+// A summary of one frame for comparison with later frames.
 struct PhotometricSignature {
   static constexpr int kSiteCols = 40, kSiteRows = 30, kSites = kSiteCols * kSiteRows;
 
@@ -59,10 +59,10 @@ struct PhotometricSignature {
   int rows = 0, cols = 0;             // of the grid of sites: less for pictures below 160x120
   int sites = 0;
   float clipped_share = 0, dark_share = 0;  // of the sites
-  float darkest_code = 255;                 // of all sites, 0..255: black is not above it
+  float darkest_code = 255;                 // of all sites, 0..255: an upper bound of the black level
 };
 
-// What lies at site (y, x) of one frame lies at (y + dy, x + dx) of another.
+// The content at site (y, x) of one frame is at (y + dy, x + dx) of another.
 struct SiteShift {
   int dy = 0, dx = 0;
   double overlap = 1;  // share of the sites that both frames see
@@ -70,7 +70,7 @@ struct SiteShift {
 
 struct PhotometricRatio {
   double log_ratio = 0;      // ln E_b / E_a, the best guess
-  double low = 0, high = 0;  // the truth lies between, short of a change of the light itself
+  double low = 0, high = 0;  // the truth lies between, unless the light itself changes
 
   bool allows(double value) const { return low <= value && value <= high; }
 };
@@ -80,14 +80,14 @@ class Photometer {
   explicit Photometer(const PhotometricResponse& response) : response_(response) {}
 
   const PhotometricResponse& response() const { return response_; }
-  // Signatures made before are of the old response: do not compare them with later ones.
+  // Earlier signatures use the old response: do not compare them with later ones.
   void set_response(const PhotometricResponse& response) { response_ = response; }
 
-  // codes: [channels(layout), rows, cols] of `bits` bits. Green is looked at where there are colours.
+  // codes: [channels(layout), rows, cols] of `bits` bits. Colour pictures are measured in green.
   void observe(const Image<std::uint16_t>& codes, PixelLayout layout, int bits,
                PhotometricSignature& signature) const;
 
-  // nullopt where too little is visible in both, or where the two are not of the same scene.
+  // E_b / E_a; nullopt where too little is visible in both, or where they show different scenes.
   std::optional<PhotometricRatio> ratio(const PhotometricSignature& a, const PhotometricSignature& b);
 
  private:

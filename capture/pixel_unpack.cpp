@@ -88,7 +88,8 @@ std::size_t row_bytes(Packing packing, std::size_t width) {
   return width;
 }
 
-// Pixels that share bytes or samples: a width (and, for NV12, height) must be a multiple.
+// Number of pixels that share bytes or samples: the width (and, for NV12, the height) must be a multiple of
+// it.
 int sharing(Packing packing) {
   if (packing == Packing::Mipi10) return 4;
   return packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Mipi12 ? 2 : 1;
@@ -203,7 +204,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
   const int width = buffer.mode.width, height = buffer.mode.height, shared = sharing(packing);
   if (width <= 0 || height <= 0 || width % shared != 0 || (packing == Packing::Nv12 && height % 2 != 0))
     return Error{ErrorCode::Invalid,
-                 fmt::format("a picture of {}x{} cannot be of this pixel format, which shares "
+                 fmt::format("a picture of {}x{} cannot have this pixel format, which shares "
                              "samples between {} pixels; choose another size",
                              width, height, shared)};
   const std::size_t tight = row_bytes(packing, static_cast<std::size_t>(width));
@@ -212,7 +213,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
   const std::size_t needed = stride * (rows - 1) + tight;
   if (stride < tight || buffer.pixels.size() < needed)
     return Error{ErrorCode::Corrupt,
-                 fmt::format("frame {} has {} bytes in rows of {}, a {}x{} picture needs {} in rows of {}",
+                 fmt::format("frame {} has {} bytes in rows of {}; a {}x{} picture needs {} in rows of {}",
                              buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
 
   codes.reshape(channels(kind.layout), height, width);

@@ -22,7 +22,7 @@ PhotometricResponse response_of(const CameraFacts& camera, const std::optional<B
   return black ? PhotometricResponse::linear(*black) : PhotometricResponse::linear_unknown_black();
 }
 
-// The judgement of a frame that two proofs looked at: by the frames before it, and by those after it.
+// Merges the judgements of a frame by the frames before it and by the frames after it.
 Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   if (by_earlier.unique && by_later.unique &&
       std::abs(*by_earlier.unique - *by_later.unique) > kSameExposure) {
@@ -47,7 +47,8 @@ double RecordedLabels::Label::log_value() const {
 RecordedLabels::RecordedLabels(const CameraFacts& camera)
     : camera_(camera), photometer_(response_of(camera, std::nullopt)) {}
 
-// What the recording says of a frame; empty where nobody knew. nullopt for a frame that cannot be judged.
+// The recording's claim about a frame; empty where the exposure is unknown. nullopt for a frame that cannot
+// be judged.
 std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts) const {
   if (!judgeable(facts)) return std::nullopt;
   FrameEvidence evidence;
@@ -58,7 +59,7 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
   return evidence;
 }
 
-// The distinct exposures of the last labels are those that a frame can have.
+// The candidates are the distinct exposures of the last labels.
 void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   constexpr std::size_t kRemembered = 16;  // labels: four rounds of the longest cycle
   if (!is_exposure(facts)) return;
@@ -113,7 +114,7 @@ void RecordedLabels::judge(CapturedFrame& frame) {
   finish(frame, judgement, interval);
 }
 
-// A frame that cannot be judged answers an empty judgement.
+// Returns an empty judgement for a frame that cannot be judged.
 Judgement RecordedLabels::judge_forward(const CapturedFrame& frame) {
   const auto evidence = evidence_of(frame.raw.facts);
   if (!evidence) return {};
@@ -131,7 +132,7 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
   check_duration(frame, interval);
 }
 
-// What the recording said already, and what the pictures say now.
+// Combines the verdict in the recording with the verdict of the pictures.
 void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   FrameFacts& facts = frame.raw.facts;
   const bool flagged = (facts.flags & kFrameExposureUnproved) != 0;
@@ -154,7 +155,7 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
 }
 
-// The whole label of the frames that have the exposure which the pictures found.
+// Takes time and gains from the frames that have the exposure which the pictures found.
 void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   const double value = judgement.label.log_value();
   const auto found = std::min_element(cycle_.begin(), cycle_.end(), [&](const Label& a, const Label& b) {
@@ -162,8 +163,8 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   });
   if (found == cycle_.end()) return;
   if (is_exposure(facts))
-    relabelled_.object("frame {}: exposure of {:.6g} s relabelled {:.6g} s by its pictures", facts.sequence,
-                       facts.exposure(), std::exp(found->log_value()));
+    relabelled_.object("frame {}: its pictures changed its exposure from {:.6g} s to {:.6g} s",
+                       facts.sequence, facts.exposure(), std::exp(found->log_value()));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;
@@ -197,7 +198,7 @@ std::vector<std::string> RecordedLabels::warnings() const {
   warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
-  warn(overlong_, "are said to be exposed longer than they last, so no motion blur is derived from that");
+  warn(overlong_, "state an exposure longer than the frame itself, so no motion blur is derived from it");
   return warnings;
 }
 

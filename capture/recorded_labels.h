@@ -1,8 +1,8 @@
-// The exposures that a recording states, judged by its pictures: the same proof as on a camera
-// (exposure_proof.h), with what a file allows beyond it. Its first frames are judged backwards too, from the
-// frames after them, since nothing precedes them. A label that all pictures contradict is replaced where they
-// agree on another of the clip's own exposures; where they do not, the frame is flagged. An exposure that the
-// camera proved stays proved unless the pictures contradict it. Thread-bound.
+// Judges the exposures that a recording states by its pictures, with the same proof as on a camera
+// (exposure_proof.h) and with two things that only a file allows. The first frames are judged backward as
+// well, from the frames after them, since none precede them. A label that all pictures contradict is replaced
+// where they agree on another of the clip's own exposures; otherwise the frame is flagged. An exposure that
+// was proved on the camera stays proved unless the pictures contradict it. Thread-bound.
 #pragma once
 
 #include <optional>
@@ -22,22 +22,22 @@ namespace hdrcam {
 
 class RecordedLabels {
  public:
-  // Frames that are judged together: those that no full window precedes, and a window after them.
+  // First frames, judged together: those without a full window before them, and a window after them.
   static constexpr int kBeginning = ExposureProof::kWindow + 4;
 
   explicit RecordedLabels(const CameraFacts& camera);
 
-  // The first frames of a recording, kBeginning of them or all. Once.
+  // Judges the first kBeginning frames of a recording, or all if there are fewer. Called once.
   void judge_beginning(std::span<CapturedFrame> frames);
-  // Each frame after them, in order.
+  // Judges each later frame, in order.
   void judge(CapturedFrame& frame);
 
-  // What the pictures object to first: a label that was wrong, that they contradict, or that no frame can
+  // The first objection: a label that was wrong, that the pictures contradict, or that no frame can
   // have.
   std::optional<std::string> objection() const;
-  // What the user should be told of the frames so far.
+  // Warnings for the user about the frames so far.
   std::vector<std::string> warnings() const;
-  // The exposures that the labels walk through; 0 where they are too many to be a cycle.
+  // Number of distinct exposures among the labels; 0 where there are too many for a cycle.
   int slots() const { return static_cast<int>(cycle_.size()); }
 
  private:
@@ -47,7 +47,7 @@ class RecordedLabels {
     double log_value() const;
   };
 
-  // Of one kind: how many frames, and the first of them in a sentence.
+  // The objections of one kind: how many frames, and a sentence about the first.
   struct Objections {
     std::uint64_t count = 0;
     std::string first;

@@ -1,5 +1,5 @@
-// A recording as a stream of frames whose exposures are judged: to a recording what CaptureStage is to a
-// camera. Each frame comes once, in order, and waits for whoever reads it; the pictures judge the exposures
+// Reads a recording as a stream of frames with judged exposures; it is for a recording what CaptureStage is
+// for a camera. Each frame comes once, in order, and waits for the reader; the pictures judge the exposures
 // that the file states (recorded_labels.h). Thread-bound.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace hdrcam {
 
-// What it means that pictures contradict a stated exposure: a warning, or the end.
+// What happens when pictures contradict a stated exposure: a warning or an error.
 enum class Contradiction { Warns, Fails };
 
 class RecordingStage {
@@ -25,20 +25,20 @@ class RecordingStage {
   RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction);
 
   // The next frame; false at the end. Errors: those of RecordingReader::next, after all frames before it;
-  // BadExposure for the first contradiction, where that fails.
+  // BadExposure for the first contradiction, where contradictions are errors.
   Result<bool> next(CapturedFrame& frame);
 
   const CameraFacts& camera() const { return recording_->camera(); }
-  // Where it is known before the end.
+  // nullopt where it is not known before the end.
   std::optional<int> frame_count() const { return recording_->frame_count(); }
   const CaptureCounters& counters() const { return counters_; }
-  // What the user should be told of the frames so far, empty if nothing.
+  // Warnings for the user about the frames so far; empty if there are none.
   std::vector<std::string> warnings() const { return labels_.warnings(); }
 
  private:
   void read_beginning();
   void count(CapturedFrame& frame);
-  // Whether there was one more; what ended the recording is kept in end_.
+  // Returns whether there was one more frame; end_ keeps the reason for the end.
   bool read(CapturedFrame& frame);
 
   std::unique_ptr<RecordingReader> recording_;

@@ -7,7 +7,7 @@
 
 namespace hdrcam {
 
-// What is common to all frames of a clip.
+// Settings common to all frames of a clip.
 struct UnpackSettings {
   int bits = 8;  // significant bits of a raw code
   BlackLevel black_level;
@@ -16,10 +16,10 @@ struct UnpackSettings {
 };
 
 // A Bayer mosaic is demosaiced (demosaic.h), mono is repeated on the three channels. `interval_s` is the time
-// since the previous frame. Errors: BadExposure naming the frame and the value.
+// since the previous frame, seconds. Errors: BadExposure, naming the frame and the value.
 Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
                             const UnpackSettings& settings);
-// The same into a frame whose storage is used again; undefined after an error.
+// The same into a frame whose storage is reused; its content is undefined after an error.
 Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
                          ExposedFrame& frame);
 

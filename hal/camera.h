@@ -1,6 +1,6 @@
 // A camera: requests for exposures go in, completed buffers come out. Four implementations: real (libcamera,
-// V4L2), simulated (sim/), replayed (replay/), and a wrapper that injects faults (fault/). What a camera
-// cannot do is said by its capabilities, not by methods that fail. Thread-bound, except stop(), which any
+// V4L2), simulated (sim/), replayed (replay/), and a wrapper that injects faults (fault/). Its capabilities
+// state what a camera cannot do; it has no methods that always fail. Thread-bound, except stop(), which any
 // thread may call to end a wait().
 #pragma once
 
@@ -56,13 +56,13 @@ enum class PixelFormat {
 const char* name(PixelFormat format);
 std::optional<PixelFormat> pixel_format(std::string_view name);
 
-// Frames from the one whose control was written to the first that shows it (libcamera's DelayedControls).
+// Control delays: frames from the write of a control to the first that shows it (DelayedControls).
 struct ControlDelays {
   int exposure = 0, gain = 0;
   friend bool operator==(const ControlDelays&, const ControlDelays&) = default;
 };
 
-// Where in a frame the driver takes its timestamp; the end is that of the last line's exposure.
+// What the timestamp marks: start or end of exposure; the end is that of the last line's exposure.
 enum class TimestampMark { ExposureBegin, ExposureEnd };
 
 struct StreamMode {
@@ -71,8 +71,8 @@ struct StreamMode {
   Duration frame_duration{33'333'333};  // constant: the schedule must not move the frame rate
 };
 
-// What the next frame should be exposed with. The cookie comes back with the buffer that completed the
-// request; whether that buffer shows this exposure is for capture/ to prove.
+// The exposure for the next frame. The cookie returns with the buffer that completes the request; capture/
+// proves whether that buffer shows this exposure.
 struct ExposureRequest {
   std::uint64_t cookie = 0;
   Duration exposure{0};
@@ -82,19 +82,19 @@ struct ExposureRequest {
 struct CameraCapabilities {
   std::string id, model, driver;                                // id: what --camera takes
   std::vector<StreamMode> modes;                                // with the shortest frame duration of each
-  Duration usual_frame_duration{33'333'333};                    // unless another is asked for
+  Duration usual_frame_duration{33'333'333};                    // unless another is requested
   Duration exposure_min{0}, exposure_max{0}, exposure_step{1};  // step: a line for most sensors
   double gain_min = 1, gain_max = 1;                            // analogue
   double gain_step = 0;                                         // 0: continuous
-  bool sets_exposure = false;          // false: fixed by somebody else, only frames come
-  std::vector<ExposureRequest> cycle;  // that its frames walk through, where it sets none and this is known
-  bool reports_exposure = false;       // completed buffers say which exposure they got
-  bool exposure_per_request = false;  // a request's exposure is that of its own frame (request API, metadata)
+  bool sets_exposure = false;          // false: the camera delivers frames, but its exposure is fixed
+  std::vector<ExposureRequest> cycle;  // exposures of its frames, where it sets none and they are known
+  bool reports_exposure = false;       // completed buffers report their exposure
+  bool exposure_per_request = false;   // a request sets the exposure of its own frame (request API, metadata)
   std::optional<ControlDelays> delays;  // of a known sensor
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
 };
 
-// Invalid, with the limits in the sentence, where the camera sets exposures but not this one.
+// Invalid, naming the limits, where the camera can set exposures but not this one.
 Result<void> check_exposure(const CameraCapabilities& camera, const ExposureRequest& request);
 
 // Gives a buffer back to the camera that owns it when it goes out of scope. The camera outlives its leases.
@@ -127,15 +127,15 @@ class BufferLease {
 struct CapturedBuffer {
   std::uint64_t cookie = 0;          // of the request that it completed
   std::uint64_t sequence = 0;        // the driver's counter; a gap is a dropped frame
-  Instant timestamp;                 // taken where the capabilities' timestamp_mark says
-  bool damaged = false;              // the driver says that the pixels are incomplete
-  std::optional<Duration> exposure;  // as reported with the frame, where it is
+  Instant timestamp;                 // at the point that the capabilities' timestamp_mark names
+  bool damaged = false;              // the driver reports incomplete pixels
+  std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;
-  // The report comes from the sensor's embedded data, not from a prediction. Neither V4L2 nor libcamera tells
-  // the two apart, so of real cameras it is never said.
+  // The report comes from the sensor's embedded data, not from a prediction. Neither V4L2 nor libcamera
+  // distinguishes the two, so real cameras never set it.
   bool exposure_embedded = false;
-  // Where controls act "now": this request's exposure was written late, or never. The frame may show an
-  // earlier request's instead of the one that the control's delay predicts.
+  // For controls that act immediately: this request's exposure was written late or never. The frame may show
+  // an earlier request's exposure instead of the one that the control delay predicts.
   bool control_late = false;
   StreamMode mode;
   std::size_t stride = 0;             // bytes a row (of the first plane)
@@ -148,12 +148,12 @@ class Camera {
  public:
   virtual ~Camera() = default;
   virtual const CameraCapabilities& capabilities() const = 0;
-  // Takes the nearest mode that it has and answers which. Unsupported where none of the format is near. Not
-  // while started. A device may have fewer buffers than asked; queue() then says Busy earlier.
+  // Sets the nearest mode that the camera has and returns it. Unsupported where it has none of this format.
+  // Not while started. A device may have fewer buffers than requested; queue() then returns Busy earlier.
   virtual Result<StreamMode> configure(const StreamMode& wanted, int buffers) = 0;
   virtual Result<void> start() = 0;
-  // One request, one frame. Busy when as many requests are queued as there are buffers. Some devices begin
-  // only when two or three requests are queued.
+  // One request, one frame. Busy when every buffer has a queued request. Some devices start only when two or
+  // three requests are queued.
   virtual Result<void> queue(const ExposureRequest& request) = 0;
   // The next completed buffer, in order. Timeout, Unplugged, Interrupted (stop() was called).
   virtual Result<CapturedBuffer> wait(Duration timeout) = 0;

@@ -1,5 +1,5 @@
-// Time. The program knows one clock, the boot clock (Instant); whatever a driver stamps with another one is
-// converted here, with offsets that are measured, not assumed. Real, virtual (sim/) and replayed.
+// Time. The program uses one clock, the boot clock (Instant); timestamps of other clocks
+// are converted here, with measured offsets. Real, virtual (sim/) and replayed.
 // Thread-safe.
 #pragma once
 

@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kTables = 2;  // the standard has one for luma, one for chroma
 
-// libjpeg leaves through longjmp. So the functions that call it hold no object with a destructor: everything
-// they need lives in here.
+// libjpeg reports errors through longjmp, so the functions that call it hold no object with a destructor:
+// their state is here.
 struct Decoding {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -39,8 +39,8 @@ struct Decoding {
   std::longjmp(decoding.escape, 1);
 }
 
-// level: -1 for a warning. Some cameras pad the data before a marker, which harms nothing; every other
-// warning means that a part of the picture was made up.
+// level: -1 for a warning. Some cameras pad the data before a marker, which is harmless; every other warning
+// means that a part of the picture was invented.
 void judge_message(j_common_ptr jpeg, int level) {
   const int code = jpeg->err->msg_code;
   if (level < 0 && code != JWRN_EXTRANEOUS_DATA && code != JWRN_JFIF_MAJOR) give_up(jpeg);
@@ -50,8 +50,8 @@ void no_output(j_common_ptr) {}
 
 void nothing(j_decompress_ptr) {}
 
-// Past the last byte there is an end marker: some cameras leave theirs out. Data that is missing before it
-// is noticed by the decoder.
+// An end marker follows the last byte, because some cameras omit it. The decoder detects data that is missing
+// before it.
 boolean give_end_marker(j_decompress_ptr jpeg) {
   static constexpr JOCTET kEnd[] = {0xff, JPEG_EOI};
   jpeg->src->next_input_byte = kEnd;
@@ -107,7 +107,7 @@ Decoding::Decoding() {
 bool read_header(Decoding& decoding, std::span<const std::byte> bytes) {
   if (setjmp(decoding.escape) != 0) return false;
   jpeg_decompress_struct& jpeg = decoding.jpeg;
-  // A table that a frame brings stays in the object; the next frame, without one, means the standard's.
+  // A frame's own table stays in the object, so the standard's tables are restored for a frame without one.
   for (int i = 0; i < kTables; ++i) {
     *jpeg.dc_huff_tbl_ptrs[i] = decoding.standard_dc[i];
     *jpeg.ac_huff_tbl_ptrs[i] = decoding.standard_ac[i];
@@ -136,7 +136,7 @@ bool read_pixels(Decoding& decoding, Image<std::uint16_t>& rgb) {
 Result<void> decode(Decoding& decoding, std::span<const std::byte> bytes, Image<std::uint16_t>& rgb) {
   CHECK_EQ(rgb.channels(), 3);
   jpeg_decompress_struct& jpeg = decoding.jpeg;
-  jpeg_abort_decompress(&jpeg);  // whatever the last picture left
+  jpeg_abort_decompress(&jpeg);  // discards the state of the last picture
   const auto damaged = [&] {
     return Error{ErrorCode::Corrupt,
                  fmt::format("a JPEG of {} bytes is damaged: {}", bytes.size(), decoding.reason)};

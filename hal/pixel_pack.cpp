@@ -8,7 +8,7 @@ enum class Packing { Rgb, Bgr, Bytes, Words, Mipi10, Mipi12 };
 constexpr PixelLayout kBayer[] = {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg,
                                   PixelLayout::BayerBggr};
 
-// The Bayer formats come in runs of four, in the order of kBayer.
+// The Bayer formats are in groups of four, in the order of kBayer.
 struct Run {
   PixelFormat first;
   int bits;

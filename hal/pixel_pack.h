@@ -1,6 +1,6 @@
-// Codes -> the bytes of a buffer, for cameras that have no driver to do it: the simulated and the replayed
-// one. The inverse of what capture/ unpacks; formats that lose something on the way (YUV, MJPEG) are not
-// offered. Reentrant.
+// Codes -> the bytes of a buffer, for the simulated and the replayed camera, which have no
+// driver. The inverse of the unpacking in capture/; lossy formats (YUV, MJPEG) are not offered.
+// Reentrant.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace hdrcam {
 struct PackedFormat {
   PixelLayout layout = PixelLayout::Rgb;
   int bits = 8;      // of a code
-  int multiple = 1;  // the width is one of this
+  int multiple = 1;  // the width is a multiple of this
 };
 
 // nullopt for YUV and MJPEG.

@@ -6,7 +6,8 @@
 namespace hdrcam {
 namespace {
 
-// Beside `path`, so that a rename stays within one file system. std::random_device is the kernel's generator.
+// In the folder of `path`, so that a rename stays within one file system. std::random_device is the kernel's
+// generator.
 std::string unpredictable_name_beside(const std::string& path) {
   std::random_device random;
   const std::uint64_t number = (std::uint64_t{random()} << 32) | random();

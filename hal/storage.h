@@ -19,27 +19,27 @@ class StorageFile {
   virtual Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) = 0;
   virtual Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
   virtual Result<std::uint64_t> size() = 0;
-  virtual Result<void> sync() = 0;  // returns when the bytes would survive a power cut
+  virtual Result<void> sync() = 0;  // returns once the bytes survive a power cut
 };
 
-// What stands under a path, symbolic links followed.
+// The kind of file at a path; symbolic links are followed.
 enum class FileKind {
-  Missing,  // nothing, but a file could be made there
+  Missing,  // no file, but one could be created there
   Regular,
   Folder,
-  Other,  // a device, a FIFO, a socket: may be written through, never replaced
+  Other,  // a device, a FIFO, a socket: may be written to, never replaced
 };
 struct FileFacts {
   FileKind kind = FileKind::Missing;
-  std::uint64_t device = 0, inode = 0;  // the same file has the same two, whatever its names
+  std::uint64_t device = 0, inode = 0;  // identify the file, whatever its names
   std::uint64_t size_bytes = 0;
-  std::string real_path;  // without symbolic links; of a missing file, where it would be made
+  std::string real_path;  // symbolic links resolved; of a missing file, where it would be created
 };
 
-// What happens to a file that is there already.
+// What happens to an existing file.
 enum class Creation {
-  Replace,  // it is emptied; a device or a FIFO is written through
-  New,      // Exists; a symbolic link counts as there, wherever it points
+  Replace,  // it is emptied; a device or a FIFO is written to
+  New,      // Exists; a symbolic link counts as existing, wherever it points
 };
 
 class Storage {
@@ -59,8 +59,8 @@ class Storage {
 // The file system of this machine.
 Storage& posix_storage();
 
-// A file that has its name only once it is whole. Until then it stands beside `path` under a name that nobody
-// can guess or prepare; what was under `path` stays until commit(). A symbolic link stays a link.
+// A file that gets its name only once it is complete. Until then it is beside `path` under an
+// unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link.
 // Thread-bound.
 class FileInMaking {
  public:
@@ -83,7 +83,7 @@ class FileInMaking {
   bool ours_ = true;
 };
 
-// Writes path whole or not at all (FileInMaking). A device or a FIFO is written through.
+// Writes the whole file or nothing (FileInMaking). A device or a FIFO is written to directly.
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes);
 Result<std::string> read_whole(Storage& storage, const std::string& path);
 

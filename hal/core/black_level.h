@@ -1,6 +1,6 @@
-// The code that a sensor delivers without light, by channel. One unit everywhere, from the table of sensors
-// to the fit: codes of 255, the scale of an exposed frame's codes whatever the sensor's bit depth. Value
-// type, reentrant.
+// The code that a sensor delivers without light, by channel. One unit everywhere, from the sensor table to
+// the fit: codes of 255, the scale of an exposed frame's codes whatever the sensor's bit depth. Value type,
+// reentrant.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ class BlackLevel {
 
   float operator[](std::size_t channel) const { return static_cast<float>(codes_[channel]); }
   void set(std::size_t channel, float codes_of_255) { codes_[channel] = static_cast<double>(codes_of_255); }
-  // Of the green channel, in codes of so many bits, to a millionth: what a file holds, and reads back the
-  // same.
+  // The green channel's, in codes of so many bits, rounded to a millionth: files store it, and it reads back
+  // the same.
   double code(int bits) const {
     return std::round(codes_[1] * static_cast<double>((1 << bits) - 1) / 255 * 1e6) / 1e6;
   }

@@ -1,5 +1,5 @@
-// CHECK is for our own bugs only: it prints the operands and aborts. What a user, a file or a device can
-// cause is an Error (result.h).
+// CHECK is for our own bugs only: it prints the operands and aborts. Failures that a user, a file or a device
+// can cause are an Error (result.h).
 #pragma once
 
 #include <fmt/format.h>

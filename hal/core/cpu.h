@@ -1,5 +1,5 @@
-// What this processor offers. A kernel that exists once per instruction set is picked by pick_kernels(); the
-// choice can be lowered with HDRCAM_ISA=baseline|avx2 to compare or to reproduce another machine's bytes.
+// The capabilities of this processor. pick_kernels() selects a kernel that exists once per instruction set;
+// HDRCAM_ISA=baseline|avx2 lowers the choice to compare or to reproduce another machine's bytes.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ enum class InstructionSet { Baseline, Avx2, Avx512 };
 InstructionSet instruction_set();
 const char* name(InstructionSet isa);
 
-// The maker's name of this processor, or its architecture where it has none to tell.
+// The vendor's name of this processor, or its architecture where it reports none.
 std::string cpu_model();
 
-// Denormals are flushed to zero on the calling thread: a field that decays towards zero must not become slow.
+// Flushes denormals to zero on the calling thread: a field that decays towards zero must not become slow.
 void flush_denormals();
 
 // Binds a table of function pointers, one table per instruction set, to this processor.

@@ -1,6 +1,6 @@
-// A frame as it comes from whatever delivers it, and every fact about it; it knows no HDR. Codes are those of
-// the sensor, [channels, rows, cols]; exposures in seconds and gains; camera axes x right, y down, z forward.
-// Plain values, free to be copied (pictures are moved); reentrant.
+// A frame as its source delivers it, with every fact about it; independent of HDR. Codes are those of the
+// sensor, [channels, rows, cols]; exposures in seconds and gains; camera axes x right, y down, z forward.
+// Plain values, copyable (pictures are moved); reentrant.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ using PoseMatrix = std::array<double, 12>;
 enum class ExposureSource { Embedded, Reported, Declared, Predicted, Photometric, Unknown };
 const char* name(ExposureSource source);
 
-// How sure the exposure of a frame is, once pictures and strobe were asked (capture/exposure_proof.h).
+// How certain the exposure of a frame is, judged by pictures and strobe (capture/exposure_proof.h).
 enum class Verdict { Proved, Plausible, Contradicted, Unknown };
 const char* name(Verdict verdict);
 
@@ -55,8 +55,8 @@ struct FrameFacts {
   int slot = -1;                          // position in the exposure schedule, -1 unknown
   std::optional<BlackLevel> black_level;  // as device or user state it
   ExposureSource exposure_source = ExposureSource::Declared;
-  std::optional<Verdict> verdict;            // on the exposure; none: it was not judged yet
-  std::optional<double> exposure_within_ev;  // of a judged exposure: how far the truth may be from it, stops
+  std::optional<Verdict> verdict;            // on the exposure; none: not judged yet
+  std::optional<double> exposure_within_ev;  // uncertainty of a judged exposure, stops
   std::uint32_t flags = 0;                   // FrameFlag bits
   std::optional<PoseMatrix> T_world_camera;
 
@@ -65,7 +65,7 @@ struct FrameFacts {
 
 enum FrameFlag : std::uint32_t {
   kFrameExposureUnproved = 1u << 0,  // contradicted or unknown: keep out of the fit
-  kFrameAfterDrop = 1u << 1,         // the frame before it was lost
+  kFrameAfterDrop = 1u << 1,         // the previous frame was lost
   kFrameDamaged = 1u << 2,           // pixels are not trustworthy
 };
 

@@ -1,5 +1,5 @@
 // Rigid transforms, as Eigen matrices: T_dst_src takes p_src to p_dst = R p_src + t. Camera axes x right, y
-// down, z forward; metres or the unit that the owner says. Value types, reentrant.
+// down, z forward; metres or the unit that the owner states. Value types, reentrant.
 #pragma once
 
 #include <Eigen/Dense>
@@ -42,7 +42,7 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-// As files and facts hold a transform: row-major 3x4, [R t].
+// A transform as files and facts store it: row-major 3x4, [R t].
 using TransformRows = std::array<double, 12>;
 
 inline RigidTransform from_matrix(const TransformRows& rows) {

@@ -1,7 +1,7 @@
-// A planar picture: [channels, rows, cols], rows contiguous, 64-byte aligned. Planar because every kernel of
-// this program is the same arithmetic on each channel, which the compiler then vectorises over a whole plane.
-// Pixel centres are at +0.5; x runs right, y down. Move-only: a copy is spelled clone(). Thread-compatible:
-// distinct objects, or distinct rows of one object, may be used from several threads.
+// A planar picture: [channels, rows, cols], rows contiguous, 64-byte aligned. It is planar because every
+// kernel of this program does the same arithmetic on each channel, which the compiler then vectorises over a
+// whole plane. Pixel centres are at +0.5; x runs right, y down. Move-only: a copy is spelled clone().
+// Thread-compatible: distinct objects, or distinct rows of one object, may be used from several threads.
 #pragma once
 
 #include <algorithm>
@@ -48,8 +48,8 @@ class Image {
   std::span<T> samples() { return {data_.get(), size()}; }
   std::span<const T> samples() const { return {data_.get(), size()}; }
 
-  // Changes the shape; the content is undefined afterwards. Allocates only when more room is needed than ever
-  // before.
+  // Changes the shape; the content is undefined afterwards. Allocates only when the picture is larger than
+  // ever before.
   void reshape(int channels, int rows, int cols) {
     CHECK(channels >= 0 && rows >= 0 && cols >= 0);
     channels_ = channels, rows_ = rows, cols_ = cols;

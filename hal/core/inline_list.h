@@ -1,5 +1,5 @@
-// A list of at most N items that lives where it is declared: no allocation, copied as a value. More than N is
-// a bug of the caller's. Reentrant.
+// A list of at most N items stored in place: no allocation, copied as a value. More than N items are a bug of
+// the caller. Reentrant.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// A point in time: nanoseconds of the boot clock (CLOCK_BOOTTIME), the one clock of this program. Whatever
-// comes from another clock (V4L2 buffers and GPIO edges are monotonic) is converted inside hal/. Value type,
+// A point in time: nanoseconds of the boot clock (CLOCK_BOOTTIME), the one clock of this program. Timestamps
+// of other clocks (V4L2 buffers and GPIO edges are monotonic) are converted inside hal/. Value type,
 // reentrant.
 #pragma once
 

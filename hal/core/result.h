@@ -12,21 +12,21 @@
 namespace hdrcam {
 
 enum class ErrorCode {
-  Invalid,       // an argument, option or setting that cannot be
+  Invalid,       // an argument, option or setting that is not possible
   NotFound,      // the named thing does not exist
   NotRecording,  // the file exists but is not one of our recordings
   Truncated,     // a recording that ends in the middle; what precedes the cut is valid
-  Corrupt,       // a checksum or structure that does not hold
+  Corrupt,       // a checksum or structure that is wrong
   BadExposure,   // an exposure that is missing, zero, negative or not finite
   SizeChanged,   // frames of different size within one clip
   TooShort,      // fewer frames than the method needs
   Permission,    // exists, but may not be read or written
-  Exists,        // an output that is there already
+  Exists,        // an output that exists already
   NoSpace,       // the disk or quota is full
   Io,            // any other failure of the operating system
-  Busy,          // held by somebody else
-  Unplugged,     // the device went away
-  Timeout,       // nothing came within the promised time
+  Busy,          // held by another program
+  Unplugged,     // the device is gone
+  Timeout,       // nothing arrived within the time limit
   Unsupported,   // valid, but not offered by this build or device
   Interrupted,   // the user asked to stop
 };
@@ -76,7 +76,7 @@ class [[nodiscard]] Result<void> {
 
 }  // namespace hdrcam
 
-// TRY(expression): the value of a Result, or leave the function with its Error.
+// TRY(expression): the value of a Result, or returns its Error from the function.
 #define TRY(expression)                                                 \
   ({                                                                    \
     auto try_result_ = (expression);                                    \

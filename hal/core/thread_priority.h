@@ -1,4 +1,4 @@
-// What runs when there is more to do than processors: the thread that serves a device before those that
+// Scheduling when threads outnumber processors: a thread that serves a device runs before threads that
 // compute. Reentrant.
 #pragma once
 
@@ -6,10 +6,10 @@ namespace hdrcam {
 
 enum class ThreadPriority {
   Usual,
-  Background,  // a tenth of the share of a usual thread, where both want to run
+  Background,  // a tenth of the processor share of a usual thread, where both are ready to run
 };
 
-// Sets it for the calling thread and the threads it starts from now on. There is no way back without
+// Sets it for the calling thread and the threads that it starts later. Raising it again needs
 // privileges.
 void set_priority_of_this_thread(ThreadPriority priority);
 

@@ -1,5 +1,5 @@
-// A fixed set of threads for data-parallel loops. The work of each index is the same whichever thread takes
-// it, so a result never depends on the number of threads; loops that reduce do so over a fixed partition, not
+// A fixed set of threads for data-parallel loops. The work of each index does not depend on the thread that
+// takes it, so a result never depends on the number of threads; reductions run over a fixed partition, not
 // per thread. Thread-bound: one thread owns the pool and calls for_each; nested calls run in place.
 #pragma once
 

@@ -1,6 +1,6 @@
-// A camera that fails on request: it wraps a working one, so that what the program makes of the fault can be
-// compared with the truth. Faults are counted in buffers, from 0. For tests. Thread words of the wrapped
-// camera; no allocation per frame of its own.
+// A camera that fails on request: it wraps a working one, so that the program's reaction to a fault can be
+// compared with the truth. Faults are counted in buffers, from 0. For tests. Thread safety of the wrapped
+// camera; it allocates nothing per frame.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ namespace hdrcam {
 enum class CameraFaultKind {
   Timeout,         // this buffer's wait() times out at once; the next wait() gets it
   Unplug,          // from this buffer on everything returns Unplugged
-  Damaged,         // the driver says so, and half of the pixels are missing
-  Short,           // half of the pixels are missing, and nobody says so
+  Damaged,         // half of the pixels are missing, and the driver reports it
+  Short,           // half of the pixels are missing, and the driver does not report it
   SequenceJump,    // sequence numbers are larger by one from here on, though no frame is missing
-  SequenceRepeat,  // the number of the buffer before
+  SequenceRepeat,  // the number of the previous buffer
   StampBack,       // the stamp lies a second in the past
-  CookieRepeat,    // the cookie of the buffer before
+  CookieRepeat,    // the cookie of the previous buffer
 };
 
 struct CameraFault {

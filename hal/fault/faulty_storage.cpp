@@ -20,7 +20,7 @@ class FaultyStorage::File : public StorageFile {
     return done;
   }
 
-  // A full disk takes what fits, as the kernel does.
+  // A full disk writes as much as fits, as the kernel does.
   Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) override {
     if (disk_.writes_++ == disk_.faults_.failing_write) return refused("write");
     const std::uint64_t end = TRY(inner_->size());

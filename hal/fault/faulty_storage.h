@@ -1,6 +1,6 @@
-// A storage that fails on request: a full disk, a disk that refuses a write, a file that was cut, a disk that
-// flips bits. It wraps a real one, so that what the program leaves behind can be read back. For tests.
-// Thread-safety of the wrapped one, as long as one thread writes.
+// A storage that fails on request: a full disk, a disk that refuses a write, a truncated file, a disk that
+// flips bits. It wraps a real one, so that the files that the program leaves can be read back. For tests.
+// Thread safety of the wrapped one, as long as one thread writes.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class FaultyStorage : public Storage {
   Result<void> make_directories(const std::string& path) override { return inner_.make_directories(path); }
   Result<FileFacts> look_at(const std::string& path) override { return inner_.look_at(path); }
 
-  // What has been asked of the disk so far, refused calls included.
+  // Calls so far, refused ones included.
   std::uint64_t reads() const { return reads_; }
   std::uint64_t writes() const { return writes_; }
   std::uint64_t syncs() const { return syncs_; }

@@ -1,5 +1,5 @@
-// A sync line that fails on request, around a working one. Faults are counted in edges of the wrapped line,
-// from 0. For tests. Thread words of the wrapped line; no allocation per edge of its own.
+// A sync line that fails on request; it wraps a working one. Faults are counted in edges of the wrapped line,
+// from 0. For tests. Thread safety of the wrapped line; it allocates nothing per edge.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 namespace hdrcam {
 
 enum class LineFaultKind {
-  Lost,      // the kernel's queue was full: the sequence number shows the gap
-  Unseen,    // the pulse was too short for the interrupt: nothing shows it
-  Spurious,  // a glitch: the edge comes twice, a microsecond apart, numbered on
+  Lost,      // the kernel's queue was full; the sequence number shows the gap
+  Unseen,    // the pulse was too short for the interrupt; no gap shows it
+  Spurious,  // a glitch: the edge comes twice, a microsecond apart, with consecutive numbers
   Late,      // stamped 5 ms late
   Timeout,   // this edge's wait times out at once; the next wait gets it
   Unplug,    // from this edge on: Unplugged
@@ -41,7 +41,7 @@ class FaultySyncLine : public SyncLine {
   std::unique_ptr<SyncLine> inner_;
   std::vector<LineFault> faults_;
   std::uint64_t edges_ = 0;               // taken from the wrapped line
-  std::uint64_t added_ = 0, hidden_ = 0;  // what numbers are shifted by
+  std::uint64_t added_ = 0, hidden_ = 0;  // shifts of the sequence numbers
   std::optional<Edge> repeat_;
   bool refused_ = false;  // the wait for the next edge, once
 };

@@ -45,7 +45,7 @@ using std::chrono::microseconds;
 constexpr Duration kUsualFrame{33'333'333};
 bool log_shown = false;
 
-// libcamera allows one manager in a process: whoever needs it shares it, the last one ends it.
+// libcamera allows one manager in a process: all users share it, and the last one stops it.
 Result<std::shared_ptr<lc::CameraManager>> camera_manager() {
   static std::mutex mutex;
   static std::weak_ptr<lc::CameraManager> running;
@@ -96,8 +96,8 @@ void describe_exposure(const lc::Camera& camera, CameraCapabilities& capabilitie
   capabilities.exposure_min = microseconds(std::max(1, exposure.min().get<std::int32_t>()));
   capabilities.exposure_max = microseconds(exposure.max().get<std::int32_t>());
   capabilities.exposure_step = has_algorithms(camera) ? microseconds(1) : microseconds(100);
-  // Without algorithms "AnalogueGain" is the position of a slider, 1 at the device's default and 4 at its
-  // highest whatever that amplifies: not a factor, and left at 1.
+  // Without algorithms "AnalogueGain" is a slider position, 1 at the device's default and 4 at its highest,
+  // whatever the amplification: it is not a factor and stays at 1.
   if (!has_algorithms(camera) || !offers(camera, lc::controls::AnalogueGain)) return;
   const auto& gain = camera.controls().at(lc::controls::AnalogueGain.id());
   capabilities.gain_min = gain.min().get<float>(), capabilities.gain_max = gain.max().get<float>();
@@ -268,7 +268,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     std::unique_ptr<lc::Request> request;
     State state = State::Free;
     std::uint64_t cookie = 0;
-    bool control_late = false;  // written by libcamera's thread before the completion is told
+    bool control_late = false;  // written by libcamera's thread before it reports the completion
   };
 
   void give_back(int index) override {
@@ -281,11 +281,11 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Invalid,
                    fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
     if (buffers < 1 || buffers > ControlPacer::kDepth)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, ControlPacer::kDepth)};
+      return Error{ErrorCode::Invalid, fmt::format("a stream cannot have {} buffers; ask for 1 to {}",
+                                                   buffers, ControlPacer::kDepth)};
     if (wanted.width <= 0 || wanted.height <= 0)
       return Error{ErrorCode::Invalid,
-                   fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+                   fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
     if (std::any_of(slots_.begin(), slots_.end(),
                     [](const Slot& slot) { return slot.state == State::Leased; }))
       return Error{ErrorCode::Busy,
@@ -317,8 +317,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
            camera_->controls().at(lc::controls::AnalogueGain.id()).max().get<float>() > 1;
   }
 
-  // Automatics off, frame duration constant: with the start of the stream, or (pipelines that ignore that)
-  // the first frame.
+  // Switches automatic controls off and fixes the frame duration: at the start of the stream, or (in
+  // pipelines that ignore that) with the first frame.
   void take_over(lc::ControlList& controls) const {
     if (offers(*camera_, lc::controls::AeEnable)) controls.set(lc::controls::AeEnable, false);
     if (offers(*camera_, lc::controls::AwbEnable)) controls.set(lc::controls::AwbEnable, false);
@@ -329,7 +329,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     controls.set(lc::controls::FrameDurationLimits, lc::Span<const std::int64_t, 2>(limits));
   }
 
-  // What the request brings with it: its own exposure, or (paced) that of the next frame, whose turn it is.
+  // The controls of the request: its own exposure, or (paced) the exposure of the next frame.
   std::optional<ControlPacer::Turn> set_exposure(lc::ControlList& controls, const ExposureRequest& wanted) {
     std::optional<ControlPacer::Turn> turn;
     if (!capabilities_.sets_exposure) return turn;
@@ -415,7 +415,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   std::vector<Slot> slots_;
   bool first_request_ = false;
 
-  std::mutex completions_mutex_;  // of what libcamera's thread writes; taken inside mutex_, never around it
+  std::mutex
+      completions_mutex_;  // guards what libcamera's thread writes; taken inside mutex_, never around it
   std::condition_variable changed_;
   bool started_ = false;  // written under both
   bool gone_ = false;
@@ -424,7 +425,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   ControlPacer pacer_;
 };
 
-// The camera that is named, or the only one whose id or model contains the name.
+// The camera with this name, or the only one whose id or model contains it.
 Result<std::shared_ptr<lc::Camera>> find_camera(const lc::CameraManager& manager, const std::string& wanted) {
   std::vector<std::shared_ptr<lc::Camera>> matches;
   std::string all;
@@ -437,10 +438,10 @@ Result<std::shared_ptr<lc::Camera>> find_camera(const lc::CameraManager& manager
   }
   if (matches.size() == 1) return matches.front();
   if (matches.size() > 1)
-    return Error{ErrorCode::Invalid, fmt::format("'{}' could be any of {} cameras; use a whole id: {}",
-                                                 wanted, matches.size(), all)};
-  return Error{ErrorCode::NotFound, fmt::format("libcamera knows no camera '{}'; it knows {}", wanted,
-                                                all.empty() ? "none" : all)};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' matches {} cameras; use a whole id: {}", wanted, matches.size(), all)};
+  return Error{ErrorCode::NotFound,
+               fmt::format("libcamera has no camera '{}'; it has {}", wanted, all.empty() ? "none" : all)};
 }
 
 }  // namespace

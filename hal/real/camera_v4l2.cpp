@@ -24,7 +24,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// The nodes of one camera: the capture node, and around it what the media graph knows.
+// The nodes of one camera: the capture node and the nodes that the media graph connects to it.
 struct Nodes {
   DeviceNode video;
   V4l2Identity identity;
@@ -46,15 +46,15 @@ Result<Nodes> open_nodes(const std::string& path) {
   Nodes nodes{std::move(video), std::move(identity), {}, {}, {}};
   auto graph = media_graph_of(path);
   if (!graph || !graph->has_value())
-    return nodes;  // no controller, or not for us: the capture node alone will do
+    return nodes;  // no accessible media controller: the capture node suffices
   nodes.graph = std::move(**graph);
   if (auto media = DeviceNode::open(nodes.graph->node); media.ok()) nodes.media = std::move(*media);
   if (!nodes.graph->sensor_node.empty()) nodes.sensor = TRY(DeviceNode::open(nodes.graph->sensor_node));
   return nodes;
 }
 
-// Gives every pad between the sensor and the receiver the picture's format: the receiver starts only if they
-// agree.
+// Sets the picture's format on every pad between the sensor and the receiver: the receiver starts only if
+// they agree.
 Result<void> set_format_along(const std::vector<SubdevicePad>& path, const StreamMode& mode) {
   if (bus_code_of(mode.format) == 0) return {};
   for (const SubdevicePad& pad : path) {
@@ -202,7 +202,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
                    fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
     if (buffers < 1 || buffers > VIDEO_MAX_FRAME)
       return Error{ErrorCode::Invalid,
-                   fmt::format("{} buffers cannot be; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
+                   fmt::format("a stream cannot have {} buffers; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
     if (std::any_of(slots_.begin(), slots_.end(),
                     [](const Slot& slot) { return slot.state == State::Leased; }))
       return Error{ErrorCode::Busy,
@@ -210,7 +210,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     return {};
   }
 
-  // Where exposures do not travel with their frames: the next frame's, once the frame before it is complete.
+  // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
+  // complete.
   Result<void> write_due_exposure() {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
@@ -232,7 +233,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     const timespec patience{seconds.count(), (left - seconds).count()};
     (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
     if ((fds[1].revents & (POLLERR | POLLHUP)) == 0 || (fds[0].revents & POLLIN) != 0) return {};
-    const std::lock_guard lock(mutex_);  // an error that dequeue() will name, unless stop() was faster
+    const std::lock_guard lock(mutex_);  // dequeue() reports the error, unless stop() came first
     if (!started_) return {};
     v4l2_capability any{};
     return nodes_.video.demand(VIDIOC_QUERYCAP, &any, "deliver frames");
@@ -260,7 +261,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (const bool late = pacer_.completed(buffer.timestamp);
         control_.exists() && !capabilities_.exposure_per_request)
       buffer.control_late = late;
-    last_write_ = write_due_exposure();  // this frame is whole all the same: the next queue() tells
+    last_write_ = write_due_exposure();  // this frame is complete anyway: the next queue() reports it
     return buffer;
   }
 
@@ -268,7 +269,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   Clock& clock_;
   V4l2Stream stream_;
   ExposureControl control_;
-  bool per_request_;  // the exposure control sits on the capture node, where requests reach it
+  bool per_request_;  // the exposure control is on the capture node, so requests can set it
   CameraCapabilities capabilities_;
   V4l2Picture picture_;
   WakeUp wake_;

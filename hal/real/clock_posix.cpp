@@ -1,7 +1,7 @@
 // The clocks of this machine. The offset between two clocks is measured by reading them in a sandwich (a, b,
-// a) and keeping the narrowest of a few: what an interrupt stretched does not count. Suspend moves the boot
-// clock against the monotonic one and NTP moves the real time, so the offsets are measured again when they
-// are older than a second.
+// a) and keeping the narrowest of a few, so that interrupts do not matter. Suspend moves the boot clock
+// against the monotonic one and NTP moves the real time, so the offsets are measured again when they are
+// older than a second.
 #include <time.h>
 
 #include <cerrno>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr Duration kOffsetAge = std::chrono::seconds(1);
 constexpr Duration kSameOffset =
-    std::chrono::microseconds(20);  // what two measurements of one offset differ by
+    std::chrono::microseconds(20);  // the difference between two measurements of one offset
 constexpr int kSandwiches = 8;
 
 Duration read(clockid_t clock) {
@@ -36,8 +36,8 @@ Duration measure_offset(clockid_t other) {
   return offset;
 }
 
-// The offset of one clock. A new measurement within its own noise of the old one changes nothing: the
-// interval between two stamps of a steady clock must not jitter because they were converted at different
+// The offset of one clock. A new measurement within the noise of the old one is ignored: the interval
+// between two stamps of a steady clock must not jitter because they were converted at different
 // times.
 class Offset {
  public:

@@ -1,7 +1,7 @@
-// When to write a control that acts "now" and not with a frame of its own (a sensor sub-device, a USB
-// camera): one request's exposure per frame, as soon as the frame before it is complete. So a request written
-// at frame k shows at frame k + delay, with the delay of the device and nothing else, however many requests
-// wait in the queue. A write that a busy machine made late breaks that promise, and is told. No allocation.
+// Decides when to write a control that acts immediately instead of with its own frame (a sensor sub-device, a
+// USB camera): one request's exposure per frame, as soon as the previous frame is complete. So a request
+// written at frame k acts at frame k + delay, where the delay is that of the device only, however many
+// requests are queued. A write that a busy machine delayed breaks that rule and is reported. No allocation.
 // Thread-compatible.
 #pragma once
 
@@ -32,7 +32,7 @@ class ControlPacer {
     if (completed_ >= queued_) return std::nullopt;
     return Turn{completed_, ring_[completed_ % kDepth].request};
   }
-  // The same, once: nullopt where it is written already.
+  // The same, but nullopt where it is already written.
   std::optional<Turn> due() const { return unwritten_ > completed_ ? std::nullopt : next(); }
 
   void written(const Turn& turn, Instant now) {
@@ -40,7 +40,7 @@ class ControlPacer {
     unwritten_ = turn.index + 1;
     if (turn.index == completed_) ring_[turn.index % kDepth].late = turn.index > 0 && is_late(now - begun_);
   }
-  // A frame is complete; the driver stamped it so. Whether its request's exposure was written late, or never.
+  // Records a complete frame. Returns whether its request's exposure was written late or never.
   bool completed(Instant timestamp) {
     if (completed_ > 0) interval_.add(timestamp - begun_);
     begun_ = timestamp;
@@ -63,8 +63,8 @@ class ControlPacer {
     }
   };
 
-  // Where in a frame a camera takes over what was written nobody knows. But the control's delay was measured
-  // with writes at the usual time, and holds for those.
+  // The point in a frame at which a camera takes over a written control is unknown. But the control's delay
+  // was measured with writes at the usual time and holds for those.
   bool is_late(Duration after_timestamp) {
     const bool late =
         usual_.value && interval_.value && after_timestamp > *usual_.value + *interval_.value / 4;

@@ -1,5 +1,5 @@
-// An open node under /dev, and the sentences for what the kernel may answer: who holds a busy device, which
-// group may open one, that it was unplugged. Thread-compatible.
+// An open node under /dev, and the error texts for the kernel's answers: which process holds a busy device,
+// which group may open it, that it was unplugged. Thread-compatible.
 #pragma once
 
 #include <string>
@@ -25,7 +25,7 @@ class DeviceNode {
   int fd() const { return fd_; }
   const std::string& path() const { return path_; }
 
-  // ioctl() until it is not interrupted: 0, or the errno.
+  // Repeats ioctl() while it is interrupted. Returns 0 or the errno.
   int ask(unsigned long request, void* argument) const;
   // The same as a Result; `doing` completes "cannot ... ": "start the stream".
   Result<void> demand(unsigned long request, void* argument, const char* doing) const;

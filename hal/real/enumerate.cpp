@@ -48,7 +48,7 @@ std::vector<std::string> mode_facts(const CameraCapabilities& camera) {
                         1 / to_seconds(mode.frame_duration));
   }
   for (const auto& [format, list] : sizes) facts.push_back(fmt::format("{}: {}", name(format), list));
-  if (facts.empty()) facts.emplace_back("no picture format that hdrcam knows");
+  if (facts.empty()) facts.emplace_back("no picture format that hdrcam supports");
   return facts;
 }
 
@@ -121,12 +121,12 @@ void add_graphics(std::vector<FoundDevice>& devices) {
     FoundDevice listed{DeviceKind::Graphics, "", device.name, {}, {}};
     listed.facts.push_back(fmt::format("{} device, Vulkan {}, {:.1f} GiB of its own", device.kind, device.api,
                                        device.memory_gib));
-    listed.missing.push_back("not used: this hdrcam computes on the processor");
+    listed.missing.emplace_back("not used: this hdrcam computes on the processor");
     devices.push_back(std::move(listed));
   }
 }
 
-// For the case that there is no camera: the nodes that exist and may not be opened.
+// Used when there is no camera: the nodes that exist but may not be opened.
 std::string what_stands_in_the_way() {
   for (const char* beginning : {"video", "media"})
     for (const std::string& node : nodes_named(beginning))
@@ -141,7 +141,7 @@ Result<std::unique_ptr<Camera>> open_only_camera(Clock& clock) {
     if (device.kind == DeviceKind::Camera && !device.id.empty()) usable.push_back(device.id);
   if (usable.empty())
     return Error{ErrorCode::NotFound, fmt::format("there is no camera; {}", what_stands_in_the_way())};
-  // The same camera may be known to libcamera and as a node: libcamera's comes first and wins.
+  // The same camera may appear both in libcamera and as a node: libcamera's comes first and wins.
   const auto of_libcamera = std::count_if(
       usable.begin(), usable.end(), [](const std::string& id) { return id.starts_with(kLibcameraPrefix); });
   if (of_libcamera > 1 || (of_libcamera == 0 && usable.size() > 1))

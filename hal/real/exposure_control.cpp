@@ -42,8 +42,8 @@ ExposureControl ExposureControl::of_video_node(const DeviceNode& video) {
   control.exposure_ = control.query(V4L2_CID_EXPOSURE_ABSOLUTE);
   control.unit_ns_ = 1e5;
   control.gain_ = control.query(V4L2_CID_GAIN);
-  // The gain of a USB camera has no unit. From a positive lowest code it is taken as proportional; a range
-  // from 0 says nothing about factors, and the gain is left alone.
+  // The gain of a USB camera has no unit. If its lowest code is positive it is assumed proportional; a range
+  // from 0 does not define factors, and the gain is left alone.
   if (control.gain_.min <= 0) control.gain_ = {};
   control.gain_codes_ = {GainCodes::Law::Proportional,
                          static_cast<double>(std::max<std::int64_t>(1, control.gain_.min))};
@@ -79,7 +79,7 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
     return Error{
         ErrorCode::Unsupported,
         fmt::format(
-            "sensor '{}' does not say how long a line lasts (no pixel rate or blanking control), so its "
+            "sensor '{}' does not report how long a line lasts (no pixel rate or blanking control), so its "
             "exposure has no unit",
             node_->path())};
   unit_ns_ = static_cast<double>(width + *hblank) / static_cast<double>(*pixel_rate) * 1e9;

@@ -1,7 +1,7 @@
-// How an exposure reaches a V4L2 device: which controls, on which node, and what one step of them is.
-//   sensor sub-device   V4L2_CID_EXPOSURE in lines, V4L2_CID_ANALOGUE_GAIN in the sensor's codes,
-//   V4L2_CID_VBLANK USB camera          V4L2_CID_EXPOSURE_ABSOLUTE in 100 us, V4L2_CID_GAIN named by the user
-//   any integer control of the capture node, with a unit
+// How an exposure is set on a V4L2 device: which controls, on which node, and the unit of one step.
+//   sensor sub-device   V4L2_CID_EXPOSURE (lines), V4L2_CID_ANALOGUE_GAIN (codes), V4L2_CID_VBLANK
+//   USB camera          V4L2_CID_EXPOSURE_ABSOLUTE in 100 us, V4L2_CID_GAIN
+//   named by the user   any integer control of the capture node, with a unit
 // Thread-compatible.
 #pragma once
 
@@ -29,20 +29,20 @@ class ExposureControl {
   static ExposureControl of_private(const DeviceNode& video, const PrivateExposureControl& control);
 
   bool exists() const { return exposure_.id != 0; }
-  // Automatic exposure, gain, white balance and frame rate off.
+  // Switches automatic exposure, gain, white balance and frame rate off.
   Result<void> take_over() const;
-  // A constant frame duration, of a sensor; the picture is `width` x `height` pixels. Answers the duration
-  // that it became.
+  // Sets a constant frame duration on a sensor; the picture is `width` x `height` pixels. Returns the
+  // resulting duration.
   Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
   // The limits and steps as they are now.
   void describe(CameraCapabilities& camera) const;
-  // Writes now, or into a media request. No allocation unless it fails.
+  // Writes the controls now, or into a media request. No allocation unless it fails.
   Result<void> write(const ExposureRequest& wanted, int request_fd = -1) const;
   struct Applied {
     Duration exposure{0};
     double analogue_gain = 1;
   };
-  // What a completed media request was exposed with; nullopt where the driver does not say.
+  // The exposure of a completed media request; nullopt where the driver does not report it.
   std::optional<Applied> read(int request_fd) const;
 
  private:

@@ -1,4 +1,4 @@
-// One GPIO line as libgpiod gives it; version 1 and 2 of that library each have their implementation.
+// One GPIO line of libgpiod, with one implementation for version 1 and one for version 2 of that library.
 // Thread-bound.
 #pragma once
 
@@ -48,7 +48,7 @@ struct GpioChipState {
 };
 Result<GpioChipState> inspect_gpio_chip(const std::string& node);
 
-// For both versions: "gpiochip0:17" in its parts; nullopt for anything else.
+// For both versions: splits "gpiochip0:17"; nullopt for anything else.
 std::optional<GpioLineName> parse_line_name(const std::string& name);
 // The nodes of all GPIO chips, "/dev/gpiochip0" first.
 std::vector<std::string> gpio_chip_nodes();

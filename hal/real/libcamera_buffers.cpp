@@ -32,7 +32,7 @@ Result<std::unique_ptr<LibcameraBuffers>> LibcameraBuffers::allocate(
   return buffers;
 }
 
-// The planes of one picture lie in one piece of memory, one after the other, with the pipelines that we know.
+// In all known pipelines the planes of one picture lie in one piece of memory, one after the other.
 Result<void> LibcameraBuffers::map(libcamera::FrameBuffer& buffer) {
   const auto& planes = buffer.planes();
   std::size_t begin = planes[0].offset, end = begin;

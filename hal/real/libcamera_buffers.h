@@ -15,7 +15,7 @@ namespace hdrcam {
 
 class LibcameraBuffers {
  public:
-  // As many as the pipeline gives, `wanted` at most.
+  // Allocates as many as the pipeline provides, at most `wanted`.
   static Result<std::unique_ptr<LibcameraBuffers>> allocate(const std::shared_ptr<libcamera::Camera>& camera,
                                                             libcamera::Stream& stream, int wanted);
   ~LibcameraBuffers();

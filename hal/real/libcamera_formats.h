@@ -1,4 +1,4 @@
-// PixelFormat in libcamera's words. Reentrant.
+// PixelFormat as libcamera names it. Reentrant.
 #pragma once
 
 #include <libcamera/formats.h>

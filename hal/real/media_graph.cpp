@@ -69,8 +69,8 @@ std::string node_of(const Topology& graph, std::uint32_t entity) {
   return {};
 }
 
-// A source pad and whatever it feeds: a receiver starts only if all of these agree, branches that nobody
-// reads included.
+// A source pad and everything that it feeds: a receiver starts only if all of these agree, unread branches
+// included.
 void note_pads(const Topology& graph, const media_v2_pad& source, std::vector<SubdevicePad>& path) {
   const auto note = [&](const media_v2_pad& pad) {
     const std::string node = node_of(graph, pad.entity_id);
@@ -84,7 +84,7 @@ void note_pads(const Topology& graph, const media_v2_pad& source, std::vector<Su
   }
 }
 
-// Walks against the light, from an entity to a sensor, and notes the pads in the order of the light.
+// Walks upstream from an entity to a sensor and lists the pads in downstream order.
 bool find_sensor(const Topology& graph, const media_v2_entity& from, MediaGraph& found, int depth = 0) {
   if (from.function == MEDIA_ENT_F_CAM_SENSOR) {
     found.sensor_name = from.name, found.sensor_node = node_of(graph, from.id);

@@ -1,4 +1,4 @@
-// The media controller's graph around one capture node: which sensor feeds it, through which sub-devices.
+// The media controller's graph of one capture node: which sensor feeds it, through which sub-devices.
 // Reentrant.
 #pragma once
 
@@ -21,10 +21,10 @@ struct MediaGraph {
   std::string node;  // "/dev/media0"
   std::string sensor_name,
       sensor_node;                 // empty: the sensor is inside the driver (USB cameras) or there is none
-  std::vector<SubdevicePad> path;  // in the order in which light travels: sensor first
+  std::vector<SubdevicePad> path;  // in the direction of the data: sensor first
 };
 
-// nullopt where no media device knows the capture node. Permission where one exists that may not be opened.
+// nullopt where no media device has the capture node. Permission where one exists that may not be opened.
 Result<std::optional<MediaGraph>> media_graph_of(const std::string& video_node);
 
 }  // namespace hdrcam

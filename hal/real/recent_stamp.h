@@ -1,4 +1,4 @@
-// Drivers stamp frames and edges with one of the machine's clocks, and not all say with which one.
+// Drivers stamp frames and edges with one of the machine's clocks, and not all report which one.
 // Thread-safe.
 #pragma once
 
@@ -6,8 +6,8 @@
 
 namespace hdrcam {
 
-// A stamp of which only this is known: it was taken in the last seconds. The clock is the one that shows
-// about that time now; where two do (boot and monotonic, until the first suspend) they agree.
+// Converts a stamp of an unknown clock, taken in the last seconds. The clock is the one whose time is near
+// the stamp now; where two are (boot and monotonic, until the first suspend), they agree.
 Instant instant_of_recent_stamp(Clock& clock, Duration stamp);
 
 }  // namespace hdrcam

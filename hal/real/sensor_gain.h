@@ -1,5 +1,5 @@
-// What the code of V4L2_CID_ANALOGUE_GAIN means: the kernel passes a sensor's register value and says nothing
-// about it. The formulas are those of the data sheets, as libcamera lists them (camera_sensor_helper.cpp).
+// The meaning of the code of V4L2_CID_ANALOGUE_GAIN: the kernel passes a sensor's register value without its
+// unit. The formulas are those of the data sheets, as libcamera lists them (camera_sensor_helper.cpp).
 // Reentrant.
 #pragma once
 
@@ -17,8 +17,8 @@ struct GainCodes {
   double code_of(double gain) const;
 };
 
-// Of a sensor by its entity name ("imx219 10-0010"). A sensor that is not listed is taken as proportional,
-// with gain 1 at its lowest code, which is then known to be positive; `lowest_code` is of the driver.
+// The law of a sensor, by its entity name ("imx219 10-0010"). An unlisted sensor is assumed proportional,
+// with gain 1 at the driver's `lowest_code`, which must be positive.
 GainCodes gain_codes_of(std::string_view sensor, double lowest_code);
 
 }  // namespace hdrcam

@@ -42,7 +42,7 @@ FileKind kind_of(const struct stat& status) {
   return S_ISDIR(status.st_mode) ? FileKind::Folder : FileKind::Other;
 }
 
-// Where a symbolic link to a file that is not there yet leads: what the standard library leaves unresolved.
+// Resolves a symbolic link to a file that does not exist yet, which the standard library does not.
 std::filesystem::path end_of_links(std::filesystem::path path) {
   constexpr int kMostLinks = 40;  // as many as the kernel follows
   std::error_code ignored;
@@ -93,7 +93,7 @@ class PosixFile : public StorageFile {
   }
 
  private:
-  // A FIFO or a terminal has no places: it takes what comes, in order.
+  // A FIFO or a terminal has no offsets: bytes are written in order.
   ssize_t write_some(std::uint64_t offset, std::span<const std::byte> bytes) {
     if (!streams_) {
       const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));

@@ -27,18 +27,18 @@ class GpioSyncLine : public SyncLine {
       return Error{ErrorCode::Unsupported,
                    fmt::format("GPIO line '{}' is an input and drives no pulse", settings_.line)};
     if (width <= Duration::zero())
-      return Error{ErrorCode::Invalid, fmt::format("a pulse of {} ns on GPIO line '{}' cannot be",
+      return Error{ErrorCode::Invalid, fmt::format("a pulse width of {} ns on GPIO line '{}' is not positive",
                                                    width.count(), settings_.line)};
     if (closed_) return closed();
     TRY(line_->set(true));
-    clock_.sleep_until(clock_.now() + width);  // from after the line went active, so that no pulse is short
+    clock_.sleep_until(clock_.now() + width);  // counted from the active line, so that no pulse is too short
     return line_->set(false);
   }
 
   Result<Edge> wait_edge(Duration timeout) override {
     if (output())
       return Error{ErrorCode::Unsupported,
-                   fmt::format("GPIO line '{}' is an output and sees no edges", settings_.line)};
+                   fmt::format("GPIO line '{}' is an output and reports no edges", settings_.line)};
     const auto deadline = SteadyClock::now() + timeout;
     for (;;) {
       if (closed_) return closed();
@@ -67,8 +67,8 @@ class GpioSyncLine : public SyncLine {
     return {ErrorCode::Interrupted, fmt::format("GPIO line '{}' is closed", settings_.line)};
   }
 
-  // Edges alternate. Where the kernel does not count them, two of a kind in a row show that one between them
-  // was lost.
+  // Edges alternate. Where the kernel does not count them, two equal edges in a row show that one between
+  // them was lost.
   Result<Edge> next_edge() {
     const GpioEvent event = TRY(line_->read_event());
     if (event.line_sequence)

@@ -1,5 +1,5 @@
-// A sync line on a GPIO pin, through libgpiod. In a build without it every call answers Unsupported and says
-// what to install.
+// A sync line on a GPIO pin, through libgpiod. In a build without it every call returns Unsupported and names
+// the package to install.
 #pragma once
 
 #include <memory>

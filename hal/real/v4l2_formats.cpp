@@ -13,7 +13,7 @@ struct Row {
   PixelFormat format;
   std::uint32_t fourcc, bus_code;
 };
-// MJPEG comes from USB cameras as MJPG; the packed formats cross the bus as their unpacked twins.
+// USB cameras call MJPEG MJPG; packed formats have the bus code of their unpacked variant.
 constexpr Row kRows[] = {
     {PixelFormat::Rgb24, V4L2_PIX_FMT_RGB24, MEDIA_BUS_FMT_RGB888_1X24},
     {PixelFormat::Bgr24, V4L2_PIX_FMT_BGR24, MEDIA_BUS_FMT_BGR888_1X24},

@@ -60,7 +60,7 @@ std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
   return list.empty() ? "none" : list;
 }
 
-// The two faces of a format: one plane in `pix`, or the first plane of `pix_mp`.
+// Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
 struct Face {
   std::uint32_t width, height, fourcc, stride, bytes;
 };
@@ -129,7 +129,7 @@ std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_ty
 Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted) {
   if (wanted.width <= 0 || wanted.height <= 0)
     return Error{ErrorCode::Invalid,
-                 fmt::format("a picture of {} x {} pixels cannot be", wanted.width, wanted.height)};
+                 fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
   v4l2_format format{};
   format.type = queue_type;
   write_format(wanted, format);

@@ -1,5 +1,5 @@
-// What a V4L2 capture node offers, and the choice of one of it. Single-planar and multi-planar queues alike,
-// as long as a picture lies in one piece of memory. Reentrant.
+// The modes of a V4L2 capture node, and the choice of one of them. Single-planar and multi-planar queues work
+// alike, as long as a picture lies in one piece of memory. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct V4l2Identity {
 };
 Result<V4l2Identity> identify(const DeviceNode& video);
 
-// All modes in formats that we know, each with its shortest frame duration (33.3 ms where the driver names
+// All modes in the supported formats, each with its shortest frame duration (33.3 ms where the driver reports
 // none).
 std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_type);
 
@@ -25,7 +25,7 @@ struct V4l2Picture {
   StreamMode mode;
   std::size_t stride = 0, bytes = 0;  // of a row (0: compressed), of a whole picture
 };
-// The nearest to `wanted` that the driver agrees to. Unsupported, naming what it offers, for another format.
+// Sets the nearest mode that the driver accepts. Unsupported for another format, naming the offered ones.
 Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, const StreamMode& wanted);
 
 }  // namespace hdrcam

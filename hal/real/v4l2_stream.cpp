@@ -85,7 +85,7 @@ Result<void> V4l2Stream::map(int index) {
   return {};
 }
 
-// A request that a stopped stream left behind cannot be trusted: new ones at every start.
+// A request left over from a stopped stream is not usable: every start makes new ones.
 Result<void> V4l2Stream::make_requests() {
   for (Buffer& buffer : buffers_) {
     close_if_open(buffer.request_fd);

@@ -16,7 +16,7 @@ namespace hdrcam {
 
 class V4l2Stream {
  public:
-  // video outlives this. `media`: the node to make requests on, or nullptr; it outlives this too.
+  // `video` outlives this. `media`: the node for media requests, or nullptr; it outlives this too.
   V4l2Stream(const DeviceNode& video, const DeviceNode* media, std::uint32_t queue_type)
       : video_(video), media_(media), queue_type_(queue_type) {}
   ~V4l2Stream();
@@ -30,11 +30,11 @@ class V4l2Stream {
     return buffers_[static_cast<std::size_t>(index)].memory;
   }
   int dmabuf_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].dmabuf_fd; }
-  // Of this buffer's media request; -1 where there is none. Holds the controls of its last frame until
+  // This buffer's media request; -1 where there is none. It holds the controls of its last frame until
   // renew().
   int request_fd(int index) const { return buffers_[static_cast<std::size_t>(index)].request_fd; }
 
-  // As the driver's queue says, once buffers are allocated.
+  // As the driver's queue reports them, once buffers are allocated.
   bool takes_requests() const { return media_ != nullptr; }
   TimestampMark timestamp_mark() const { return timestamp_mark_; }
 
@@ -48,7 +48,7 @@ class V4l2Stream {
     int index = 0;
     std::uint32_t sequence = 0, flags = 0;
     std::size_t bytes = 0;
-    Duration stamp{0};  // of the clock that the flags tell
+    Duration stamp{0};  // of the clock that the flags name
   };
   // The next filled buffer; nullopt where none is ready. Unplugged.
   Result<std::optional<Filled>> dequeue();

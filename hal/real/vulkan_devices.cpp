@@ -96,7 +96,7 @@ class Instance {
 }  // namespace
 
 Result<std::vector<VulkanDevice>> vulkan_devices() {
-  // Never closed: drivers leave something behind on each thread that has used them.
+  // Never closed: drivers leave thread-local state on each thread that has used them.
   static void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr)
     return Error{ErrorCode::NotFound, "there is no Vulkan loader; install libvulkan1 and a driver"};

@@ -1,5 +1,5 @@
-// The graphics devices that Vulkan knows, software ones included. The loader is opened when asked for, so
-// that neither build nor program depends on it. Reentrant.
+// The graphics devices that Vulkan finds, software ones included. The loader is opened on demand, so that
+// neither build nor program depends on it. Reentrant.
 #pragma once
 
 #include <string>
@@ -16,8 +16,8 @@ struct VulkanDevice {
   double memory_gib = 0;  // of its own heaps
 };
 
-// NotFound where no loader or no driver is installed, Unsupported in a build without Vulkan's headers: each
-// says what to install.
+// NotFound where no loader or no driver is installed, Unsupported in a build without Vulkan's headers: the
+// message names the package to install.
 Result<std::vector<VulkanDevice>> vulkan_devices();
 
 }  // namespace hdrcam

@@ -15,10 +15,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLatestSeconds = 9e9;  // what nanoseconds in 64 bits hold
+constexpr double kLatestSeconds = 9e9;  // the largest time that 64-bit nanoseconds hold
 
-// Python writes NaN and Infinity, which JSON does not know. They become strings of the same length, so that
-// positions stay and the field is refused for what it is: not a number.
+// Python writes NaN and Infinity, which JSON does not have. They become strings of the same length, so that
+// positions stay and the field is refused because it is not a number.
 void quote_non_numbers(std::string& text) {
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -63,7 +63,7 @@ class Fields {
 
   const std::string& where() const { return where_; }
   bool has(const char* key) const { return object_.is_object() && object_.contains(key); }
-  // What stands there, shortened, for a message.
+  // The value of the field, shortened, for a message.
   std::string shown(const char* key) const {
     if (!has(key)) return "missing";
     std::string text = object_.at(key).dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -197,7 +197,7 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   return frame;
 }
 
-// The slot of each frame as its exposures alone tell.
+// The slot of each frame as it follows from the exposures alone.
 std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
   std::vector<FrameFacts> facts;
   for (const ClipFrame& frame : frames) facts.push_back(frame.facts), facts.back().slot = -1;

@@ -1,5 +1,5 @@
 // The clip.json of an image sequence (docs/recording.md): the facts of the camera and of each frame, and the
-// image that holds its pixels. Every complaint names the file, the frame and the value. Reentrant.
+// image that holds its pixels. Every error names the file, the frame and the value. Reentrant.
 #pragma once
 
 #include <optional>
@@ -19,16 +19,16 @@ struct ClipFrame {
 
 struct Clip {
   CameraFacts camera;
-  bool layout_is_named = false;  // otherwise the first image tells RGB from mono
+  bool layout_is_named = false;  // otherwise the first image decides between RGB and mono
   std::vector<ClipFrame> frames;
 };
 
-// path: of the clip.json, for the messages. Slots that no frame names are found from the exposures.
-// Errors: Invalid (no JSON, with line and byte; a key that is missing or cannot be), BadExposure, TooShort
-// (below two frames).
+// path: of the clip.json, for the messages. Slots that no frame states are found from the exposures. Errors:
+// Invalid (no JSON, with line and byte; a key that is missing or wrong), BadExposure, TooShort (below two
+// frames).
 Result<Clip> clip_from_json(std::string text, const std::string& path);
 
-// Facts that have their default, and slots that the exposures tell, are left out.
+// Facts with their default value, and slots that follow from the exposures, are left out.
 std::string clip_to_json(const Clip& clip);
 
 }  // namespace hdrcam

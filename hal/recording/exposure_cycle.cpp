@@ -10,8 +10,8 @@ constexpr std::uint64_t kLongestPeriod = 64;  // no schedule is longer; bounds t
 
 bool is_exposure(double exposure) { return exposure > 0 && std::isfinite(exposure); }
 
-// The cycle in which each frame has the slot that `slot_at` says (-1: none), or one of period 0 where the
-// exposures of a slot do not agree or a slot was not seen.
+// The cycle in which `slot_at` gives the slot of each frame (-1: none), or one of period 0 where the
+// exposures of a slot do not agree or a slot does not occur.
 template <class SlotAt>
 ExposureCycle cycle_of(std::span<const FrameFacts> frames, std::size_t period, double tolerance_ev,
                        const SlotAt& slot_at) {
@@ -55,8 +55,7 @@ ExposureCycle find_exposure_cycle(std::span<const FrameFacts> frames, double tol
   if (ExposureCycle cycle = recorded_cycle(frames, tolerance_ev); cycle.recorded) return cycle;
   std::uint64_t range = 0;
   for (const FrameFacts& frame : frames) {
-    if (frame.sequence < frames.front().sequence)
-      return {};  // the counter ran backwards: nothing to count by
+    if (frame.sequence < frames.front().sequence) return {};  // the counter ran backward and is not usable
     range = std::max(range, frame.sequence - frames.front().sequence + 1);
   }
   for (std::uint64_t period = 1;

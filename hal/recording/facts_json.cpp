@@ -16,8 +16,8 @@ constexpr int kVersion = 1;
 constexpr std::string_view kSealKey = R"(,"crc32":")";
 constexpr std::size_t kSealLength = 10 + 8 + 2;  // the key, eight hex digits, `"}`
 
-// The dump of the library gives the shortest text that reads back as the same double, and null for what is
-// not finite.
+// The library writes the shortest text that reads back as the same double, and null for a number that is not
+// finite.
 double number(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
@@ -29,7 +29,7 @@ std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view t
   return static_cast<std::uint32_t>(crc);
 }
 
-// Any text is dumped: bytes that are no UTF-8 are replaced.
+// Any text can be written: bytes that are not UTF-8 are replaced.
 std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 CameraFacts camera_of(const Json& json) {

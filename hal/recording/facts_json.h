@@ -1,5 +1,5 @@
-// Camera and frame facts as JSON text, sealed with a checksum (docs/recording.md). Doubles come back bit by
-// bit; a number that is not finite becomes null and comes back as NaN. Reentrant.
+// Camera and frame facts as JSON text, sealed with a checksum (docs/recording.md). Doubles are read back bit
+// by bit; a number that is not finite becomes null and is read back as NaN. Reentrant.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ std::string to_json(const CameraFacts& camera);
 std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits);
 std::string end_record_json(std::uint64_t frames);
 
-// Errors: Corrupt where a fact is missing or cannot be; Unsupported for a newer format.
+// Errors: Corrupt where a fact is missing or impossible; Unsupported for a newer format.
 Result<CameraFacts> camera_from_json(std::string_view text);
 Result<FactsRecord> record_from_json(std::string_view text, int bits);
 
@@ -34,9 +34,9 @@ std::optional<PixelLayout> layout_named(std::string_view name);
 std::optional<ExposureSource> exposure_source_named(std::string_view name);
 std::optional<Verdict> verdict_named(std::string_view name);
 
-// Appends `"crc32"` to a JSON object: over the payload, then over the text as it was.
+// Appends `"crc32"` to a JSON object: the checksum over the payload, then over the text before.
 std::string seal(const std::string& json_object, std::span<const std::uint8_t> payload);
-// Whether text is a sealed object and payload and text are as they were when it was sealed.
+// Whether text is a sealed object, and payload and text are unchanged since it was sealed.
 bool seal_holds(std::string_view sealed, std::span<const std::uint8_t> payload);
 
 }  // namespace hdrcam

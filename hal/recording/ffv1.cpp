@@ -81,8 +81,8 @@ void unpack(const AVFrame& frame, Image<std::uint16_t>& codes) {
   }
 }
 
-// Whether every slice matches its checksum (RFC 9043, section 4.9): the library's decoder fills a slice that
-// does not from the picture before, and says nothing.
+// Whether every slice matches its checksum (RFC 9043, section 4.9): the library's decoder silently fills a
+// damaged slice from the previous picture.
 bool slices_are_whole(const AVPacket& packet) {
   constexpr int kFooterBytes = 8;  // size of the slice, 3 bytes; its state, 1; checksum over all of it, 4
   const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
@@ -114,7 +114,8 @@ Result<void> check_recordable(const CameraFacts& camera) {
                  fmt::format("codes of {} bits cannot be recorded; 8 to 16 can", camera.bits)};
   if (!(camera.framerate_hz > 0) || !std::isfinite(camera.framerate_hz))
     return Error{ErrorCode::Invalid,
-                 fmt::format("a frame rate of {} Hz cannot be; it is greater than 0", camera.framerate_hz)};
+                 fmt::format("a frame rate of {} Hz cannot be recorded; it must be greater than 0",
+                             camera.framerate_hz)};
   return {};
 }
 
@@ -162,8 +163,9 @@ Result<AVPacket*> Ffv1Encoder::encode(const Image<std::uint16_t>& codes) {
   std::uint32_t used = 0;
   for (const std::uint16_t code : codes.samples()) used |= code;
   if ((used >> bits_) != 0)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("a frame holds codes beyond {} bits; the camera facts say {}", bits_, bits_)};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("a frame holds codes of more than {} bits; the camera facts state {}", bits_, bits_)};
   if (av_frame_make_writable(frame_.get()) < 0) return Error{ErrorCode::Io, "no memory for a frame"};
   pack(codes, *frame_);
   av_packet_unref(packet_.get());

@@ -1,5 +1,5 @@
-// FFV1 version 3, every frame by itself, slice checksums on: pictures of codes to packets and back, without
-// loss (docs/recording.md, RFC 9043). The bytes do not depend on the number of threads. Thread-bound.
+// FFV1 version 3, intra frames only, slice checksums on: pictures of codes to packets and back, without loss
+// (docs/recording.md, RFC 9043). The bytes do not depend on the number of threads. Thread-bound.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hdrcam {
 
-// Size and depth that a recording can hold. Errors: Invalid.
+// Checks that a recording can hold the size and bit depth. Errors: Invalid.
 Result<void> check_recordable(const CameraFacts& camera);
 
 class Ffv1Encoder {
@@ -32,7 +32,7 @@ class Ffv1Encoder {
 
 class Ffv1Decoder {
  public:
-  // stream: the video track. Errors: Corrupt where it is not what the camera facts ask for.
+  // stream: the video track. Errors: Corrupt where it does not match the camera facts.
   static Result<Ffv1Decoder> open(const CameraFacts& camera, const AVCodecParameters& stream);
   // Errors: Corrupt.
   Result<void> decode(const AVPacket& packet, Image<std::uint16_t>& codes);

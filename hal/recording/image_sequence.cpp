@@ -9,8 +9,8 @@
 namespace hdrcam {
 namespace {
 
-// 16-bit samples to codes: the code in the upper bits, or scaled to the full range. False where a sample is
-// neither.
+// 16-bit samples to codes: the code in the upper bits, or scaled to the full range. Returns false where a
+// sample is neither.
 bool to_codes(Image<std::uint16_t>& samples, int bits) {
   const int shift = 16 - bits, largest = (1 << bits) - 1;
   bool exact = true;
@@ -65,7 +65,7 @@ Result<RawFrame> ImageSequence::read(int index) const {
                              found, expected, name(camera.layout))};
   if (image.bits_per_sample < camera.bits)
     return Error{ErrorCode::Invalid,
-                 fmt::format("frame {}: '{}' has 8 bits a sample, the clip says {}; set 'bits' to 8", index,
+                 fmt::format("frame {}: '{}' has 8 bits a sample, the clip states {}; set 'bits' to 8", index,
                              path_of(index), camera.bits)};
   if (image.bits_per_sample == 16 && !to_codes(image.samples, camera.bits))
     return Error{ErrorCode::Invalid,

@@ -1,5 +1,5 @@
 // A clip as a folder of PNG images with a clip.json (docs/recording.md): read one frame at a time, and
-// written back so that it reads the same, bit by bit. Thread-bound.
+// written so that it reads back the same, bit by bit. Thread-bound.
 #pragma once
 
 #include <memory>
@@ -51,9 +51,9 @@ class ImageSequenceWriter {
   static Result<ImageSequenceWriter> create(Storage& storage, const std::string& folder,
                                             const CameraFacts& camera);
 
-  // Writes the image, whole. Errors: SizeChanged, Permission, NoSpace, Io.
+  // Writes the whole image. Errors: SizeChanged, Permission, NoSpace, Io.
   Result<void> append(const RawFrame& frame);
-  // Writes the clip.json; before that the folder holds images but no clip.
+  // Writes the clip.json; until then the folder holds images but no clip.
   Result<void> finish();
 
  private:

@@ -1,5 +1,5 @@
-// Ownership and errors of the FFmpeg libraries, for the files of this folder that call them. Their messages
-// go nowhere: what matters comes back as an Error.
+// Ownership and errors of the FFmpeg libraries, for the files of this folder that call them. Their log is
+// silenced; failures are returned as an Error.
 #pragma once
 
 extern "C" {
@@ -23,7 +23,7 @@ using CodecContext = std::unique_ptr<AVCodecContext, Free>;
 using Frame = std::unique_ptr<AVFrame, Free>;
 using Packet = std::unique_ptr<AVPacket, Free>;
 
-// The library's own words for a negative return code.
+// The library's message for a negative return code.
 inline std::string words(int code) {
   char text[AV_ERROR_MAX_STRING_SIZE] = {};
   av_strerror(code, text, sizeof text);

@@ -1,4 +1,4 @@
-// What the writer and the reader of a recording agree on (docs/recording.md).
+// Constants shared by the writer and the reader of a recording (docs/recording.md).
 #pragma once
 
 namespace hdrcam::matroska {

@@ -1,5 +1,5 @@
-// The recording on its way back: packets come in pairs, a picture and its facts, and leave only when the
-// checksum over both holds. Holds one frame at a time.
+// Reads a recording: packets come in pairs, a picture and its facts, and are returned only when the checksum
+// over both is right. It holds one frame at a time.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -22,7 +22,7 @@ struct CloseDemuxer {
 struct Container {
   std::unique_ptr<StorageStream> stream;  // outlives the demuxer
   std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
-  bool whole = false;  // finished, and as long as it was then
+  bool whole = false;  // finished, and not truncated since
 
   std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
 };
@@ -30,8 +30,8 @@ struct Container {
 constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf},
                                                  std::byte{0xa3}};
 
-// Whether finish() reached the end of its work: the Segment, the second element of a Matroska file, then has
-// a size, and the file is that long. Element: identifier, size (first byte: its length in leading zeros),
+// Whether finish() completed: the Segment, the second element of a Matroska file, then has a size,
+// and the file is that long. Element: identifier, size (first byte: its length in leading zeros),
 // content.
 Result<bool> is_whole(StorageFile& file) {
   const std::uint64_t file_size = TRY(file.size());
@@ -105,7 +105,7 @@ std::string_view text_of(const AVPacket& packet) {
   return {reinterpret_cast<const char*>(packet.data), static_cast<std::size_t>(packet.size)};
 }
 
-// The number of frames, from the end record, which the index leads to. A container of its own, since it
+// The number of frames, from the end record, which the index locates. It opens its own container, because it
 // seeks.
 std::optional<int> count_frames(Storage& storage, const std::string& path, const CameraFacts& camera) {
   auto container = open_container(storage, path);
@@ -130,7 +130,7 @@ class MatroskaReader : public RecordingReader {
   Result<std::optional<FrameFacts>> next_facts() override;
 
  private:
-  // A proved frame whose picture is in picture_; nullopt at the end.
+  // A frame with a valid checksum whose picture is in picture_; nullopt at the end.
   using Advance = Result<std::optional<FrameFacts>>;
 
   MatroskaReader(std::string path, Container container, CameraFacts camera, Ffv1Decoder decoder)
@@ -153,7 +153,7 @@ class MatroskaReader : public RecordingReader {
   libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
   bool has_picture_ = false;      // picture_ waits for its facts
   std::optional<Advance> ahead_;  // the first frame: read when the file was opened
-  std::optional<Advance> last_;   // the end or the error, which stays
+  std::optional<Advance> last_;   // the end or the error; permanent
   std::uint64_t frames_ = 0;
 };
 
@@ -177,7 +177,7 @@ Error MatroskaReader::corrupt(const std::string& what) const {
   return {ErrorCode::Corrupt, fmt::format("'{}' is damaged at frame {}: {}", path_, frames_, what)};
 }
 
-// No packet is left, and the end record was not among them.
+// No packet is left, and there was no end record.
 Error MatroskaReader::ended() const {
   if (container_.whole) return corrupt("the rest of the file cannot be read");
   return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_)};

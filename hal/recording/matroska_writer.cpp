@@ -1,4 +1,4 @@
-// The recording on its way to the disk: one cluster per frame, each whole before the next one starts.
+// Writes a recording: one cluster per frame, each complete before the next one starts.
 extern "C" {
 #include <libavutil/opt.h>
 }
@@ -17,7 +17,8 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
-constexpr Duration kSyncInterval = std::chrono::seconds(1);  // of recorded time: what a power cut may cost
+constexpr Duration kSyncInterval =
+    std::chrono::seconds(1);  // of recorded time: the most that a power cut loses
 constexpr AVRational kMilliseconds = {1, 1000};
 
 struct FreeMuxer {
@@ -81,7 +82,7 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
   add_pixel_track(camera);
   add_facts_track();
   av_dict_set(&muxer->metadata, matroska::kCameraTag, seal(to_json(camera), {}).c_str(), 0);
-  // The muxer must never end a cluster by itself: a picture and its facts belong into one.
+  // The muxer must never end a cluster by itself: a picture and its facts belong in the same one.
   av_opt_set_int(muxer->priv_data, "cluster_size_limit", INT_MAX, 0);
   av_opt_set_int(muxer->priv_data, "cluster_time_limit", INT_MAX, 0);
   TRY(checked(avformat_write_header(muxer, nullptr), "write the header of the recording"));
@@ -107,7 +108,7 @@ void MatroskaWriter::add_facts_track() {
   av_dict_set(&track->metadata, "language", "zxx", 0);  // no linguistic content
 }
 
-// The storage's own error before the library's number for it; whichever was first stays.
+// Prefers the storage's own error to the library's number for it; the first error is kept.
 Result<void> MatroskaWriter::checked(int code, const char* what) {
   if (stream_.failure())
     failure_ = stream_.failure();
@@ -123,7 +124,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   AVPacket* picture = TRY(encoder_.encode(frame.codes));
   const Instant now = frame.facts.timestamp;
   if (frames_ == 0) first_ = synced_ = now;
-  // A player wants time that does not run backwards; the true time is in the facts.
+  // A player needs time that does not run backward; the true time is in the facts.
   const auto since_first = std::chrono::duration_cast<std::chrono::milliseconds>(now - first_).count();
   if (frames_ > 0) pts_ms_ = std::max(pts_ms_, std::int64_t{since_first});
   const std::string facts =

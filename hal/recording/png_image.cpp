@@ -15,8 +15,8 @@ namespace {
 constexpr png_uint_32 kMaxSidePng = 1u << 20;  // larger ones are refused before anything is allocated
 constexpr int kCompression = 4;
 
-// libpng leaves through longjmp. So the functions that call it hold no object with a destructor: everything
-// they need lives in here, with their caller.
+// libpng reports errors through longjmp, so the functions that call it hold no object with a destructor:
+// their state is here, in the caller.
 struct Reading {
   png_structp png = nullptr;
   png_infop info = nullptr;

@@ -20,7 +20,7 @@ struct PngImage {
 // Permission; SizeChanged; Unsupported for grey of fewer than 8 bits; Corrupt. Messages begin with the path.
 Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, int rows);
 
-// Writes it whole or not at all. Errors: Permission, NoSpace, Io.
+// Writes the whole file or nothing. Errors: Permission, NoSpace, Io.
 Result<void> write_png(Storage& storage, const std::string& path, const PngImage& image);
 
 }  // namespace hdrcam

@@ -1,6 +1,6 @@
-// What a recording holds: raw frames and every fact about them. It knows no HDR. The container (FFV1 in
-// Matroska, facts in a JSON data track) is specified in docs/recording.md. The reader and the writer are
-// thread-bound; the storage outlives them.
+// Reading and writing recordings: raw frames and every fact about them. The container (FFV1 in Matroska,
+// facts in a JSON data track) is specified in docs/recording.md. The reader and the writer are thread-bound;
+// the storage outlives them.
 #pragma once
 
 #include <memory>
@@ -16,10 +16,10 @@ namespace hdrcam {
 class RecordingWriter {
  public:
   virtual ~RecordingWriter() = default;
-  // Appends one frame, whole, before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`),
-  // NoSpace, Io.
+  // Appends one whole frame before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`), NoSpace,
+  // Io.
   virtual Result<void> append(const RawFrame& frame) = 0;
-  // Writes the end record and the index. Without it the file reads up to its last whole cluster.
+  // Writes the end record and the index. Without them the file is readable up to its last whole cluster.
   virtual Result<void> finish() = 0;
 };
 
@@ -27,18 +27,18 @@ class RecordingReader {
  public:
   virtual ~RecordingReader() = default;
   virtual const CameraFacts& camera() const = 0;
-  // Frames in the index, or nullopt where the file was cut before it was written.
+  // Frames in the index, or nullopt where the file was truncated before the index was written.
   virtual std::optional<int> frame_count() const = 0;
-  // The next frame; nullopt at the end. Truncated where the file was cut, after all its whole frames.
+  // The next frame; nullopt at the end. Truncated where the file was cut short, after all its whole frames.
   virtual Result<std::optional<RawFrame>> next() = 0;
-  // As next(), but the pixels are only checked, not decoded: for whoever lists a recording.
+  // Like next(), but the pixels are only checked, not decoded: for listing a recording.
   virtual Result<std::optional<FrameFacts>> next_facts();
 };
 
 constexpr int kMinSidePx = 2,
               kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
 
-// Errors: Exists where there is a file that may not be replaced; Permission, also for a device or a FIFO;
+// Errors: Exists where a file exists that may not be replaced; Permission, also for a device or a FIFO;
 // NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has failed, every
 // later call returns the same error.
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,

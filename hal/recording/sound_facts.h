@@ -1,5 +1,5 @@
-// Whether facts that came from a file can be those of a camera. Each function gives nullopt, or a clause that
-// says what is wrong with which value, to be put after "frame 3: ". Reentrant.
+// Checks whether facts from a file are possible for a camera. Each function returns nullopt, or a clause that
+// names the wrong value and what is wrong, to follow "frame 3: ". Reentrant.
 #pragma once
 
 #include <optional>

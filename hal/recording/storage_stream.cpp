@@ -48,8 +48,7 @@ int StorageStream::read(void* self, std::uint8_t* bytes, int size) {
 
 int StorageStream::write(void* self, std::uint8_t* bytes, int size) {
   auto& stream = *static_cast<StorageStream*>(self);
-  if (stream.failure_)
-    return AVERROR(EIO);  // what comes after a failed write must not look like a whole cluster
+  if (stream.failure_) return AVERROR(EIO);  // data after a failed write must not look like a whole cluster
   const auto done =
       stream.file_->write_at(stream.offset_, std::as_bytes(std::span(bytes, static_cast<std::size_t>(size))));
   if (!done) return stream.failed(done);

@@ -1,5 +1,5 @@
-// A file of the storage as the byte stream that libavformat reads and writes. The library reports a failure
-// of the disk as a number, and some only at the next call; the storage's own first Error is kept here.
+// Presents a file of the storage as the byte stream that libavformat reads and writes. The library reports a
+// disk failure as a number, sometimes only at the next call; the storage's own first Error is kept here.
 // Thread-bound.
 #pragma once
 

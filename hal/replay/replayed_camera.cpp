@@ -16,7 +16,7 @@ Instant begin_of(const FrameFacts& facts) {
   return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot;
 }
 
-// The exposures that the recorded frames walk through, from the first few; empty where nothing repeats.
+// The cycle of exposures, found from the first frames; empty where nothing repeats.
 Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
   constexpr std::size_t kFrames = 24;
   std::vector<FrameFacts> frames;
@@ -145,7 +145,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     return {};
   }
 
-  // When the frame read ahead comes, by this replay's clock.
+  // When the frame read ahead is due, by this replay's clock.
   Instant due() const {
     return pace_ == ReplayPace::AsRecorded ? begin_ + (next_->facts.timestamp - first_) : begin_;
   }

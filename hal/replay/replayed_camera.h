@@ -1,7 +1,7 @@
-// A recording as a camera: its frames come out as a driver would hand them over, with the exposures and
-// instants that were recorded, so that everything from capture/ on runs as it did. It sets nothing: requests
-// only say that a buffer is free. A frame waits for its request, so none is ever lost. After the last one
-// wait() returns Unplugged. Thread-bound, except stop() and the return of buffers.
+// A recording as a camera: it delivers frames as a driver would, with the recorded exposures and instants, so
+// that everything from capture/ on runs as it did then. It sets no exposures: requests only mark a buffer as
+// free. A frame waits for its request, so none is ever lost. After the last one wait() returns Unplugged.
+// Thread-bound, except stop() and the return of buffers.
 #pragma once
 
 #include <memory>

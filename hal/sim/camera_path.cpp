@@ -17,10 +17,10 @@ float wave(double frequency_hz, double time_s) {
 
 // Amplitudes of a move at speed 1. Places in scene sizes, angles in radians.
 struct Amplitudes {
-  Vec3 swing;  // slow, smooth
+  Vec3 swing;  // slow, smooth motion
   Vec3 swing_hz;
   float pan = 0, pan_hz = 0;
-  float shake = 0;   // tremble of the place
+  float shake = 0;   // tremble of the position
   float shiver = 0;  // tremble of the direction
 };
 Amplitudes amplitudes(CameraMove move) {

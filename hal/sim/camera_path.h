@@ -1,5 +1,5 @@
-// How the simulated camera moves: a smooth function of time that stays within the scene for ever, so that ten
-// thousand frames are as good as ten. Value type, reentrant.
+// The simulated camera's trajectory: a smooth function of time that stays within the scene for ever, so that
+// ten thousand frames work as well as ten. Value type, reentrant.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ std::optional<CameraMove> camera_move_of(std::string_view name);
 
 class CameraPath {
  public:
-  // scale_m: the size of the scene, metres to its middle; speed 1: a person filming.
+  // scale_m: the distance to the middle of the scene, metres; speed 1: a person filming.
   CameraPath(CameraMove move, std::uint64_t seed, float scale_m, float speed);
 
   CameraMove move() const { return move_; }
@@ -34,7 +34,7 @@ class CameraPath {
 
   CameraMove move_;
   float scale_, speed_;
-  std::array<Tremble, 6> trembles_;  // x y z of the place, yaw pitch roll
+  std::array<Tremble, 6> trembles_;  // x y z of the position, yaw pitch roll
 };
 
 }  // namespace hdrcam

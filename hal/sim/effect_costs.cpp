@@ -62,7 +62,7 @@ EffectCosts measure_costs(const Simulation& simulation, PixelLayout layout, int 
   const auto begin = std::chrono::steady_clock::now();
   for (std::uint64_t round = 0; round < 2 || (apart_ms() > 0.01 * whole.best_ms &&
                                               std::chrono::steady_clock::now() - begin < patience);
-       ++round) {  // in turn, so that a machine that slows down is unfair to nobody
+       ++round) {  // in turn, so that a machine that slows down affects all variants alike
     const Shot shot{round, 0.5, exposure_s, 1};
     for (Step& step : steps) time_one(step, shot, codes);
     time_one(whole, shot, codes);

@@ -49,8 +49,8 @@ std::string effect_names() {
 }
 
 EffectPlan::EffectPlan() {
-  for (Entry& each : entries_) each.why = "the scene does not call for it";
-  switch_on(Effect::Quantisation, "codes are whole numbers and end somewhere");
+  for (Entry& each : entries_) each.why = "the scene does not need it";
+  switch_on(Effect::Quantisation, "codes are whole numbers of limited range");
 }
 
 }  // namespace hdrcam

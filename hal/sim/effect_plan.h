@@ -1,6 +1,6 @@
-// Which effects a simulation has, and why. A scene names those that it calls for; a stream's format decides
-// some; a user adds or leaves out others. What is off is not constructed, so it costs nothing. Value type,
-// reentrant.
+// Which effects a simulation has, and why. A scene names the effects that it needs; the stream's format
+// decides some; a user adds or leaves out others. An effect that is off is not constructed, so it costs
+// nothing. Value type, reentrant.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ std::string effect_names();  // all of them, for messages
 
 class EffectPlan {
  public:
-  EffectPlan();  // only what no sensor is without
+  EffectPlan();  // only the effects that every sensor has
 
   void switch_on(Effect effect, std::string why) { entry(effect) = {true, std::move(why)}; }
   void switch_off(Effect effect, std::string why) { entry(effect) = {false, std::move(why)}; }

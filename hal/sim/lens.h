@@ -1,4 +1,4 @@
-// Where pixels look: pinhole intrinsics and, when the scene calls for it, radial distortion. Value type,
+// Maps pixels to rays: pinhole intrinsics and, where the scene needs it, radial distortion. Value type,
 // reentrant.
 #pragma once
 

@@ -1,7 +1,7 @@
-// Where in a pixel, and when in its exposure, N samples lie, N a power of two: even in place, even in time,
-// and centred, so that a picture neither shifts nor blurs when its pixels are sampled more densely. The
-// places are the first points of Sobol's sequence in two dimensions (a (0, 2)-sequence: any 2^m points fill
-// every elementary interval once), moved by half a stratum. Immutable, reentrant.
+// Positions of N samples in a pixel and in its exposure, N a power of two: even in space, even in time, and
+// centred, so that a picture neither shifts nor blurs when its pixels are sampled more densely. The positions
+// are the first points of Sobol's sequence in two dimensions (a (0, 2)-sequence: any 2^m points fill every
+// elementary interval once), moved by half a stratum. Immutable, reentrant.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ class PixelSamples {
     }
   }
 
-  // In the pixel, 0..1. Samples n .. 2n - 1 are n more, centred for themselves.
+  // Position in the pixel, 0..1. Samples n .. 2n - 1 are n more, centred by themselves.
   Vec2 place(int sample, int n) const {
     const float half_stratum = sample < n ? 0.5f / static_cast<float>(n) : 0;
     const Vec2 point = points_[static_cast<std::size_t>(sample)];

@@ -10,10 +10,11 @@ void put(Image<float>& image, int y, int x, Colour value) {
   image.at(0, y, x) = value.x, image.at(1, y, x) = value.y, image.at(2, y, x) = value.z;
 }
 
-// Rays with the same answer see one smooth picture.
+// Rays with equal keys see one smooth surface.
 int surface_of(const Hit& hit) { return 8 * hit.object + hit.part; }
 
-// From the first to the farthest, over their surface, metres; infinite where they are on several.
+// Distance from the first hit to the farthest over their surface, metres; infinite where they are on several
+// surfaces.
 constexpr float kOverOutline = std::numeric_limits<float>::infinity();
 float way_over(std::span<const Hit> hits) {
   float longest2 = 0;
@@ -98,7 +99,7 @@ void Renderer::find_near_objects() {
   }
   pool_.for_each(tile_rows_ * tile_cols_, [&](int tile) {
     const int tile_y = tile / tile_cols_, tile_x = tile % tile_cols_;
-    // A pixel more on each side: a distorted tile bulges.
+    // One more pixel on each side, because a distorted tile bulges.
     const auto corner = [&](int y, int x) {
       return lens_.ray_of(static_cast<float>(x), static_cast<float>(y));
     };
@@ -137,7 +138,7 @@ void Renderer::measure_blur(ExposureSpan span) {
   });
 }
 
-// A moving thing blurs over its neighbours as far as it moves.
+// A moving object blurs over its neighbours as far as it moves.
 void Renderer::spread_blur() {
   spread_blur_.fill(0);
   for (int y = 0; y < tile_rows_; ++y)
@@ -172,9 +173,9 @@ Hit Renderer::cast(const View& view, int y, int x, Vec2 place, Near objects) con
   return view.cast(lens_.ray_of(static_cast<float>(x) + place.x, static_cast<float>(y) + place.y), objects);
 }
 
-// Over the pixel and its exposure. along_motion: samples that the fastest thing near here calls for.
+// The mean over the pixel and its exposure. along_motion: samples that the fastest object nearby needs.
 Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion, Near objects) const {
-  constexpr float kOne = 1.5f, kTwo = 2.5f, kFour = 3;    // pixels of way that so many paintings do for
+  constexpr float kOne = 1.5f, kTwo = 2.5f, kFour = 3;    // longest path, in pixels, for this many samples
   constexpr float kGroupWidth = 0.75f, kRayWidth = 0.5f;  // pixels: for the filter of the textures
   const float pixel = 1 / static_cast<float>(lens_.intrinsics.fx_px);
   const auto time_s = [&](double fraction) { return row.begin_s + (row.end_s - row.begin_s) * fraction; };
@@ -196,7 +197,7 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
     const std::array<Hit, kRays> more{ray(0.125, 4), ray(0.375, 5), ray(0.625, 6), ray(0.875, 7)};
     return (sum_of_each(hits) + sum_of_each(more)) * (0.5f / kRays);
   }
-  if (moves_far)  // something quick may have passed between these rays
+  if (moves_far)  // a fast object may have passed between these rays
     for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0})
       if (surface_of(ray(fraction, 0)) != surface_of(hits[0]))
         return mean_of_many(row, y, x, along_motion, objects);
@@ -208,7 +209,7 @@ Colour Renderer::mean_radiance(ExposureSpan row, int y, int x, int along_motion,
          0.5f;
 }
 
-// The same by samples at even steps of time. Where they meet more than one surface, they are doubled once.
+// The same from samples at even time steps. Where they meet more than one surface, they are doubled once.
 Colour Renderer::mean_of_many(ExposureSpan row, int y, int x, int samples, Near objects) const {
   const float footprint = 0.5f / static_cast<float>(lens_.intrinsics.fx_px);
   Colour sum;
@@ -216,7 +217,7 @@ Colour Renderer::mean_of_many(ExposureSpan row, int y, int x, int samples, Near 
   bool outline = false;
   int taken = 0;
   for (; taken < (outline ? 2 : 1) * samples; ++taken) {
-    const int k = taken % samples;  // the second half lies at other places at the same instants
+    const int k = taken % samples;  // the second half has other positions at the same instants
     const View& view = view_at(row.begin_s + (row.end_s - row.begin_s) * MotionBlur::fraction(k, samples));
     const Hit hit = cast(view, y, x, samples_.place(taken, samples), objects);
     sum = sum + view.radiance(hit, footprint);

@@ -1,9 +1,9 @@
 // Renders a scene as a sensor's pixels see it: the average radiance over the pixel's area and over its
-// exposure. Work is spent where the picture asks for it: four rays find out what a pixel sees; one surface is
-// painted as often as the pixel's way over it is long, be it that the surface is slanted or that it moves;
-// where several surfaces meet there are twice as many rays. Rays try only the objects that their tile of the
-// picture can see. Thread-bound; owns its buffers, allocates nothing after the first frame of a size; the
-// result does not depend on the number of threads.
+// exposure. Work is spent where the picture needs it: four rays find the surfaces of a pixel; a single
+// surface is sampled in proportion to the pixel's path over it, whether the surface is slanted or moves;
+// where several surfaces meet there are twice as many rays. Rays test only the objects that are visible in
+// their tile of the picture. Thread-bound; owns its buffers, allocates nothing after the first frame of a
+// size; the result does not depend on the number of threads.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@
 
 namespace hdrcam {
 
-// The time that the first row is exposed, in scene time. begin = end: the sharp instant.
+// When the first row is exposed, in scene time. begin = end: a sharp picture of that instant.
 struct ExposureSpan {
   double begin_s = 0, end_s = 0;
 };
@@ -31,7 +31,7 @@ struct Shutter {
   std::optional<RollingShutter> rolling;
 };
 
-// Rays of a pixel at least.
+// The least number of rays per pixel.
 enum class Sampling {
   Smooth,  // four
   Quick,   // one, through its centre: outlines are jagged
@@ -48,8 +48,8 @@ class Renderer {
   void render(ExposureSpan span, Image<float>& light);
 
  private:
-  static constexpr int kTile = 16;        // pixels: the grain of the decisions what is near and how blurred..
-  static constexpr int kProbe = 4;        // ..from rays that are so far apart
+  static constexpr int kTile = 16;  // pixels: the tile size of the decisions what is near and how blurred..
+  static constexpr int kProbe = 4;  // ..from rays this far apart
   static constexpr int kMostViews = 256;  // instants at which the scene is posed for one frame
   static constexpr int kRays = 4;         // of a smooth pixel, at least
   // Objects that rays of a tile can meet.

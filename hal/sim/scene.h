@@ -1,6 +1,6 @@
 // A scene: analytic objects with procedural HDR surfaces, lamps, rigid and pulsating motion, surroundings at
-// a finite distance, and a camera path. Everything is a function of time; nothing is stepped, so any instant
-// can be asked for in any order. World axes as the camera's at rest: x right, y down, z forward; metres.
+// a finite distance, and a camera path. Everything is a function of time; nothing is stepped, so instants can
+// be evaluated in any order. World axes as the camera's at rest: x right, y down, z forward; metres.
 // Immutable once made, so reentrant.
 #pragma once
 
@@ -15,9 +15,9 @@ namespace hdrcam {
 
 enum class Shape { Ball, Box, Panel, Ground, Dome };  // Panel: a rectangle facing z; Ground: a disc facing up
 enum class Surface {
-  Radiant,  // the texture is the radiance, whatever the light: what brightness constancy holds for
+  Radiant,  // the texture is the radiance, whatever the light; brightness constancy holds
   Lit,      // the texture becomes an albedo under the ambient light and the lamps
-  Lamp,     // one colour, and a light for the others
+  Lamp,     // one colour; it lights the Lit objects
 };
 
 struct ObjectMotion {
@@ -58,7 +58,7 @@ struct Scene {
   Colour from_above{0.5f, 0.5f, 0.5f};  // ..and more from above
   float radiance_scale = 1;             // sets the median luminance of the first view
 
-  bool moves() const;  // anything at all, or the camera
+  bool moves() const;  // whether any object or the camera moves
 };
 
 }  // namespace hdrcam

@@ -11,10 +11,10 @@ namespace {
 
 using Need = CatalogScene::Need;
 
-constexpr Need kNoise{Effect::Noise, "light comes in photons"};
+constexpr Need kNoise{Effect::Noise, "photon noise is in every exposure"};
 constexpr Need kResponse{Effect::Response, "a camera that delivers pictures has a tone curve"};
-constexpr Need kDelay{Effect::ControlDelay, "a sensor latches what is written frames later"};
-constexpr Need kBlur{Effect::MotionBlur, "something moves while the longest exposure is open"};
+constexpr Need kDelay{Effect::ControlDelay, "a sensor applies a control some frames after it is written"};
+constexpr Need kBlur{Effect::MotionBlur, "objects or camera move during the longest exposure"};
 
 constexpr Need kStillNeeds[] = {kNoise, kResponse, kDelay};
 constexpr Need kWalkNeeds[] = {kNoise, kResponse, kDelay, kBlur, {Effect::Vignetting, "a wide lens"}};
@@ -25,11 +25,12 @@ constexpr Need kNightNeeds[] = {kNoise,
                                 {Effect::HotPixels, "long exposures of a warm sensor"},
                                 {Effect::MainsFlicker, "street lamps on 50 Hz mains"},
                                 {Effect::Flare, "lamps before black houses"}};
-constexpr Need kFastNeeds[] = {kNoise,
-                               kResponse,
-                               kDelay,
-                               kBlur,
-                               {Effect::RollingShutter, "rows see different moments of a fast motion"}};
+constexpr Need kFastNeeds[] = {
+    kNoise,
+    kResponse,
+    kDelay,
+    kBlur,
+    {Effect::RollingShutter, "rows are exposed at different moments of a fast motion"}};
 constexpr Need kLampsNeeds[] = {kNoise, kResponse, kDelay, kBlur, {Effect::Flare, "lamps in the picture"}};
 constexpr Need kPanNeeds[] = {kNoise,
                               kResponse,
@@ -56,7 +57,7 @@ constexpr CatalogScene kCatalog[] = {
      6000,
      kWalkNeeds},
     {"night",
-     "a city at night: lamps, hot pixels, few photons, one ball breathes",
+     "a city at night: lamps, hot pixels, few photons, one pulsating ball",
      {2, 1, 5, 3, 1, 0.2f, CameraMove::Handheld},
      Environment::NightCity,
      4,
@@ -64,7 +65,7 @@ constexpr CatalogScene kCatalog[] = {
      1500,
      kNightNeeds},
     {"fast",
-     "a quick pan over quick things: long blur, a skewing shutter",
+     "a fast pan over fast objects: long blur, rolling shutter",
      {3, 1, 6, 1, 2.5f, 0, CameraMove::Pan},
      Environment::Street,
      4,
@@ -72,7 +73,7 @@ constexpr CatalogScene kCatalog[] = {
      6000,
      kFastNeeds},
     {"lamps",
-     "an orbit around lamps that light what is near",
+     "an orbit around lamps that light nearby objects",
      {4, 1, 6, 4, 0.7f, 0, CameraMove::Orbit},
      Environment::Hall,
      4,
@@ -129,7 +130,7 @@ SceneObject floating_object(const SceneSettings& settings, int i, float distance
   const float turn = object.shape == Shape::Panel ? 0.4f : 1.1f;
   motion.turn_rad_per_s = settings.speed * draw.between(-turn, turn);
   motion.swing_m = draw.between({0.1f, 0.02f, 0.02f}, {0.28f, 0.1f, 0.08f}) * (z * settings.speed);
-  if (settings.speed > 1) motion.swing_m = motion.swing_m * (1 / settings.speed);  // faster, not farther
+  if (settings.speed > 1) motion.swing_m = motion.swing_m * (1 / settings.speed);  // faster, but not farther
   motion.swing_hz = draw.between({0.25f, 0.3f, 0.2f}, {0.6f, 0.8f, 0.5f}) * std::max(1.f, settings.speed);
   motion.swing_phase_rad = draw.between({}, {kTurn, kTurn, kTurn});
   if (object.shape == Shape::Ball && settings.pulse > 0)
@@ -204,7 +205,7 @@ Scene make_scene(const SceneSettings& settings, int face_px, WorkerPool& pool) {
     scene.objects.push_back(floating_object(settings, i, entry.distance_m));
   for (int i = 0; i < settings.lamps; ++i) scene.objects.push_back(lamp(settings, i, entry.distance_m));
   if (entry.environment == Environment::NightCity) {
-    const float dim = 1.f / 64;  // the surroundings' own light; lamps and lit surfaces outshine it
+    const float dim = 1.f / 64;  // the surroundings' own light, darker than lamps and lit surfaces
     scene.ambient = scene.ambient * dim, scene.from_above = scene.from_above * dim;
     for (SceneObject& object : scene.objects) {
       if (object.shape != Shape::Dome && object.surface == Surface::Radiant) object.gain *= 2 * dim;

@@ -1,5 +1,5 @@
-// The named scenes, and how a few numbers vary them. The same settings make the same scene, always and
-// everywhere.
+// The named scenes and the settings that vary them. The same settings give the same scene on every
+// machine.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct SceneSettings {
   int objects = 4;  // 0..64: boxes, balls and panels; two of three move
   int lamps = 1;    // 0..16
   float speed = 1;  // of all motion, 0..4
-  float pulse = 0;  // balls that breathe: relative size, 0..0.5
+  float pulse = 0;  // pulsating balls: relative size, 0..0.5
   CameraMove camera = CameraMove::Still;
 };
 
@@ -38,7 +38,7 @@ struct CatalogScene {
 };
 std::span<const CatalogScene> scene_catalog();
 
-// face_px: texels a side of the surroundings, about as many as the picture has columns.
+// face_px: texels per side of the surroundings, about as many as the picture has columns.
 Scene make_scene(const SceneSettings& settings, int face_px, WorkerPool& pool);
 
 }  // namespace hdrcam

@@ -1,6 +1,6 @@
-// What is known of a frame besides its pixels, as an ideal sensor behind the same lens would see it: sharp,
-// all rows at one instant, without flare, flicker or noise. What the lens does to every picture alike,
-// distortion and vignetting, is kept, so that the truth lies over the frames pixel on pixel and stop on stop.
+// The ground truth of a frame, as an ideal sensor behind the same lens would see it: sharp, all rows at one
+// instant, without flare, flicker or noise. Constant properties of the lens, distortion and vignetting, are
+// kept, so that the truth matches the frames pixel by pixel and stop by stop.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ class TruthRenderer {
   TruthRenderer(const Scene& scene, Lens lens, int rows, int cols, WorkerPool& pool,
                 const Vignetting* vignetting = nullptr);
 
-  // At the instant now_s of the scene; the flow leads to next_s.
+  // Computes the truth at the instant now_s of the scene; the flow leads to next_s.
   void render(double now_s, double next_s, SceneTruth& truth);
 
  private:

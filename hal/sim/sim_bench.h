@@ -1,5 +1,5 @@
-// The test's side of a simulated camera: what really happened, and harm on order. The product never includes
-// this. Thread-safe; the camera outlives the bench.
+// A test's access to a simulated camera: what really happened, and faults on request. The product never
+// includes this. Thread-safe; the camera outlives the bench.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 
 namespace hdrcam {
 
-// How a frame was really exposed, whatever its buffer says.
+// How a frame was really exposed, whatever its buffer reports.
 struct TrueExposure {
   std::uint64_t sequence = 0;
   Duration exposure{0};
@@ -19,8 +19,8 @@ struct TrueExposure {
 enum class MetadataFault {
   None,
   Missing,  // the buffer reports no exposure
-  Late,     // it reports the exposure of the buffer before
-  Doubled,  // it repeats cookie and exposure of the buffer before
+  Late,     // it reports the exposure of the previous buffer
+  Doubled,  // it repeats cookie and exposure of the previous buffer
 };
 
 enum class ControlFault {
@@ -35,25 +35,25 @@ class SimBench {
  public:
   explicit SimBench(SimulatedCamera& camera) : camera_(camera) {}
 
-  // Of one of the last 4096 frames of the stream, lost ones included.
+  // The true exposure of one of the last 4096 frames of the stream, lost ones included.
   std::optional<TrueExposure> true_exposure(std::uint64_t sequence) const;
 
-  // The next frames are exposed, but lost on the way.
+  // The next frames are exposed but lost.
   void drop_next(int frames);
-  // The next buffers lie about themselves.
+  // The next buffers report wrong facts.
   void disturb_metadata(MetadataFault fault, int buffers);
-  // The next requests act otherwise than asked.
+  // The next requests do not act as requested.
   void disturb_controls(ControlFault fault, int requests);
-  // The sensor's delays are others from now on.
+  // Changes the sensor's delays from now on.
   void set_delays(ControlDelays delays);
-  // The device is gone: wait() and queue() return Unplugged.
+  // Unplugs the device: wait() and queue() return Unplugged.
   void unplug();
 
  private:
   SimulatedCamera& camera_;
 };
 
-// What a test has ordered; empty in the product.
+// The faults that a test has requested; empty in the product.
 struct SimulatedCamera::Harm {
   static constexpr std::size_t kHistory = 4096;
   static constexpr Duration kClippedExposure = std::chrono::milliseconds(2);

@@ -37,7 +37,7 @@ CameraCapabilities capabilities_of(const Simulation& s) {
   can.sets_exposure = true;
   can.reports_exposure = s.reports_exposure;
   can.exposure_per_request = !s.plan.on(Effect::ControlDelay);
-  if (s.reports_exposure) can.delays = delays_of(s);  // a sensor that nobody knows tells neither
+  if (s.reports_exposure) can.delays = delays_of(s);  // an unknown sensor reports neither
   return can;
 }
 
@@ -110,7 +110,7 @@ Result<void> SimulatedCamera::start() {
                  "the simulated camera is not configured; configure it before starting it"};
   if (harm_->unplugged) return unplugged();
   started_ = true;
-  epoch_ = time_.now() + mode_.frame_duration;  // the sensor wakes up
+  epoch_ = time_.now() + mode_.frame_duration;  // the sensor starts up
   next_frame_ = 0;
   exposure_ = DelayedControl<Duration>(delays_of(simulation_).exposure, kFirstExposure);
   gain_ = DelayedControl<double>(delays_of(simulation_).gain, 1);
@@ -173,7 +173,7 @@ Instant SimulatedCamera::begin_of(std::uint64_t frame) const {
   return epoch_ + (jitter_ ? jitter_->stretched(since_start) : since_start);
 }
 
-// Opens every frame whose time has come.
+// Starts every frame that is due.
 void SimulatedCamera::advance(Instant now) {
   while (started_ && begin_of(next_frame_) <= now) {
     begin_frame(next_frame_);
@@ -215,7 +215,7 @@ void SimulatedCamera::write_controls(std::uint64_t frame, const ExposureRequest&
   gain_.write(frame, clipped ? 1 : asked.analogue_gain, late);
 }
 
-// Fills in what the buffer will say of itself.
+// Fills in the facts that the buffer will report.
 void SimulatedCamera::tell(Frame& frame, std::uint64_t cookie) {
   const Report truth{cookie, frame.exposure, frame.gain};
   const MetadataFault fault = harm_->disturbed_buffers > 0 ? harm_->metadata : MetadataFault::None;

@@ -1,11 +1,11 @@
 // A camera that renders a scene (simulated_sensor.h) as a sensor with delayed controls would deliver it. The
-// sensor runs freely: frame n opens at n frame durations after the start, whoever listens; the request at the
-// head of the queue is latched then, its controls show some frames later, and its buffer is that frame's. A
-// frame that finds no request is lost, which the sequence number shows. Stamps are the begin of the exposure.
-// Pixels are computed when they are waited for, on the waiting thread and a pool, so that no thread is left
-// running in between.
+// sensor runs freely: frame n starts n frame durations after the start, whether or not a buffer is queued.
+// The request at the head of the queue is latched then, its controls act some frames later, and its buffer is
+// that frame's. A frame without a request is lost, which the sequence number shows. Timestamps mark the start
+// of exposure. wait() computes the pixels, on the waiting thread and a pool, so that no thread runs in
+// between.
 //
-// A test sees the truth and does harm through sim_bench.h. Thread-bound, except stop() and the return of
+// A test sees the truth and injects faults through sim_bench.h. Thread-bound, except stop() and the return of
 // buffers; no allocation per frame after the first.
 #pragma once
 
@@ -25,7 +25,7 @@ class SimBench;
 
 class SimulatedCamera : public Camera, private BufferLease::Owner {
  public:
-  // threads: for rendering, 1.. ; strobe: high while a frame is exposed, may be null, outlives the camera.
+  // threads: for rendering, 1.. ; strobe: high during an exposure, may be null, outlives the camera.
   SimulatedCamera(const Simulation& simulation, SimTime time, int threads, SimulatedWire* strobe = nullptr);
   ~SimulatedCamera() override;
 
@@ -36,7 +36,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   Result<CapturedBuffer> wait(Duration timeout) override;
   Result<void> stop() override;
 
-  // What the scene and its effects are, once configured.
+  // The scene and its effects, once configured.
   const SimulatedSensor* sensor() const { return sensor_.get(); }
 
  private:
@@ -45,7 +45,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     ExposureRequest asked;
     int buffer = -1;
   };
-  // What a completed buffer says of itself.
+  // The facts that a completed buffer reports.
   struct Report {
     std::uint64_t cookie = 0;
     Duration exposure{0};
@@ -82,7 +82,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     std::vector<T> slots_;
     std::size_t begin_ = 0, size_ = 0;
   };
-  struct Harm;  // what a test has ordered, see sim_bench.h
+  struct Harm;  // faults that a test has requested, see sim_bench.h
 
   void give_back(int buffer) override;
   Instant begin_of(std::uint64_t frame) const;
@@ -119,8 +119,8 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   std::unique_ptr<Harm> harm_;
 };
 
-// `scene`: what follows "sim:", see simulation.h. In real time, on as many threads as the machine has, at
-// most 4.
+// `scene`: what follows "sim:", see simulation.h. It runs in real time, on as many threads as the machine
+// has, at most 4.
 Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene);
 
 }  // namespace hdrcam

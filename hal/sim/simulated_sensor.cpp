@@ -17,7 +17,7 @@ Simulation for_layout(Simulation simulation, PixelLayout layout) {
   return simulation;
 }
 
-// Texels of the surroundings as fine as the picture's pixels, within reason.
+// Texels of the surroundings as fine as the picture's pixels, within limits.
 int face_px(int width) {
   return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::clamp(width * 8 / 5, 32, 512))));
 }
@@ -142,7 +142,7 @@ void SimulatedSensor::read_out(const Shot& shot, Image<std::uint16_t>& codes) {
   });
 }
 
-// The charge of one row, as it is read.
+// Reads the charge of one row.
 void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<float> electrons) const {
   double per_light =
       shot.exposure_s * simulation_.sensitivity_per_s * static_cast<double>(simulation_.full_well_e);

@@ -3,9 +3,9 @@
 //   light = flicker . flare . vignetting . mean radiance over the pixel and the exposure
 //   electrons = N(light * seconds * sensitivity * full well + leaks), at most 1.1 full wells, plus read noise
 //   code = quantised(response(gain * electrons / full well))
-// A pixel holds a tenth more than codes can say, so that noise does not make a saturated pixel look
-// unsaturated. An effect that the plan has off is not constructed. Thread-bound; allocates nothing after the
-// first frame; the same simulation and shot give the same codes on any number of threads.
+// A pixel holds a tenth more than the largest code stands for, so that noise does not make a saturated pixel
+// look unsaturated. An effect that the plan has off is not constructed. Thread-bound; allocates nothing after
+// the first frame; the same simulation and shot give the same codes on any number of threads.
 #pragma once
 
 #include <memory>
@@ -27,9 +27,9 @@ struct Shot {
 
 class SimulatedSensor {
  public:
-  // layout: Rgb or a Bayer order, which brings the mosaic and rules out the response curve; bits: of a
-  // code, 8..16. The pool outlives the sensor. `scene`: of another sensor of the same scene settings, to save
-  // making it again.
+  // layout: Rgb or a Bayer order, which brings the mosaic and rules out the response curve; bits: of a code,
+  // 8..16. The pool outlives the sensor. `scene`: from another sensor with the same scene settings, to save
+  // building it again.
   SimulatedSensor(const Simulation& simulation, PixelLayout layout, int bits, WorkerPool& pool,
                   std::shared_ptr<const Scene> scene = nullptr);
 
@@ -39,13 +39,13 @@ class SimulatedSensor {
   }  // as constructed: without what the layout rules out
   const Lens& lens() const { return lens_; }
   const Vignetting* vignetting() const { return vignetting_ ? &*vignetting_ : nullptr; }
-  // Is it in the way of light and charge? Those of the stream are the camera's.
+  // Whether the effect acts on light or charge here. Effects of the stream belong to the camera.
   bool has(Effect effect) const;
   CameraFacts facts() const;
 
   // codes: [channels(layout), rows, cols], reshaped
   void expose(const Shot& shot, Image<std::uint16_t>& codes);
-  // The last shot's light as it fell on the sensor: [rgb, rows, cols].
+  // The light on the sensor in the last shot: [rgb, rows, cols].
   const Image<float>& light() const { return light_; }
 
  private:
@@ -69,8 +69,8 @@ class SimulatedSensor {
   std::optional<Noise> noise_;
   std::optional<ResponseCurve> response_;
   Image<float> light_;        // [rgb, rows, cols]
-  bool light_lasts_ = false;  // nothing moves: the next shot's light is this one's
-  Image<float> electrons_;    // [1, rows, cols] room for a row where a band of rows begins
+  bool light_lasts_ = false;  // static: the next shot has the same light
+  Image<float> electrons_;    // [1, rows, cols] scratch: one row per band of rows
 };
 
 }  // namespace hdrcam

@@ -51,8 +51,9 @@ Result<void> SimulatedSyncLine::pulse(Duration width) {
   if (direction_ != LineDirection::Output)
     return Error{ErrorCode::Unsupported, "the simulated line is an input; it drives nothing"};
   if (width <= Duration::zero())
-    return Error{ErrorCode::Invalid,
-                 fmt::format("a pulse of {} ns cannot be; ask for a positive width", width.count())};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("a pulse width of {} ns is out of range; ask for a positive width", width.count())};
   if (closed_) return kClosed;
   wire_.drive(true);
   wire_.time_.sleep_until(wire_.time_.now() + width);
@@ -62,7 +63,7 @@ Result<void> SimulatedSyncLine::pulse(Duration width) {
 
 Result<Edge> SimulatedSyncLine::wait_edge(Duration timeout) {
   if (direction_ != LineDirection::Input)
-    return Error{ErrorCode::Unsupported, "the simulated line is an output; it sees no edges"};
+    return Error{ErrorCode::Unsupported, "the simulated line is an output; it reports no edges"};
   std::unique_lock lock(wire_.mutex_);
   const Instant deadline = wire_.time_.now() + timeout;
   for (;;) {

@@ -1,5 +1,5 @@
-// A wire, and GPIO lines on it: what an output drives, and what a simulated sensor strobes, an input sees as
-// edges. The wire is thread-safe, a line as sync_line.h says.
+// A wire with GPIO lines on it: an input sees the pulses of an output and the strobes of a simulated sensor
+// as edges. The wire is thread-safe, a line as sync_line.h states.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ class SimulatedWire {
  public:
   explicit SimulatedWire(SimTime time) : time_(time) {}
 
-  // The wire goes to this level now; no edge if it was there.
+  // Sets the level of the wire now; no edge if it does not change.
   void drive(bool active);
   // A pulse that begins and ends at known instants, perhaps in the near future: a strobe.
   void strobe(Instant begin, Duration width);
@@ -22,7 +22,7 @@ class SimulatedWire {
 
  private:
   friend class SimulatedSyncLine;
-  static constexpr std::size_t kEdges = 256;  // remembered; a reader that is further behind loses the oldest
+  static constexpr std::size_t kEdges = 256;  // history; a reader that is further behind loses the oldest
   void add(Instant at, bool rising);
 
   const SimTime time_;

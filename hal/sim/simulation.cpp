@@ -89,7 +89,7 @@ Result<void> set_effects(Simulation& s, std::string_view key, std::string_view v
   for (const std::string_view name_text : split(value, ',')) {
     const auto effect = effect_of(name_text);
     if (!effect) return invalid(key, name_text, fmt::format("the effects are {}", effect_names()));
-    if (*effect == Effect::Quantisation && !on) return invalid(key, name_text, "no sensor is without it");
+    if (*effect == Effect::Quantisation && !on) return invalid(key, name_text, "every sensor has it");
     if (*effect == Effect::Mosaic)
       return invalid(key, name_text, "the stream's format decides; ask for a Bayer format");
     on ? s.plan.switch_on(*effect, fmt::format("asked for: with={}", name_text))
@@ -119,7 +119,7 @@ constexpr Setting kSettings[] = {
     {"lamps", "0..16", [](Simulation& s, Text k, Text v) { return set_number(s.scene.lamps, k, v, 0, 16); }},
     {"speed", "of all motion, 0..4",
      [](Simulation& s, Text k, Text v) { return set_number(s.scene.speed, k, v, 0.f, 4.f); }},
-    {"pulse", "balls that breathe, relative size, 0..0.5",
+    {"pulse", "pulsating balls, relative size, 0..0.5",
      [](Simulation& s, Text k, Text v) { return set_number(s.scene.pulse, k, v, 0.f, 0.5f); }},
     {"camera", "still, handheld, pan, dolly or orbit", set_camera},
     {"full-well", "electrons at saturation, 100..100000",
@@ -129,10 +129,10 @@ constexpr Setting kSettings[] = {
     {"black", "black level, share of the code range, 0..0.2",
      [](Simulation& s, Text k, Text v) { return set_number(s.black_level, k, v, 0.f, 0.2f); }},
     {"response", "linear, gamma or film", set_response},
-    {"delay", "frames from control to effect: exposure,gain; 0..6", set_delay},
+    {"delay", "exposure,gain control delay in frames, 0..6", set_delay},
     {"drops", "probability that a frame is lost, 0..1", set_drops},
-    {"rays", "of a pixel at least: 4, or 1: quicker, outlines are jagged", set_rays},
-    {"reports", "yes or no: buffers say their exposure", set_reports},
+    {"rays", "least rays per pixel: 4, or 1: faster, with jagged outlines", set_rays},
+    {"reports", "yes or no: buffers report their exposure", set_reports},
     {"with", "effects to add, separated by commas",
      [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},
     {"without", "effects to leave out",

@@ -1,6 +1,6 @@
-// Everything that makes a simulated camera what it is, and the text that names it:
-// `walk?seed=3&size=320x240&objects=5`, a scene of the catalogue and, after a question mark, settings that
-// differ from its own. Value type, reentrant.
+// All settings of a simulated camera, and the text that names it: `walk?seed=3&size=320x240&objects=5`, a
+// scene of the catalogue and, after a question mark, settings that differ from the scene's defaults. Value
+// type, reentrant.
 #pragma once
 
 #include <string>
@@ -52,11 +52,11 @@ struct Simulation {
   Duration frame_duration() const { return Duration(static_cast<Duration::rep>(1e9 / framerate_hz + 0.5)); }
 };
 
-// Errors: NotFound for a scene that the catalogue has not, Invalid for a setting; the message lists what
-// there is.
+// Errors: NotFound for a scene that is not in the catalogue, Invalid for a setting; the message lists the
+// choices.
 Result<Simulation> simulation_of(std::string_view text);
 
-// The settings, one a line, with unit, range and meaning.
+// The settings, one per line, with unit, range and meaning.
 std::string simulation_settings_help();
 
 }  // namespace hdrcam

@@ -16,7 +16,7 @@ constexpr std::uint64_t kTintStream = 0x74696e74;
 Colour exp2(Colour stops) { return {std::exp2(stops.x), std::exp2(stops.y), std::exp2(stops.z)}; }
 Colour grey(float stops) { return {stops, stops, stops}; }
 
-// Colour of the n-th thing of a pattern, in stops around grey.
+// Colour of the n-th element of a pattern, in stops around grey.
 Colour tint(std::uint64_t seed, std::uint64_t n, float strength) {
   const CounterRandom random(seed, kTintStream, n);
   const auto channel = [&](std::uint64_t c) { return strength * random.uniform(c, -1, 1); };
@@ -72,13 +72,13 @@ Colour stripes(Place p) {
   return grey(1.3f * wave * (0.6f + 0.4f * cross_wave) + 0.6f * grain) + tint(p.seed, wave > 0 ? 1 : 2, 0.8f);
 }
 
-// Of numbers that an int holds; std::floor is a call on machines that have no instruction for it.
+// For numbers that an int holds; std::floor is a function call on machines that have no instruction for it.
 int floor_of(float x) {
   const int truncated = static_cast<int>(x);
   return truncated - (x < static_cast<float>(truncated));
 }
 
-// Exact at powers of two and straight in between, which is all that a mip level needs; x >= 1.
+// Exact at powers of two and linear in between, which suffices for a mip level; x >= 1.
 float rough_log2(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   return static_cast<float>(bits) * 0x1p-23f - 127;

@@ -1,5 +1,5 @@
-// Procedural HDR pictures that scenes are painted with: radiance or albedo patterns spanning many stops, made
-// from a seed, filtered for distance. Immutable after construction, so reentrant.
+// Procedural HDR textures: radiance or albedo patterns that span many stops, generated from a seed, filtered
+// for distance. Immutable after construction, so reentrant.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@ namespace hdrcam {
 
 enum class Pattern { Stone, Tiles, Facade, Stripes };
 
-// A colour as one register: the fourth lane is idle.
+// A colour in one register; the fourth lane is unused.
 using Texel = float __attribute__((vector_size(16)));
 inline Texel texel_of(Colour c) { return Texel{c.x, c.y, c.z, 0}; }
 inline Colour colour_of(Texel t) { return {t[0], t[1], t[2]}; }
@@ -36,7 +36,7 @@ class Texture {
 
 enum class Environment { Street, Hall, NightCity };
 
-// What is seen in every direction, as the six faces of a cube: face = 2 * axis + (negative direction).
+// The surroundings in every direction, as the six faces of a cube: face = 2 * axis + (negative direction).
 class Panorama {
  public:
   // face_px: texels a side of a face. direction (y down) need not be normalised.

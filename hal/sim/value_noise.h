@@ -1,4 +1,4 @@
-// Smooth noise on a lattice, the raw material of textures (Perlin's lattice idea with values instead of
+// Smooth noise on a lattice, from which textures are built (Perlin's lattice with values instead of
 // gradients). Results lie in [-1, 1]. Reentrant.
 #pragma once
 

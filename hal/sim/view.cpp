@@ -31,7 +31,8 @@ BoxHit meet_box(Vec3 eye, Vec3 d, Vec3 half) {
   float enter = -kNever, leave = kNever;
   BoxHit hit;
   for (int axis = 0; axis < 3; ++axis) {
-    const float inverse = 1 / w[axis];  // infinite for a parallel ray: the slab then holds all or nothing
+    const float inverse =
+        1 / w[axis];  // infinite for a parallel ray: the slab then contains all of it or nothing
     float t0 = (-h[axis] - o[axis]) * inverse, t1 = (h[axis] - o[axis]) * inverse;
     if (t0 > t1) std::swap(t0, t1);
     if (t0 > enter) enter = t0, hit.axis = axis;
@@ -83,15 +84,15 @@ Interval seen_interval(float x, float z, float radius) {
 
 float along(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-// The axis along which a point lies farthest out: a ball is painted like a cube that was blown up.
+// The axis with the largest coordinate of a point: a ball is textured like an inflated cube.
 int dominant_axis(Vec3 p) {
   const float x = std::abs(p.x), y = std::abs(p.y), z = std::abs(p.z);
   return z >= x && z >= y ? 2 : x >= y ? 0 : 1;
 }
 
-// The place on a texture, in metres over the surface.
+// The texture coordinates, in metres over the surface.
 Vec2 unrolled(const SceneObject& object, const Hit& hit) {
-  constexpr float kFaceShift_m = 0.37f;  // faces differ
+  constexpr float kFaceShift_m = 0.37f;  // so that faces differ
   Vec3 p = hit.point;
   switch (object.shape) {
     case Shape::Panel:
@@ -226,7 +227,7 @@ Hit View::hit_at(Vec2 ray, int index, Meeting where) const {
       hit.normal = {0, -1, 0};
       break;
     case Shape::Dome:
-      break;  // its picture needs none
+      break;  // its texture needs none
   }
   return hit;
 }

@@ -1,4 +1,4 @@
-// A scene at one instant, seen by its camera: rays go out, hits come back. A ray is the point (x, y) of the
+// A scene at one instant, seen by its camera: casts rays and returns hits. A ray is the point (x, y) of the
 // plane one metre ahead, so that its parameter is the depth itself (camera z, metres). pose_at() fills a view
 // without allocating after the first time; the other methods are reentrant.
 #pragma once
@@ -14,7 +14,7 @@ namespace hdrcam {
 struct Hit {
   float depth_m = 0;  // camera z
   int object = 0;     // index into Scene::objects; the dome catches every ray
-  int part = 0;       // face of a box or of a ball's painting: neighbours of one part share a smooth picture
+  int part = 0;       // face of a box or of a ball's texture: neighbours on one part share a smooth texture
   Vec3 point;         // in the object's own coordinates, before its pulse
   Vec3 normal;        // there, facing the ray; not of the dome
 };
@@ -39,13 +39,13 @@ class View {
   void pose_at(const Scene& scene, double time_s);
 
   Hit cast(Vec2 ray) const;
-  // As cast(ray), for who knows that no object but these and the dome can be met.
+  // Like cast(ray), for callers that know that only these objects and the dome can be hit.
   Hit cast(Vec2 ray, std::span<const std::uint8_t> objects) const;
-  // Rays outside never meet the object; everything, for dome and ground.
+  // Rays outside never hit the object; unbounded for dome and ground.
   const RayBox& bounds(int object) const { return seen_[static_cast<std::size_t>(object)].bounds; }
   // footprint: width of the sample, in rays, for the filter of the textures.
   Colour radiance(const Hit& hit, float footprint) const;
-  // Where a point of an object is seen: the ray, and its depth (<= 0: behind the camera).
+  // The projection of an object's point: the ray and its depth (<= 0: behind the camera).
   Vec3 project(int object, Vec3 point) const;
 
   const Pose& camera() const { return camera_; }
@@ -53,13 +53,13 @@ class View {
  private:
   struct Seen {
     RayBox bounds;
-    // Of the object before its pulse: lengths shrink as the object grows.
+    // In the object's size before its pulse: lengths shrink as the object grows.
     Mat3 shrunk_R_object_camera;
     Vec3 shrunk_eye;  // the camera, in the object's coordinates
     Vec3 centre;      // the object, in camera axes
     float size = 1;   // pulse
   };
-  // Where a ray first meets an object; at infinity where it does not.
+  // Where a ray first hits an object; at infinity where it does not.
   struct Meeting {
     float depth_m;
     int axis = 0;  // through which a box is entered

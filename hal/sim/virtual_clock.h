@@ -1,5 +1,5 @@
-// Time that passes only when somebody waits for it: ten thousand frames in as long as it takes to compute
-// them, and the same instants in every run. Thread-safe.
+// Time that passes only while a thread waits for it: ten thousand frames take as long as computing them, and
+// every run has the same instants. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -15,13 +15,13 @@ class VirtualClock : public Clock {
   explicit VirtualClock(Instant start = Instant::from_seconds(1)) : now_(start.since_boot.count()) {}
 
   Instant now() override { return {Duration(now_.load())}; }
-  // Jumps there; the past is no wait.
+  // Jumps to `when`; an instant in the past does not wait.
   void sleep_until(Instant when) override {
     Duration::rep now = now_.load();
     while (now < when.since_boot.count() && !now_.compare_exchange_weak(now, when.since_boot.count())) {
     }
   }
-  // All clocks agree, but that the real one began in 2000.
+  // All clocks agree, except that the real-time clock starts in 2000.
   Instant instant_of(ClockDomain domain, Duration timestamp) override {
     return {domain == ClockDomain::Realtime ? timestamp - kRealtimeStart : timestamp};
   }
@@ -44,7 +44,7 @@ class SimTime {
 
   Instant now() const { return clock_.now(); }
   void sleep_until(Instant when) const { clock_.sleep_until(when); }
-  // Returns at `when`, or earlier when `wake` is notified. Virtual time jumps there at once.
+  // Returns at `when`, or earlier when `wake` is notified. Virtual time jumps to `when` at once.
   void wait(std::unique_lock<std::mutex>& lock, std::condition_variable& wake, Instant when) const {
     if (jumps_)
       clock_.sleep_until(when);

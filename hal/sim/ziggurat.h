@@ -1,6 +1,6 @@
 // Standard normal numbers by the ziggurat method (Marsaglia and Tsang, Journal of Statistical Software 5(8),
 // 2000; in the form of Doornik, 2005): 128 layers of equal area cover the bell, and in 79 of 80 cases a
-// random place in a random layer is the answer. Immutable, reentrant.
+// random position in a random layer is the result. Immutable, reentrant.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ class Ziggurat {
       layers_[i] = {static_cast<float>(width[i]), static_cast<float>(width[i + 1] / width[i])};
   }
 
-  // random: 32 random bits; more(): 64 further ones, asked for where those do not decide.
+  // random: 32 random bits; more(): 64 further ones, used where those do not decide.
   template <class More>
   float normal(std::uint32_t random, More&& more) const {
     for (;; random = static_cast<std::uint32_t>(more())) {
@@ -46,7 +46,7 @@ class Ziggurat {
 
   static float uniform(std::uint64_t bits) { return (static_cast<float>(bits >> 40) + 0.5f) * 0x1p-24f; }
 
-  // Is the place at x, u of the way from the layer's top to its bottom, below the bell?
+  // Whether the point at x, at the share u from the layer's top to its bottom, is below the bell.
   bool is_below(float x, std::size_t i, float u) const {
     const auto over_density = [x](float width) { return std::exp((x * x - width * width) / 2); };
     const float bottom = over_density(layers_[i].width);

@@ -162,7 +162,7 @@ TEST_CASE("an exposure longer than its frame lasts is said, and its frame kept",
   scene.framerate_hz = 100;  // 10 ms a frame
   const Judged result = judged(scene, filmed(scene, 12));
   REQUIRE(result.warnings.size() == 1);
-  CHECK(result.warnings.front().find("4 of 12 frames are said to be exposed longer than they last") == 0);
+  CHECK(result.warnings.front().find("4 of 12 frames state an exposure longer than the frame itself") == 0);
   for (const FrameFacts& facts : result.facts) {
     CHECK(facts.exposure_s == true_exposure_s(scene, facts));
     CHECK(facts.flags == 0);

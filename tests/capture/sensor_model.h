@@ -1,6 +1,6 @@
-// A camera for the tests of capture/: a sensor whose exposure really changes its pictures, and which can be
-// told to misbehave in every way that a real one does. It knows the truth about each frame that it hands out.
-// Time is virtual.
+// A camera for the tests of capture/: a sensor whose exposure really changes its pictures, and which can
+// simulate every fault of a real one. It knows the true exposure of each frame that it delivers. Time is
+// virtual.
 #pragma once
 
 #include <deque>
@@ -14,36 +14,36 @@
 
 namespace hdrcam::test {
 
-// How light becomes codes.
+// The conversion from light to codes.
 enum class SensorKind {
   RawBayer10,  // linear, black level 64 of 1023
   Gamma8,      // processed grey, x^(1/2.2)
   Film8,       // processed grey, an S-shaped curve unlike any power
 };
 
-// Each a probability per frame unless it says otherwise.
+// Each is a probability per frame unless stated otherwise.
 struct SensorFaults {
   double drop = 0;                               // the frame never comes
   int drop_run = 1;                              // and as many in a row
   bool hide_drops = false;                       // the sequence number does not count them
-  bool freeze_time = false;                      // nor does the timestamp (a driver that makes it up)
-  double damage = 0;                             // pixels incomplete, and said so
-  double report_missing = 0, report_late = 0;    // late: the report is that of the frame before
+  bool freeze_time = false;                      // nor does the timestamp (a driver that invents it)
+  double damage = 0;                             // pixels incomplete, and reported so
+  double report_missing = 0, report_late = 0;    // late: the report is that of the previous frame
   double cookie_doubled = 0;                     // the same request completes again
   double exposure_late = 0, exposure_early = 0;  // this frame has its neighbour's exposure
   double exposure_clipped = 0;                   // this frame's is cut off at clip_time
   Duration clip_time{10'000'000};
-  bool clips_always = false;   // the sensor cannot do longer ones and does not say so
+  bool clips_always = false;   // the sensor cannot do longer ones and does not report it
   bool never_applied = false;  // the exposure stays that of the first frame
-  double written_late = 0;     // a control is written after its frame began, and the driver's side says so
-  double slip = 0;             // from here on every exposure comes one frame earlier than asked
+  double written_late = 0;     // a control is written after its frame began, and the driver reports it
+  double slip = 0;             // from here on every exposure acts one frame earlier than requested
   double strobe_lost = 0;
 };
 
 struct SensorSettings {
   SensorKind kind = SensorKind::RawBayer10;
   int width = 160, height = 120;
-  bool per_request = true;  // else controls show `latency` frames after their own
+  bool per_request = true;  // otherwise controls act `latency` frames after their own
   int latency = 0;          // frames: exposure
   int gain_latency = 0;
   bool reports = false, embedded = false;
@@ -70,9 +70,9 @@ class SensorModel : public Camera, private BufferLease::Owner {
   Result<CapturedBuffer> wait(Duration timeout) override;
   Result<void> stop() override;
 
-  // Of the buffer handed out last: ln of time x gain as the sensor applied them.
+  // Of the last delivered buffer: ln of time x gain as the sensor applied them.
   double truth() const { return truth_; }
-  // Edges of the strobe line that happened by now, oldest first.
+  // Edges of the strobe line until now, oldest first.
   std::deque<Edge>& edges() { return edges_; }
   std::uint64_t frames() const { return frame_; }
 

@@ -1,4 +1,4 @@
-// What every Clock keeps: the machine's, the virtual and the replayed one. See camera_contract.h.
+// The requirements of every Clock: the machine's, the virtual and the replayed one. See camera_contract.h.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,7 @@ namespace hdrcam {
 struct ClockUnderTest {
   std::string name;
   Clock& clock;
-  // What the other clocks show now, as a driver would stamp it.
+  // The time of the other clocks now, as a driver would stamp it.
   std::function<Duration(ClockDomain)> stamp;
   Duration tolerance = std::chrono::milliseconds(2);  // of a conversion
 };

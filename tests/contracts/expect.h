@@ -1,5 +1,5 @@
-// How the contract tests read a Result: the value or a failed test with the sentence; the promised error or a
-// failed test. Include last: Catch2's CHECK takes the place of ours.
+// How the contract tests read a Result: the value or a failed test with the message; the expected error or a
+// failed test. Include it last: Catch2's CHECK replaces ours.
 #pragma once
 
 #include <utility>

@@ -1,5 +1,5 @@
-// What every Storage keeps: the disk, a disk in memory, and the wrapper that injects faults while it injects
-// none. See camera_contract.h.
+// The requirements of every Storage: the disk, a disk in memory, and the wrapper that injects faults while it
+// injects none. See camera_contract.h.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// What every SyncLine keeps: libgpiod's, the simulated, the replayed and the faulty one. See
+// The requirements of every SyncLine: libgpiod's, the simulated, the replayed and the faulty one. See
 // camera_contract.h.
 #pragma once
 
@@ -20,7 +20,7 @@ struct OutputLineUnderTest {
   std::string name;
   std::function<Result<std::unique_ptr<SyncLine>>()> open;  // an output
   std::function<bool()> level;                              // what the line drives now
-  Duration overshoot = std::chrono::milliseconds(20);       // by which a pulse may be longer than asked
+  Duration overshoot = std::chrono::milliseconds(20);       // by which a pulse may be longer than requested
 };
 
 void keeps_input_line_contract(const InputLineUnderTest& line);

@@ -15,7 +15,7 @@ namespace hdrcam::hil {
 // seconds.
 std::string video_node(std::string_view part);
 
-// A line of the simulated GPIO chip, as the world outside the processor sees it.
+// A line of the simulated GPIO chip, seen from outside the processor.
 class SimulatedPin {
  public:
   explicit SimulatedPin(int line);
@@ -27,7 +27,7 @@ class SimulatedPin {
   std::string pull_, value_;
 };
 
-// A simulated USB camera in a process of its own; the plug is pulled when it goes out of scope.
+// A simulated USB camera in its own process; it is unplugged when it goes out of scope.
 class UsbCamera {
  public:
   // latency: frames from a setting to the picture that shows it. rate: unless the host asks for another. Of

@@ -1,5 +1,5 @@
-// How the exposures with which frames are labelled compare with the truth that the simulated USB camera wrote
-// into their pictures. Value type.
+// Compares the exposure labels of frames with the true exposures that the simulated USB camera wrote into
+// their pictures. Value type.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ struct LabelTally {
   // Frames of the beginning, of the stream and after a loss: a cycle.
   int beginning = 3;
   int frames = 0;
-  int equal = 0, wrong = 0;            // of the labels that are vouched for
-  int flagged_early = 0, flagged = 0;  // not vouched for: in the beginning; later
+  int equal = 0, wrong = 0;            // of the proved and plausible labels
+  int flagged_early = 0, flagged = 0;  // of the others: in the beginning; later
   int losses = 0;
 
   void add(const RawFrame& frame);

@@ -1,5 +1,5 @@
-// Clock jitter: the sensor's crystal is not the host's (drift), and a stamp is taken a little after the event
-// (an interrupt's latency: |normal|). Value type, reentrant.
+// Clock jitter: the sensor's crystal differs from the host's (drift), and a timestamp is taken shortly after
+// the event (interrupt latency: |normal|). Value type, reentrant.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,7 @@ class ClockJitter {
   ClockJitter(ClockJitterSettings settings, std::uint64_t seed)
       : settings_(settings), random_(seed, 0x6a697474) {}
 
-  // The sensor's period in the host's time.
+  // The sensor's period, measured in the host's time.
   Duration stretched(Duration sensor_time) const {
     const auto more = static_cast<double>(sensor_time.count()) * settings_.drift_ppm * 1e-6;
     return sensor_time + Duration(std::llround(more));

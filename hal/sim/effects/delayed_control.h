@@ -1,5 +1,5 @@
-// Control delay: what is written to a sensor's register while frame n is read shows from frame n + delay on.
-// One object a control, so that exposure and gain may have different delays. Value type, thread-bound.
+// Control delay: a value written to a sensor's register while frame n is read acts from frame n + delay on.
+// One object per control, so that exposure and gain may differ. Value type, thread-bound.
 #pragma once
 
 #include <algorithm>
@@ -20,12 +20,12 @@ class DelayedControl {
     CHECK(delay >= 0 && delay <= kMost);
   }
 
-  // `frame` counts up; `late` more (or, below 0, fewer) frames than usual.
+  // `frame` counts up; `late`: additional frames of delay (negative: fewer).
   void write(std::uint64_t frame, Value value, int late = 0) {
     const int after = std::clamp(delay_ + late, 0, kMost);
     pending_[(frame + static_cast<std::uint64_t>(after)) % kSlots] = value;
   }
-  // What frame `frame` is exposed with. Frames are asked for once each, in order, after the writes of that
+  // The value that acts on frame `frame`. Called once per frame, in order, after the writes of that
   // frame.
   Value latch(std::uint64_t frame) {
     std::optional<Value>& due = pending_[frame % kSlots];

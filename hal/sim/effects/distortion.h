@@ -7,7 +7,7 @@
 namespace hdrcam {
 
 struct DistortionSettings {
-  float k1 = -0.12f;  // < 0: barrel, as wide lenses do
+  float k1 = -0.12f;  // < 0: barrel, as in wide lenses
   float k2 = 0.02f;
 };
 

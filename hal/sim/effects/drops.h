@@ -1,5 +1,5 @@
-// Dropped frames: the sensor exposed them, nobody got them. Each frame is lost with the same probability,
-// whatever happened before. Value type, reentrant.
+// Dropped frames: the sensor exposes them, but they are not delivered. Each frame is lost with the same
+// probability, independently of the others. Value type, reentrant.
 #pragma once
 
 #include <cstdint>

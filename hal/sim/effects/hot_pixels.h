@@ -1,5 +1,5 @@
 // Hot pixels: a few pixels of the sensor leak charge, each at its own rate, so that they grow with the
-// exposure. The places are the sensor's, not the frame's. Immutable, reentrant.
+// exposure. Their positions belong to the sensor, not to the frame. Immutable, reentrant.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Mains flicker: lamps glow with twice the frequency f of the mains, 1 + m cos(4 pi f t). An exposure of
-// length e around t sees the mean, 1 + m sinc(2 f e) cos(4 pi f t): nothing is left when e is a multiple of 1
+// Mains flicker: lamps flicker at twice the mains frequency f, 1 + m cos(4 pi f t). An exposure of length e
+// around t collects the mean, 1 + m sinc(2 f e) cos(4 pi f t); the flicker vanishes when e is a multiple of 1
 // / (2 f). Value type, reentrant.
 #pragma once
 

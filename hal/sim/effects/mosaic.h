@@ -15,7 +15,7 @@ class Mosaic {
 
   // 0 red, 1 green, 2 blue
   int channel(int y, int x) const { return channels_[y & 1][x & 1]; }
-  // light: [rgb, rows, cols] -> row y as the filter lets it pass
+  // light: [rgb, rows, cols] -> row y behind the colour filter
   void pick_row(const Image<float>& light, int y, std::span<float> row) const {
     const float* even = light.row(channels_[y & 1][0], y);
     const float* odd = light.row(channels_[y & 1][1], y);

@@ -1,5 +1,5 @@
-// Motion blur: radiance is averaged over the exposure, with at least as many instants as the motion is pixels
-// long, and one where it is shorter than half a pixel. Value type, reentrant.
+// Motion blur: radiance is averaged over the exposure, with at least one instant per pixel of motion, and a
+// single one where the motion is shorter than half a pixel. Value type, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace hdrcam {
 
 struct MotionBlurSettings {
-  unsigned most_samples = 32;  // of one pixel, a power of two up to 32: longer ways are sampled more coarsely
+  unsigned most_samples = 32;  // of one pixel, a power of two up to 32; longer motion is sampled coarsely
 };
 
 class MotionBlur {
@@ -17,9 +17,9 @@ class MotionBlur {
   explicit MotionBlur(MotionBlurSettings settings)
       : most_(std::bit_floor(std::clamp(settings.most_samples, 1u, 32u))) {}
 
-  static constexpr float kSharp_px = 0.5f;  // motions up to here are left alone
+  static constexpr float kSharp_px = 0.5f;  // shorter motions are not sampled
 
-  // blur_px: the way of a point through the picture during the exposure. A power of two.
+  // blur_px: the motion of a point in the picture during the exposure. Returns a power of two.
   int samples(float blur_px) const {
     if (blur_px <= kSharp_px) return 1;
     const float wanted = std::min(std::ceil(blur_px), static_cast<float>(most_));

@@ -6,11 +6,11 @@
 namespace hdrcam {
 namespace {
 
-// From here on a Gaussian is as good: the skewness of the Poisson distribution is below 0.23.
+// From here on a Gaussian suffices: the skewness of the Poisson distribution is below 0.23.
 constexpr float kGaussianFrom_e = 20;
 constexpr std::uint64_t kShotStream = 0x73686f74, kReadStream = 0x72656164;
 
-constexpr int kMostCounts = 100;  // of a small mean: sure to 1e-30
+constexpr int kMostCounts = 100;  // of a small mean: more have a probability below 1e-30
 constexpr auto kInverse = [] {
   std::array<float, kMostCounts + 1> inverse{};
   for (std::size_t n = 1; n < inverse.size(); ++n) inverse[n] = 1 / static_cast<float>(n);

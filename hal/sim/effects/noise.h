@@ -1,6 +1,6 @@
 // Shot and read noise: the electrons of a pixel are Poisson distributed around their mean and are read with a
-// Gaussian error. Numbers come from a counter, so a pixel's noise does not depend on who computes it. Value
-// type, reentrant.
+// Gaussian error. Random numbers come from a counter, so a pixel's noise does not depend on the thread that
+// computes it. Value type, reentrant.
 #pragma once
 
 #include <span>

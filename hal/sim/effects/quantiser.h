@@ -1,4 +1,4 @@
-// Saturation and quantisation, which no sensor is without: value v, 1 = saturated, becomes the whole number
+// Saturation and quantisation, which every sensor has: value v, 1 = saturated, becomes the whole number
 // nearest to black + v (2^bits - 1 - black), within 0 .. 2^bits - 1. Value type, reentrant.
 #pragma once
 

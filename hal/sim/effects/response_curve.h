@@ -1,6 +1,6 @@
 // The response curve of a camera that delivers pictures, not light: relative exposure 0..1 to relative code
-// 0..1, one curve per channel. Gamma: x^(1/2.2). Film: (1 + a) x^p / (x^p + a), a shoulder and a toe, p a
-// little different for each channel, as measured curves are. Immutable, reentrant.
+// 0..1, one curve per channel. Gamma: x^(1/2.2). Film: (1 + a) x^p / (x^p + a), with a shoulder and a toe; p
+// differs slightly per channel, as in measured curves. Immutable, reentrant.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // Vignetting: light falls with the fourth power of the cosine of its angle to the lens axis, times a strength
-// (1: the natural law of a simple lens; 2: a fast lens wide open). Value type, reentrant.
+// (1: natural vignetting of a simple lens; 2: a fast lens wide open). Value type, reentrant.
 #pragma once
 
 #include "hal/core/frame.h"

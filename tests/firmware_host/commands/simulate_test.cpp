@@ -101,7 +101,7 @@ TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
   for (const char* words : {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains",
-                            "the scene does not call for it", "CPU ms"})
+                            "the scene does not need it", "CPU ms"})
     CHECK(run.output.find(words) != std::string::npos);
 }
 

@@ -14,7 +14,7 @@
 
 namespace hdrcam::sample {
 
-// A folder of its own for each test of each run, empty at the start, gone at the end of the run.
+// A separate folder for each test of each run, empty at the start, removed at the end of the run.
 inline std::string scratch_folder(const std::string& name) {
   struct Root {
     std::filesystem::path path =
@@ -31,7 +31,7 @@ inline std::string scratch_folder(const std::string& name) {
   return folder.string();
 }
 
-// Files in the folder that were never given their name.
+// Files in the folder that never got their final name.
 inline int unfinished_files_in(const std::string& folder) {
   int found = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -88,7 +88,7 @@ inline std::vector<RawFrame> frames(const CameraFacts& camera, int count, unsign
   return frames;
 }
 
-// The error of what must have failed; an ok result gives a code that no test expects.
+// The error of a call that must fail; an ok result gives a code that no test expects.
 template <class T>
 Error error_of(const Result<T>& result) {
   return result.ok() ? Error{ErrorCode::Timeout, "no error"} : result.error();
@@ -130,7 +130,7 @@ inline Result<void> record(Storage& storage, const std::string& path, const Came
   return writer->finish();
 }
 
-// Everything a reader hands out, and how it ended.
+// Everything that a reader returns, and how it ended.
 struct Replayed {
   std::vector<RawFrame> frames;
   std::optional<Error> error;  // of open or next; none at a proper end

@@ -1,6 +1,6 @@
-// What the simulated USB camera writes into the top row of every picture: the truth that a test compares
-// with. One bit in two pixels, white or black, so that it is read alike from the camera's bytes, from codes
-// after conversion to RGB, and from a recording. Value type.
+// The stamp that the simulated USB camera writes into the top row of every picture: the truth for tests. One
+// bit in two pixels, white or black, so that it reads the same from the camera's bytes, from codes after
+// conversion to RGB, and from a recording. Value type.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ struct PictureStamp {
 
   std::array<char, 4> mark = kMark;
   std::uint32_t frame = 0;           // of the sensor, from the start of the stream
-  std::uint32_t exposure_100us = 0;  // that this picture was taken with
+  std::uint32_t exposure_100us = 0;  // of this picture
   std::uint16_t gain_16ths = 16;
   std::int16_t brightness = 0;
 };

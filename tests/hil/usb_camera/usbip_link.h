@@ -1,5 +1,5 @@
-// The wire of a simulated USB device: the kernel's virtual host controller (vhci_hcd) speaks USB/IP over a
-// socket, and we hold the other end of it. Structures as in the kernel's
+// The connection of a simulated USB device: the kernel's virtual host controller (vhci_hcd) speaks USB/IP
+// over a socket, and this is the other end. Structures as in the kernel's
 // Documentation/usb/usbip_protocol.rst. Thread-bound.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace hdrcam::hil {
 
-// A transfer that the host asks for; `data` is what it sends with it.
+// A transfer that the host requests; `data` is what it sends with it.
 struct Transfer {
   std::uint32_t sequence = 0, endpoint = 0, length = 0;
   bool to_host = false;
@@ -19,13 +19,13 @@ struct Transfer {
   std::vector<std::uint8_t> data;
 };
 
-// What comes over the wire: a transfer, or the wish to take one back.
+// A message from the host: a transfer, or the request to cancel one.
 struct Message {
   std::optional<Transfer> transfer;
   std::uint32_t sequence = 0, unlinked = 0;  // where there is no transfer
 };
 
-constexpr int kStall = -32;  // EPIPE: the device does not know such a request
+constexpr int kStall = -32;  // EPIPE: the device does not support the request
 
 class UsbIpLink {
  public:

@@ -1,5 +1,5 @@
-// A USB Video Class 1.1 camera without the wire: descriptors, control requests, format negotiation. It has
-// what the product needs of a webcam: exposure (mode and time), gain, brightness, four picture sizes in
+// A USB Video Class 1.1 camera without the connection: descriptors, control requests, format negotiation. It
+// has the controls that the product uses: exposure (mode and time), gain, brightness, four picture sizes in
 // YUYV, a bulk endpoint. Numbers in brackets are chapters of "USB Device Class Definition for Video Devices,
 // revision 1.1". Thread-bound.
 #pragma once
@@ -38,7 +38,7 @@ class UvcDevice {
   const CameraSettings& settings() const { return settings_; }
   PictureSize size() const { return kSizes[probe_frame_ - 1U]; }
   std::uint64_t frame_period_ns() const { return probe_interval_100ns_ * 100ULL; }
-  // The host has agreed to a format, and has not stopped the stream since.
+  // The host has committed a format and has not stopped the stream since.
   bool committed() const { return committed_; }
 
  private:
