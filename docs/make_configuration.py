@@ -44,7 +44,7 @@ def tables():
             table = line.strip("[]")
             text += f"{'' if not text else chr(10)}## {titles[table]}\n\n"
             if table == "knobs":
-                text += ("What `--set NAME=VALUE` and `[knobs]` take (`online/knobs.h`), and what each preset sets.\n\n"
+                text += ("The knobs for `--set NAME=VALUE` and `[knobs]` (`online/knobs.h`), with each preset's values.\n\n"
                          "| name | fast | balanced | best | takes | gives | costs |\n|---|---|---|---|---|---|---|\n")
             else:
                 text += "| key | flag | default | meaning |\n|---|---|---|---|\n"

@@ -1,5 +1,5 @@
-// All that the method knows about one frame, handed out as soon as its look-ahead has arrived. Const, and
-// valid only during the call that hands it out; only the snapshot may be held longer.
+// The complete estimate of one frame, delivered as soon as its look-ahead has arrived. Const, and valid only
+// during the call that delivers it; only the snapshot may be held longer.
 #pragma once
 
 #include "online/frame_budget.h"
@@ -10,12 +10,12 @@ namespace hdrcam {
 
 struct FrameEstimate {
   const ExposedFrame& frame;
-  const JoinedState& state;      // up to and with this frame, and its look-ahead
+  const JoinedState& state;      // includes this frame and its look-ahead
   const FlowField* to_previous;  // null at the first frame
-  SnapshotHold field;            // fitted up to and with this frame; empty without a field
-  SceneView view;                // that the frame itself had, at full size
+  SnapshotHold field;            // fitted up to this frame, inclusive; empty without a field
+  SceneView view;                // the frame's own view, at full size
   const FitReport* fit;          // the fit's work on this frame; null without a field
-  FrameBudget budget;            // what it may cost
+  FrameBudget budget;            // the cost allowed for this frame
   float white;                   // radiance that saturates the shortest exposure so far
   double reference_exposure;     // E_ref, seconds x gains
 };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kAny = 1e9;
 
-// The member that a chain of member pointers leads to.
+// The member at the end of a chain of member pointers.
 template <auto... path>
 struct Place {
   static auto& in(Knobs& knobs) { return (knobs.*....*path); }
@@ -66,7 +66,7 @@ Knob loss() {
           100,
           1,
           {},
-          "nothing beyond its share of a step",
+          "only its share of a step",
           kLosses[term].meaning,
           [](const Knobs& knobs) { return static_cast<double>(knobs.hash_grid.losses[term]); },
           [](Knobs& knobs, double value) { knobs.hash_grid.losses[term] = static_cast<float>(value); }};
@@ -79,11 +79,10 @@ void add_frame_budget(std::vector<Knob>& table) {
   table.push_back(choice<&K::budget, &B::flow>(
       "flow", kPerFrame, {"fast", "medium", "fine"},
       {"", "time of the two to four flow calls of a frame; fine is several times fast",
-       "finer motion: fewer pixels that lose their past"}));
+       "finer motion: fewer pixels lose their history"}));
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::steps>(
       "steps", kPerFrame, 0, 1000,
-      {"steps", "time of the fit, in proportion",
-       "a field that has learned the frame; 0 shows the state's"}));
+      {"steps", "time of the fit, in proportion", "a field fitted to the frame; 0 renders the state"}));
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::rays_per_step>(
       "rays_per_step", kPerFrame, 32, 4096,
       {"rays", "time of a step, in proportion", "a less noisy step; many small steps beat few large ones"},
@@ -97,93 +96,95 @@ void add_frame_budget(std::vector<Knob>& table) {
   table.push_back(whole<&K::budget, &B::render_step>(
       "render_step", kPerFrame, 1, 8,
       {"px", "more is cheaper: time of the field's view falls with its square",
-       "less is sharper where the field fills what nobody saw"}));
+       "less is sharper where the field fills unseen pixels"}));
   table.push_back(choice<&K::budget, &B::shrinks>(
       "shrinkage", kPerFrame, {"off", "on"},
-      {"", "time of the emission, about half of it", "less noise in what leaves, the state is untouched"}));
+      {"", "time of the emission, about half of it", "less noise in the output; the state is unchanged"}));
 }
 
 void add_stream(std::vector<Knob>& table) {
   constexpr auto kAtStart = KnobChange::AtStart;
   using K = Knobs;
   table.push_back(whole<&K::look_ahead>("look_ahead", kAtStart, 0, 2,
-                                        {"frames", "as many frames of latency, and one join for each",
-                                         "clipped and hidden pixels seen later"}));
+                                        {"frames", "latency of as many frames, and one join for each",
+                                         "clipped and occluded pixels that later frames show"}));
   table.push_back(whole<&K::bootstrap_frames>(
       "bootstrap_frames", kAtStart, 2, 64,
-      {"frames", "latency of the first emission", "a surer first response and black level"}));
+      {"frames", "latency of the first emission", "a more certain first response and black level"}));
   table.push_back(real<&K::code_noise>(
       "code_noise", kAtStart, 0, 20,
-      {"codes rms", "nothing", "where the estimate of what a codec did starts: 1 clean, 2 MJPEG"}));
+      {"codes rms", "nothing", "start value of the estimated compression noise: 1 clean, 2 MJPEG"}));
   table.push_back(real<&K::state, &StateOptions::variance_growth>(
-      "state.variance_growth", kAtStart, 0, 1, {"per frame", "nothing", "more forgets the past sooner"}));
+      "state.variance_growth", kAtStart, 0, 1,
+      {"per frame", "nothing", "larger values forget the past sooner"}));
   table.push_back(real<&K::state, &StateOptions::relative_growth>(
       "state.relative_growth", kAtStart, 0, 1,
-      {"of radiance per frame", "nothing", "more follows light that changes"}));
+      {"of radiance per frame", "nothing", "larger values follow changing light"}));
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::relative_noise>(
       "state.relative_noise", kAtStart, 0, 1,
-      {"of radiance", "nothing", "variance of what the noise model does not know"}));
+      {"of radiance", "nothing", "variance outside the noise model"}));
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::blur_variance>(
       "state.blur_variance", kAtStart, 0, 1000,
-      {"", "nothing", "variance of a sample, by the square of the blur that the state predicts"}));
+      {"", "nothing", "variance of a sample per squared blur that the state predicts"}));
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::misalignment>(
       "state.misalignment", kAtStart, 0, 10,
-      {"of local contrast", "nothing", "variance that a warp adds; 0 leaves it out"}));
+      {"of local contrast", "nothing", "variance that a warp adds; 0: none"}));
   table.push_back(real<&K::state, &StateOptions::fusion, &FusionOptions::chi2_tolerance>(
       "state.gate_tolerance", kAtStart, 0, kAny,
       {"mean chi^2", "nothing",
-       "disagreement up to which state and sample count as the same; large: no gate"}));
+       "largest disagreement at which state and sample count as equal; large: no gate"}));
 }
 
 void add_priors_and_scene(std::vector<Knob>& table) {
   constexpr auto kAtStart = KnobChange::AtStart;
   using K = Knobs;
   using F = FieldOptions;
-  table.push_back(choice<&K::pose>("pose", kAtStart, {"given", "tracked", "fixed"},
-                                   {"", "tracked: a few ms per frame",
-                                    "given: of the recording, tracked where it has none; fixed: a tripod"}));
+  table.push_back(
+      choice<&K::pose>("pose", kAtStart, {"given", "tracked", "fixed"},
+                       {"", "tracked: a few ms per frame",
+                        "given: from the recording, tracked where it has none; fixed: a tripod"}));
   table.push_back(whole<&K::depth, &DepthOptions::step_px>(
-      "depth_step", kAtStart, 1, 8, {"px", "1 costs five times of 2", "2 is as accurate as 1"}));
-  table.push_back(choice<&K::field>(
-      "field", kAtStart, {"none", "hash_grid"},
-      {"", "pose, depth, fit and view", "an answer where nobody saw the pixel, depth, any view"}));
+      "depth_step", kAtStart, 1, 8, {"px", "1 costs five times as much as 2", "2 is as accurate as 1"}));
+  table.push_back(
+      choice<&K::field>("field", kAtStart, {"none", "hash_grid"},
+                        {"", "pose, depth, fit and view", "radiance for unseen pixels, depth, novel views"}));
   table.push_back(whole<&K::hash_grid, &F::window, &WindowOptions::frames>(
       "window_frames", kAtStart, 2, 14,
       {"frames", "memory, 6 MB each at 320x240", "motion that is smooth over the window"}));
   table.push_back(real<&K::hash_grid, &F::window, &WindowOptions::trusted_sigma>(
       "trusted_sigma", kAtStart, 0.01, 1,
-      {"of ln radiance", "nothing", "where the state is this sure, networks and state share"}));
+      {"of ln radiance", "nothing", "sigma of the state at which networks and state have equal weight"}));
   table.push_back(real<&K::hash_grid, &F::margin>(
       "margin", kAtStart, 1, 2,
-      {"", "resolution of the grids", "width of the window over the picture: the camera may go further"}));
+      {"", "resolution of the grids", "width of the window over the picture: allows more camera motion"}));
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::static_grid, &HashGridShape::log2_entries>(
-      "static_entries", kAtStart, 10, 20,
-      {"log2", "memory and cache misses", "detail of what stands still"}));
+      "static_entries", kAtStart, 10, 20, {"log2", "memory and cache misses", "detail of static content"}));
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::dynamic_grid, &HashGridShape::log2_entries>(
-      "dynamic_entries", kAtStart, 10, 20, {"log2", "memory and cache misses", "detail of what moves"}));
+      "dynamic_entries", kAtStart, 10, 20, {"log2", "memory and cache misses", "detail of dynamic content"}));
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::static_grid, &HashGridShape::levels>(
-      "static_levels", kAtStart, 1, 16, {"levels", "time of a step", "scales of what stands still"}));
+      "static_levels", kAtStart, 1, 16, {"levels", "time of a step", "scales of static content"}));
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::dynamic_grid, &HashGridShape::levels>(
-      "dynamic_levels", kAtStart, 1, 16, {"levels", "time of a step", "scales of what moves"}));
+      "dynamic_levels", kAtStart, 1, 16, {"levels", "time of a step", "scales of dynamic content"}));
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::hidden>(
       "hidden", kAtStart, 4, 128,
       {"neurons", "time of a step, with its square", "capacity of the two networks"}, 4));
   table.push_back(choice<&K::hash_grid, &F::shape, &FieldShape::blend>(
       "blend", kAtStart, {"density_sum", "weight"},
-      {"", "nothing", "how static and dynamic join: densities add up, or the paper's blending weight"}));
+      {"", "nothing", "blending of static and dynamic: densities add up, or the paper's blending weight"}));
   table.push_back(real<&K::hash_grid, &F::newest_share>(
       "newest_share", kAtStart, 0, 1,
-      {"", "nothing", "share of the rays in the newest frame, the rest over the window"}));
+      {"", "nothing", "share of the rays in the newest frame; the rest is spread over the window"}));
   table.push_back(real<&K::hash_grid, &F::uniform_share>(
       "uniform_share", kAtStart, 0, 1,
-      {"", "nothing", "share of the rays anywhere, the rest where the state is blind or the fit is bad"}));
+      {"", "nothing",
+       "share of uniformly drawn rays; the rest goes where the state is uncertain or the fit is bad"}));
   table.push_back(real<&K::hash_grid, &F::table_rate>("table_rate", kAtStart, 1e-5, 1,
                                                       {"", "nothing", "Adam's rate of the grids"}));
   table.push_back(real<&K::hash_grid, &F::network_rate>("network_rate", kAtStart, 1e-5, 1,
                                                         {"", "nothing", "Adam's rate of the networks"}));
   table.push_back(choice<&K::hash_grid, &F::fits_response>(
       "refine_response", kAtStart, {"off", "on"},
-      {"", "about a tenth of a step", "the field's own response follows its photometric loss"}));
+      {"", "about a tenth of a step", "a response refined by the photometric loss"}));
   table.push_back(real<&K::hash_grid, &F::response_rate>("response_rate", kAtStart, 0, 1e-2,
                                                          {"", "nothing", "Adam's rate of that response"}));
 }
@@ -294,7 +295,7 @@ Result<void> set_knob(Knobs& knobs, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos)
     return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' sets nothing; write NAME=VALUE, such as steps=100", assignment)};
+                 fmt::format("'{}' has no value; write NAME=VALUE, such as steps=100", assignment)};
   return set_knob(knobs, assignment.substr(0, equals), assignment.substr(equals + 1));
 }
 

@@ -1,6 +1,6 @@
-// Every knob of the method in one table: its name as `--set NAME=VALUE` and TOML take it, unit, range, what
-// each preset sets it to, what it costs and what it gives. What may change from one frame to the next is
-// `Knobs::budget` and enters with each call; all else holds from the start of a run. Plain values; reentrant.
+// Every knob of the method in one table: its name in `--set NAME=VALUE` and TOML, unit, range, the value of
+// each preset, its cost and its effect. `Knobs::budget` holds the knobs that may change from frame to frame
+// and is passed with each call; all others are fixed at the start of a run. Plain values; reentrant.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@
 
 namespace hdrcam {
 
-// Points on the measured front of quality against time (docs/decisions.md).
+// Points on the measured Pareto front of quality and time (docs/decisions.md).
 enum class Preset { Fast, Balanced, Best };
 const char* name(Preset preset);
 
 struct Knobs {
   FrameBudget budget;
-  int look_ahead = 1;        // frames, 0..2: how many later frames an emission waits for
+  int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
   float code_noise = 1;      // codes rms (NoiseModel)
   StateOptions state;
@@ -42,26 +42,26 @@ struct Knob {
   const char* unit;  // "steps", "px"; "" for a share or a choice
   KnobKind kind;
   KnobChange change;
-  double least, most;                // of a number
-  int multiple;                      // a whole number is a multiple of this
-  std::vector<std::string> choices;  // of a choice
-  const char* costs;                 // what more of it costs
-  const char* gives;                 // what it gives, and why one would turn it
-  double (*get)(const Knobs&);       // of a choice: its index
+  double least, most;                // limits of a number
+  int multiple;                      // whole numbers are a multiple of this
+  std::vector<std::string> choices;  // words of a choice
+  const char* costs;                 // the cost of a larger value
+  const char* gives;                 // the effect, and a reason to change it
+  double (*get)(const Knobs&);       // the index of a choice
   void (*put)(Knobs&, double);       // unchecked: set_knob() checks
 };
 
-// In the order of a frame's way. Built once, at the first call.
+// In the order of the processing of a frame. Built once, at the first call.
 std::span<const Knob> knob_table();
 
-// The value as set_knob() reads it. Invalid for a name that no knob has, naming the nearest ones.
+// The value as set_knob() reads it. Invalid for an unknown name, naming the nearest ones.
 Result<std::string> knob_value(const Knobs& knobs, std::string_view name);
-// Invalid for an unknown name, a value that does not parse or is out of range; the message says what would
-// do.
+// Invalid for an unknown name, or a value that does not parse or is out of range; the message states the
+// valid values.
 Result<void> set_knob(Knobs& knobs, std::string_view name, std::string_view value);
-// The same for "NAME=VALUE", as a command line has it.
+// The same for "NAME=VALUE" from a command line.
 Result<void> set_knob(Knobs& knobs, std::string_view assignment);
-// "a whole number, 0..1000 steps": for help and messages.
+// The valid values as text for help and messages: "a whole number, 0..1000 steps".
 std::string accepted_values(const Knob& knob);
 
 }  // namespace hdrcam

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxLookAhead = 2;  // frames
 
-// Geometric mean of the exposures of one cycle: the frames before the first exposure comes again.
+// Geometric mean of the exposures of one cycle: the frames until the first exposure repeats.
 double cycle_mean(const std::deque<RawFrame>& frames) {
   constexpr double kSame = 0.2;  // in ln: schedules jitter by less
   double sum = 0;
@@ -29,7 +29,7 @@ double cycle_mean(const std::deque<RawFrame>& frames) {
 struct OnlineStage::Step {
   ExposedFrame frame;
   StateMotion motion;   // between the state at the frame before and this one
-  RadianceState state;  // after this frame; only kept where the look-ahead is longer than one frame
+  RadianceState state;  // after this frame; kept only where the look-ahead is longer than one frame
   RigidTransform T_world_camera;
   FitReport fit;
   bool advanced = false, emitted = false;
@@ -50,7 +50,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       look_ahead_(pool) {
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
-  noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes went through no codec
+  noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
   assumed_noise_ = noise_;
 }
@@ -84,7 +84,7 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   if (response_known_) settings_.black_level = stated.value_or(BlackLevel());
   std::vector<ExposedFrame> frames;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // the first frame has none before it: its interval is taken to be the second's
+    // no frame precedes the first one: its interval is assumed equal to the second's
     const auto& before = waiting_[i > 0 ? i - 1 : 0].facts;
     const auto& after = waiting_[i > 0 || waiting_.size() < 2 ? i : 1].facts;
     frames.push_back(
@@ -246,7 +246,7 @@ Result<void> OnlineStage::finish(const Emit& emit) {
   if (!started_) {
     if (waiting_.size() < 2)
       return Error{ErrorCode::TooShort,
-                   fmt::format("the clip has {} frame(s); at least two of different exposure are needed",
+                   fmt::format("the clip has {} frame(s); at least two with different exposures are needed",
                                waiting_.size())};
     TRY(bootstrap(emit));
   }
@@ -263,7 +263,7 @@ const ExposureTables& OnlineStage::tables_for(float exposure) {
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
-  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at every eighth
+  constexpr int kEager = 8;  // frames: at first the model is solved at each frame, then at every eighth
   Stopwatch watch;
   if (step.frame.exposure <= previous.frame.exposure)
     noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_);

@@ -1,7 +1,7 @@
-// The online part of the pipeline, in the order of a frame's way: black level, response and noise from the
-// first cycles; then for each frame motion, state, pose, depth and field. It hands out an estimate of each
-// frame as soon as its look-ahead has arrived. Thread-bound; deterministic whatever
-// the number of threads.
+// The online part of the pipeline, in processing order: black level, response and noise from the
+// first cycles; then for each frame motion, state, pose, depth and field. It delivers an estimate of
+// each frame as soon as its look-ahead has arrived. Thread-bound; deterministic for any number of
+// threads.
 #pragma once
 
 #include <deque>
@@ -27,15 +27,15 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  // response: none where unknown, to be estimated.
+  // response: none where it is unknown and must be estimated.
   OnlineStage(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
               WorkerPool& pool);
   ~OnlineStage();
 
-  // Takes the next frame; emits what became ready. budget: for all that is done meanwhile. Errors:
-  // BadExposure, and whatever emit returns.
+  // Takes the next frame and emits the estimates that became ready. budget: for all work in this call.
+  // Errors: BadExposure, and those of emit.
   Result<void> ingest(const RawFrame& raw, const FrameBudget& budget, const Emit& emit);
-  // The stream has ended: emits the rest. TooShort for fewer than two frames.
+  // Ends the stream and emits the rest. TooShort for fewer than two frames.
   Result<void> finish(const Emit& emit);
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
@@ -45,7 +45,7 @@ class OnlineStage {
   double reference_exposure() const { return settings_.reference_exposure; }
 
  private:
-  struct Step;  // one frame on its way through
+  struct Step;  // one frame in progress
 
   Result<void> bootstrap(const Emit& emit);
   std::unique_ptr<Step> spare_step();
@@ -61,7 +61,7 @@ class OnlineStage {
   const Knobs knobs_;
   FrameBudget budget_;
   const CameraFacts camera_;
-  const Intrinsics lens_;  // assumed where the camera does not say
+  const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;
   UnpackSettings settings_;
   std::deque<RawFrame> waiting_;  // until the bootstrap
@@ -70,7 +70,7 @@ class OnlineStage {
   Instant last_time_;
 
   Response response_;
-  NoiseModel assumed_noise_, noise_;  // before anything was measured, and as measured so far
+  NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   NoiseEstimator noise_estimator_;
   std::map<float, ExposureTables> tables_;
 
@@ -78,12 +78,12 @@ class OnlineStage {
   StateFilter filter_;
   LookAhead look_ahead_;
   JoinedState joined_;
-  // with the first frame, where there is a field
+  // created with the first frame, where there is a field
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;
   std::unique_ptr<SceneField> field_;
-  std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and one before them
-  std::vector<std::unique_ptr<Step>> spare_;  // to be used again
+  std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and the one before them
+  std::vector<std::unique_ptr<Step>> spare_;  // for reuse
   Timing timing_;
 };
 

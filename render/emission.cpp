@@ -21,7 +21,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
     frame.flow.reshape(0, 0, 0);
 }
 
-// Where each pixel came from, and how sure it is.
+// The source of each pixel and its uncertainty.
 void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& frame) {
   const JoinedState& state = estimate.state;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();

@@ -1,5 +1,5 @@
-// One HDR frame out of an estimate's state: what nobody saw stays a lower bound, the rest is shrunk with its
-// known variance (for the output only). Thread-bound.
+// Makes one HDR frame from an estimate's state: unseen pixels stay lower bounds, the others are shrunk with
+// their known variance (for the output only). Thread-bound.
 #pragma once
 
 #include "online/frame_estimate.h"

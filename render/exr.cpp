@@ -23,7 +23,7 @@ namespace hdrcam {
 namespace {
 
 constexpr float kLargestHalf = 65504;
-constexpr std::size_t kMaxSamples = std::size_t{1} << 28;  // 1 GiB of floats: more is damage, not a picture
+constexpr std::size_t kMaxSamples = std::size_t{1} << 28;  // 1 GiB of floats: a larger size means damage
 constexpr int kMaxSide = 1 << 16;
 
 class BytesOut : public Imf::OStream {
@@ -172,7 +172,7 @@ std::vector<Imath::half> to_half(std::span<const float> samples) {
   return halves;
 }
 
-// The library wants a writable pointer to what it only reads.
+// The library requires a writable pointer to data that it only reads.
 Imf::Slice slice_of(const void* samples, Imf::PixelType type, std::size_t bytes_per_sample, int cols) {
   return {type, const_cast<char*>(static_cast<const char*>(samples)), bytes_per_sample,
           bytes_per_sample * static_cast<std::size_t>(cols)};
@@ -221,7 +221,7 @@ Result<ExrImage> read_file(BytesIn& in, const std::string& name) {
       static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
   if (samples == 0 || samples > kMaxSamples)
     return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' says {} channels of {}x{}, which is no picture of ours", name,
+                 fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
                              image.names.size(), cols, rows)};
   image.attributes = attributes_of(header);
   image.samples = Image<float>(static_cast<int>(image.names.size()), rows, cols);

@@ -1,7 +1,7 @@
-// Pictures to OpenEXR bytes and back, in memory: the disk is Storage's. One part, scan lines, any set of
-// named channels of one size. Reentrant. Channel names of an HDR frame are fixed below, so that what writes
-// them and what reads them agree. Every sample is finite: a NaN or Inf handed to encode_exr is a bug of the
-// caller, and a value beyond the range of half (65504) is clamped to it.
+// Encodes pictures as OpenEXR bytes and decodes them, in memory; Storage writes the files. One part, scan
+// lines, any set of named channels of one size. Reentrant. Channel names of an HDR frame are fixed below, so
+// that writers and readers agree. Every sample is finite: a NaN or Inf passed to encode_exr is a bug of the
+// caller, and a value above the range of half (65504) is clamped to it.
 #pragma once
 
 #include <array>
@@ -57,14 +57,14 @@ TimeCode time_code(Duration since_start, double framerate_hz);
 struct ExrAttributes {
   std::optional<double> exposure_s;              // expTime
   std::optional<double> iso_speed;               // isoSpeed
-  std::optional<double> framerate_hz;            // framesPerSecond; 29.97 and its like become n/1001
+  std::optional<double> framerate_hz;            // framesPerSecond; 29.97 and similar rates become n/1001
   std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
   std::optional<Chromaticities> chromaticities;  // chromaticities
   std::optional<TimeCode> time_code;             // timeCode
   std::optional<PoseMatrix>
       T_world_camera;           // worldToCamera holds its inverse, transposed (row vectors), metres
   std::string owner, comments;  // owner, comments; empty: not written
-  // Ours beyond the standard, each named "hdrcam.": value as text.
+  // Attributes outside the standard, each named "hdrcam.", with the value as text.
   std::map<std::string, std::string> texts;
 };
 
@@ -74,7 +74,7 @@ struct ExrChannel {
   ExrSample stored = ExrSample::Half;
 };
 
-// What to write: a view, the samples stay with the caller.
+// The picture to write: a view; the caller keeps the samples.
 struct ExrPicture {
   int rows = 0, cols = 0;
   std::vector<ExrChannel> channels;  // in any order, names distinct
@@ -82,7 +82,7 @@ struct ExrPicture {
   ExrCompression compression = ExrCompression::Piz;  // half of the time of Zip, and smaller (README)
 };
 
-// What was read.
+// A decoded picture.
 struct ExrImage {
   std::vector<std::string> names;  // of the channels, as sorted in the file
   Image<float> samples;            // [channels, rows, cols]
@@ -95,8 +95,8 @@ struct ExrImage {
 // Errors: Io where the library fails (out of memory).
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture);
 
-// Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is what messages call
-// it. Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
+// Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is for messages.
+// Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
 Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name);
 Result<ExrImage> read_exr(Storage& storage, const std::string& path);
 

@@ -1,4 +1,4 @@
-// What leaves the pipeline: one HDR frame with its facts, its uncertainty and where each pixel came from.
+// The output of the pipeline: one HDR frame with its facts, its uncertainty and the source of each pixel.
 // Radiance is scene-linear and relative: 1 saturates the clip's reference exposure E_ref. Move-only value.
 #pragma once
 
@@ -13,8 +13,8 @@ enum class Provenance : std::uint8_t {
   Own = 0,        // mostly this frame's own sample
   Carried = 1,    // mostly earlier frames, carried along the motion
   LookAhead = 2,  // mostly a later frame
-  Field = 3,      // nobody saw it well: the field's answer
-  Bound = 4,      // clipped everywhere: at least this bright
+  Field = 3,      // unseen or badly seen: from the field
+  Bound = 4,      // clipped in all frames: a lower bound
 };
 
 struct HdrFrame {
@@ -27,7 +27,7 @@ struct HdrFrame {
   Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
   Image<float> depth;  // [1, rows, cols] in units of the field's near plane; empty without the field
   Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
-  // The field's own motion to the previous frame, as flow; empty where it was not asked for.
+  // The field's own motion to the previous frame, as flow; empty where it was not requested.
   Image<float> field_flow;
 };
 

@@ -13,7 +13,7 @@ namespace hdrcam {
 enum class PngEffort { Fast, Small };  // Fast: for one picture per frame; about a fifth larger
 
 // picture: [1 or rgb, rows, cols] sRGB codes. Errors: Invalid (empty, or another number of channels), Io
-// (libpng's words).
+// (with libpng's message).
 Result<std::vector<std::byte>> encode_png(const Image<std::uint8_t>& picture,
                                           PngEffort effort = PngEffort::Fast);
 

@@ -57,7 +57,7 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
 }
 
 void RenderStage::look_into_field(const FrameEstimate& estimate, HdrFrame& frame) {
-  // alone, the field is shown at full size; to fill what nobody saw, a coarser view will do
+  // alone, the field is rendered at full size; to fill unseen pixels a coarser view suffices
   const int step = options_.layer == EmitLayer::Field ? 1 : estimate.budget.render_step;
   estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
@@ -65,7 +65,8 @@ void RenderStage::look_into_field(const FrameEstimate& estimate, HdrFrame& frame
   enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
   if (!options_.shows_field_flow) return;
   enlarge(view_.flow[static_cast<int>(Neighbour::Previous)], step, rows, cols, frame.field_flow, pool_);
-  for (float& px : frame.field_flow.samples()) px *= static_cast<float>(step);  // of the whole picture
+  for (float& px : frame.field_flow.samples())
+    px *= static_cast<float>(step);  // in pixels of the full-size picture
 }
 
 void RenderStage::take_all(HdrFrame& frame) {
@@ -73,7 +74,7 @@ void RenderStage::take_all(HdrFrame& frame) {
   frame.provenance.fill(static_cast<std::uint8_t>(Provenance::Field));
 }
 
-// Where a channel was never seen unclipped the state holds a lower bound; the field may raise it.
+// Where no frame saw a channel unclipped the state holds a lower bound; the field may raise it.
 void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   const float known = known_limit(estimate.white);
   const int cols = frame.radiance.cols();

@@ -1,5 +1,5 @@
-// From an estimate to the HDR frame that leaves: the state's emission, and the field where the state does not
-// know. Each layer can be had alone. Thread-bound; deterministic whatever the number of threads.
+// From an estimate to the emitted HDR frame: the state, and the field where the state has no value. Each
+// layer can also be emitted alone. Thread-bound; deterministic for any number of threads.
 #pragma once
 
 #include <functional>
@@ -9,15 +9,15 @@
 namespace hdrcam {
 
 enum class EmitLayer {
-  Merged,  // the state, and the field where nobody saw the pixel
-  State,   // the state alone; the field need not run
+  Merged,  // the state, and the field at unseen pixels
+  State,   // the state alone; the field is not needed
   Field,   // the field alone
 };
 
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
   bool shows_field_flow = false;  // HdrFrame::field_flow
-  // of the lower bound, > 1: how far the field may go above what clipped pixels prove
+  // factor on the lower bound, > 1: how far the field may exceed the bound of clipped pixels
   float largest_answer = 4;
 };
 

@@ -106,7 +106,7 @@ void Shrinkage::shrink_tile_row(int channel, int y0) {
       }
     noise *= 1.f / (kTile * kTile);
     Tile spectrum = product(product(kDct, pixels), kDctTransposed);
-    float energy = 1;  // of the gains; the mean is kept whole
+    float energy = 1;  // of the gains; the mean is not shrunk
     for (std::size_t i = 0; i < kTile; ++i)
       for (std::size_t j = 0; j < kTile; ++j) {
         if (i == 0 && j == 0) continue;

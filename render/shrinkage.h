@@ -1,7 +1,7 @@
 // Spatial shrinkage of a picture whose variance is known: 8x8 DCT tiles, overlapping by half, on the
 // logarithm of radiance in opponent colours; each coefficient is scaled by max(0, 1 - 1.5 s^2 / c^2)
-// (empirical Wiener filter), the tiles are averaged by how little survived in them. For the output only:
-// nothing here feeds back. Thread-bound.
+// (empirical Wiener filter), the tiles are averaged with more weight where fewer coefficients survive. For
+// the output only: nothing here feeds back. Thread-bound.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ class Shrinkage {
  public:
   explicit Shrinkage(WorkerPool& pool) : pool_(pool) {}
 
-  // radiance, variance: [rgb, rows, cols]; offset: radiance below which a difference does not matter. In
-  // place. Pictures smaller than one tile stay as they are.
+  // radiance, variance: [rgb, rows, cols]; offset: radiance below which a difference does not matter. Works
+  // in place. Pictures smaller than one tile are unchanged.
   void apply(Image<float>& radiance, const Image<float>& variance, float offset);
 
  private:

@@ -9,7 +9,7 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kMeasureStep_px = 3;  // a ninth of the pixels is plenty for a mean and a percentile
+constexpr int kMeasureStep_px = 3;  // a ninth of the pixels suffices for a mean and a percentile
 constexpr double kWhitePercentile = 0.995;
 constexpr float kWhiteHeadroom =
     1.41f;                           // half a stop above the percentile, so that highlights keep their shape

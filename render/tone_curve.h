@@ -1,10 +1,10 @@
 // From scene-linear radiance to 8-bit display codes: one global curve, the same for each channel, so that
-// bright colours run into white as they do on film.
-//   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),  w = kKey white / mid      [Reinhard et al. 2002, eq.
-//   3 and 4] code = 255 sRGB(min(y, 1))
+// bright colours saturate to white as on film.
+//   x = kKey L / mid,   y = x (1 + x / w^2) / (1 + x),   w = kKey white / mid,   code = 255 sRGB(min(y, 1))
+// (Reinhard et al. 2002, eq. 3 and 4).
 // `mid` is shown as a mid grey, `white` as display white. The curve belongs to the clip, not to the frame:
-// ToneAdaptation sets it from the first frame and then lets it follow by at most a hundredth of a stop a
-// frame, so a still scene is shown without flicker whatever the exposure schedule does.
+// ToneAdaptation sets it from the first frame and then changes it by at most a hundredth of a stop per frame,
+// so a static scene is shown without flicker for any exposure schedule.
 #pragma once
 
 #include <array>
@@ -20,9 +20,9 @@ struct ToneAnchors {
   float white = 1;    // radiance shown as white, 4 mid .. 2^24
 };
 
-// The anchors that suit one picture: mid = geometric mean of its luminance, white = its 99.5th percentile
-// with half a stop to spare. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left
-// out, and where no others are left (a black picture) there are no anchors.
+// The anchors of one picture: mid = geometric mean of its luminance, white = its 99.5th percentile with half
+// a stop of headroom. radiance: [rgb, rows, cols]; pixels that are not finite and positive are left out;
+// nullopt where none remain (a black picture).
 std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance);
 
 // Immutable value, reentrant. Evaluation is a table of 64 segments per octave over 2^-24 .. 2^24.
@@ -50,7 +50,7 @@ class ToneAdaptation {
  public:
   static constexpr float kMaxStep = 0.01f;  // stops per frame
 
-  // Takes the frame into account and returns the curve to show it with, which is valid until the next call.
+  // Adapts to the frame and returns the curve for it, which is valid until the next call.
   const ToneCurve& follow(const Image<float>& radiance);
 
  private:

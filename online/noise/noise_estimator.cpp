@@ -19,7 +19,7 @@ constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr float kMinConfidence = 0.8f;   // of the flow
 constexpr float kFirstCode =
     clip_policy::kNoisePair.darkest;  // of the shorter exposure, as the longer one predicts it: darker ones
-                                      // are cut off at zero and spread too little
+                                      // are clipped at zero and spread too little
 constexpr float kLastCode = clip_policy::kNoisePair.brightest;
 constexpr float kSmoothRange = 10;  // codes over 5x5 pixels of the longer exposure
 
@@ -32,13 +32,14 @@ float range_5x5(const Image<float>& image, int channel, int y, int x) {
   return most - least;
 }
 
-// How much of the noise variance of a picture linear interpolation leaves at this fraction of a pixel.
+// The share of a picture's noise variance that remains after linear interpolation at this fraction of a
+// pixel.
 float interpolated_variance(float dx, float dy) {
   const float fx = dx - std::floor(dx), fy = dy - std::floor(dy);
   return (1 - 2 * fx * (1 - fx)) * (1 - 2 * fy * (1 - fy));
 }
 
-// What is solved for, as natural logarithms: positive by construction.
+// The unknowns, as natural logarithms: positive by construction.
 enum Parameter { kFullWell, kReadNoise, kCodeNoise, kRelativeNoise, kParameters };
 using Parameters = Eigen::Matrix<double, kParameters, 1>;
 
@@ -46,8 +47,8 @@ struct Prior {
   Parameters mean, sigma;
 };
 
-// What cameras have: full wells of 2000 to 15000 electrons within one sigma (at the gain in use), read noise
-// of 4 to 9, matches of smooth places good to half a percent or two.
+// Prior of typical cameras: full wells of 2000 to 15000 electrons within one sigma (at the gain in use), read
+// noise of 4 to 9, matches of smooth places good to half a percent or two.
 Prior prior_around(double code_noise) {
   constexpr double kUsualFullWell = 5500, kUsualReadNoise = 6, kUsualMismatch = 0.01, kLeastCodeNoise = 0.05;
   Prior prior;
@@ -90,8 +91,8 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
 }
 
 NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector<float>& sorted) {
-  constexpr double kModelError = 0.6;  // in ln: bins are not as simple as the model, nor independent
-  constexpr double kNeighbours = 4;    // differences of which about one is independent
+  constexpr double kModelError = 0.6;  // in ln: bins deviate from the model and are not independent
+  constexpr double kNeighbours = 4;    // differences per independent one
   sorted.assign(bin.differences.begin(), bin.differences.end());
   const auto n = static_cast<double>(sorted.size());
   return {bin.shot_sum / bin.count,
@@ -110,7 +111,7 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
       if (bin.differences.size() >= kMinSamples) equations_.push_back(equation_of(bin, sorted_));
   if (equations_.size() < 4) return otherwise;
 
-  // Gauss-Newton on ln variance, robust against single bins; the prior keeps every direction determined.
+  // Gauss-Newton on ln variance, robust against single bins; the prior determines every direction.
   constexpr int kIterations = 20;
   constexpr double kMaxStep = 0.7;  // in ln
   constexpr double kRobust2 = 4;    // squared scale of the weights, in sigmas

@@ -1,9 +1,9 @@
-// The sensor's noise, measured while the stream runs: pairs of neighbouring frames, matched by the flow,
-// compared in smooth places. In each bin of brightness the spread of the differences around their own centre
-// gives a variance, so that an error of the response, which moves the centre, is not taken for noise. Shot,
-// read and code-domain noise (and what is proportional to the light: imperfect matches) are solved together,
-// as the most probable values under a prior that knows what cameras have: where the bins cannot tell them
-// apart the prior does, and no value ends at a limit. Thread-bound.
+// Measures the sensor's noise while the stream runs: it compares pairs of neighbouring frames, matched by the
+// flow, in smooth places. In each bin of brightness the spread of the differences around their own centre
+// gives a variance, so that a response error, which moves the centre, does not count as noise. Shot, read and
+// code-domain noise (and a term proportional to the light for imperfect matches) are solved together, as the
+// most probable values under a prior from typical cameras: where the bins cannot separate them the prior
+// does, and no value ends at a limit. Thread-bound.
 #pragma once
 
 #include <array>
@@ -26,18 +26,18 @@ class NoiseEstimator {
     equations_.reserve(kUsualRatios * kBrightnesses);
   }
 
-  // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is the
-  // larger, and what b says of a pixel's brightness is the more certain.
+  // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is larger,
+  // and b measures a pixel's brightness more precisely.
   void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                 const Response& response);
 
-  // The most probable model; `otherwise` where too little was seen. code_step is taken from `otherwise`, and
-  // its code_noise is where the prior of the code-domain noise lies.
+  // The most probable model; `otherwise` where there are too few samples. code_step is taken from
+  // `otherwise`, and its code_noise is the mean of the prior of the code-domain noise.
   NoiseModel solve(const NoiseModel& otherwise);
 
  private:
-  // One bin of brightness at one exposure ratio; the newest kCapacity differences are kept. All bins of a
-  // ratio are made when it is first seen, so that a scene that brightens later takes no memory.
+  // One bin of brightness at one exposure ratio; it keeps the newest kCapacity differences. All bins of a
+  // ratio are allocated when it first occurs, so that a scene that brightens later allocates nothing.
   struct Bin {
     static constexpr std::size_t kCapacity = 4096;
     std::vector<float> differences;
@@ -52,8 +52,8 @@ class NoiseEstimator {
       count += 1;
     }
   };
-  // What one bin says: variance = shot * shot_factor + read * read_factor + code * code_factor + ..., in
-  // relative exposure squared, known to `sigma` in ln.
+  // The equation of one bin: variance = shot * shot_factor + read * read_factor + code * code_factor + ...,
+  // in relative exposure squared, with an uncertainty of `sigma` in ln.
   struct Equation {
     double shot_factor, read_factor, code_factor, relative_factor, variance, sigma;
   };

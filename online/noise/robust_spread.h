@@ -1,4 +1,4 @@
-// Centre and variance of samples of which some do not belong: what moved, or was clipped. Reentrant.
+// Centre and variance of samples that include outliers: moved or clipped pixels. Reentrant.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@ struct Spread {
   double centre = 0, variance = 0;
 };
 
-// Of the middle four fifths of the samples, scaled to what a normal distribution would have as a whole.
-// Reorders the samples, of which there are at least ten.
+// Variance of the middle four fifths of the samples, scaled to the variance of a whole normal distribution.
+// Reorders the samples; at least ten are needed.
 inline Spread robust_spread(std::vector<float>& samples) {
   constexpr double kTail = 0.1;                 // left out on either side
   constexpr double kVarianceOfMiddle = 0.4377;  // of the middle of a normal distribution

@@ -20,7 +20,7 @@ struct StateMotion {
   FlowField from_previous;  // state -> frame
 };
 
-// Of a frame, in the order of flow[2] and its like.
+// A frame's neighbours, in the order of flow[2] and similar arrays.
 enum class Neighbour : int { Next = 0, Previous = 1 };
 
 }  // namespace hdrcam

@@ -1,5 +1,5 @@
-// Pictures moved along a flow: out(p) = in(p + flow(p)). Positions are rounded to 1/32 pixel, so that a still
-// pixel is copied, not interpolated, whatever the flow's noise; outside the picture the border pixel is
+// Warps pictures along a flow: out(p) = in(p + flow(p)). Positions are rounded to 1/32 pixel, so that a
+// static pixel is copied, not interpolated, despite the flow's noise; outside the picture the border pixel is
 // repeated. Reentrant.
 #pragma once
 

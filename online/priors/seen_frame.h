@@ -1,5 +1,5 @@
-// What every prior is fed with: a frame, the state up to and with it, and the motion from the frame before.
-// Borrowed for the call.
+// The input of every prior: a frame, the state including it, and the motion from the previous frame. Borrowed
+// for the call.
 #pragma once
 
 #include "capture/exposed_frame.h"

@@ -1,8 +1,8 @@
-// The camera response: code <-> relative sensor exposure, one curve per channel, monotone, x(255) = 1.
-// Held as the inverse x(z) on the 256 codes (what the state needs, exact in the dark) with a forward table
-// g(x) on sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the
-// step at 1 and the flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a /
-// sqrt(x) for x > 1, a = 0.01. Value type, reentrant.
+// The camera response: code <-> relative sensor exposure, one curve per channel, monotone, x(255) = 1. Stored
+// as the inverse x(z) on the 256 codes (which the state needs, exact in the dark) with a forward table g(x)
+// on sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the step at
+// 1 and the flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a / sqrt(x) for
+// x > 1, a = 0.01. Value type, reentrant.
 #pragma once
 
 #include <array>
@@ -16,16 +16,16 @@ class Response {
   static constexpr float kLeak = 0.01f;
   using Curve = std::array<float, kCodes>;
 
-  // inverse: [rgb][code] relative exposure. Made monotone, scaled to x(255) = 1; code 0 means "below x(1)",
-  // never 0.
-  // uncertainty: [rgb][code] one sigma of ln x; none where the curve is known.
+  // inverse: [rgb][code] relative exposure. It is made monotone and scaled to x(255) = 1; code 0
+  // means "below x(1)", never 0. uncertainty: [rgb][code] one sigma of ln x; none where the curve is
+  // known.
   explicit Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty = {});
   static Response linear();
   static Response gamma(float exponent);  // x = (z / 255) ^ exponent
 
   // code 0..255 (fractions allowed) -> relative exposure 0..1
   float exposure_of(int channel, float code) const;
-  // dx/dz at a code: how much exposure one code step is
+  // dx/dz at a code: the exposure of one code step
   float slope(int channel, float code) const;
   // one sigma of ln x at a code
   float uncertainty(int channel, float code) const;

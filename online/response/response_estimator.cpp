@@ -15,12 +15,12 @@ namespace {
 #include "online/response/dorf_prior.inc"
 
 constexpr int kKnots = 255;      // g(z) at the codes 1..255
-constexpr int kGaugeKnot = 127;  // where g is pinned: a common factor of x is not observable
+constexpr int kGaugeKnot = 127;  // where g is fixed: a common factor of x is not observable
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
-// Gaussian prior of g: real cameras (mean and principal directions), a smooth free part for cameras unlike
-// them, and a small independent part per code.
+// Gaussian prior of g: real cameras (mean and principal directions), a smooth free part for other cameras,
+// and a small independent part per code.
 struct Prior {
   Vector mean = Vector::Zero(kKnots);
   Matrix precision;
@@ -78,8 +78,8 @@ std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   return inverse;
 }
 
-// Means of the codes over a coarse grid, the brightest channel clipped cells marked by -1: what two pictures
-// of one scene must have in common up to a monotone curve.
+// Means of the codes over a coarse grid, -1 in cells whose brightest channel is clipped: two pictures of one
+// scene must agree in them up to a monotone curve.
 std::vector<float> thumbnail(const ExposedFrame& frame) {
   constexpr int kCells = 16;
   std::vector<float> cells;
@@ -98,7 +98,7 @@ std::vector<float> thumbnail(const ExposedFrame& frame) {
   return cells;
 }
 
-// Spearman's rank correlation over the cells that neither picture clipped; 1 when too few are left to tell.
+// Spearman's rank correlation over the cells that are clipped in neither picture; 1 when too few are left.
 double rank_correlation(const std::vector<float>& a, const std::vector<float>& b) {
   std::vector<std::size_t> both;
   for (std::size_t i = 0; i < a.size(); ++i)
@@ -119,7 +119,7 @@ double rank_correlation(const std::vector<float>& a, const std::vector<float>& b
   return 1 - 6 * square / (n * (n * n - 1));
 }
 
-// A sorted channel, asked for the place of its codes in the histogram.
+// A sorted channel that gives the place of its codes in the histogram.
 class Ranking {
  public:
   Ranking(const ExposedFrame& frame, int channel) : codes_(frame.codes.plane_size()) {
@@ -177,7 +177,7 @@ struct ResponseEstimator::Curve {
 };
 
 bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
-  constexpr double kMinRatio = 1.15;       // of exposures: below it a pair says nothing about the curve
+  constexpr double kMinRatio = 1.15;       // of exposures: below it a pair does not constrain the curve
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
   constexpr double kDarkShare = 0.0005;    // of the pixels
   const ExposedFrame& shorter = a.exposure <= b.exposure ? a : b;
@@ -209,8 +209,8 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
   return true;
 }
 
-// The stated one alone; else shares of the darkest codes, the same share for all channels: a pedestal is the
-// sensor's, not a channel's.
+// Candidates: the stated black level alone; otherwise shares of the darkest codes, the same share for all
+// channels, because a pedestal belongs to the sensor, not to a channel.
 std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
   if (stated_black_) return {*stated_black_};
   std::vector<BlackLevel> levels;
@@ -227,8 +227,8 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
   std::array<Curve, 3> best;
   BlackLevel best_black;
   double least = std::numeric_limits<double>::max();
-  // A pedestal is the exception: it must explain the matches better by so much, or there is none. The prior
-  // counts half here, for a dark scene under an unusual curve looks to it like a pedestal under a usual one.
+  // A pedestal is the exception: it must explain the matches better by this much. The prior counts half here,
+  // because it takes a dark scene under an unusual curve for a pedestal under a usual one.
   constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
   for (const BlackLevel& black : possible_black_levels()) {
     std::array<Curve, 3> curves;
@@ -239,7 +239,8 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
     }
     if (misfit < least) least = misfit, best = std::move(curves), best_black = black;
   }
-  // What the fit leaves open: the posterior deviation of ln x against the middle code, where the gauge is.
+  // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
+  // fixed.
   std::array<Response::Curve, 3> uncertainty;
   for (std::size_t c = 0; c < 3; ++c) {
     const Vector variance =
@@ -256,8 +257,8 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
   constexpr int kIterations = 4;
   constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
-  constexpr double kMatchWeight = 0.2;         // quantiles are not independent
-  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most so many
+  constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
+  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
   const Prior& p = prior();
   const float stretch = kMaxCode / (kMaxCode - black_level);
@@ -298,7 +299,8 @@ ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float bla
           for (std::size_t j = 0; j < 4; ++j) A(at[i], at[j]) += w * by[i] * by[j];
         }
       }
-      // matches that a higher black level drops count like the mean of the others: dropping must not pay
+      // matches that a higher black level drops count like the mean of the others, so that dropping gives no
+      // advantage
       if (used > 0) misfit += sum * std::max(used, usable) / used;
     }
     const Vector d = g - p.mean;

@@ -1,11 +1,11 @@
-// Response and black level from the first cycles of an alternating-exposure stream, nothing else known.
-// Neighbouring frames see about the same scene, so their histograms match: the share q of the pixels that is
-// darker than code z1 in one, at exposure E1, is darker than z2 in the other, at E2; that says g(z1) - g(z2)
-// = ln E1/E2 with g = ln x. Matched are the boundaries between codes, whose place in a histogram is exact,
-// not codes, which are half a step wide at worst. A robust MAP fit of g over 255 codes per channel, under a
-// prior from real cameras (dorf_prior.inc), answers within two or three frames; no alignment, no flow
-// (flow-matched samples made it worse: docs/decisions.md). The black level is the one under which the matches
-// agree best with each other and with real cameras. Thread-bound.
+// Estimates response and black level from the first cycles of an alternating-exposure stream, given only the
+// exposures. Neighbouring frames show about the same scene, so their histograms match: the share q of the
+// pixels that is darker than code z1 in one, at exposure E1, is darker than z2 in the other, at E2; so g(z1)
+// - g(z2) = ln E1/E2 with g = ln x. It matches the boundaries between codes, whose place in a histogram is
+// exact, not codes, which are half a step wide at worst. A robust MAP fit of g over 255 codes per channel,
+// under a prior from real cameras (dorf_prior.inc), gives a result within two or three frames; no alignment,
+// no flow (flow-matched samples made it worse: docs/decisions.md). It chooses the black level for which the
+// matches agree best with each other and with real cameras. Thread-bound.
 #pragma once
 
 #include <array>
@@ -30,19 +30,19 @@ class ResponseEstimator {
   static constexpr int kQuantiles = 400;       // matches per pair and channel
   static constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
 
-  // black_level: as camera or user state it; none: it is estimated too.
+  // black_level: as the camera or user states it; none: it is estimated too.
   explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt)
       : stated_black_(black_level) {}
 
-  // Adds what two frames of different exposure say, unpacked without a black level. Frames of (nearly) the
-  // same exposure, of unproved exposure, or whose pictures cannot be of the same scene (a cut) are left out;
-  // returns whether the pair counted.
+  // Adds the matches of two frames of different exposure, unpacked without a black level. It skips frames of
+  // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut); returns whether the
+  // pair counted.
   bool add_pair(const ExposedFrame& a, const ExposedFrame& b);
 
-  // Pairs that counted so far. Zero: estimate() answers the mean of real cameras and no black level.
+  // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
   int pairs() const { return pairs_; }
 
-  // About 40 ms. `noise` says how far codes may be off.
+  // Takes about 40 ms. `noise` gives the uncertainty of the codes.
   ResponseEstimate estimate(const NoiseModel& noise) const;
 
  private:
@@ -65,7 +65,7 @@ class ResponseEstimator {
   std::array<std::map<std::pair<int, int>, Matches>, 3> matches_;  // by exposures in 1/64 stop
 };
 
-// The mean of real camera responses: what is assumed before anything is known.
+// The mean of real camera responses: the assumption before any measurement.
 Response prior_mean_response();
 
 }  // namespace hdrcam

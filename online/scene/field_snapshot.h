@@ -1,6 +1,6 @@
-// A field at one moment, to be looked at. Immutable: while one thread looks into a snapshot, another may take
-// the next step of the fit. Whoever wants to look holds it (SnapshotHold); the field writes into a snapshot
-// again only once nobody does, so that neither waits for the other and nothing is allocated per frame.
+// A field at one moment, for rendering. It is immutable: while one thread renders a snapshot, another may
+// take the next step of the fit. A reader holds it (SnapshotHold); the field reuses a snapshot only when no
+// reader holds it, so that neither waits for the other and nothing is allocated per frame.
 #pragma once
 
 #include <atomic>
@@ -15,31 +15,31 @@
 
 namespace hdrcam {
 
-// From where, when and how large. Pixels of the view are those of its lens, centres at +0.5.
+// Pose, time, lens and size of a picture. Pixels of the view are those of its lens, centres at +0.5.
 struct SceneView {
   RigidTransform T_world_camera;
-  double time_s = 0;      // centre of the exposure; clamped to what the field knows
+  double time_s = 0;      // centre of the exposure; clamped to the field's window
   double exposure_s = 0;  // the picture is the mean over this interval around time_s; 0: an instant
   Intrinsics lens;
   int rows = 0, cols = 0;  // 1..
 };
 
-// The same view with one pixel for step x step of its pixels.
+// The same view with one pixel per step x step pixels.
 SceneView reduced(const SceneView& view, int step);
 
-// Room that a kind of snapshot needs to look, kept between looks.
+// Buffers that a kind of snapshot needs for rendering, kept between calls.
 struct LookRoom {
   virtual ~LookRoom() = default;
 };
 
-// What a view shows; all [n, rows, cols] of the view. Kept by the caller, so that a picture that is used
-// again allocates nothing.
+// The rendered view; all images are [n, rows, cols] of the view. The caller keeps it, so that reusing a
+// picture allocates nothing.
 struct FieldPicture {
   Image<float> radiance;       // [rgb] finite, >= 0
   Image<float> depth;          // [1] camera z, >= 1, in units of the field's near plane
   Image<float> flow[2];        // [dx dy] by Neighbour: px, to the view of the next and of the previous frame
-  Image<float> dynamic_share;  // [1] 0..1 of the light comes from what moves
-  Image<float> confidence;     // [1] 0..1 is the state's knowledge; 0 where the field answers alone
+  Image<float> dynamic_share;  // [1] 0..1 of the light comes from the dynamic branch
+  Image<float> confidence;     // [1] 0..1: the state's share; 0 where the field alone gives the radiance
   std::unique_ptr<LookRoom> room;
 };
 
@@ -47,7 +47,7 @@ class FieldSnapshot {
  public:
   virtual ~FieldSnapshot() = default;
 
-  // Reentrant, each caller with a picture and a pool of its own.
+  // Renders the view. Reentrant, each caller with its own picture and pool.
   virtual void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const = 0;
   bool is_held() const { return holders_.load(std::memory_order_acquire) > 0; }
 
@@ -56,7 +56,7 @@ class FieldSnapshot {
   mutable std::atomic<int> holders_{0};
 };
 
-// Keeps a snapshot as it is while it lives; empty where there is no field. The field must outlive it.
+// Keeps a snapshot unchanged during its lifetime; empty where there is no field. The field must outlive it.
 class SnapshotHold {
  public:
   SnapshotHold() = default;

@@ -1,8 +1,8 @@
-// The seam of the field: what stands behind the state and answers where nobody saw a pixel, for any view and
-// time of its window. It is told of each frame (observe), given a budget to learn from it (fit), and read
-// through immutable snapshots. An implementation has a folder beside this file and a line in scene_fields.h.
-// Thread-bound but for the snapshots; the same frames, budgets and seed give the same bytes for any number of
-// threads.
+// The interface of a field: a model of the scene that gives radiance where no frame saw a pixel, for any view
+// and time of its window. Each frame is added (observe), fitted within a budget (fit), and read through
+// immutable snapshots. An implementation has a folder beside this file and a line in scene_fields.h.
+// Thread-bound except for the snapshots; the same frames, budgets and seed give the same bytes for any number
+// of threads.
 #pragma once
 
 #include "capture/exposed_frame.h"
@@ -18,12 +18,12 @@
 
 namespace hdrcam {
 
-// What is known about one frame when the field is told of it; borrowed for the call.
+// The facts and estimates of one frame for observe(); borrowed for the call.
 struct SceneObservation {
   const ExposedFrame& frame;
-  const RadianceState& state;  // up to and with this frame
+  const RadianceState& state;  // includes this frame
   float white;                 // radiance that saturates the shortest exposure so far
-  const StateMotion& motion;   // between the frame before and this one; empty at the first
+  const StateMotion& motion;   // between the previous frame and this one; empty at the first
   const CameraPose& pose;
   const DepthMap& depth;  // may be empty
   const Response& response;
@@ -36,19 +36,19 @@ struct FitReport {
     double value = 0;  // weighted, mean over the steps taken
   };
   int steps = 0;
-  long rolled_back = 0;         // of the steps, or skipped: the fit's health said no
-  InlineList<Loss, 24> losses;  // those that are not zero
+  long rolled_back = 0;         // steps rolled back or skipped by the fit's health check
+  InlineList<Loss, 24> losses;  // the nonzero ones
 };
 
 class SceneField {
  public:
   virtual ~SceneField() = default;
 
-  // Errors: Invalid, BadExposure for a frame that cannot be; the field is unchanged then.
+  // Errors: Invalid, BadExposure for an impossible frame; the field is then unchanged.
   virtual Result<void> observe(const SceneObservation& seen) = 0;
-  // Needs a frame. Zero steps leave something that can be looked at: at least what the state knows.
+  // Needs a frame. Without any steps the field can still be rendered: it shows at least the state.
   virtual FitReport fit(const FitBudget& budget) = 0;
-  // The field as it is now. Needs a frame.
+  // A snapshot of the field now. Needs a frame.
   virtual SnapshotHold snapshot() = 0;
 };
 

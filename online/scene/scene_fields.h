@@ -1,4 +1,4 @@
-// The kinds of fields there are, by name: a new one has a folder beside this file, a word here and a line in
+// The kinds of fields by name: a new one has a folder beside this file, a word here and a line in
 // make_scene_field().
 #pragma once
 
@@ -9,14 +9,14 @@ namespace hdrcam {
 
 enum class FieldKind { None, HashGrid };
 
-// What any field has to know from the start.
+// Settings of every field, fixed at the start.
 struct SceneSetup {
   Intrinsics lens;
   int rows = 0, cols = 0;
-  float near = 1;  // where what is near the camera begins, in the poses' unit
+  float near = 1;  // distance of the near plane, in the poses' unit
 };
 
-// Null for None: the state alone.
+// Returns null for None: the state alone.
 std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions& hash_grid,
                                              const SceneSetup& setup, WorkerPool& pool);
 

@@ -7,11 +7,11 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kLeastBlur = 0.3f;            // pixels: a shorter one changes nothing that can be seen
+constexpr float kLeastBlur = 0.3f;            // pixels: a shorter one changes nothing visible
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
-constexpr float kLongest = 64;                // pixels that the taps still resolve in some way
+constexpr float kLongest = 64;                // pixels that the taps still resolve
 
-// Where a tap reads: the pixel up and left of it, and how far beyond.
+// Where a tap reads: the pixel to its upper left, and the fraction beyond it.
 struct Tap {
   std::size_t at;
   float fx, fy;

@@ -6,7 +6,8 @@ namespace hdrcam {
 
 void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
                              const VarianceExcess& excess) {
-  constexpr float kDarkCode = 10;  // below it the slope of the response is a guess: take the largest nearby
+  constexpr float kDarkCode =
+      10;  // below it the slope of the response is uncertain: the largest nearby is used
   constexpr int kBlackCode = 4, kSureCode = 8;
   excess_ = excess;
   for (int c = 0; c < 3; ++c) {

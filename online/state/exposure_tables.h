@@ -1,5 +1,5 @@
-// What a code means at one exposure: radiance, and the noise of a sample of a given radiance. Built once per
-// distinct exposure of the cycle from response and noise model; then only looked up. Value type, reentrant.
+// The radiance of a code at one exposure, and the noise of a sample of a given radiance: tables, built once
+// per distinct exposure of the cycle from response and noise model. Value type, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@
 
 namespace hdrcam {
 
-// Variance that samples of one exposure turned out to have beyond the noise model's, by channel and by what
-// the state expected, in relative exposure squared (sample_residuals.h). Bins are half stops, so that they
-// resolve what lies below the first code, too: there a sample says next to nothing.
+// Measured variance of one exposure's samples in excess of the noise model, by channel and predicted relative
+// exposure, in relative exposure squared (sample_residuals.h). Bins are half stops and also resolve the range
+// below the first code, where a sample carries almost no information.
 struct VarianceExcess {
   static constexpr std::size_t kBins = 32;  // down to 16 stops below full exposure
   std::array<std::array<float, kBins>, 3> bins{};
 
-  // Place of a relative exposure among the bins' centres.
+  // Position of a relative exposure among the bins' centres.
   static float place_of(float x) {
     return std::clamp(-2 * std::log2(std::max(x, 1e-7f)) - 0.5f, 0.f, static_cast<float>(kBins - 1));
   }
@@ -39,7 +39,7 @@ class ExposureTables {
       : exposure_(exposure) {
     rebuild(response, noise, excess);
   }
-  // A sample's variance is that of the noise, of the response and of what samples have shown beyond both.
+  // A sample's variance is the sum of noise variance, response uncertainty and measured excess.
   void rebuild(const Response& response, const NoiseModel& noise, const VarianceExcess& excess = {});
 
   float exposure() const { return exposure_; }
@@ -52,8 +52,8 @@ class ExposureTables {
     const auto i = static_cast<std::size_t>(z);
     return table[i] + (table[i + 1] - table[i]) * (z - static_cast<float>(i));
   }
-  // variance of a sample of a pixel whose radiance is `radiance`: of the best current estimate, never of the
-  // sample itself, which would favour samples that noise made dark
+  // variance of a sample of a pixel with this `radiance`: the best current estimate, never the sample itself,
+  // which would favour samples that noise made dark
   float variance(int channel, float radiance) const {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];

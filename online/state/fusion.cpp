@@ -102,7 +102,7 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
         const float excess = std::max(0.f, chi2[x] / (covered[x] + 0.05f) - o.chi2_tolerance);
         const float agreement =
             1 - std::min(1.f, covered[x]) * (1 - o.gate_floor) * (1 - std::exp(-excess / o.chi2_scale));
-        // a clipped sample says: at least this bright; a darker state does not show the same thing
+        // a clipped sample is a lower bound; a darker state does not show the same surface
         float bound = 1;
         for (int c = 0; c < 3; ++c) {
           if (samples.weight.at(c, y, x) >= 0.05f) continue;

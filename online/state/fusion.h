@@ -1,7 +1,7 @@
-// How a sample of a pixel is weighed against what is already known of it: saturation, noise, motion blur,
-// misalignment and plain disagreement. Shared by the state (each frame's own sample) and by the emission
-// (later frames' samples). Constants were settled by ablation on clips with ground truth (docs/decisions.md).
-// Thread-bound: owns its buffers.
+// Weighs a sample of a pixel against the state: saturation, noise, motion blur, misalignment and
+// disagreement. Shared by the state (each frame's own sample) and by the emission (later frames' samples).
+// Constants were settled by ablation on clips with ground truth (docs/decisions.md). Thread-bound: owns its
+// buffers.
 #pragma once
 
 #include "hal/core/image.h"
@@ -16,20 +16,20 @@ namespace hdrcam {
 struct Samples {
   Image<float> radiance;    // [rgb, rows, cols]
   Image<float> weight;      // 1 where the code is far from saturation, 0 where saturated
-  Image<float> comparable;  // 1 where the code is well inside the range: fit to be compared
-  Image<float> blur;        // what motion during the exposure added to the scene's radiance, by the state
+  Image<float> comparable;  // 1 where the code is well inside the range: usable for comparisons
+  Image<float> blur;        // change of the radiance by motion blur, as the state predicts it
 };
 
 struct FusionOptions {
-  float relative_noise = 0.02f;     // of radiance: what the model does not know
+  float relative_noise = 0.02f;     // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
   float unknown_blur_variance = 8;  // the same where the state does not know the pixel
-  float blur_tolerance = 0.1f;      // of the squared blur: disagreement that the gate allows it
+  float blur_tolerance = 0.1f;      // of the squared blur: disagreement that the gate allows for it
   float chi2_tolerance = 1.5f;      // mean chi^2 over the window up to which a sample is taken as it is
   float chi2_scale = 1.5f;          // e-folding of the weight above it
   float chi2_relative = 0.04f;      // of radiance: disagreement always allowed
   float chi2_texture = 0.25f;       // of the local contrast: disagreement that misalignment explains
-  float gate_floor = 0.002f;        // a sample is never fully rejected: no hole without an answer
+  float gate_floor = 0.002f;        // a sample is never fully rejected, so that no pixel is left empty
   float misalignment = 0.4f;        // of the local contrast: standard deviation of a warped sample
 };
 
@@ -41,26 +41,26 @@ class Fusion {
   void set_white(float white) { white_ = white; }
   float white() const { return white_; }
 
-  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code that went into a
-  // warped one, or codes itself.
+  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code that contributed
+  // to a warped one, or codes itself.
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
-  // Fills samples.blur: what the exposure's motion adds to the state's picture at these pixels, so that a
-  // long exposure is compared with, and corrected by, what it would show of the state. flow: pixels per
+  // Fills samples.blur: the change of the state's picture by the exposure's motion at these pixels, so that a
+  // long exposure is compared with the blurred state and corrected by the difference. flow: pixels per
   // interval; fraction: of the interval that the exposure lasts. Where the motion's `confidence` is low or
-  // the state does not know the pixel, the sample itself stands in for the scene.
+  // the state has no value for the pixel, the sample itself stands in for the scene.
   void model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
                   float fraction, Samples& samples);
 
-  // How far to trust that state and samples show the same thing: [1, rows, cols] 0..1, from agreement over
+  // The confidence that state and samples show the same surface: [1, rows, cols] 0..1, from agreement over
   // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives.
   void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
             const Image<float>& confidence, Image<float>& gate);
 
-  // Inverse-variance update of the state by the samples, from which the blur is taken as far as the state is
-  // sure of it; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null.
-  // Where nobody saw the pixel the radiance becomes the larger of the bounds. Returns each pixel's share of
+  // Inverse-variance update of the state by the samples, after subtracting the blur as far as the state is
+  // certain of it; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null. Where no frame
+  // saw the pixel unclipped, the radiance becomes the larger of the bounds. Returns each pixel's share of
   // this sample in `share`.
   void update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
               const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share);

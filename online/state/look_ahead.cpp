@@ -6,7 +6,7 @@
 namespace hdrcam {
 namespace {
 
-// The largest of each pixel and its left, upper and upper left neighbours: what may have gone into a warped
+// The largest of each pixel and its left, upper and upper left neighbours, which may contribute to a warped
 // pixel.
 void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
   out.reshape_like(in);

@@ -1,5 +1,5 @@
-// Later frames' samples joined to the state of a frame: clipped or hidden pixels that were seen a moment
-// later. The result is a copy that never feeds back, so the state stays causal. Thread-bound.
+// Joins later frames' samples to the state of a frame: they fill clipped or occluded pixels that are visible
+// a moment later. The result is a copy that never feeds back, so the state stays causal. Thread-bound.
 #pragma once
 
 #include <span>
@@ -9,14 +9,14 @@
 
 namespace hdrcam {
 
-// A frame after the one that is joined to.
+// A later frame whose samples are joined.
 struct LaterFrame {
   const ExposedFrame* frame;
-  const FlowField* from_previous;  // from the frame before it
+  const FlowField* from_previous;  // from the previous frame
   const ExposureTables* tables;    // at its exposure
 };
 
-// A state and what the look-ahead added to it.
+// A state with the contribution of the look-ahead.
 struct JoinedState : RadianceState {
   Image<float> later_share;  // [1, rows, cols] 0..1: how much of the estimate is later frames' samples
 };
@@ -34,7 +34,7 @@ class LookAhead {
 
   WorkerPool& pool_;
   Samples samples_;
-  FlowField path_;  // from the frame that is joined to, to the later frame at hand
+  FlowField path_;  // from the state's frame to the current later frame
   Image<float> share_, codes_, brightest_, dilated_, gate_, mean_, contrast_, extra_, flow_, warped_;
 };
 

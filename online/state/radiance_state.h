@@ -1,14 +1,14 @@
-// What the state knows of every pixel: radiance, its variance, and how much of it is new. Move-only value.
+// The state of every pixel: radiance, its variance, and the share of the newest frame. Move-only value.
 #pragma once
 
 #include "hal/core/image.h"
 
 namespace hdrcam {
 
-// The variance of a pixel that nobody saw unclipped: its radiance is a lower bound.
+// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound.
 constexpr float kUnseenVariance = 1e9f;
-// A variance above this says no more than that the pixel is not black: it is treated as unseen. white: the
-// radiance that saturates the shortest exposure of the clip.
+// A pixel with a variance above this is treated as unseen: nothing is known except that it is not black.
+// white: the radiance that saturates the shortest exposure of the clip.
 inline float known_limit(float white) { return 0.1f * white * white; }
 
 struct RadianceState {

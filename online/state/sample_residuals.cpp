@@ -11,9 +11,9 @@ namespace {
 constexpr int kStride = 2;              // pixels
 constexpr float kMinConfidence = 0.8f;  // of the motion
 constexpr std::size_t kEnough = 40;
-constexpr float kLearning = 0.3f;       // share of a new frame in what is known of its slot
-constexpr float kMisalignment = 0.05f;  // squared pixels per (2 pixels)^2: what a match may be off
-constexpr float kRelative = 0.05f;      // of radiance: contrast that does no harm
+constexpr float kLearning = 0.3f;       // share of a new frame in its slot's average
+constexpr float kMisalignment = 0.05f;  // squared pixels per (2 pixels)^2: position error of a match
+constexpr float kRelative = 0.05f;      // of radiance: harmless contrast
 
 }  // namespace
 

@@ -1,7 +1,7 @@
-// How far samples are from what the state predicted of them, by exposure, channel and code: the check that no
-// model of noise or response makes for itself. What exceeds the predicted variance, as spread or as a steady
-// offset, is variance that samples of that kind have too much of; it is added to theirs until it is gone.
-// Looked at are matched, smooth, unclipped pixels only. Thread-bound.
+// Measures how far samples are from the state's prediction, by exposure, channel and code: an independent
+// check of the noise and response models. Where spread or a steady offset exceeds the predicted variance, the
+// excess is added to the variance of such samples until it vanishes. Only matched, smooth, unclipped pixels
+// are used. Thread-bound.
 #pragma once
 
 #include <array>
@@ -18,18 +18,18 @@ class SampleResiduals {
  public:
   SampleResiduals();
 
-  // predicted: the state carried to the frame, before its samples are in it. white: as known_limit() takes
-  // it.
+  // predicted: the state carried to the frame, before its samples are fused. white: as for
+  // known_limit().
   void observe(const RadianceState& predicted, const Samples& samples, const Image<float>& confidence,
                const ExposureTables& tables, float white);
 
-  // What samples of this exposure have shown so far; zero at first.
+  // The excess variance of this exposure so far; zero at first.
   const VarianceExcess& excess(float exposure) const;
 
  private:
   static int slot_of(float exposure);
 
-  // Of the frame at hand: at most kCapacity of its pixels, picked evenly.
+  // From the current frame: at most kCapacity of its pixels, picked evenly.
   struct Bin {
     static constexpr std::size_t kCapacity = 2048;
     std::vector<float> residuals, predicted;  // relative exposure; variance of it by noise and response alone

@@ -1,6 +1,6 @@
 // The state: a picture of radiance with its variance that is carried along the motion and updated by each
 // frame with the right noise model, a robust Kalman filter per pixel in radiance (docs/architecture.md, "two
-// layers"). Causal: it holds frames up to the newest one only. Thread-bound.
+// layers"). Causal: it uses frames up to the newest one only. Thread-bound.
 #pragma once
 
 #include "capture/exposed_frame.h"
@@ -11,16 +11,16 @@ namespace hdrcam {
 
 struct StateOptions {
   FusionOptions fusion;
-  float variance_growth = 0.05f;  // per frame: how fast the past is forgotten
-  float relative_growth = 0.01f;  // of radiance per frame: light that changes
-  float ringing_limit = 0.3f;     // of the bilinear value: how far cubic interpolation may overshoot
+  float variance_growth = 0.05f;  // per frame: rate at which the past is forgotten
+  float relative_growth = 0.01f;  // of radiance per frame: changing light
+  float ringing_limit = 0.3f;     // of the bilinear value: allowed overshoot of cubic interpolation
 };
 
 class StateFilter {
  public:
   StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool);
 
-  // The first frame of a clip, or of a new scene: everything known is forgotten.
+  // Starts with the first frame of a clip or of a new scene and discards the state.
   void restart(const ExposedFrame& frame, const ExposureTables& tables);
 
   // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous

@@ -20,7 +20,7 @@ std::optional<int> frame_number(const std::filesystem::path& file) {
   return number;
 }
 
-// The two planes of a flow [dx dy, rows, cols], empty where the picture has not both.
+// The two planes of a flow [dx dy, rows, cols], empty where the picture lacks one of them.
 Image<float> flow_of(const ExrImage& picture, const std::string_view (&names)[2]) {
   const auto dx = picture.find(names[0]), dy = picture.find(names[1]);
   if (!dx || !dy) return {};

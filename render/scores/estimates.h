@@ -1,5 +1,5 @@
-// A folder of HDR frames to be scored: files whose name is the frame's number, in any count of digits, and
-// `.exr` (000007.exr, 0007.exr). Thread-bound; returns fresh images.
+// A folder of HDR frames to be scored: files named by the frame's number with any number of digits and `.exr`
+// (000007.exr, 0007.exr). Thread-bound; returns fresh images.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace hdrcam {
 
-// One estimated frame; a kind that the file does not carry is an empty image.
+// One estimated frame; a layer that the file does not have is an empty image.
 struct Estimate {
   Image<float> radiance;       // [rgb, rows, cols] finite
   Image<float> depth;          // [1, rows, cols] camera z, any unit
@@ -23,8 +23,8 @@ struct Estimate {
 
 class Estimates {
  public:
-  // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have one
-  // number.
+  // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have the
+  // same number.
   static Result<Estimates> open(Storage& storage, const std::string& folder);
 
   bool contains(int frame) const { return paths_.contains(frame); }

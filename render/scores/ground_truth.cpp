@@ -38,7 +38,7 @@ Result<Image<std::uint8_t>> read_grey_png(Storage& storage, const std::string& p
   return image;
 }
 
-// An optional picture: where there is no file, there is an empty value.
+// An optional picture: an empty value where there is no file.
 template <class T>
 Result<T> or_empty(Result<T> read) {
   if (!read && read.error().code == ErrorCode::NotFound) return T{};
@@ -84,7 +84,7 @@ Result<void> GroundTruth::read_facts() {
   }
   if (cols_ <= 0 || rows_ <= 0 || !(shortest_saturation_ > 0))
     return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' says {}x{} pixels that saturate at radiance {}; all must be above 0",
+                 fmt::format("'{}' states {}x{} pixels that saturate at radiance {}; all must be above 0",
                              folder_, cols_, rows_, shortest_saturation_)};
   for (std::size_t i = 0; i < exposures_s_.size(); ++i)
     if (!(exposures_s_[i] > 0) || !std::isfinite(exposures_s_[i]))

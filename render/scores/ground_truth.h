@@ -1,6 +1,6 @@
-// A clip that knows its own answer: CLIP/clip.json and the pictures under CLIP/gt, one per frame and kind,
-// read when asked for. Only scoring reads gt/; the pipeline never does. Thread-bound; owns nothing but facts,
-// returns fresh images.
+// A clip with ground truth: CLIP/clip.json and the pictures under CLIP/gt, one per frame and kind, read on
+// demand. Only scoring reads gt/; the pipeline never does. Thread-bound; it owns only the facts and returns
+// new images.
 //   gt/gt.json        r_sat_shortest (radiance that saturates the shortest exposure), moving_ids (optional)
 //   gt/hdr/NNNN.exr   R G B radiance                         gt/depth/NNNN.exr  camera z, metres (optional)
 //   gt/flow/NNNN.exr  R=dx G=dy to the next frame, pixels; B=1 where occluded there (optional)
@@ -21,10 +21,10 @@
 
 namespace hdrcam {
 
-// Where each pixel of a frame is in the next one. Empty images where the clip does not say.
+// Where each pixel of a frame is in the next one. Empty images where the clip has no flow.
 struct MotionTruth {
   Image<float> flow;               // [dx dy, rows, cols] pixels
-  Image<std::uint8_t> comparable;  // [1, rows, cols] 1 where the pixel is seen, inside the next frame
+  Image<std::uint8_t> comparable;  // [1, rows, cols] 1 where the pixel is visible in the next frame
 };
 
 // The camera of a frame, and another one at the same moment.
@@ -41,8 +41,8 @@ class GroundTruth {
   int rows() const { return rows_; }
   int cols() const { return cols_; }
   double exposure_s(int frame) const { return exposures_s_[static_cast<std::size_t>(frame)]; }
-  // What an HDR frame of it is called: the sensor's counter where the clip says it (a gap is a dropped
-  // frame), otherwise the frame's place in the clip.
+  // The number of its HDR frame: the sensor's counter where the clip states it (a gap is a dropped frame),
+  // otherwise the frame's position in the clip.
   int number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
   double shortest_saturation() const { return shortest_saturation_; }
 

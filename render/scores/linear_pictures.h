@@ -1,5 +1,5 @@
-// OpenEXR pictures as scores take them: planes by name, of the clip's size, with NaN and -Inf read as 0 and
-// +Inf as 60000 (a broken estimate is scored, not refused). Reentrant.
+// OpenEXR pictures for scoring: planes by name, of the clip's size, with NaN and -Inf read as 0 and +Inf as
+// 60000 (a broken estimate is scored, not refused). Reentrant.
 #pragma once
 
 #include <cmath>

@@ -6,12 +6,13 @@
 namespace hdrcam {
 namespace {
 
-// OpenCV only reads what it is told to remap.
+// OpenCV only reads the picture that it remaps.
 cv::Mat view(const Image<float>& image, int channel) {
   return {image.rows(), image.cols(), CV_32F, const_cast<float*>(image.plane(channel))};
 }
 
-// An image read at the far end of each motion vector, zero outside. One value per pixel of the near frame.
+// An image sampled at the end of each motion vector, zero outside. One value per pixel of the frame where the
+// vectors start.
 class FarEnd {
  public:
   explicit FarEnd(const MotionTruth& motion) {

@@ -1,5 +1,5 @@
-// Scores along ground-truth motion: does the picture change where the scene does not, and are the estimated
-// flow and depth right. Positions between pixels are read bilinearly. Reentrant.
+// Scores along ground-truth motion: whether the picture changes where the scene does not, and the errors of
+// estimated flow and depth. Positions between pixels are read bilinearly. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hdrcam {
 
-// A mean in the making.
+// A running mean.
 struct MeanError {
   double sum = 0;
   std::size_t count = 0;
@@ -38,9 +38,9 @@ struct LogFrames {
 FlickerScores flicker(const LogFrames& before, const LogFrames& now, const MotionTruth& motion,
                       const Image<std::uint8_t>& moving);
 
-// End-point error, pixels, of an estimated flow [dx dy, rows, cols], where the truth is comparable.
-// Forward: the estimate belongs to the frame where `motion` starts. Backward: to the frame where it ends, and
-// is read there, against the reversed truth.
+// End-point error, pixels, of an estimated flow [dx dy, rows, cols], where the truth is comparable. Forward:
+// the estimate belongs to the frame where `motion` starts. Backward: it belongs to the frame where `motion`
+// ends and is compared there with the reversed truth.
 MeanError forward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
 MeanError backward_flow_error(const Image<float>& estimate, const MotionTruth& motion);
 

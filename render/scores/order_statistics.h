@@ -1,4 +1,4 @@
-// Order statistics as numpy defines them, so that a score here is the score of any script. Reentrant.
+// Order statistics as numpy defines them, so that scores here equal those of numpy scripts. Reentrant.
 #pragma once
 
 #include <vector>
@@ -6,7 +6,7 @@
 namespace hdrcam {
 
 // The value below which `percent` (0..100) of the samples lie, linear between the two nearest. Reorders the
-// samples, of which there is at least one.
+// samples; at least one is needed.
 double percentile(std::vector<float>& samples, double percent);
 
 // Of an even number of samples: the mean of the middle two.

@@ -1,4 +1,4 @@
-// How near one estimated HDR picture is to the truth. Both are first made comparable: one gain per channel on
+// Scores of one estimated HDR picture against the truth. Both are first normalised: one gain per channel on
 // the estimate, then clipped to [0, white] and divided by white, so that 1 is the brightest radiance that
 // counts. Reentrant.
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace hdrcam {
 
-// What a whole clip shares.
+// The normalisation of a whole clip.
 struct Normalisation {
   double white = 1;  // radiance that becomes 1
   std::array<double, 3> gain = {1, 1,
@@ -38,7 +38,7 @@ struct PictureScores {
 ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate,
                                const Normalisation& shared);
 
-// psnr_mu alone, of radiance [rgb, rows, cols] of one size, finite, made comparable as above.
+// psnr_mu alone, of radiance [rgb, rows, cols] of one size, finite, normalised as above.
 double psnr_mu_db(const Image<float>& truth, const Image<float>& estimate, const Normalisation& shared);
 
 // moving: [1, rows, cols] 1 on moving objects, or empty.

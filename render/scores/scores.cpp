@@ -13,7 +13,7 @@
 namespace hdrcam {
 namespace {
 
-// Well exposed, as a fraction of white: neither noise nor near clipping.
+// Well exposed, as a fraction of white: neither noisy nor near clipping.
 constexpr float kWellExposedFrom = 0.004f, kWellExposedTo = 0.6f;
 
 class Mean {
@@ -28,7 +28,7 @@ class Mean {
   MeanError error_;
 };
 
-// What one frame leaves for the next.
+// The results of one frame that the next needs.
 struct PreviousFrame {
   int frame = -1;
   ComparablePair pair;
@@ -36,7 +36,7 @@ struct PreviousFrame {
   MotionTruth motion;  // to the next frame
 };
 
-// The motion of what moves in the world; of nothing where the truth does not say what does.
+// The motion of dynamic objects; empty where the truth does not mark them.
 MotionTruth only_moving(const MotionTruth& motion, const Image<std::uint8_t>& moving) {
   MotionTruth some{motion.flow.clone(), motion.comparable.clone()};
   for (std::size_t i = 0; i < some.comparable.size(); ++i)
@@ -46,7 +46,7 @@ MotionTruth only_moving(const MotionTruth& motion, const Image<std::uint8_t>& mo
 
 class ClipScoring {
  public:
-  // novel: views from other cameras, or none.
+  // novel: views from other cameras, or null.
   ClipScoring(const GroundTruth& truth, const Estimates& estimates, std::optional<Estimates> novel,
               const ScoreOptions& options)
       : truth_(truth), estimates_(estimates), novel_(std::move(novel)), options_(options) {}
@@ -99,8 +99,8 @@ class ClipScoring {
     return {};
   }
 
-  // A gain is the median log ratio over every eleventh pixel, where it is well exposed. The depth scale
-  // likewise.
+  // A gain is the median log ratio over every eleventh pixel, where it is well exposed; likewise the depth
+  // scale.
   Result<void> find_gains() {
     const float from = kWellExposedFrom * static_cast<float>(scores_.shared.white);
     const float to = kWellExposedTo * static_cast<float>(scores_.shared.white);
@@ -122,8 +122,8 @@ class ClipScoring {
     for (std::size_t c = 0; c < 3; ++c) {
       if (log_ratios[c].empty())
         return Error{ErrorCode::Invalid,
-                     fmt::format("no pixel of channel {} is well exposed in clip and estimates; are "
-                                 "they of one scene?",
+                     fmt::format("no pixel of channel {} is well exposed in both clip and estimates; do "
+                                 "they show the same scene?",
                                  "RGB"[c])};
       scores_.shared.gain[c] = std::exp(median(log_ratios[c]));
     }

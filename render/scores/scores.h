@@ -1,11 +1,11 @@
 // The scores of a folder of HDR frames against a clip with ground truth.
-//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels, as
-//             the response's scale cannot be observed; not per frame, so that flicker is not hidden
-//   white     min(99.9th percentile of the clip, radiance that saturates the shortest exposure): what 1 is
-//   flicker   mean |d log2 E - d log2 G| along the true motion where it is seen in both frames
+//   gain      one per channel for the whole clip, the median of truth / estimate over well-exposed pixels,
+//             because the response's scale is not observable; not per frame, so that flicker is not hidden
+//   white     min(99.9th percentile of the clip, radiance that saturates the shortest exposure): maps to 1
+//   flicker   mean |d log2 E - d log2 G| along the true motion where it is visible in both frames
 //   phase     spread of the mean log2 error over the phases of the exposure cycle: 0 is no pumping
-// Three passes over the files; held between frames are at most one number per seven pixels of the clip, and
-// two pictures. Reentrant.
+// It makes three passes over the files; between frames it holds at most one number per seven pixels of the
+// clip and two pictures. Reentrant.
 #pragma once
 
 #include <array>
@@ -22,13 +22,13 @@ namespace hdrcam {
 
 struct ScoreOptions {
   int skip = 1;                             // frames left out at either end of the clip
-  const std::atomic<bool>* stop = nullptr;  // when set, scoring leaves with Interrupted
+  const std::atomic<bool>* stop = nullptr;  // when set, scoring returns Interrupted
 };
 
 struct FrameScores {
   int frame = 0;  // its number (GroundTruth::number)
   PictureScores picture;
-  std::optional<double> flicker_stops;  // to the frame before; none where that, or the motion, is missing
+  std::optional<double> flicker_stops;  // to the previous frame; none where that or the motion is missing
 };
 
 struct ClipScores {
@@ -38,7 +38,7 @@ struct ClipScores {
   std::optional<double> flicker_stops;  // per frame, stops
   std::optional<double> flicker_background_stops;  // on static objects only
   double phase_stops = 0;
-  // A gain for each channel hides a cast: the score with one for all, and how far each channel is off it.
+  // A gain per channel hides a colour cast: the score with one for all, and each channel's deviation.
   double psnr_mu_single_gain_db = 0;
   std::array<double, 3> cast_stops{};              // log2 of each channel's gain over their geometric mean
   std::optional<double> depth_abs_rel;             // mean |s d - g| / g, where the estimates carry depth
@@ -48,7 +48,7 @@ struct ClipScores {
   std::optional<double> field_flow_moving_epe_px;  // of that, on what moves in the world
   std::optional<double> novel_psnr_mu_db;  // of the views from other cameras, where OUT/novel has them
   std::vector<FrameScores> frames;
-  std::vector<int> missing;  // numbers of the clip's frames, skipped ones aside, without an estimate
+  std::vector<int> missing;  // numbers of the clip's frames, except skipped ones, without an estimate
 };
 
 // Errors: those of GroundTruth, Estimates and read_exr; NotFound where no frame can be compared; Invalid for

@@ -62,7 +62,7 @@ TEST_CASE("a value beyond the range, of another kind or for no knob is refused w
       {"rays_per_step=100", "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
       {"flow=finest", "flow takes fast, medium, fine, not 'finest'"},
       {"step=10", "there is no knob 'step'; there are"},
-      {"steps", "'steps' sets nothing; write NAME=VALUE, such as steps=100"},
+      {"steps", "'steps' has no value; write NAME=VALUE, such as steps=100"},
   };
   for (const Case& c : cases) {
     INFO(c.assignment);

@@ -1,4 +1,4 @@
-// A place on a grid, between four of its points, and what those four say. Value types, reentrant.
+// A position between four grid points, and the values of those four. Value types, reentrant.
 #pragma once
 
 #include <algorithm>

@@ -9,11 +9,11 @@
 namespace hdrcam {
 namespace {
 
-// neighbours that differ more lie on two surfaces: not to be interpolated
+// neighbours that differ more lie on two surfaces and are not interpolated
 constexpr float kContinuous_px = 1.5f;
 constexpr float kContinuousDepth = 0.15f;  // the same for inverse depths, relative
-constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: behind it there is nothing to see
-constexpr float kDisagreement = 9;         // squared sigmas between what was learnt and what is seen
+constexpr float kNearestZ = 0.05f;         // of a ray in the other camera: nearer points are not visible
+constexpr float kDisagreement = 9;         // squared sigmas between the learnt and the measured depth
 
 }  // namespace
 
@@ -94,7 +94,8 @@ void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_cam
     }
 }
 
-// Brings all memories from the previous frame's pixels to this frame's. previous: T_previous_camera.
+// Carries all stored positions and depths from the previous frame's pixels to this frame's. previous:
+// T_previous_camera.
 void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previous) {
   const float per_step = 1 / static_cast<float>(options_.step_px);
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -132,7 +133,7 @@ void MultiViewDepth::carry_position(Keyframe& keyframe, const GridPlace& from, i
   keyframe.carried.at(2, y, x) = 1;
 }
 
-// What was learnt of the point, in this camera's inverse depth.
+// The learnt depth of the point, as inverse depth in this camera.
 void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from, int y, int x) {
   const Corners depth = corners(learnt_, 0, from), information = corners(learnt_, 1, from);
   const bool smooth = information.least() > 0 && depth.spread() < kContinuousDepth * depth.mix(from);
@@ -149,8 +150,7 @@ void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from
   carried_learnt_.at(1, y, x) = known * z * z * keep;
 }
 
-// The inverse depth that the displacement to a keyframe says. false: nothing, or not a point of the static
-// scene.
+// The inverse depth from the displacement to a keyframe. false: none, or not a static point.
 bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
                              Estimate& estimate) const {
   if (!(keyframe.seen.at(2, y, x) > 0)) return false;
@@ -178,7 +178,7 @@ bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative,
   return true;
 }
 
-// This frame's prior: what was learnt, and what both keyframes say.
+// This frame's prior: the learnt depth fused with the measurements of both keyframes.
 void MultiViewDepth::fuse() {
   const std::array<Relative, 2> relative{Relative(keyframes_[0].T_world_camera.inverse() * T_world_camera_),
                                          Relative(keyframes_[1].T_world_camera.inverse() * T_world_camera_)};
@@ -210,7 +210,7 @@ void MultiViewDepth::fuse() {
   });
 }
 
-// A keyframe goes: what it said becomes part of what was learnt.
+// Drops a keyframe: its measurement is fused into the learnt depth.
 void MultiViewDepth::retire(const Keyframe& keyframe) {
   const Relative relative(keyframe.T_world_camera.inverse() * T_world_camera_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -230,7 +230,7 @@ void MultiViewDepth::retire(const Keyframe& keyframe) {
   });
 }
 
-// Of what is known, how far the translation since the keyframe has moved it, px of the full picture.
+// How far the translation since the keyframe has moved the known points, px of the full picture.
 float MultiViewDepth::median_parallax(const Keyframe& keyframe) {
   constexpr int kEvery = 8;
   const Relative relative(keyframe.T_world_camera.inverse() * T_world_camera_);

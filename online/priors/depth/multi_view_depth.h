@@ -1,10 +1,10 @@
 // Inverse depth per pixel from the motion of the last frames: each pixel remembers where it was in two
 // earlier frames, the keyframes, carried along the flow from frame to frame; the poses turn that long
-// displacement into a depth. What a keyframe has taught is kept when it is replaced (a Gaussian filter of
+// displacement into a depth. The estimate from a keyframe is kept when it is replaced (a Gaussian filter of
 // inverse depth, carried along the motion), so that the baselines of the whole window add up, while the error
-// of a single flow does not. Pixels whose displacement is not along their epipolar line move by themselves,
-// or are wrong: their weight is 0. Needs a camera that moves: nothing is learnt from a still or turning one,
-// what is known is kept. Thread-bound; the result does not depend on the number of threads.
+// of a single flow does not. Pixels whose displacement is not along their epipolar line are dynamic or wrong:
+// their weight is 0. Needs a moving camera: a static or rotating one adds no information, and the known depth
+// is kept. Thread-bound; the result does not depend on the number of threads.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@ struct DepthOptions {
   float least_confidence = 0.7f;   // of the flow, 0..1
   float noise_px = 0.2f;           // of one flow vector, standard deviation..
   float noise_growth_px = 0.1f;    // ..and of each further one in the chain
-  float epipolar_sigmas = 2.5f;    // farther from its epipolar line a pixel is not part of the static scene
+  float epipolar_sigmas = 2.5f;    // a pixel farther from its epipolar line is not static
   float keyframe_parallax_px = 8;  // median, after which the next keyframe is taken
   int keyframe_frames = 12;        // at the latest
   float forget = 0.02f;            // relative growth of the standard deviation per frame
-  float best_relative = 0.03f;     // no inverse depth is claimed to be known better
+  float best_relative = 0.03f;     // lower limit of an inverse depth's relative uncertainty
 };
 
 class MultiViewDepth final : public DepthPrior {
  public:
   MultiViewDepth(const DepthOptions& options, const Intrinsics& lens, int rows, int cols, WorkerPool& pool);
 
-  // to_previous: this frame -> the one before, [dx dy, rows, cols] px; empty for the first. The prior is of
+  // to_previous: this frame -> the previous one, [dx dy, rows, cols] px; empty for the first. The prior is of
   // this frame, [1, rows / step_px, cols / step_px]; its sample (y, x) is that of the pixel (y * step_px +
   // step_px / 2, x * step_px + step_px / 2). It belongs to this object until the next call.
   const DepthMap& next(const CameraPose& pose, const FlowField& to_previous);
@@ -51,7 +51,7 @@ class MultiViewDepth final : public DepthPrior {
   struct Estimate {
     float inverse_depth = 0, information = 0;  // information: 1 / variance, 0 unknown
   };
-  struct Relative;  // the pose between two views, ready for a pixel loop
+  struct Relative;  // the pose between two views, prepared for a pixel loop
 
   void restart(const RigidTransform& T_world_camera);
   void begin(Keyframe& keyframe, const RigidTransform& T_world_camera);
@@ -69,7 +69,7 @@ class MultiViewDepth final : public DepthPrior {
   WorkerPool& pool_;
   RigidTransform T_world_camera_;
   std::array<Keyframe, 2> keyframes_;     // old, young
-  Image<float> learnt_, carried_learnt_;  // [inverse depth, information, rows, cols] from keyframes gone by
+  Image<float> learnt_, carried_learnt_;  // [inverse depth, information, rows, cols] from earlier keyframes
   std::vector<float> parallaxes_;
   bool started_ = false;
   DepthMap prior_;

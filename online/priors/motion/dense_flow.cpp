@@ -13,7 +13,7 @@ struct DenseFlow::Engine {
     dis = cv::DISOpticalFlow::create(quality == FlowQuality::Fast ? cv::DISOpticalFlow::PRESET_FAST
                                                                   : cv::DISOpticalFlow::PRESET_MEDIUM);
     if (quality == FlowQuality::Fine) {
-      // the finest scale pays where motion changes; started from a good guess, half the steps reach as far
+      // the finest scale helps where motion changes; from a good start half the steps suffice
       constexpr int kDescentSteps = 12;
       dis->setFinestScale(0);
       dis->setGradientDescentIterations(kDescentSteps);
@@ -30,7 +30,8 @@ struct DenseFlow::Engine {
     const auto view = [&](const Image<std::uint8_t>& image) {
       return cv::Mat(rows, cols, CV_8U, const_cast<std::uint8_t*>(image.plane(0)));
     };
-    // What it holds is where DIS starts. It is always given: without, DIS goes on from the guess before.
+    // Its content is the start of DIS. It is always given, because without it DIS starts from the previous
+    // estimate.
     interleaved.create(rows, cols, CV_32FC2);
     interleaved.setTo(0);
     if (request.start != nullptr) {
@@ -50,7 +51,7 @@ struct DenseFlow::Engine {
 };
 
 DenseFlow::DenseFlow(WorkerPool& pool) : pool_(pool) {
-  cv::setNumThreads(1);  // its own partition of the work would depend on the number of threads
+  cv::setNumThreads(1);  // OpenCV's partition of the work would depend on the number of threads
 }
 
 DenseFlow::~DenseFlow() = default;

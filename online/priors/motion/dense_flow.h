@@ -1,5 +1,5 @@
-// Dense optical flow between two 8-bit pictures: DIS (Kroeger et al., ECCV 2016; OpenCV). Deterministic
-// whatever the number of threads: each call runs on one thread, several calls side by side. Thread-bound.
+// Dense optical flow between two 8-bit pictures: DIS (Kroeger et al., ECCV 2016; OpenCV). Deterministic for
+// any number of threads: each call runs on one thread, several calls in parallel. Thread-bound.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ struct FlowRequest {
   const Image<std::uint8_t>* from;      // [1, rows, cols]
   const Image<std::uint8_t>* to;        // [1, rows, cols]
   Image<float>* flow;                   // [dx dy, rows, cols] pixels: where each pixel of `from` is in `to`
-  const Image<float>* start = nullptr;  // a first guess of it, or null
+  const Image<float>* start = nullptr;  // an initial estimate, or null
 };
 
 class DenseFlow {
  public:
-  static constexpr int kMinSize = 16;  // pixels: a smaller picture has no flow to find, the answer is zero
+  static constexpr int kMinSize = 16;  // pixels: for a smaller picture the flow is zero
 
   explicit DenseFlow(WorkerPool& pool);
   ~DenseFlow();
@@ -32,7 +32,7 @@ class DenseFlow {
  private:
   struct Engine;
   WorkerPool& pool_;
-  std::array<std::vector<std::unique_ptr<Engine>>, 3> engines_;  // by quality, made when first asked for
+  std::array<std::vector<std::unique_ptr<Engine>>, 3> engines_;  // by quality, created on first use
 };
 
 }  // namespace hdrcam

@@ -1,7 +1,7 @@
-// How pixels moved between the state and a new frame: the seam for another flow. Two looks: match() when the
-// frame arrives, complete() before the state advances to it, when the frame after it may be known. Both flows
-// leave with a confidence per pixel; where a frame shows no motion (clipped, black) an implementation may
-// assume some and say so by confidence. Thread-bound; the result does not depend on the number of threads.
+// How pixels moved between the state and a new frame: the interface for another flow. Two passes: match()
+// when the frame arrives, complete() before the state advances, when the next frame may be known. Both flows
+// have a confidence per pixel; where a frame shows none (clipped, black) an implementation may assume one
+// with low confidence. Thread-bound; the result does not depend on the number of threads.
 #pragma once
 
 #include <memory>
@@ -16,12 +16,12 @@ namespace hdrcam {
 
 enum class FlowQuality { Fast, Medium, Fine };
 
-// What stands on both sides of the interval that is completed. Ratios of intervals: (t_i - t_i-1) over
-// (t_i-1 - t_i-2), and over (t_i+1 - t_i-1).
+// The steps before and after the interval that is completed. Ratios of intervals: (t_i - t_i-1) over (t_i-1 -
+// t_i-2), and over (t_i+1 - t_i-1).
 struct MotionContext {
   const StateMotion* before = nullptr;  // of the previous step; null at the first
   float before_ratio = 1;
-  const ExposedFrame* after = nullptr;  // the frame after; null without look-ahead
+  const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead
   const ExposureTables* after_tables = nullptr;
   float after_ratio = 0.5f;
 };
@@ -30,14 +30,14 @@ class MotionPrior {
  public:
   virtual ~MotionPrior() = default;
 
-  // state: at the frame before. tables: at the frame's exposure.
+  // state: at the previous frame. tables: at the frame's exposure.
   virtual void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
                      FlowQuality quality, StateMotion& motion) = 0;
   virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                         FlowQuality quality, StateMotion& motion) = 0;
 };
 
-// Optical flow (DIS) between the frame and the state, re-exposed as the frame was: state_motion.h.
+// Optical flow (DIS) between the frame and the re-exposed state: state_motion.h.
 std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool);
 
 }  // namespace hdrcam

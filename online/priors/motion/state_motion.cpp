@@ -144,10 +144,10 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   last_.copy_from(motion.to_previous.vectors);
 }
 
-// Motion through a frame that shows none, from the flow between the state before it and the frame after it,
-// at constant velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the
-// state and at x - u (1 - r) / r in the frame after, where r is its share of the time between them; both
-// flows are asked there (a fixed point, three rounds) and averaged.
+// Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at
+// constant velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the state
+// and at x - u (1 - r) / r in the frame after, where r is its share of the time between them; both flows are
+// read there (a fixed point, three iterations) and averaged.
 void MotionEstimator::bridge(float r, StateMotion& motion) {
   constexpr int kRounds = 3;
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
@@ -191,7 +191,7 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
   });
 }
 
-// Share of the 5x5 pixels around each that are clipped, bright or dark, in all channels.
+// Share of the 5x5 pixels around each pixel that are clipped, bright or dark, in all channels.
 void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionShare;
   mask_.reshape(1, rows_, cols_);
@@ -207,7 +207,7 @@ void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& sha
 
 void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
-  constexpr float kClippedConfidence = 0.5f;  // where agreement cannot be seen, half of it is assumed
+  constexpr float kClippedConfidence = 0.5f;  // assumed where agreement cannot be measured
   rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
   rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
   if (frame != nullptr)

@@ -1,7 +1,7 @@
-// Motion between a new frame and the state: the state is re-exposed to the frame's exposure, so that both
-// pictures look alike whatever the schedule, and matched both ways. Where the frame is clipped it shows no
-// motion; there the motion goes on as before, or is taken from the frame after next, if that one is not
-// clipped too. Thread-bound.
+// Estimates motion between a new frame and the state. The state is re-exposed at the frame's exposure, so
+// that both pictures look alike for any schedule, and matched in both directions. Where the frame is clipped
+// it shows no motion; there the previous motion continues, or the motion is taken from the frame after next,
+// if that one is not clipped too. Thread-bound.
 #pragma once
 
 #include "online/priors/motion/dense_flow.h"
@@ -13,11 +13,11 @@ class MotionEstimator final : public MotionPrior {
  public:
   MotionEstimator(int rows, int cols, WorkerPool& pool);
 
-  // Both flows as matched, with their confidence. The state is shown as the frame would show it: at its
+  // Matches both flows, with their confidence. The state is rendered as the frame would show it: at its
   // exposure, and blurred along the motion of the last step. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
              FlowQuality quality, StateMotion& motion) override;
-  // Completes motion where the frame is clipped, from the step before and from the frame after it.
+  // Completes the motion where the frame is clipped, from the previous step and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                 FlowQuality quality, StateMotion& motion) override;
 
@@ -31,10 +31,10 @@ class MotionEstimator final : public MotionPrior {
   DenseFlow flow_;
   Image<std::uint8_t> frame_gray_, state_gray_;
   Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
-  Image<float> last_;  // the motion of the last step, completed: from the state's pixels to the state before
+  Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Instant last_time_;  // where that step ended
-  double last_interval_s_ = 0;                 // how long it took; 0 where that is not known
-  Image<float> start_to_, start_from_, blur_;  // where the search starts; the state as the exposure blurs it
+  double last_interval_s_ = 0;                 // its duration; 0 where it is unknown
+  Image<float> start_to_, start_from_, blur_;  // start of the search; the state with motion blur
   Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
 };
 

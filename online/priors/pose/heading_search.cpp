@@ -10,16 +10,16 @@ namespace hdrcam {
 namespace {
 
 constexpr int kHeadings = 128;              // on the half sphere: about 12 degrees apart
-constexpr double kDifferent = 0.94;         // cosine between two headings that are worth trying both
+constexpr double kDifferent = 0.94;         // cosine between two headings that count as different
 constexpr int kRounds = 4;                  // of reweighting
 constexpr double kKernel_medians = 4;       // width of the robust kernel
-constexpr double kLeastError = 1e-4;        // focal lengths: below, all headings are perfect
-constexpr double kShortestEpipolar = 0.03;  // closer to the epipole its direction says nothing
+constexpr double kLeastError = 1e-4;        // focal lengths: below it all headings fit perfectly
+constexpr double kShortestEpipolar = 0.03;  // closer to the epipole the direction is undefined
 
 // A point's flow once the rotation is taken out, in focal lengths.
 struct Parallax {
   std::size_t index;
-  double x, y;                           // where the rotation alone would have put it
+  double x, y;                           // the position that the rotation alone predicts
   Eigen::Vector2d flow;                  // from there to where it was seen
   Eigen::Matrix<double, 2, 3> per_turn;  // d flow / d small rotation
   double sigma;
@@ -57,7 +57,8 @@ struct Candidate {
   double forward = 0;  // how many points are in front rather than behind, softly counted
 };
 
-// The best small rotation for one heading; its cost, and which way along the heading the points are in front.
+// The best small rotation for one heading, its cost, and the direction along the heading for which the points
+// are in front.
 Candidate explain(const std::vector<Parallax>& points, const Eigen::Vector3d& direction,
                   std::vector<double>& errors) {
   Candidate found{.direction = direction, .turn = Eigen::Vector3d::Zero()};

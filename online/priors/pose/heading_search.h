@@ -1,8 +1,8 @@
-// The first translation, before any depth is known: for each of a fixed set of headings the small rotation
-// that best explains what the flow does across the epipolar lines is a robust linear problem; the headings
-// that explain most are refined by fit_pose. (The linear part is the classical bilinear constraint of
-// instantaneous motion: Heeger and Jepson 1992, "Subspace methods for recovering rigid motion".) Needs all
-// points first seen from one place. Deterministic, no random samples. Reentrant.
+// The first translation, before any depth is known: for each of a fixed set of headings, the small rotation
+// that best explains the flow across the epipolar lines is a robust linear problem; fit_pose refines the
+// headings that explain most. (The linear part is the classical bilinear constraint of instantaneous motion:
+// Heeger and Jepson 1992, "Subspace methods for recovering rigid motion".) Needs all points first seen from
+// one place. Deterministic, no random samples. Reentrant.
 #pragma once
 
 #include <vector>
@@ -18,8 +18,8 @@ struct Heading {
   double noise = 1;                    // of the flow across the epipolar lines, in sigmas (noise_across)
 };
 
-// turned: the pose of the best rotation without translation. At most `count` headings, the best first, all
-// clearly different from each other.
+// turned: the pose of the best rotation without translation. Returns at most `count` headings, the best
+// first, all clearly different from each other.
 std::vector<Heading> search_headings(std::span<const ScenePoint> points, const Intrinsics& lens,
                                      const RigidTransform& turned, int count);
 

@@ -1,4 +1,4 @@
-// The two poses that need no pictures: a camera that never moves, and one whose poses came with the frames.
+// The two pose sources that need no pictures: a camera that never moves, and poses that came with the frames.
 #pragma once
 
 #include "hal/core/geometry.h"

@@ -1,4 +1,4 @@
-// The middle one of some values. Reentrant.
+// The median of some values. Reentrant.
 #pragma once
 
 #include <algorithm>

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kTypicalInverseDepth = 1;  // the unit of length is the median depth
 constexpr double kSettle = 0.02;            // per frame
-constexpr double kForget = 0.98;            // of the information, per frame: the map stays correctable
-constexpr double kBestRelative = 0.02;      // no inverse depth is claimed to be known better
+constexpr double kForget = 0.98;            // of the information, per frame: keeps the map correctable
+constexpr double kBestRelative = 0.02;      // lower limit of an inverse depth's relative uncertainty
 constexpr int kMargin_px = 2;
 
 // 0..1, from a hash of three integers (xxhash's avalanche)

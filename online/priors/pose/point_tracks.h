@@ -1,7 +1,7 @@
-// Points of the scene followed along the optical flow, one per cell of a jittered grid. A point that the flow
-// cannot follow for a moment (clipped, occluded) coasts: it is put where its depth and the pose say, until it
-// is seen again or given up. Deterministic: the jitter is a hash of cell and frame. Thread-bound, owned by
-// the tracker.
+// Tracks points of the scene along the optical flow, one per cell of a jittered grid. A point that the flow
+// loses for a moment (clipped, occluded) coasts: its depth and the pose predict its position until it is seen
+// again or dropped. Deterministic: the jitter is a hash of cell and frame. Thread-bound, owned by the
+// tracker.
 #pragma once
 
 #include <vector>
@@ -13,17 +13,17 @@
 namespace hdrcam {
 
 struct TrackOptions {
-  int points = 500;               // grid cells = the most points that are followed
+  int points = 500;               // grid cells = the most points that are tracked
   float least_confidence = 0.9f;  // of the flow at a point, 0..1
   float flow_disagreement_px =
       0.5f;                  // largest difference of the flow within a pixel's neighbours: an edge of motion
   int longest_coast = 4;     // frames a point may go unseen
-  int longest_track = 60;    // frames: the chained flow has drifted off the point by then
+  int longest_track = 60;    // frames: after that the chained flow has drifted too far
   int outlier_patience = 3;  // frames in a row that a point may contradict the pose
-  double sigma_px = 0.25;    // of one flow vector, at first; then it is measured..
+  double sigma_px = 0.25;    // start value for one flow vector; then it is measured..
   double least_sigma_px = 0.03, most_sigma_px = 0.3;  // ..within these
   double sigma_growth = 0.1;                          // of the chain: variance = sigma^2 (1 + growth * age)
-  double pull = 0.2;  // of a point's residual taken back per frame: the chained flow drifts off the point
+  double pull = 0.2;  // share of a point's residual corrected per frame, because the chained flow drifts
   double prior_spread = 1;   // relative standard deviation of the inverse depth of a new point..
   double vague_spread = 10;  // ..and while no depth is known
 };
@@ -32,31 +32,31 @@ class PointTracks {
  public:
   explicit PointTracks(const TrackOptions& options) : options_(options), noise_px_(options.sigma_px) {}
 
-  // Moves all points along the flow previous -> frame; those it cannot follow become unseen.
+  // Moves all points along the flow previous -> frame; lost points become unseen.
   void follow(const FlowField& from_previous);
   // Share of the seen points that the last follow() moved by less than this, 0..1.
   double still_share(double px) const;
 
-  // A camera that stands still: pulls each point a little to where it belongs, so that noise cannot walk.
+  // For a static camera: pulls each point towards its predicted position, so that noise cannot add up.
   void settle(const Intrinsics& lens, const RigidTransform& T_camera_world);
-  // Takes over the fitted inverse depths [points] of the points that agree with the pose; drops those that do
-  // not.
+  // Takes the fitted inverse depths [points] of the points that agree with the pose; drops the
+  // others.
   void learn(std::span<const double> inverse_depths, const Intrinsics& lens,
              const RigidTransform& T_camera_world);
-  // The noise of the flow has been measured: scale times what was believed, rate 0..1 of it taken over.
+  // Updates the flow's noise to `scale` times the assumed one, at the rate 0..1.
   void learn_noise(double scale, double rate);
   double noise_px() const { return noise_px_; }
-  // Puts the unseen points where they should be; drops those outside the frame, too old or too long unseen.
+  // Predicts the unseen points' positions; drops points outside the frame, too old or too long unseen.
   void coast(const Intrinsics& lens, const RigidTransform& T_camera_world, int rows, int cols);
-  // Nothing of this frame can be trusted.
+  // Marks all points of this frame as unreliable.
   void mark_all_unseen();
-  // While no depth is known all points must have been first seen from one place: too few left, and all start
-  // anew.
+  // While no depth is known all points must have been first seen from one place; if too few are left, all are
+  // restarted.
   void restart_when_thin();
   // Fills the empty cells. confidence: [1, rows, cols] of this frame's flow, or empty: everywhere.
   void seed(const Image<float>& confidence, int rows, int cols, const Intrinsics& lens,
             const RigidTransform& T_camera_world, bool depth_known);
-  // The seen points with what parallax says about them.
+  // The seen points with their depth from parallax.
   void depth_samples(const RigidTransform& T_camera_world, std::vector<DepthSample>& samples) const;
 
   std::span<const ScenePoint> points() const { return points_; }

@@ -1,11 +1,11 @@
-// The pose of a camera from points of the scene whose depth is known more or less: a robust maximum a
-// posteriori fit of the pose and all inverse depths together. A point is a ray from where it was first seen;
-// its inverse depth d has a Gaussian prior, so that a point with known depth pins the camera down (and with
-// it the scale), one with unknown depth still gives its epipolar constraint, and at zero baseline every point
-// gives the rotation. Minimises
+// The pose of a camera from points of the scene with uncertain depths: a robust maximum a posteriori fit of
+// the pose and all inverse depths together. A point is a ray from where it was first seen; its inverse depth
+// d has a Gaussian prior, so that a point with known depth fixes the camera's position (and the scale), one
+// with unknown depth still gives its epipolar constraint, and at zero baseline every point gives the
+// rotation. Minimises
 //   sum_i rho(|pi(T_camera_world, d_i) - seen_i|^2 / sigma_i^2) + information_i (d_i - prior_i)^2
 // with Geman-McClure's rho, by Gauss-Newton with the depths eliminated (Schur complement): 6 unknowns per
-// step. Reentrant: works only on what it is given.
+// step. Reentrant: it uses only its arguments.
 #pragma once
 
 #include <span>
@@ -21,12 +21,12 @@ struct ScenePoint {
   Eigen::Vector3d direction_world;  // through its pixel there; camera z of that view = 1
   double inverse_depth = 1;         // prior mean, along that direction
   double information = 1;           // 1 / variance of the prior
-  Eigen::Vector2d seen_px;          // in the frame to be posed
+  Eigen::Vector2d seen_px;          // in the current frame
   double sigma_px = 0.3;            // of that position
   bool seen = true;                 // takes part in the fit
 };
 
-// What may change besides the inverse depths.
+// The unknowns besides the inverse depths.
 enum class Freedom { Nothing, Rotation, RotationAndTranslation };
 
 struct PoseFit {
@@ -43,17 +43,17 @@ struct FitOptions {
   int steps = 8;           // of Gauss-Newton
   double noise_scale = 1;  // all sigmas times this
   double widest_sigmas =
-      12;  // the robust kernel at the first step: wide, so that a poor start still sees everybody
+      12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
-// Starts at a pose and improves it; with no steps it only judges it.
-// inverse_depths: [points] start on entry (prior means), the fitted values on return.
+// Improves a start pose; with no steps it only computes its cost. inverse_depths: [points] start on entry
+// (prior means), the fitted values on return.
 PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
                  const RigidTransform& T_camera_world, const FitOptions& options,
                  std::span<double> inverse_depths);
 
-// What no depth can explain: the median residual across the epipolar lines, as a standard deviation in
-// sigmas. `errors` is room to work in.
+// The noise that no depth can explain: the median residual across the epipolar lines, as a standard deviation
+// in sigmas. `errors` is scratch memory.
 double noise_across(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
                     const Intrinsics& lens, const RigidTransform& T_camera_world,
                     std::vector<double>& errors);

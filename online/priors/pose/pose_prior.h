@@ -1,9 +1,9 @@
-// Where the camera is, per frame: the seam for another way to know it, fed with the frame and the state.
-// Three answers. Fixed: a tripod. Given: from the frame's facts. Tracked: from the optical flow alone. The
+// The camera's pose per frame: the interface for pose estimation, which gets the frame and the state. Three
+// implementations. Fixed: a tripod. Given: from the frame's facts. Tracked: from the optical flow alone. The
 // world is the camera of the first frame, so the first pose is always the identity. Unit of length: metres
 // where poses are given, the median depth of the first view where they are tracked (the scale of a single
-// camera is not observable). A pose is never NaN; a frame whose pose could not be found is flagged as lost
-// and continues the motion before it. Thread-bound: one thread owns a prior.
+// camera is not observable). A pose is never NaN; a frame without a usable pose is flagged as lost and
+// continues the previous motion. Thread-bound: one thread owns a prior.
 #pragma once
 
 #include <memory>
@@ -15,45 +15,45 @@
 
 namespace hdrcam {
 
-// What the camera did since the previous frame. Still and Rotation are exact: the pose or its translation is
+// The camera's motion since the previous frame. Still and Rotation are exact: the pose or its translation is
 // kept.
 enum class CameraMotion { Still, Rotation, General };
 const char* name(CameraMotion motion);
 
-// A tracked point of the scene as seen by this frame.
+// A tracked point of the scene as this frame sees it.
 struct DepthSample {
   float u_px = 0, v_px = 0;  // pixel centres at +0.5
   float inverse_depth = 0;   // 1 / camera z, in 1 / unit of length, >= 0
-  float weight = 0;          // d^2 / (d^2 + sigma_d^2): 1 known, 0.5 known to 100 percent, 0 unknown
+  float weight = 0;          // d^2 / (d^2 + sigma_d^2): 1 known, 0.5 where sigma_d equals d, 0 unknown
 };
 
 struct CameraPose {
   RigidTransform T_world_camera;
   CameraMotion motion = CameraMotion::Still;
   float inlier_share = 1;                  // share of the tracked points that agree with the pose, 0..1
-  bool lost = false;                       // the pose is a guess: the motion before, continued
+  bool lost = false;                       // the pose only continues the previous motion
   std::vector<DepthSample> depth_samples;  // empty unless tracked
 };
 
 class PosePrior {
  public:
   virtual ~PosePrior() = default;
-  // The pose of the next frame; it belongs to the prior until the next call.
+  // Estimates the pose of the next frame; the result belongs to the prior until the next call.
   virtual const CameraPose& estimate(const SeenFrame& seen) = 0;
-  // Where what is near the camera begins, in the poses' unit of length.
+  // Distance of the near plane, in the poses' unit of length.
   virtual float near() const { return 0.25f; }
 };
 
 enum class PoseKind {
-  Given,    // of the recording; tracked where it has none
-  Tracked,  // from the optical flow, whatever the recording says
+  Given,    // from the recording; tracked where it has none
+  Tracked,  // from the optical flow, even where the recording has poses
   Fixed,    // a tripod
 };
 
-// The lens of a camera that does not say: 55 degrees across, square pixels, centred.
+// The lens assumed for an unreported one: 55 degrees across, square pixels, centred.
 Intrinsics assumed_intrinsics(int rows, int cols);
 
-// has_poses: the frames carry T_world_camera. A missing lens is assumed (above) and said so in the log.
+// has_poses: the frames carry T_world_camera. For a missing lens it assumes the one above and logs a warning.
 std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses);
 
 }  // namespace hdrcam

@@ -13,11 +13,11 @@ constexpr int kTurnSteps = 6, kMoveSteps = 8;  // of Gauss-Newton
 constexpr int kHeadingsTried = 6, kHeadingRounds = 3, kHeadingSteps = 5, kHeadingPoints = 160,
               kDepthSteps = 6;
 constexpr double kSameHeading = 0.9;     // cosine
-constexpr double kUnexplained_px = 0.6;  // off by more than the flow's usual noise
+constexpr double kUnexplained_px = 0.6;  // an error above the flow's usual noise
 constexpr double kClearParallax_sigmas = 5, kClearParallax_px = 1.5;
 constexpr double kNoiseLearning = 0.2;  // of the measured noise, per frame
 
-// Share of the seen points that the pose leaves clearly off, whatever the reason.
+// Share of the seen points that clearly disagree with the pose.
 double unexplained_share(std::span<const ScenePoint> points, const Intrinsics& lens,
                          const RigidTransform& T_camera_world) {
   int seen = 0, off = 0;
@@ -91,7 +91,7 @@ const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowFiel
   return pose_;
 }
 
-// The first flow says how large the frames are; the first frame's points sit where it can follow them.
+// The first flow gives the frame size; the first frame's points are placed where it can follow them.
 void TrackedPose::start(const FlowField& from_previous) {
   const int rows = from_previous.vectors.rows(), cols = from_previous.vectors.cols();
   lens_ = intrinsics_.value_or(assumed_intrinsics(rows, cols));
@@ -117,7 +117,7 @@ void TrackedPose::track(const FlowField& from_previous) {
     find_translation(turned);
 }
 
-// The depths hold the scale: the translation is the one that they see.
+// The depths fix the scale of the translation.
 void TrackedPose::follow_translation(const PoseFit& turned) {
   const PoseFit moved =
       fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
@@ -132,8 +132,8 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
 }
 
 // No depth is known yet, all points were first seen from the world's origin. Of the headings that explain the
-// flow best, the one that leaves least noise across the epipolar lines wins, once it stands out and the
-// parallax is clear; until then the camera only turns.
+// flow best, the one with the least noise across the epipolar lines is chosen, once it stands out and the
+// parallax is clear; until then the pose only rotates.
 void TrackedPose::find_translation(const PoseFit& turned) {
   accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
   const auto points = tracks_.points();

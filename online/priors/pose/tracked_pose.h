@@ -1,7 +1,7 @@
-// The camera's pose from the optical flow alone. Per frame: the points of the scene are carried along the
-// flow; a rotation about the camera's centre is fitted, then a rotation with a translation; the translation
-// is believed only where it explains clearly more (a camera that stands still or only turns is the normal
-// case, and then its position is kept exactly). The depths learnt from earlier frames hold the scale.
+// The camera's pose from the optical flow alone. Per frame it carries the points of the scene along the flow
+// and fits a rotation about the camera's centre, then a rotation with a translation. It accepts the
+// translation only where it explains clearly more (a static or rotating camera is the normal case, and its
+// position is then kept exactly). The depths learnt from earlier frames fix the scale.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ namespace hdrcam {
 struct TrackerOptions {
   TrackOptions tracks;
   double still_px = 0.15;           // flow below this is no motion
-  double still_share = 0.5;         // of the points, for a camera that stands still
-  double still_drift_px = 0.3;      // the sum of motions too small to see, before it is believed
-  double translation_gain = 60;     // squared sigmas that a translation must explain to be believed..
+  double still_share = 0.5;         // of the points, for a static camera
+  double still_drift_px = 0.3;      // accumulated small motion that counts as real motion
+  double translation_gain = 60;     // squared sigmas that a translation must explain to be accepted..
   double translation_gain_on = 15;  // ..and while the camera is moving already
   double parallax_share =
-      0.3;  // of the points must show clear parallax before the first translation is believed..
-  double heading_noise_ratio = 0.8;  // ..and the best heading leave this much less noise than any other one
+      0.3;  // of the points must show clear parallax before the first translation is accepted..
+  double heading_noise_ratio = 0.8;  // ..and the best heading's noise, as a share of any other's
   int fewest_points = 30;            // below this the pose is lost
   double fewest_inliers = 0.3;       // share
   double velocity_decay = 0.9;       // per frame, while lost
@@ -31,7 +31,7 @@ class TrackedPose final : public PosePrior {
  public:
   explicit TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options = {});
 
-  // to_previous: this frame -> the one before; from_previous: the other way round; empty for the first frame.
+  // to_previous: this frame -> the previous one; from_previous: the reverse; empty for the first frame.
   const CameraPose& next(const FlowField& to_previous, const FlowField& from_previous);
   const CameraPose& estimate(const SeenFrame& seen) override {
     return next(seen.motion.to_previous, seen.motion.from_previous);

@@ -40,7 +40,7 @@ Result<void> HashGridField::observe(const SceneObservation& seen) {
   for (const auto& snapshot : snapshots_)
     if (!snapshot->is_held()) Window::release(snapshot->window_);
 
-  // what the state hardly knows counts as unseen
+  // a pixel that the state hardly knows counts as unseen
   const float known = known_limit(seen.white);
   variance_.copy_from(seen.state.variance);
   for (float& v : variance_.samples()) v = v < known ? v : kUnseenVariance;
@@ -98,9 +98,9 @@ SnapshotHold HashGridField::snapshot() {
   return SnapshotHold(*free);
 }
 
-// The prior on the frame's own pixels, in the window's units; NaN where it is not believed.
+// The prior on the frame's own pixels, in the window's units; NaN where its weight is too low.
 void HashGridField::spread(const DepthMap& depth, int rows, int cols) {
-  constexpr float kBelieved = 0.5f;  // weight of a prior that is known to 100 percent
+  constexpr float kBelieved = 0.5f;  // weight of a prior with a sigma of 100 percent
   const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
   inverse_depth_.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {

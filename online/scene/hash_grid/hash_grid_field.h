@@ -1,6 +1,6 @@
 // The scene as a windowed field of two hash grids with small networks, volume rendered: the first
 // implementation of SceneField (field/README.md, fit/README.md). Its snapshots copy the networks and hold the
-// window's frames, which are written again only when no snapshot shows them (field/window.h).
+// window's frames, which are reused only when no snapshot holds them (field/window.h).
 #pragma once
 
 #include <memory>
@@ -43,7 +43,7 @@ class HashGridField final : public SceneField {
   float near_;
   FieldFit fit_;
   Image<float> variance_, inverse_depth_;
-  std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // as many as were ever held at once, and one
+  std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // one more than were ever held at once
 };
 
 }  // namespace hdrcam

@@ -1,6 +1,6 @@
-// A small clip that knows its answer, and an estimate of it with known faults, the same on every machine:
-// 48x36, eight frames, three exposures. A textured background moves by (1.5, 0.5) px a frame; a brighter
-// square, object 1, by (-1, 2) px before it; one lamp is far above white.
+// A small clip with ground truth, and an estimate of it with known faults, the same on every machine: 48x36,
+// eight frames, three exposures. A textured background moves by (1.5, 0.5) px a frame; a brighter square,
+// object 1, by (-1, 2) px before it; one lamp is far above white.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ inline constexpr float kDepthScale = 0.25f;  // of the estimate's depth, 3 % off
 Image<float> radiance(int frame);
 Image<float> depth(int frame);
 Image<float> flow(int frame);
-// What a method might have made of it: gains, noise, pumping, a ghost behind the square.
+// The estimate of an imperfect method: gains, noise, pumping, a ghost behind the square.
 Image<float> estimate(int frame);
 
 // Writes clip.json and gt/ into the folder, which must not be a clip yet.
@@ -25,7 +25,7 @@ void write_clip(const std::string& folder);
 enum class Geometry { Without, With };
 void write_estimate(const std::string& path, int frame, Geometry geometry);
 
-// A folder of its own under the system's temporary folder, removed with everything in it at the end.
+// A separate folder under the system's temporary folder, removed with its content at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -1,13 +1,13 @@
 // The radiance field of the window: two branches, each a hash grid and a small network, over the base of the
 // frames.
 //   static (u, v, d)      -> density, log radiance residual (3), blending weight v
-//   dynamic (u, v, d, t)  -> density, log radiance residual (3), scene flow to the next and previous frame
-//   (6),
+//   dynamic (u, v, d, t)  -> density, log radiance residual (3), scene flow to the next and the previous
+//                            frame (6),
 //                            occlusion weights (2)
 // A sample's radiance is exp(base + gate * residual), where base and gate are read from the frame's planes at
 // the pixel that sees the sample: unbounded, and with an untrained network exactly the state's picture. Scene
 // flow is base flow + residual. Scalar type T as in hash_grid.h. Evaluation is reentrant, each caller with
-// passes of its own.
+// its own passes.
 #pragma once
 
 #include "online/scene/hash_grid/field/compositing.h"
@@ -43,7 +43,7 @@ struct Branch {
 
   Branch(const HashGridShape& shape, int hidden, int outputs, float head_gain, Pcg32& random)
       : grid(shape, 1e-2f, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
-  // of a branch of the same shape: what it knows, without gradients
+  // copies the parameters of a branch of the same shape, without gradients
   void copy_parameters(const Branch& from) {
     grid.tables().copy_from(from.grid.tables());
     std::copy(from.mlp.parameters().begin(), from.mlp.parameters().end(), mlp.parameters().begin());
@@ -68,8 +68,8 @@ struct FieldNetworks {
   static constexpr float kHeadGain = 0.1f;
 };
 
-// One evaluation of a branch on up to ld samples, with what the way back needs. All pictures are [width, 1,
-// ld].
+// One evaluation of a branch on up to ld samples, with the activations that backward needs. All images are
+// [width, 1, ld].
 template <class T>
 struct BranchPass {
   Image<T> position, features, raw;

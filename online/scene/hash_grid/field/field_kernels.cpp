@@ -1,6 +1,6 @@
 // Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
-// The matrix products use the compilers' vector type, whose width is this target's register; all other loops
-// are plain and vectorised by the compiler (-fopt-info-vec names them).
+// The matrix products use the compilers' vector type, as wide as this target's register; all other loops are
+// plain and vectorised by the compiler (-fopt-info-vec names them).
 #include "online/scene/hash_grid/field/field_kernels.h"
 
 namespace hdrcam::HDRCAM_TARGET {
@@ -75,7 +75,7 @@ inline void corner_weights(const Corners& corners, int corner, float* weight) {
   }
 }
 
-// The two features of an entry are read together.
+// Reads the two features of an entry together.
 typedef float Pair __attribute__((vector_size(8), aligned(4), may_alias));
 inline Pair load_pair(const float* p) { return *reinterpret_cast<const Pair*>(p); }
 

@@ -1,6 +1,6 @@
-// The hot loops of the field on raw pointers: one table of functions per instruction set, picked at start by
-// field_kernels(). Everything is [features, ld] with samples innermost; n is a multiple of kSampleMultiple
-// and rows are 64-byte aligned. The readable twins are in hash_grid.h, mlp.h and ../fit/adam.h; tests compare
+// The hot loops of the field on raw pointers: one table of functions per instruction set, selected at start
+// by field_kernels(). Everything is [features, ld] with samples innermost; n is a multiple of kSampleMultiple
+// and rows are 64-byte aligned. The scalar twins are in hash_grid.h, mlp.h and ../fit/adam.h; tests compare
 // them. Reentrant. This header holds declarations only: the kernels' files may include nothing with inline
 // code (CMakeLists.txt).
 #pragma once
@@ -22,7 +22,7 @@ struct HashLevel {
   bool dense;
 };
 
-// Where to look: u, v, d [n] in window coordinates (clamped to the unit cube) and the table's slot [n]
+// The sample positions: u, v, d [n] in window coordinates (clamped to the unit cube) and the table's slot [n]
 // (time).
 struct GridQuery {
   const float* position[3];

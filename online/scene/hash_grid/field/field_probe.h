@@ -1,5 +1,5 @@
-// Asks the field what rays see, without gradients: the inside of every renderer and of the depth guide. A
-// probe owns the buffers of one batch, so each thread has its own; the field is only read.
+// Evaluates the field along rays without gradients, for all renderers and the depth guide. A probe owns the
+// buffers of one batch, so each thread has its own; the field is only read.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace hdrcam {
 
-// From where and when. Between frames the dynamic content moves along the scene flow of the nearest frame.
+// Pose and time of a view. Between frames dynamic content moves along the nearest frame's scene flow.
 struct ProbeView {
   RigidTransform T_anchor_camera;
   int frame = 0;     // position in the window of the frame nearest in time
@@ -18,15 +18,15 @@ struct ProbeView {
 
 struct ProbeRay {
   float pixel[2];
-  float guide;  // inverse depth around which to look
+  float guide;  // inverse depth around which samples are placed
 };
 
 struct ProbeAnswer {
   float radiance[3];
   float inverse_depth;
   float dynamic_share;
-  float confidence;  // 0..1: how much of the radiance is the state's rather than the networks', 0 outside its
-                     // picture
+  float confidence;  // 0..1: the state's share of the radiance, against the networks'; 0 outside
+                     // its picture
   float flow[2][2];  // by Neighbour: pixels, to the view of the next and of the previous frame
 };
 

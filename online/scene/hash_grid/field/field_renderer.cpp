@@ -5,7 +5,7 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kStripes = 8;  // units of work that own a probe; enough for any number of threads we meet
+constexpr int kStripes = 8;  // units of work, each with a probe; enough for the usual numbers of threads
 
 // The nearest frame and the distance to it in frame intervals.
 ProbeView probe_view(const WindowFrames& window, const RigidTransform& T_world_camera, double time_s) {
@@ -40,8 +40,8 @@ float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(
 
 }  // namespace
 
-// The surface of a frame, seen from elsewhere: each of its pixels is carried to where the view sees it,
-// nearer ones win. What nothing falls on is a disoccluded background: it continues the farther of its
+// The surface of a frame in another view: each of its pixels is projected into the view, and nearer ones
+// win. Pixels without a projection are disoccluded background: they continue the farther of their
 // neighbours.
 void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& from) {
   const WindowFrustum& frustum = field.window.frustum();
@@ -84,7 +84,7 @@ void FieldRenderer::render(const RadianceField& field, const SceneView& view, Wo
     render_instant(field, view, view.time_s, pool, picture);
     return;
   }
-  // the centre last, so that all but the radiance is of it
+  // the centre last, so that everything but the radiance belongs to it
   constexpr int kOrder[kInstants] = {0, 1, 3, 4, 2};
   for (const int i : kOrder) {
     render_instant(field, view, view.time_s + view.exposure_s * ((i + 0.5) / kInstants - 0.5), pool, picture);

@@ -1,6 +1,6 @@
-// The field as pictures: from any pose, at any time in the window, through any lens and at any size. What it
-// shows is finite and positive whatever the fit has done. Owns the room it needs, so one per thread that
-// looks; deterministic whatever the number of threads of the pool.
+// Renders the field from any pose, at any time in the window, through any lens and at any size. Its pictures
+// are finite and positive whatever the fit has done. It owns its buffers, so each rendering thread needs one;
+// deterministic for any number of threads of the pool.
 #pragma once
 
 #include "hal/core/worker_pool.h"
@@ -12,7 +12,7 @@ namespace hdrcam {
 class FieldRenderer final : public LookRoom {
  public:
   // The field must have at least one frame. With an exposure interval the radiance is the mean over instants
-  // in it; all else is of its centre.
+  // in it; everything else belongs to its centre.
   void render(const RadianceField& field, const SceneView& view, WorkerPool& pool, FieldPicture& picture);
 
  private:

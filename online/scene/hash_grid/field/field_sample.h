@@ -1,5 +1,5 @@
-// What the raw outputs of the two networks mean at one sample, given the base there, and the way back of each
-// meaning. Scalar type T as in hash_grid.h. Reentrant.
+// Decodes the raw outputs of the two networks at one sample, given the base there; each decode function has
+// its gradient. Scalar type T as in hash_grid.h. Reentrant.
 #pragma once
 
 #include <algorithm>
@@ -9,18 +9,18 @@
 
 namespace hdrcam {
 
-// One sample as rendering sees it. The same struct holds the gradient with respect to each member.
+// One decoded sample. The same struct holds the gradient with respect to each member.
 template <class T>
 struct FieldSample {
   T density = 0;
   T radiance[3] = {0, 0, 0};
   T blend = 0;                 // v, of the static branch
   T flow[2][3] = {};           // by Neighbour: pixels of the anchor along u and v, kDepthUnit along d
-  T flow_residual[2][3] = {};  // what the network added to the base
+  T flow_residual[2][3] = {};  // the network's residual to the base
   T occlusion[2] = {0, 0};     // 1: the point is visible in that neighbour too
 };
 
-// The exponent of densities and radiances is cut where floats would leave their range.
+// The exponent of densities and radiances is clamped where floats would overflow.
 template <class T>
 T bounded_exp(T x, T bound) {
   return std::exp(std::clamp(x, -bound, bound));
@@ -31,8 +31,8 @@ T sigmoid(T x) {
 }
 constexpr float kDensityBound = 12, kRadianceBound = 20;
 
-// The prior of log density, both branches: the base's surface, with nothing in front of it. log_density at an
-// inverse depth, and its slopes by inverse depth and by the surface's.
+// The prior of log density for both branches: the base's surface, with empty space in front of it.
+// log_density at an inverse depth, and its slopes by inverse depth and by the surface's inverse depth.
 template <class T>
 struct SurfacePrior {
   T log_density, by_depth, by_surface;
@@ -57,8 +57,8 @@ void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& 
                                      T(kRadianceBound));
 }
 
-// The prior of the static density: what the base says moves is not static. 1 where the base is still, towards
-// e^-6 from a quarter of a pixel to two pixels of flow.
+// The prior of the static density: a moving base is not static. 1 where the base does not move, falling to
+// e^-6 between a quarter of a pixel and two pixels of flow.
 template <class T>
 T stillness(const T* base) {
   T fastest = 0;
@@ -91,7 +91,7 @@ FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base, T prior
   return sample;
 }
 
-// The way back of decode_density; returns d_prior.
+// The gradient of decode_density; returns d_prior.
 template <class T>
 T pull_density(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample, const FieldSample<T>& d,
                Image<T>& d_raw) {
@@ -101,7 +101,7 @@ T pull_density(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample
   return d_log;
 }
 
-// The way back of decode_radiance; d_base, where the position is learned, receives the base's share.
+// The gradient of decode_radiance; d_base, where the position is learned, receives the base's share.
 template <class T>
 void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample,
                    const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {

@@ -1,9 +1,9 @@
 // Multiresolution hash grid (Müller et al. 2022) over the window's unit cube (u, v, inverse depth), two
-// features a level. A grid may hold several tables per level, its slots: the dynamic branch has one slot per
-// frame of the window, which makes (u, v, d, t) a four-dimensional grid that is exact in t, costs 8 look-ups
-// instead of 16, and lets a new frame start from the previous one by copying its slot. Scalar type T: float
-// in the product (kernels), double in the gradient tests (the loops below). Thread-compatible; distinct
-// levels may be scattered into by distinct threads.
+// features per level. A grid may have several tables per level, its slots: the dynamic branch has one slot
+// per frame of the window, which makes (u, v, d, t) a four-dimensional grid that is exact in t, costs 8
+// look-ups instead of 16, and lets a new frame start from the previous one by copying its slot. Scalar type
+// T: float in the product (kernels), double in the gradient tests (the loops below). Thread-compatible;
+// distinct levels may be scattered into by distinct threads.
 #pragma once
 
 #include <algorithm>
@@ -129,7 +129,7 @@ class HashGrid {
   Image<T> table_, d_table_;  // [levels, 1, slots * entries * 2]
 };
 
-// The readable twins of the kernels.
+// The scalar twins of the kernels.
 namespace plain {
 
 template <class T>

@@ -1,7 +1,7 @@
 // A small fully connected network, inputs -> hidden -> hidden -> outputs with rectified hidden layers and a
 // linear head, evaluated on a batch with samples innermost ([width, 1, ld]). All widths are multiples of 4.
-// Weights are row-major [out, in] followed by the bias, layer after layer, in one span, so that the optimiser
-// sees one vector. Scalar type T as in hash_grid.h. The network is read-only while it runs: forward and
+// Weights are row-major [out, in] followed by the bias, layer after layer, in one span, which is one vector
+// for the optimiser. Scalar type T as in hash_grid.h. The network is read-only while it runs: forward and
 // backward are reentrant.
 #pragma once
 
@@ -16,13 +16,13 @@
 
 namespace hdrcam {
 
-// What the way back needs to remember of the way forward, and room to work in. [hidden, 1, ld] each.
+// The activations that backward needs from forward, and scratch memory. [hidden, 1, ld] each.
 template <class T>
 struct MlpTrace {
   Image<T> hidden[2], d_hidden[2];
 };
 
-// The readable twins of the kernels.
+// The scalar twins of the kernels.
 namespace plain {
 
 template <class T>
@@ -71,7 +71,7 @@ class Mlp {
           std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);
       for (int i = 0; i < width_[layer] * width_[layer + 1]; ++i)
         parameters_.push_back(static_cast<T>(random.uniform(-bound, bound)));
-      // hidden biases spread the kinks: a unit whose inputs are all zero must not be dead
+      // hidden biases spread the kinks, so that a unit whose inputs are all zero is not dead
       for (int o = 0; o < width_[layer + 1]; ++o)
         parameters_.push_back(
             layer == kLayers - 1 ? T(0) : static_cast<T>(random.uniform(-kBiasSpread, kBiasSpread)));

@@ -1,5 +1,5 @@
-// The field as whoever looks reads it: the window's frames and the networks over them, of the fit itself
-// between two steps, or of a snapshot. Borrowed; reentrant to read.
+// The field as a renderer reads it: the window's frames and the networks, of the fit itself between two steps
+// or of a snapshot. Borrowed; reading is reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/field/field.h"

@@ -1,5 +1,5 @@
-// PCG32 (O'Neill 2014, XSH-RR): the one source of chance in the fit. The sequence is fixed by the seed on
-// every machine and compiler, which the distributions of <random> are not. Value type, thread-compatible.
+// PCG32 (O'Neill 2014, XSH-RR): the only random numbers in the fit. The seed fixes the sequence on every
+// machine and compiler, unlike the distributions of <random>. Value type, thread-compatible.
 #pragma once
 
 #include <cstdint>

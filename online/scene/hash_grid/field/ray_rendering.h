@@ -1,5 +1,5 @@
-// One ray through the window: what its samples say (RaySamples), the picture they make (RayPicture), and the
-// way back. The gradient of either has the same struct. Scalar type T as in hash_grid.h. Reentrant.
+// One ray through the window: its samples (RaySamples), the rendered values (RayPicture), and their
+// gradients. The gradient of either has the same struct. Scalar type T as in hash_grid.h. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/field/compositing.h"
@@ -17,16 +17,16 @@ struct RaySamples {
   T position[kMaxSamples][3];
   FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
   FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
-  FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch where the scene flow leads
-  // how the neighbour's camera sees the sample (pixel, inverse depth): unmoved, and displaced by the scene
-  // flow with d seen / d window point
+  FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch at the displaced position
+  // the sample in the neighbour's camera (pixel, inverse depth): static, and displaced by the scene flow,
+  // with d seen / d window point
   T landing_still[kMaxSamples][3], landing_moving[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
 };
 
 template <class T>
 struct RayPicture {
   T radiance[3] = {0, 0, 0};
-  T landing[2] = {0, 0};  // pixel of the neighbour where the ray's content is
+  T landing[2] = {0, 0};  // the neighbour's pixel that shows the ray's content
   T inverse_depth = 0;
   T share = 0;    // of the dynamic branch
   T visible = 0;  // occlusion weight towards the neighbour
@@ -80,7 +80,7 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
   return picture;
 }
 
-// The way back of set_densities; `dynamic` names the samples whose density went in beside the static one's.
+// The gradient of set_densities; `dynamic` names the samples whose density was added to the static one's.
 template <class T>
 void pull_densities(const RaySamples<T>& ray, Blend blend,
                     FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples], const T (*d_density)[kMaxSamples],

@@ -1,6 +1,6 @@
-// Where the fit looks: which pixels (where they pay: clipped, disoccluded or badly fitted) and which depths
-// along a ray (around the surface that the last field saw, with some over the whole range). Inverse depth in
-// [0, 1], near first. Thread-compatible.
+// Chooses the samples of the fit: pixels (preferably clipped, disoccluded or badly fitted ones) and depths
+// along a ray (around the surface of the last field, with some over the whole range). Inverse depth in [0,
+// 1], near first. Thread-compatible.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ void place_samples(T guide, int count, Jitter&& jitter, T* inverse_depth, T* spa
     spacing[k] = k + 1 < count ? (inverse_depth[k] - inverse_depth[k + 1]) * kOpticalRange : T(1);
 }
 
-// Chooses pixels of one frame with a probability that follows the interest of their tile.
+// Chooses pixels of one frame with a probability in proportion to the interest of their tile.
 class PixelPicker {
  public:
   static constexpr int kTile = 8;  // pixels

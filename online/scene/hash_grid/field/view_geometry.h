@@ -2,7 +2,7 @@
 // margin for its neighbours' views: u, v across the widened picture and d along inverse depth, all in [0, 1].
 // A camera is given by its transform to the anchor. Inverse depth q is near / z, dimensionless, 0 at infinity
 // and 1 at the near plane; where poses are unknown all cameras coincide with the anchor, and depth only
-// orders what is seen. Scalar type T as in field/hash_grid.h. Value types, reentrant.
+// orders the surfaces. Scalar type T as in field/hash_grid.h. Value types, reentrant.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ class ViewGeometry {
     x[2] = kDepthOffset + kDepthScale * q / z;
   }
 
-  // how a window point is seen: pixel x, y and inverse depth; jacobian [3][3] = d seen / d x, may be null
+  // projects a window point: pixel x, y and inverse depth; jacobian [3][3] = d seen / d x, may be null
   void project(const T x[3], T seen[3], T (*jacobian)[3]) const {
     T ray[3] = {0, 0, 1};
     for (int i = 0; i < 2; ++i)

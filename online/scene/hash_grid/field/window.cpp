@@ -14,8 +14,8 @@ float log_radiance(float radiance) {
   return std::isfinite(radiance) ? std::log(std::clamp(radiance, kDarkest, kBrightest)) : std::log(kDarkest);
 }
 
-// How much the networks may move what the state says: all where nobody saw the pixel, nothing where the state
-// is sure.
+// The gate: the share of the state's radiance that the networks may change, 1 for an unseen pixel, 0 where
+// the state is certain.
 float gate(float radiance, float variance, float trusted_sigma) {
   if (!std::isfinite(radiance) || !std::isfinite(variance) || variance >= kUnseenVariance) return 1;
   const float trusted = trusted_sigma * std::clamp(radiance, kDarkest, kBrightest);
@@ -114,7 +114,7 @@ Result<void> Window::advance(const FieldObservation& seen) {
   if (!has_shape(seen.codes, 3, rows, cols) || !has_shape(seen.radiance, 3, rows, cols) ||
       !has_shape(seen.variance, 3, rows, cols))
     return Error{ErrorCode::Invalid,
-                 fmt::format("frame {} gives the field pictures that are not 3 x {} x {}; start a "
+                 fmt::format("the pictures of frame {} for the field are not 3 x {} x {}; start a "
                              "new field for another size",
                              seen.index, rows, cols)};
   if (!std::isfinite(seen.exposure) || seen.exposure <= 0)
@@ -174,8 +174,8 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
   if (has_shape(seen.inverse_depth, 1, rows, cols)) frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
-// Lifts a flow of pixels to a displacement in window space, both ends at the depth that is known best. The
-// flow the other way starts as its opposite until it is measured: motion is nearly uniform over two frames.
+// Lifts a flow of pixels to a displacement in window space, with the best known depth at both ends. The
+// reverse flow starts as its opposite until it is measured: motion is nearly uniform over two frames.
 void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to,
                        Neighbour which) const {
   const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
@@ -208,7 +208,7 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   from.has_flow[k] = true;
 }
 
-// The guide of a new frame: the previous one's, fetched along the flow.
+// The guide of a new frame: the previous one's, warped along the flow.
 void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const {
   for (int y = 0; y < to.guide.rows(); ++y)
     for (int x = 0; x < to.guide.cols(); ++x) {
@@ -226,7 +226,7 @@ void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, 
     }
 }
 
-// Where a prior knows enough of a tile, its mean is the guide.
+// Where a prior covers enough of a tile, its mean is the guide.
 void Window::guide_by_prior(WindowFrame& frame) const {
   if (frame.depth_prior.empty()) return;
   constexpr int kEnough = kGuideStep * kGuideStep / 4;
@@ -243,7 +243,7 @@ void Window::guide_by_prior(WindowFrame& frame) const {
     }
 }
 
-// The prior where it knows, the guide elsewhere.
+// The prior where it is known, the guide elsewhere.
 void Window::take_surface(WindowFrame& frame) const {
   for (int y = 0; y < frustum_.rows; ++y)
     for (int x = 0; x < frustum_.cols; ++x) {

@@ -1,10 +1,10 @@
-// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base is what
-// the state already knows about a frame, as planes: log radiance, how far the networks may move it (the
-// gate), and the flow to both neighbours. The networks of the field add a residual to the base, so that a
-// field of zero steps renders the state's picture. Frames are ordered by arrival; neighbours are neighbours
-// in that order. Readers (snapshots) hold frames; a frame that is held is never written: the writer goes on
-// in a copy. All buffers are allocated by the constructor but those copies. Thread-bound to write, reentrant
-// to read.
+// The window: the last few frames, each with its codes, its exposure, its pose and its base. The base
+// holds the state of a frame as planes: log radiance, the share that the networks may change (the gate),
+// and the flow to both neighbours. The networks of the field add a residual to the base, so that a field
+// of zero steps renders the state's picture. Frames are ordered by arrival; neighbours are neighbours in
+// that order. Readers (snapshots) hold frames; a held frame is never written: the writer continues in a
+// copy. The constructor allocates all buffers except those copies. Writing is thread-bound, reading is
+// reentrant.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@
 
 namespace hdrcam {
 
-// One frame as the state sees it. Pictures are [rgb, rows, cols], borrowed for the call; what is not finite
-// in them is treated as unseen. Flow may be empty or null at the first frame and after a cut.
+// One frame with its state. Pictures are [rgb, rows, cols], borrowed for the call; values that are not finite
+// are treated as unseen. Flow may be empty or null at the first frame and after a cut.
 struct FieldObservation {
   int index = 0;                             // increasing; gaps are dropped frames
   double time_s = 0;                         // centre of the exposure
@@ -28,7 +28,7 @@ struct FieldObservation {
   float blur_fraction = 0;                   // exposure time over frame interval
   const Image<float>* codes = nullptr;       // 0..255
   const Image<float>* radiance = nullptr;    // state
-  const Image<float>* variance = nullptr;    // of radiance; >= kUnseenVariance: nobody saw the pixel
+  const Image<float>* variance = nullptr;    // of radiance; >= kUnseenVariance: unseen pixel
   const FlowField* to_previous = nullptr;    // this frame -> previous
   const FlowField* from_previous = nullptr;  // previous frame -> this one
   const Image<float>* inverse_depth =
@@ -44,7 +44,7 @@ enum BaseChannel : int {
   kBaseGate = 3,         // rgb 0..1: V / (V + trusted_sigma^2), V the variance of log radiance
   kBaseFlow = 6,         // forward u v, backward u v: displacement in window space in pixels of the anchor
   kBaseConfidence = 10,  // forward, backward 0..1
-  kBaseSurface = 12,     // inverse depth of what the pixel sees, as far as it is known
+  kBaseSurface = 12,     // inverse depth of the pixel's surface, as far as it is known
 };
 
 struct WindowFrame {
@@ -53,25 +53,25 @@ struct WindowFrame {
   double time_s = 0;
   float exposure = 1, blur_fraction = 0;
   RigidTransform T_world_camera, T_anchor_camera;
-  Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is no measurement
+  Image<float> values;    // [rgb, rows, cols] codes / 255; kNoValue where the code is not a measurement
   Image<BasePixel> base;  // [1, rows, cols]
   Image<float>
-      guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth where the last field saw surfaces
+      guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth of the surfaces of the last field
   Image<float> depth_prior;           // [1, rows, cols], empty without one
   bool has_flow[2] = {false, false};  // by Neighbour
-  float moving_share = 0;             // of the pixels, whose flow prior exceeds a quarter of a pixel
-  int holders = 0;                    // snapshots that show it; counted by the thread that writes the window
+  float moving_share = 0;             // of the pixels whose flow prior exceeds a quarter of a pixel
+  int holders = 0;                    // snapshots that hold it; counted by the thread that writes the window
 
-  void copy_from(const WindowFrame& other);  // all but the holders
+  void copy_from(const WindowFrame& other);  // everything except the holders
 };
 
 constexpr float kNoValue = -1;
 constexpr int kGuideStep = 8;
 
 struct WindowOptions {
-  int frames = 6;  // 2..14; longer windows cost memory and, where things move, quality
+  int frames = 6;  // 2..14; longer windows cost memory and, in dynamic scenes, quality
   float trusted_sigma =
-      0.1f;  // of log radiance, 0.01..1: where the state is this sure, networks and state share
+      0.1f;  // of log radiance, 0.01..1: sigma at which networks and state have equal weight
   float default_inverse_depth = 0.3f;  // 0..1, where nothing is known about depth
 };
 
@@ -86,9 +86,9 @@ class WindowFrames {
   int nearest(double time_s) const;  // position of the frame nearest in time
   const WindowFrustum& frustum() const { return frustum_; }
   RigidTransform T_anchor_camera(const RigidTransform& T_world_camera) const;
-  // poses differ by a translation that shifts the near plane by half a pixel or more
+  // whether poses differ by a translation that shifts the near plane by half a pixel or more
   bool has_parallax() const;
-  bool has_motion() const;  // more than a thousandth of the pixels of some frame move
+  bool has_motion() const;  // whether more than a thousandth of the pixels of some frame move
 
  protected:
   friend class Window;
@@ -101,21 +101,21 @@ class Window : public WindowFrames {
  public:
   Window(const WindowFrustum& frustum, const WindowOptions& options);
 
-  // Takes the frame in and drops the oldest. Invalid for a picture of another size or a missing one;
-  // BadExposure for an exposure that is not a positive number.
+  // Adds the frame and drops the oldest. Invalid for a picture of another size or a missing one; BadExposure
+  // for an exposure that is not a positive number.
   Result<void> advance(const FieldObservation& seen);
-  // Makes the newest frame the anchor; bases are lifted anew. Returns T_new_old of the anchors.
+  // Makes the newest frame the anchor and recomputes the bases. Returns T_new_old of the anchors.
   RigidTransform move_anchor();
   void clear() { order_.clear(); }
-  // The frame to write to: itself, or a copy that takes its place where a snapshot holds it.
+  // The frame to write to: the frame itself, or a copy that replaces it where a snapshot holds it.
   WindowFrame& writable(int i);
 
-  // Keeps for a reader the frames as they are now; release() lets them go. Both are for the thread that
-  // writes the window, while nobody reads `held`.
+  // Holds the current frames for a reader; release() gives them back. Only the thread that writes the window
+  // may call them, while no thread reads `held`.
   void hold(WindowFrames& held);
   static void release(WindowFrames& held);
 
-  int slots() const { return options_.frames + 1; }  // one more than frames, so that none clash
+  int slots() const { return options_.frames + 1; }  // one more than frames, to avoid collisions
   bool anchor_is_stale() const;  // a corner of the newest view leaves the window at mid depth
 
  private:
@@ -129,12 +129,12 @@ class Window : public WindowFrames {
 
   WindowOptions options_;
   std::vector<std::unique_ptr<WindowFrame>>
-      storage_;  // one more than the window; more while snapshots hold some
+      storage_;  // one more than the window's frames; more while snapshots hold some
   long arrived_ = 0;
 };
 
 // The base at a fractional pixel (clamped to the picture), bilinear: value[kBaseChannels], and its slopes
-// along x and y where asked for. Pixel centres at +0.5.
+// along x and y if requested. Pixel centres at +0.5.
 template <class T>
 void fetch_base(const Image<BasePixel>& base, const T pixel[2], T* value, T* d_x, T* d_y) {
   T x = pixel[0] - T(0.5), y = pixel[1] - T(0.5);

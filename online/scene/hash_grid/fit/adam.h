@@ -1,6 +1,6 @@
-// Adam (Kingma & Ba 2015) on one vector of parameters. Only entries with a gradient move: most of a hash
-// table is not touched by a step, and its moments must not decay meanwhile. Thread-compatible: distinct
-// vectors on distinct threads.
+// Adam (Kingma & Ba 2015) on one vector of parameters. Only entries with a gradient change: a step does not
+// touch most of a hash table, whose moments must not decay meanwhile. Thread-compatible: distinct vectors on
+// distinct threads.
 #pragma once
 
 #include <cmath>

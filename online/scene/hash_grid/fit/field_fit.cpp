@@ -23,7 +23,7 @@ FieldShape shape_of(const FieldOptions& options, int rows, int cols) {
   return shape;
 }
 
-// A grid in the new anchor's window from the same grid in the old one's. `before` is room for one table.
+// Resamples a grid of the old anchor's window into the new one's. `before` is scratch memory for one table.
 void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
                 const ViewGeometry<double>& moved, std::vector<float>& before) {
   for (int l = 0; l < grid.shape().levels; ++l) {
@@ -125,7 +125,7 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   response_started_ = true;
 
   const int slot = window.newest().slot;
-  if (previous_slot >= 0) {  // a new frame starts from what its predecessor has learned
+  if (previous_slot >= 0) {  // a new frame starts from its predecessor's parameters
     HashGrid<float>& grid = networks_.moving.grid;
     for (Image<float>* values : {&grid.tables(), &moving_.table_mean, &moving_.table_variance})
       grid.copy_slot(previous_slot, slot, *values);
@@ -253,7 +253,7 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
   ray.flow_confidence = base[kBaseConfidence + n];
 }
 
-// Sums what the shards left, in their order; returns the gradient's norm.
+// Sums the shards' results in their order; returns the gradient's norm.
 double FieldFit::reduce(StepReport& report) {
   double energy = 0;
   for (auto& channel : d_response_) channel.fill(0);
@@ -335,9 +335,9 @@ void FieldFit::refresh_guide() {
     }
 }
 
-// Moves the anchor to the newest frame. What the grids know is taken along level by level: a dense level is
-// looked up anew at the place where each of its vertices was; hashed levels, which cannot be enumerated,
-// start at zero.
+// Moves the anchor to the newest frame. The grids are carried over level by level: a dense level is
+// resampled at the old position of each of its vertices; hashed levels, which cannot be enumerated, start at
+// zero.
 void FieldFit::reanchor() {
   const RigidTransform T_old_new = window_.move_anchor().inverse();
   const ViewGeometry<double> old_anchor(window_.frustum(), RigidTransform()),

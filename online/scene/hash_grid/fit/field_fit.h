@@ -1,7 +1,7 @@
 // The fit of the window's field to the stream: observe() takes the next frame into the window, step() takes
-// one Adam step on a few hundred rays. The field starts from the state's picture (window.h), so any number of
-// steps, also none, leaves something that can be rendered. Deterministic: the same frames and seed give the
-// same bytes for any number of threads. No allocation after the first frame. Thread-bound.
+// one Adam step on a few hundred rays. The field starts from the state's picture (window.h), so it can be
+// rendered after any number of steps, also none. Deterministic: the same frames and seed give the same bytes
+// for any number of threads. No allocation after the first frame. Thread-bound.
 #pragma once
 
 #include "hal/core/worker_pool.h"
@@ -24,17 +24,17 @@ class FieldFit {
  public:
   FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, WorkerPool& pool);
 
-  // response: current estimate, as of this frame; ignored once the fit refines its own. Errors: Invalid,
-  // BadExposure (window.h); the field is unchanged then.
+  // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
+  // (window.h); the field is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
-  // What the next steps, and whoever looks, may spend.
+  // Sets the budget of the next steps and of rendering.
   void prepare(const FitBudget& budget);
-  // One step, as prepared. Needs a frame; with an empty window it does nothing.
+  // Takes one step. Needs a frame; with an empty window it does nothing.
   StepReport step();
 
   RadianceField field() const { return {window_, networks_, samples_per_ray_, has_dynamic_}; }
   Window& window() { return window_; }
-  // Networks of the same shape that know nothing.
+  // Reinitialises the networks, with the same shape.
   FieldNetworks<float> fresh_networks(std::uint64_t seed) const;
   const FitCounts& counts() const { return health_.counts(); }
   const FieldOptions& options() const { return options_; }
@@ -43,7 +43,7 @@ class FieldFit {
  private:
   static constexpr int kRaysPerShard = 32;
 
-  struct Optimised {  // a branch's parameters with what Adam needs
+  struct Optimised {  // a branch's parameters with Adam's moments
     Branch<float>& branch;
     AdamMoments network;
     Image<float> table_mean, table_variance;
@@ -77,11 +77,11 @@ class FieldFit {
   bool has_dynamic_ = true;  // false where nothing in the window moves
   LearnedResponse<float> response_;
   Optimised still_, moving_;
-  std::vector<RayShard<float>> shards_;  // as many as any budget so far needed; shards() are in use
-  int most_samples_ = 0;                 // that a shard has room for
+  std::vector<RayShard<float>> shards_;  // as many as the largest budget so far needed; shards() are in use
+  int most_samples_ = 0;                 // capacity of a shard
   std::vector<PixelPicker> pickers_;     // by slot
   std::vector<TrainingRay> rays_;
-  std::vector<float> table_before_;  // the window was moved
+  std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
   LearnedResponse<float>::Gradient d_response_{};
   AdamMoments response_moments_;

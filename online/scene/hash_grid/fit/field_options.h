@@ -1,5 +1,5 @@
-// What holds for a hash grid field from its start, with unit, range and reason; what may change from frame to
-// frame is in ../../fit_budget.h. Plain values; online/knobs.h names them.
+// The options of a hash grid field that are fixed at its start, with unit, range and reason; those that may
+// change from frame to frame are in ../../fit_budget.h. Plain values; online/knobs.h names them.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@ struct FieldOptions {
   // size
   FieldShape shape;      // grids, hidden width, form of the blend
   WindowOptions window;  // frames and gates
-  float margin = 1.25f;  // 1..2: width of window space over the picture; more lets the camera go further
+  float margin = 1.25f;  // 1..2: width of window space over the picture; larger allows more camera motion
   float near = 1;        // near plane in the poses' unit, > 0
   // where the rays go
   float newest_share = 0.5f;  // 0..1 of the rays in the newest frame, the rest over the window
   float uniform_share =
-      0.5f;  // 0..1 of the rays anywhere, the rest where the state is blind or the fit is bad
+      0.5f;  // 0..1 of the rays uniformly; the rest where the state is uncertain or the fit is bad
   // optimisation
   LossWeights losses = default_loss_weights();
   AdamOptions adam;

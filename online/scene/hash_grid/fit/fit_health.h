@@ -1,6 +1,6 @@
-// Watches the fit: a step whose loss or gradient is not finite is not taken, a loss that explodes sends the
-// parameters back to their last good copy, an outlier gradient is scaled down. Everything is counted, nothing
-// is hidden. Value type.
+// Monitors the fit: a step whose loss or gradient is not finite is skipped, an exploding loss restores the
+// last good copy of the parameters, an outlier gradient is scaled down. All these events are counted. Value
+// type.
 #pragma once
 
 #include <algorithm>
@@ -15,18 +15,18 @@ enum class StepVerdict {
 };
 
 struct FitCounts {
-  long steps = 0;  // asked for
+  long steps = 0;  // requested
   long skipped = 0, rolled_back = 0, clipped = 0, restarted = 0;
-  long without_dynamic = 0;  // steps that had no need of the dynamic branch
+  long without_dynamic = 0;  // steps without the dynamic branch
   long anchors_moved = 0;
 };
 
 class FitHealth {
  public:
-  static constexpr double kExploded = 20;     // times the usual loss, and at least ..
-  static constexpr double kSmallLoss = 0.05;  // .. times this: a new frame may well multiply a loss near zero
+  static constexpr double kExploded = 20;      // times the usual loss, and at least ..
+  static constexpr double kSmallLoss = 0.05;   // .. times this: a new frame may multiply a loss near zero
   static constexpr double kLargeGradient = 5;  // times the usual norm
-  static constexpr int kWarmUp = 20;           // steps before "usual" means anything
+  static constexpr int kWarmUp = 20;           // steps before the usual values are known
   static constexpr int kPatience = 3;          // roll-backs without a step taken between them
 
   StepVerdict judge(double loss, double gradient_norm) {
@@ -51,7 +51,7 @@ class FitHealth {
 
   // for the gradient of the step just taken
   float gradient_scale() const { return static_cast<float>(scale_); }
-  // the last good copy is not good: start the networks anew
+  // the last good copy fails too: the networks are reinitialised
   bool is_lost() const { return in_a_row_ >= kPatience; }
   void restart() { seen_ = in_a_row_ = 0, ++counts_.restarted; }
 

@@ -1,7 +1,7 @@
-// The camera response as the fit sees it: relative exposure x = E/E_ref * L -> value 0..1, one curve per
-// channel, piecewise linear on 256 points, monotone by construction (softplus increments), g(0) = 0 and g(1)
-// = 1. The points are uniform in sqrt(x): with uniform x the first segment of a gamma-like curve would cover
-// its twenty darkest codes. Outside [0, 1] it leaks (paper, appendix "Tone-mapping"): a x below, 1 + a - a /
+// The camera response inside the fit: relative exposure x = E/E_ref * L -> value 0..1, one curve per channel,
+// piecewise linear on 256 points, monotone by construction (softplus increments), g(0) = 0 and g(1) = 1. The
+// points are uniform in sqrt(x): with uniform x the first segment of a gamma-like curve would cover its
+// twenty darkest codes. Outside [0, 1] it leaks (paper, appendix "Tone-mapping"): a x below, 1 + a - a /
 // sqrt(x) above, a = 0.01. Scalar type T as in ../field/hash_grid.h. Reading is reentrant.
 #pragma once
 
@@ -39,7 +39,7 @@ class LearnedResponse {
 
   Value evaluate(int channel, T x) const {
     if (x >= 1) return {1 + kLeak - kLeak / std::sqrt(x), T(0.5) * kLeak / std::sqrt(x), -1, 0};
-    if (!(x > 0)) return {kLeak * x, kLeak * x, -1, 0};  // also what is not a number, and stays none
+    if (!(x > 0)) return {kLeak * x, kLeak * x, -1, 0};  // NaN stays NaN
     const T at = std::sqrt(x) * T(kSegments);
     const int segment = std::min(static_cast<int>(at), kSegments - 1);
     const T fraction = at - T(segment);

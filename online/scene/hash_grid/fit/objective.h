@@ -1,7 +1,7 @@
-// The objective of the fit (paper section 3.4 and appendix): for one ray the sum of its losses, each
-// weighted, each reported by name, with the gradients with respect to the ray's picture and its samples.
-// Scalar type T as in
-// ../field/hash_grid.h. Reentrant.
+// The objective of the fit (paper section 3.4 and appendix): for one ray the
+// weighted sum of its losses, reported by name, with the gradients with respect to
+// the ray's picture and its samples. Scalar type T as in ../field/hash_grid.h.
+// Reentrant.
 #pragma once
 
 #include <array>
@@ -74,13 +74,13 @@ constexpr LossWeights default_loss_weights() {
 template <class T>
 using LossValues = std::array<T, kLosses.size()>;
 
-// What is known about one pixel of one frame, the target of a ray.
+// The target of a ray: the measurements and priors of one pixel of one frame.
 struct TrainingRay {
   int frame = 0;  // position in the window
   float pixel[2] = {0, 0};
-  bool warps = false;  // a neighbour is there, in direction `toward`
+  bool warps = false;  // there is a neighbour in the direction `toward`
   Neighbour toward = Neighbour::Next;
-  float guide = 0;              // inverse depth where to look
+  float guide = 0;              // inverse depth around which samples are placed
   float values[3] = {0, 0, 0};  // measured, 0..1, or kNoValue
   float sharpness = 1;  // 1 / (1 + motion blur in pixels^2): the codes are an integral, the field is not
   float state_log_radiance[3] = {0, 0, 0}, state_trust[3] = {0, 0, 0};

@@ -76,8 +76,8 @@ void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const Trainin
   }
 }
 
-// Where the scene flow of the dynamic branch leads, in the neighbour's slot; a ray without a neighbour stays
-// put.
+// Displaces the samples along the scene flow of the dynamic branch, in the neighbour's slot; a ray without a
+// neighbour keeps its positions.
 template <class T>
 void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
   T unit[3];
@@ -178,8 +178,8 @@ void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& ta
   }
 }
 
-// The warped samples' gradient with respect to where they are is the gradient of the scene flow that put them
-// there.
+// The warped samples' gradient with respect to their positions is the gradient of the scene flow that
+// displaced them.
 template <class T>
 void RayShard<T>::return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
   step.networks.moving.grid.pull_back(warped_.samples(), warped_.d_features, warped_.d_position);

@@ -1,8 +1,8 @@
-// One fixed share of the rays of a step: evaluates the field along them, renders, and pulls the objective's
-// gradient back to network outputs and weights. A step runs its shards on any threads; what they leave is
-// summed in their order, so a step gives the same bytes for any number of threads. The gradient of the hash
-// tables is scattered afterwards, level by level. Scalar type T as in ../field/hash_grid.h. All buffers are
-// allocated by the constructor. Thread-compatible.
+// One fixed share of the rays of a step: evaluates the field along them, renders, and propagates the
+// objective's gradient backward to network outputs and weights. A step runs its shards on any threads; their
+// results are summed in their order, so a step gives the same bytes for any number of threads. The gradient
+// of the hash tables is scattered later, level by level. Scalar type T as in ../field/hash_grid.h. All
+// buffers are allocated by the constructor. Thread-compatible.
 #pragma once
 
 #include "online/scene/hash_grid/field/ray_sampler.h"
@@ -10,7 +10,7 @@
 
 namespace hdrcam {
 
-// What a step holds constant.
+// The constants of a step.
 template <class T>
 struct StepSetting {
   const FieldNetworks<T>& networks;
@@ -27,7 +27,7 @@ class RayShard {
  public:
   RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples);
 
-  // Leaves losses, weight gradients and d_features; `random` jitters the samples along the rays.
+  // Computes losses, weight gradients and d_features; `random` jitters the samples along the rays.
   void run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random);
   // Adds the shard's share of the gradient of one level of a branch's tables.
   void scatter_static(int level, HashGrid<T>& grid) const {

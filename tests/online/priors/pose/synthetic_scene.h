@@ -1,5 +1,5 @@
 // A small analytic world for tests of pose and depth: a wall with a relief, a floor and spheres that may
-// move; it answers with the exact flow between two views, and the exact depth. World = the first camera.
+// move; it gives the exact flow between two views and the exact depth. World = the first camera.
 #pragma once
 
 #include <Eigen/Dense>
@@ -81,7 +81,7 @@ struct SyntheticScene {
     return field;
   }
 
-  // share of the first view that moves by itself
+  // share of dynamic pixels in the first view
   double moving_share() const {
     int moving = 0;
     for (int y = 0; y < rows; ++y)

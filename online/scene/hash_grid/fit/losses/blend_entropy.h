@@ -1,5 +1,5 @@
 // Entropy of the blend: a ray should be static or dynamic, not half of each. share: rendered dynamic share
-// 0..1, kept off the ends, where the slope is infinite. Reentrant.
+// 0..1, clamped inside the ends, where the slope is infinite. Reentrant.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Distortion (Barron et al. 2022, mip-NeRF 360, eq. 15) in inverse depth: weights along a ray should be
+// Distortion (Barron et al. 2022, mip-NeRF 360, eq. 15) in inverse depth: it makes the weights along a ray
 // compact.
 //   sum_{k,m} w_k w_m |q_k - q_m| + 1/3 sum_k w_k^2 delta_k
 // Reentrant.

@@ -1,5 +1,5 @@
-// Flow loss (paper appendix, L_flow): the pixel of neighbour j where the rendered scene flow takes a ray,
-// against the pixel where the flow prior takes it, in pixels. Reentrant.
+// Flow loss (paper appendix, L_flow): the distance in neighbour j between the pixel that the rendered scene
+// flow gives for a ray and the pixel that the flow prior gives, in pixels. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/losses/robust.h"

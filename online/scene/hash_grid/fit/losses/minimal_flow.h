@@ -1,6 +1,6 @@
 // Minimal flow (paper appendix, L_min): |f|, here on the residual, because the base carries the measured
-// motion and what the network adds should be little; with an empty base it is the paper's. Flow in pixels of
-// the anchor. Reentrant.
+// motion and the network should add little; with an empty base it equals the paper's. Flow in pixels of the
+// anchor. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/losses/robust.h"

@@ -1,5 +1,5 @@
-// Occlusion weights would rather be 1 (visible): without this term hiding everything is the cheapest way to
-// warp well (as in NSFF's published code). visible: the ray's rendered occlusion weight 0..1. Reentrant.
+// Pulls occlusion weights towards 1 (visible): without this term the cheapest solution marks everything as
+// occluded (as in NSFF's published code). visible: the ray's rendered occlusion weight 0..1. Reentrant.
 #pragma once
 
 namespace hdrcam {

@@ -1,7 +1,7 @@
-// What a point looks like does not change from frame to frame: log radiance of the ray against the log
-// radiance warped from the neighbour, weighted by the ray's occlusion weight. In the paper the codes of both
-// frames do this indirectly; where the own code is clipped they cannot, and this term carries what a
-// neighbour saw into the frame that did not. Reentrant.
+// A point's radiance does not change from frame to frame: log radiance of the ray against the log radiance
+// warped from the neighbour, weighted by the ray's occlusion weight. In the paper the codes of both frames
+// enforce this indirectly; where the ray's own code is clipped they cannot, and this term carries the
+// neighbour's radiance into the clipped frame. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/losses/robust.h"

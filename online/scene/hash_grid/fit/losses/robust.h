@@ -1,5 +1,5 @@
-// The smooth L1 of all losses: rho(e) = sqrt(e^2 + s^2) - s. It is the paper's L1 beyond s and has a gradient
-// everywhere, so that it can be checked and followed. Reentrant.
+// The smooth L1 of all losses: rho(e) = sqrt(e^2 + s^2) - s. It approaches the paper's L1 beyond s and has a
+// gradient everywhere, which can be checked and descended. Reentrant.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Spatial smoothness of scene flow (paper appendix, L_sp): neighbouring samples a, b of one ray move alike.
-// The distance in window units weighs by exp(-2 d); flow in pixels of the anchor. Reentrant.
+// Their distance d in window units weights by exp(-2 d); flow in pixels of the anchor. Reentrant.
 #pragma once
 
 #include "online/scene/hash_grid/fit/losses/robust.h"

@@ -1,4 +1,4 @@
-// Supervision by the state: rendered log radiance against the state's, as far as the state is sure.
+// Supervision by the state: rendered log radiance against the state's, weighted by the state's certainty.
 // Reentrant.
 #pragma once
 

@@ -1,6 +1,6 @@
 // Temporal smoothness of scene flow (paper appendix, L_temp): 1/2 |f_{i->i+1} + f_{i->i-1}|^2, uniform
-// motion. The square turns linear beyond four pixels (Huber), because a wrong prior must not dominate a step.
-// Reentrant.
+// motion. The square becomes linear beyond four pixels (Huber), because a wrong prior must not dominate a
+// step. Reentrant.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // A small stream for the fit: a textured wall, a bright square that may move, a cycle of exposures. The truth
-// is known, so that the state can be given exactly, with noise or not at all. Deterministic.
+// is known, so that the state can be exact, noisy or missing. Deterministic.
 #pragma once
 
 #include <cmath>

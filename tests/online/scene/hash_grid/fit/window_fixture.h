@@ -1,5 +1,5 @@
-// A small window with everything in it that the field can meet: poses, moving base flow, gates between 0 and
-// 1, clipped and missing values. Deterministic.
+// A small window with all kinds of input of the field: poses, moving base flow, gates between 0 and 1,
+// clipped and missing values. Deterministic.
 #pragma once
 
 #include <cmath>
