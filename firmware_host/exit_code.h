@@ -1,6 +1,6 @@
 // The exit codes of `hdrcam`: one per kind of failure, so that a script or a supervisor can tell a full disk
-// from a wrong file name without reading text. The numbers are a promise: they are listed in
-// docs/exit-codes.md, a test compares the two, and a number is never given a second meaning. Reentrant.
+// from a wrong file name without reading text. The numbers are fixed: docs/exit-codes.md lists them, a test
+// compares the two, and a number never gets a second meaning. Reentrant.
 #pragma once
 
 #include <optional>
@@ -19,7 +19,7 @@ struct ExitCode {
   int number;
   std::optional<ErrorCode>
       error;            // the kind of Error that ends with this number; none for success and our own bugs
-  const char* meaning;  // one clause, for people
+  const char* meaning;  // one clause, for the user
 };
 
 // All of them, by number.

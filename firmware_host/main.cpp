@@ -18,8 +18,8 @@ namespace {
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may only touch lock-free atomics");
 
-// The first ^C (or SIGTERM) asks for a clean end and lets system calls go on; SA_RESETHAND gives the second
-// one its usual, deadly effect.
+// The first ^C (or SIGTERM) requests a clean end and lets system calls continue; SA_RESETHAND restores the
+// default action, so the second one ends the process.
 void stop_cleanly_once(int signal) {
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested = true; };
@@ -27,7 +27,7 @@ void stop_cleanly_once(int signal) {
   sigaction(signal, &action, nullptr);
 }
 
-// A lost terminal ends a run as ^C does. It may hang up more than once, and nohup's wish is kept.
+// A lost terminal ends a run as ^C does. It may hang up more than once; nohup's setting is kept.
 void stop_cleanly_on_hangup() {
   struct sigaction action {};
   sigaction(SIGHUP, nullptr, &action);
@@ -38,7 +38,7 @@ void stop_cleanly_on_hangup() {
   sigaction(SIGHUP, &action, nullptr);
 }
 
-// What the libraries below remark goes where progress goes; the standard output is for results.
+// Log messages of the code below go where progress goes; the standard output is for results.
 void log_to_standard_error() {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("hdrcam"));
   spdlog::set_pattern("note: %v");
@@ -48,7 +48,7 @@ void log_to_standard_error() {
 
 int main(int argc, char** argv) {
   hdrcam::occupy_standard_streams();
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that left is an error of the write, not the end of a recording
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, not the end of a recording
   log_to_standard_error();
   stop_cleanly_once(SIGINT);
   stop_cleanly_once(SIGTERM);

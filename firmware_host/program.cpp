@@ -72,8 +72,8 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
-// The sentence for a command line that CLI11 refused. An unknown flag comes first, whatever else is wrong: it
-// is the usual cause of the rest (its value was taken for a positional, or the flag it was meant to be is
+// The sentence for a command line that CLI11 refused. An unknown flag comes first, because it
+// usually causes the other errors (its value was taken for a positional, or the intended flag is
 // missing).
 Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   const auto chosen = app.get_subcommands();
@@ -100,7 +100,7 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence, help)};
 }
 
-// "hdrcam help [TOPIC]" is rewritten to the flag that says the same.
+// "hdrcam help [TOPIC]" is rewritten to the equivalent flag.
 Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   if (topics.empty()) return Request{nullptr, {}, help_text(app)};
   const std::string_view topic = topics.front();
@@ -110,7 +110,7 @@ Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
   return unknown_verb(topic);
 }
 
-// One file of settings serves all verbs: one that has no use for any setting checks the file all the same.
+// One file of settings serves all verbs: a verb that uses no setting still checks the file.
 void add_config(CLI::App& verb, std::shared_ptr<SettingsFlags>& unused_settings) {
   if (verb.get_option_no_throw("--config") != nullptr) return;
   auto flags = std::make_shared<SettingsFlags>(verb, std::vector<SettingGroup>{});

@@ -14,18 +14,18 @@
 
 namespace hdrcam {
 
-// What a command line asks for: a verb to run, or (where `verb` is empty) a text to print.
+// A parsed command line: a verb to run, or (where `verb` is empty) a text to print.
 struct Request {
   std::shared_ptr<CLI::App> app;  // owns the flags that `verb` reads
   Verb verb;
   std::string text;
 };
 
-// args: without the program's name. Errors: Invalid, one sentence that names what was not understood and,
-// where one is near, what was probably meant.
+// args: without the program's name. Errors: Invalid, one sentence that names the unknown word and, where one
+// is near, the word that was probably meant.
 Result<Request> parse_command_line(std::span<const char* const> args);
 
-// Parses and runs. Texts asked for go to `out`; an Error goes to `err` as the one line "hdrcam: <sentence>.".
+// Parses and runs. Requested texts go to `out`; an Error goes to `err` as the one line "hdrcam: <sentence>.".
 // stop: becomes true when the user asks to stop. Returns one of exit_codes().
 int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop,
                 std::ostream& out, std::ostream& err);

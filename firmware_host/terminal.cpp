@@ -10,7 +10,8 @@ namespace hdrcam {
 void occupy_standard_streams() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
     if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
-      (void)::open("/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);  // the lowest free number: fd
+      (void)::open("/dev/null",
+                   fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);  // gets the lowest free number, which is fd
 }
 
 }  // namespace hdrcam

@@ -3,8 +3,8 @@
 
 namespace hdrcam {
 
-// Files that the process opens must not get the numbers of the standard streams, or words for a person would
-// land in them: where one is closed, /dev/null takes its place. Call before anything is opened.
+// Files that the process opens must not get the numbers of the standard streams, or messages would be written
+// into them: /dev/null replaces a closed one. Call it before anything is opened.
 void occupy_standard_streams();
 
 }  // namespace hdrcam

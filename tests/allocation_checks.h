@@ -1,6 +1,6 @@
 // CHECK_ALLOCATIONS(condition): a CHECK about counted allocations (allocations.h). In a build with a
-// sanitizer nothing is counted, and the test says that it did not look instead of passing for nothing. Catch2
-// is included by the test.
+// sanitizer nothing is counted, and the test reports that it did not check instead of passing silently. The
+// test includes Catch2.
 #pragma once
 
 #include "tests/allocations.h"

@@ -24,8 +24,8 @@ struct Pair {
   Exposure shorter, longer;
 };
 
-// Neighbours on the ladder of the cycle's times, those in its middle first: there the fewest pixels are
-// clipped or dark.
+// Neighbouring times of the cycle, the middle ones first, because there the fewest pixels are clipped or
+// dark.
 std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
   std::vector<Exposure> ladder;
   ladder.reserve(ExposureSchedule::kMaxSlots);
@@ -39,7 +39,7 @@ std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
   return pairs;
 }
 
-// Times at which a gain of 1 and one of at least 2 can be told apart: those of the cycle, shortest first.
+// Times at which a gain of 1 and one of at least 2 can be distinguished: those of the cycle, shortest first.
 std::vector<Pair> gain_pairs(const ExposureSchedule& schedule, const CameraCapabilities& camera) {
   std::vector<Pair> pairs;
   const double most = std::min(camera.gain_max, 4 * camera.gain_min);
@@ -76,14 +76,14 @@ void print(const char* control, const DelayEstimate& estimate) {
 Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   if (flags.what != "delay")
     return Error{ErrorCode::Invalid,
-                 fmt::format("there is no calibration '{}'; calibrate delay", flags.what)};
+                 fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
   Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config())
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   if (!camera->capabilities().sets_exposure)
     return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' does not let its exposure be set; there is no delay to "
+                 fmt::format("the exposure of '{}' cannot be set; there is no delay to "
                              "measure",
                              camera->capabilities().id)};
   const CaptureSetup setup = TRY(capture_setup(settings, camera->capabilities()));
@@ -95,7 +95,7 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   print("exposure", exposure);
   if (!exposure.delay)
     return Error{ErrorCode::Timeout,
-                 "the delay of the exposure could not be measured; point the camera at a still "
+                 "the exposure delay could not be measured; point the camera at a static "
                  "scene that is neither black nor clipped, or give other times by --shutter"};
   DelayEstimate gain;
   const auto gains = gain_pairs(schedule, camera->capabilities());
@@ -108,13 +108,13 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   if (settings.camera.id.empty()) settings.camera.id = camera->capabilities().id;
   settings.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
   if (flags.output.empty()) {
-    fmt::print("use it by --control-delay {}, or let -o FILE write a configuration\n",
+    fmt::print("use it with --control-delay {}, or write a configuration with -o FILE\n",
                settings.camera.control_delay);
     return {};
   }
   const std::string toml = to_toml(settings, {SettingGroup::Camera});
   TRY(write_whole(around.storage, flags.output, std::as_bytes(std::span(toml))));
-  fmt::print("use it by --config {}\n", flags.output);
+  fmt::print("use it with --config {}\n", flags.output);
   return {};
 }
 

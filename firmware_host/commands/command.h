@@ -1,6 +1,6 @@
 // One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user
-// names it, `chosen` becomes what to run. main.cpp parses, runs and turns the Error into one sentence and an
-// exit code.
+// names it, `chosen` becomes the function to run. main.cpp parses, runs and turns the Error into one sentence
+// and an exit code.
 #pragma once
 
 #include <atomic>
@@ -15,7 +15,7 @@ class App;
 
 namespace hdrcam {
 
-// What a verb gets from the program around it.
+// The environment that the program gives to a verb.
 struct Surroundings {
   Storage& storage;
   const std::atomic<bool>&

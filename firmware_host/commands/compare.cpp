@@ -15,7 +15,7 @@ struct CompareFlags {
   int skip = 1;
 };
 
-// The last folder of a path, whatever slashes follow it.
+// The last folder of a path, ignoring trailing slashes.
 std::string folder_name(const std::string& path) {
   const std::filesystem::path clean = std::filesystem::path(path).lexically_normal();
   return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
@@ -58,7 +58,7 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
   if (scores.novel_psnr_mu_db)
     fmt::print("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
   if (!scores.missing.empty())
-    fmt::print("not scored, as there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
+    fmt::print("not scored for lack of an estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
@@ -83,7 +83,7 @@ void add_compare(CLI::App& app, Verb& chosen) {
   verb->add_option("--json", flags->json, "also write the scores to this file");
   verb->add_option("--skip", flags->skip, "frames left out at either end of the clip")->capture_default_str();
   verb->add_option("--label", flags->label,
-                   "what the table calls the estimates (default: the folder's name)");
+                   "name of the estimates in the table (default: the folder's name)");
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return compare(around, *flags); }; });
 }

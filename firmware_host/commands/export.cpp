@@ -1,4 +1,4 @@
-// hdrcam export x.mkv -o FOLDER: a recording becomes images and a clip.json, bit by bit the same.
+// hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
@@ -14,7 +14,7 @@ struct ExportOptions {
   std::string recording, folder;
 };
 
-// A recording that was cut gives the frames that it has, and a word on stderr.
+// A truncated recording gives its whole frames and a message on stderr.
 Result<void> export_recording(Surroundings& around, const ExportOptions& options) {
   auto reader = TRY(open_recording(around.storage, options.recording));
   auto clip = TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera()));

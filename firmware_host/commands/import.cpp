@@ -18,7 +18,7 @@ struct ImportOptions {
   KeptWork kept;
 };
 
-// The number of frames. What the pictures say of the exposures goes into the recording with them.
+// Returns the number of frames. The verdicts of the pictures on the exposures go into the recording.
 Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path) {
   auto writer = TRY(create_recording(around.storage, path, clip.camera()));
   CapturedFrame frame;
@@ -32,7 +32,7 @@ Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, co
   return clip.counters().captured;
 }
 
-// What must not be overwritten: the clip.json and every image.
+// The files that must not be overwritten: the clip.json and every image.
 Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& path) {
   const auto clip = TRY(ImageSequence::open(storage, path));
   std::vector<NamedInput> files{{"the clip that is read", clip.path()}};
@@ -40,11 +40,11 @@ Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& pa
   return files;
 }
 
-// Nothing half-written ever has the name of the output, and an older output goes only when the new one is
-// whole.
+// An incomplete file never has the name of the output, and an older output is replaced only when the new one
+// is complete.
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
-  TRY(options.kept.check(around.storage, TRY(files_of(around.storage, options.clip)),
-                         {{"--output", options.output, OutputKind::Recording}}));
+  const std::vector<NamedInput> inputs = TRY(files_of(around.storage, options.clip));
+  TRY(options.kept.check(around.storage, inputs, {{"--output", options.output, OutputKind::Recording}}));
   RecordingStage clip(TRY(open_clip(around.storage, options.clip)),
                       options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));

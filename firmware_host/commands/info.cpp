@@ -1,4 +1,4 @@
-// hdrcam info x.mkv: what a recording holds, and whether it is whole.
+// hdrcam info x.mkv: shows the content of a recording and whether it is complete.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -23,7 +23,7 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
 
 void add_info(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb = app.add_subcommand("info", "say what a recording holds and whether it is whole");
+  CLI::App* verb = app.add_subcommand("info", "show the content of a recording and whether it is complete");
   verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
   verb->add_flag("--json", options->json, "as JSON, for programs");
   verb->callback(

@@ -1,5 +1,5 @@
-// --force, and what it is about: an output never takes the place of an input or of an earlier take
-// (sinks/output_guard.h). What the verbs that write share. Thread-bound.
+// The flag --force: without it no output replaces an input or an earlier take (sinks/output_guard.h). All
+// verbs that write files share it. Thread-bound.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ class KeptWork {
   bool force_ = false;
 };
 
-// The outputs of a run: its sinks and its recording, by the flags that name them for this verb.
+// The outputs of a run: its sinks and its recording, with this verb's flags for them.
 std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag);
 // The recording that a camera "replay:FILE" reads; empty for any other camera.
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera);

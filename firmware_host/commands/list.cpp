@@ -1,4 +1,4 @@
-// hdrcam list: what devices there are, what they can do and what is missing for each.
+// hdrcam list: shows the devices, their capabilities and what is missing for each.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -24,11 +24,10 @@ struct Section {
   const char* none;
 };
 constexpr Section kSections[] = {
-    {DeviceKind::Camera, "camera", "Cameras",
-     "none; connect one, or take a simulated one: --camera sim:walk"},
+    {DeviceKind::Camera, "camera", "Cameras", "none; connect one, or use a simulated one: --camera sim:walk"},
     {DeviceKind::GpioChip, "gpio", "GPIO chips", "none; a sync line needs one"},
     {DeviceKind::Graphics, "graphics", "Graphics devices",
-     "none known to Vulkan; hdrcam computes on the processor"},
+     "none found by Vulkan; hdrcam computes on the processor"},
 };
 
 void print_text(const std::vector<FoundDevice>& devices) {

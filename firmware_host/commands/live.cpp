@@ -1,4 +1,4 @@
-// hdrcam live --camera ID -o out/%06d.exr: the main job, from a camera, as the frames come in.
+// hdrcam live --camera ID -o out/%06d.exr: turns a camera's frames into HDR frames as they arrive.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
@@ -43,7 +43,7 @@ void print_summary(const LiveCounters& counters, const Settings& settings) {
     fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
 }
 
-// A recording in place of the camera, at the fit's pace: what `replay` does, to the same bytes.
+// A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const std::string file = replayed_file(settings.camera.id);
   RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
@@ -66,7 +66,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
-    fmt::print(stderr, "note: nothing of this run is kept; give -o out/%06d.exr or --record walk.mkv\n");
+    fmt::print(stderr, "note: this run writes no files; give -o out/%06d.exr or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return replay_as_camera(flags, settings, around);
   const auto camera =
@@ -86,7 +86,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
 
 void add_live(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<LiveFlags>();
-  CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames while they come in");
+  CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames as they arrive");
   flags->limits.add_to(*verb);
   verb->add_flag(
       "--strict", flags->strict,

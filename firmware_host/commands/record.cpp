@@ -1,4 +1,5 @@
-// hdrcam record --camera ID -o walk.mkv: every frame of a camera, raw, with the proof of its exposure.
+// hdrcam record --camera ID -o walk.mkv: records every frame of a camera, raw, with the verdict on its
+// exposure.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>

@@ -1,5 +1,5 @@
-// What `hdrcam info` says about a recording: gathered in one pass over the facts, shown as a table or as
-// JSON. The pixels are proved by their checksums but not decoded.
+// The summary of a recording for `hdrcam info`: gathered in one pass over the facts, shown as a table or as
+// JSON. The pixels are checked by their checksums but not decoded.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ struct RecordingSummary {
   std::uint64_t bytes = 0;    // of the file
   std::uint64_t frames = 0;   // whole ones
   std::uint64_t dropped = 0;  // missing sequence numbers
-  std::uint64_t gaps = 0;     // places where some are missing
+  std::uint64_t gaps = 0;     // runs of missing numbers
   std::uint64_t unproved = 0, damaged = 0, with_pose = 0;
-  // Frames by the verdict on their exposure, and by where the exposure comes from; 0 is left out.
+  // Frames by the verdict on their exposure, and by the source of the exposure; zeros are left out.
   std::map<std::string, std::uint64_t> verdicts, sources;
   std::optional<BlackLevel> black_level;  // as stated by the first frame
   Duration duration{0};                   // first to last centre of exposure, plus one frame
@@ -30,7 +30,7 @@ struct RecordingSummary {
   std::optional<Error> end;  // why it ended early: Truncated, Corrupt; none where it is complete
 };
 
-// Errors: those of open_recording. A recording that ends early is not one of them.
+// Errors: those of open_recording. A recording that ends early is not an error.
 Result<RecordingSummary> summarize(Storage& storage, const std::string& path);
 
 std::string as_table(const RecordingSummary& summary, const std::string& path);

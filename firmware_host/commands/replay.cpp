@@ -1,4 +1,4 @@
-// hdrcam replay RECORDING -o out/%06d.exr: the main job, from a recording instead of a sensor.
+// hdrcam replay RECORDING -o out/%06d.exr: turns a recording into HDR frames.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// How long a run on a camera lasts, and how it says that it ended. Reentrant.
+// The limits of a run on a camera, and the result at its end. Reentrant.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct RunLimits {
   // The flags --frames and --timeout.
   void add_to(CLI::App& verb);
   LiveOptions options(bool fits) const;
-  // ^C is how a run without limits ends; one that was to go on is Interrupted.
+  // ^C is the normal end of a run without limits; a run with limits is then Interrupted.
   Result<void> ended_by(LiveEnd end, std::uint64_t captured) const;
 };
 

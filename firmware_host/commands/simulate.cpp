@@ -1,5 +1,5 @@
-// hdrcam simulate SCENE -o walk.mkv: a recording of a scene that does not exist, and with --truth everything
-// that is known about it, as a clip that `hdrcam compare` scores against.
+// hdrcam simulate SCENE -o walk.mkv: a recording of a simulated scene, and with --truth its ground truth as a
+// clip that `hdrcam compare` scores against.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -43,7 +43,7 @@ Result<Format> format_of(const SimulateFlags& flags) {
   return Format{bayer ? PixelLayout::BayerRggb : PixelLayout::Rgb, bits};
 }
 
-// A frame as it is built up: each effect, what it adds, and why it is on or off.
+// The costs of a frame: each effect, its cost, and why it is on or off.
 void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double exposure_s) {
   const Simulation& s = sensor.simulation();
   const auto line = [](std::string_view what, std::string_view on, std::string_view ms,
@@ -61,7 +61,7 @@ void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double 
                    describe(Instant::from_seconds(exposure_s).since_boot), costs.noise_ms));
 }
 
-// Frames of the clip in turn: which moment of the scene, which exposure.
+// The frames of the clip in order, each with its scene time and its exposure.
 class Timeline {
  public:
   Timeline(const Simulation& simulation, std::vector<Exposure> cycle)
@@ -116,7 +116,7 @@ class Timeline {
   std::optional<ClockJitter> jitter_;
 };
 
-// Where the frames of a run go; each is there if it was asked for.
+// The outputs of a run; each exists if it was requested.
 struct Outputs {
   std::unique_ptr<RecordingWriter> recording;
   std::optional<ImageSequenceWriter> clip;
@@ -131,7 +131,7 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
     outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts));
     outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));
   }
-  // last: nothing that is refused has emptied an earlier recording
+  // last, so that a refused run never empties an earlier recording
   if (!flags.output.empty())
     outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace));
   return outputs;
@@ -186,7 +186,7 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
   if (flags.settings->print_config())
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.scene.empty())
-    return Error{ErrorCode::Invalid, "no scene; 'hdrcam simulate --list' prints those that there are"};
+    return Error{ErrorCode::Invalid, "no scene given; 'hdrcam simulate --list' prints the scenes"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
     return Error{ErrorCode::Invalid, "nothing to do; give -o FILE, --truth FOLDER or --explain"};
   const Simulation simulation = TRY(simulation_of(flags.scene));

@@ -24,7 +24,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
 }
 
 Result<const RawFrame*> CameraSource::next() {
-  frame_ = {};  // given back first, so that capture has its room
+  frame_ = {};  // returned first, so that capture can reuse it
   frame_ = session_->next(stop_, {});
   return frame_ ? &frame_->captured.raw : nullptr;
 }

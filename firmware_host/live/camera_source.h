@@ -1,6 +1,6 @@
-// A camera as the source of a run: opened, configured and put to work as the settings say, captured on a
-// thread of its own (live_session.h) and recorded where a file is named. What `live` and `record` share.
-// Thread-bound, but for status().
+// A camera as the source of a run: opened, configured and started from the settings, captured on its own
+// thread (live_session.h) and recorded where a file is named. `live` and `record` share it. Thread-bound,
+// except status().
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ namespace hdrcam {
 
 class CameraSource : public FrameSource {
  public:
-  // Opens camera, strobe line and recording. limits: its memory is taken from the settings. Storage and stop
+  // Opens camera, strobe line and recording. limits: the settings replace its memory. Storage and stop
   // outlive the source. Errors: those of the camera, of the settings, of the disk.
   static Result<std::unique_ptr<CameraSource>> open(const Settings& settings, LiveOptions limits,
                                                     Storage& storage, const std::atomic<bool>& stop);
@@ -26,13 +26,13 @@ class CameraSource : public FrameSource {
   Result<const RawFrame*> next() override;
   void emitted(FrameRecord& record) override;
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;
-  // Errors: what ended the camera or the recording. A recording that was replayed to its end is a good end.
+  // Errors: those that ended the camera or the recording. The end of a replayed recording is not an error.
   Result<void> finish(RunRecord& record) override;
   std::string status(const ProgressState& progress) const override;
 
   CaptureStage& capture() { return *capture_; }
   LiveSession& session() { return *session_; }
-  // Why the run ended, once it has ended well.
+  // Why the run ended, if it ended without an error.
   LiveEnd end() const { return end_; }
 
  private:
@@ -45,7 +45,7 @@ class CameraSource : public FrameSource {
   std::unique_ptr<LiveSession> session_;
   CameraFacts facts_;
   bool replayed_ = false;
-  FrameShare frame_;  // the one that next() handed out
+  FrameShare frame_;  // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();
 };

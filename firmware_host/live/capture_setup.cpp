@@ -16,9 +16,10 @@ namespace hdrcam {
 namespace {
 
 constexpr std::string_view kSim = "sim:", kReplay = "replay:";
-constexpr int kUsualArea_px = 640 * 480;  // at most, where no size is named: what the fit can follow
+constexpr int kUsualArea_px = 640 * 480;  // at most, where no size is set: what the fit keeps up with
 
-// Larger is better: raw before processed, more bits before fewer, whole chroma before shared, then as listed.
+// Larger is better: raw before processed, more bits before fewer, full before subsampled chroma, then as
+// listed.
 std::tuple<bool, int, int, int> worth(PixelFormat format) {
   const PixelCodes codes = codes_of(format);
   const bool colour = codes.layout != PixelLayout::Mono;
@@ -41,7 +42,7 @@ std::string modes_of(const CameraCapabilities& camera) {
   return fmt::format("{}{}", fmt::join(texts, ", "), hidden > 0 ? fmt::format(" and {} more", hidden) : "");
 }
 
-// How well a mode suits: the smaller the better.
+// The cost of a mode: smaller is better.
 std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& mode) {
   if (wanted.width > 0 || wanted.height > 0)
     return {(wanted.width > 0 ? std::abs(mode.width - wanted.width) : 0) +

@@ -1,5 +1,5 @@
-// From settings to a camera that is ready to run: which device, which of its modes, which cycle. Everything
-// that a user can get wrong about a camera is said here, before it starts. Reentrant.
+// Turns settings into a camera that is ready to run: device, mode, cycle. All mistakes in the camera settings
+// are reported here, before it starts. Reentrant.
 #pragma once
 
 #include <memory>
@@ -23,21 +23,21 @@ struct CaptureSetup {
 // of opening it.
 Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage);
 bool is_replayed(const std::string& id);
-// The recording that such a camera replays.
+// The recording of a camera "replay:FILE".
 std::string replayed_file(const std::string& id);
 
-// Null where no line is set.
+// Returns null where no line is set.
 Result<std::unique_ptr<SyncLine>> open_strobe(const Settings::Sync& sync);
 
-// The mode that the settings mean. Where no format is named: the one that keeps most of the sensor's codes
-// (raw before processed, more bits before fewer); where no size is: the largest of up to 640x480. Errors:
-// Unsupported, listing what the camera has.
+// The stream mode for the settings. Default format: the highest bit depth available (raw before processed,
+// more bits before fewer); default size: the largest of up to 640x480. Errors: Unsupported, listing what the
+// camera has.
 Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabilities& camera);
 
-// Errors: Invalid for a text that is no duration, cycle or delay, and those of mode_for.
+// Errors: Invalid for a text that is not a duration, cycle or delay, and those of mode_for.
 Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabilities& camera);
 
-// "2,1": frames of exposure and gain; "2": of both. Invalid.
+// Parses "2,1" as frames of exposure and gain, "2" as both. Invalid.
 Result<ControlDelays> parse_delays(std::string_view text);
 
 }  // namespace hdrcam

@@ -34,7 +34,7 @@ std::size_t FitInbox::next() const {
   return 0;
 }
 
-// The frames that go are given back, those behind them move up.
+// Returns the shed frames to the pool and moves the others up.
 void FitInbox::drop_front(std::size_t count) {
   std::move(frames_.begin() + static_cast<std::ptrdiff_t>(count),
             frames_.begin() + static_cast<std::ptrdiff_t>(count_), frames_.begin());

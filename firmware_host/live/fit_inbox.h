@@ -1,10 +1,10 @@
-// The frames that wait for the fit, and what becomes of them when the fit is slower than the camera. Skipping
-// frames one by one would starve a slot of the cycle: a fit at half the speed of a camera with two exposures
-// would see only one of them. So frames are shed in whole cycles: the fit gets the newest frame of the slot
-// that follows the last one it had, and everything older is shed. It sees runs of neighbouring frames,
-// exposures always alternate, and none that it gets is older than one cycle plus its own work on one frame. A
-// frame that is not of the schedule (slot -1) waits its turn. Bounded: two cycles; when full, the oldest
-// frame is shed. Thread-safe.
+// The queue of frames for the fit, and the shedding when the fit is slower than the camera. Skipping single
+// frames would starve a slot of the cycle: a fit at half the speed of a camera with two exposures would get
+// only one of them. So frames are shed in whole cycles: the fit gets the newest frame of the slot that
+// follows its last one, and everything older is shed. It gets runs of neighbouring frames, exposures always
+// alternate, and no frame is older than one cycle plus the fit's own work on one frame. A frame outside the
+// schedule (slot -1) is taken only as the oldest. Bounded: two cycles; when full, the oldest frame is shed.
+// Thread-safe.
 #pragma once
 
 #include <array>
@@ -19,23 +19,23 @@ class FitInbox {
  public:
   explicit FitInbox(int slots) : slots_(slots), capacity_(static_cast<std::size_t>(2 * slots + 1)) {}
 
-  // Never waits. Returns how many frames were shed for it.
+  // Never waits. Returns the number of frames shed for it.
   int put(FrameShare frame);
 
   struct Taken {
     FrameShare frame;  // empty after the timeout, and at the end
-    int shed = 0;      // frames passed over for this one
+    int shed = 0;      // frames shed before this one
   };
   Taken take(Duration timeout);
 
-  // Nothing more will come.
+  // No more frames follow.
   void close();
   bool ended() const;  // closed and empty
 
  private:
   static constexpr std::size_t kMost = 2 * ExposureSchedule::kMaxSlots + 1;
 
-  std::size_t next() const;  // index of the frame that the fit should have
+  std::size_t next() const;  // index of the frame that the fit gets next
   void drop_front(std::size_t count);
 
   const int slots_;

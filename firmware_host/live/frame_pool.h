@@ -1,7 +1,7 @@
-// A fixed number of captured frames, shared between the recorder and the fit without a copy. It is the one
-// bound on the memory of a live run: when all frames are held, capture has no room and the newest frame is
-// dropped, counted, and noted on the next one. The frame given back last is handed out first, so that a run
-// that keeps up touches little memory however large the pool is. Thread-safe; the pool outlives its frames.
+// A fixed number of captured frames, shared between the recorder and the fit without a copy. It alone bounds
+// the memory of a live run: when all frames are held, the newest frame is dropped, counted, and flagged on
+// the next one. The frame returned last is reused first, so that a run that keeps up touches little memory
+// for any size of the pool. Thread-safe; the pool outlives its frames.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@ class FramePool {
  public:
   struct Slot {
     CapturedFrame captured;
-    Instant arrived;  // when capture handed it over
+    Instant arrived;  // when capture delivered it
 
    private:
     friend class FramePool;
@@ -26,7 +26,7 @@ class FramePool {
     std::atomic<int> holders_{0};
   };
 
-  // One holder's share of a frame; the frame is free again when the last share is gone.
+  // One holder's share of a frame; the frame is free again when the last share is released.
   class Share {
    public:
     Share() = default;

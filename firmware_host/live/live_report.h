@@ -1,4 +1,4 @@
-// What a run on a camera says of itself: while it runs, in one line, and at its end. Reentrant.
+// The status line of a run on a camera and the summary at its end. Reentrant.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace hdrcam {
 
-// "12.0 s  captured 360  emitted 118  dropped 240  latency 210 ms  exposure proved 100 %".
+// Returns text like "12.0 s captured 360 emitted 118 dropped 240 latency 210 ms exposure proved 100 %".
 std::string live_line(double seconds, const LiveCounters& counters, bool fits);
 
-// That line on the terminal while a run goes on. Thread-bound; the session outlives it.
+// Shows that line on the terminal during a run. Thread-bound; the session outlives it.
 class LiveStatus {
  public:
   LiveStatus(const LiveSession& session, bool fits) : session_(session), fits_(fits), line_(stderr) {}
-  void update();  // where it is due
+  void update();  // when it is due
 
  private:
   const LiveSession& session_;
@@ -28,10 +28,10 @@ class LiveStatus {
   double seconds_ = 0;
 };
 
-// "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and what the camera lost.
+// "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and the camera's lost frames.
 std::string sentence_of(const LiveCounters& counters, bool fits);
 
-// For statistics: "captured", "dropped.shed"...
+// Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);
 
 }  // namespace hdrcam

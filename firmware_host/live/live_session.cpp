@@ -54,7 +54,8 @@ Result<void> LiveSession::capture_one() {
   take_learned_response();
   FrameShare frame = pool_.take();
   TRY(capture_.next(frame ? frame->captured : scratch_));
-  if (!frame && (frame = pool_.take())) std::swap(frame->captured, scratch_);  // room was made meanwhile
+  if (!frame && (frame = pool_.take()))
+    std::swap(frame->captured, scratch_);  // a frame became free meanwhile
   if (!frame) {
     ++lost_here_;
     const std::lock_guard lock(mutex_);

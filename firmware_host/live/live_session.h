@@ -3,10 +3,10 @@
 //   camera -> CaptureStage -> FramePool --+--> Recorder (every frame) ---> recording
 //             (its own thread)            '--> FitInbox (whole cycles) --> the caller: pipeline, sinks
 //
-// Capture waits for nobody but the camera. What cannot keep up drops frames in a declared order: the fit
-// sheds whole cycles (fit_inbox.h); when the disk is so slow that the pool is full, the newest frame is
-// dropped before either of them sees it, and the next one carries kFrameAfterDrop. The recorder never drops.
-// Every captured frame is accounted for at every moment (LiveCounters). Thread-bound, except counters() and
+// Capture waits for the camera only. A slow consumer drops frames in a declared order: the fit sheds whole
+// cycles (fit_inbox.h); when the disk is so slow that the pool is full, the newest frame is dropped before
+// recorder and fit, and the next one carries kFrameAfterDrop. The recorder never drops. Every captured
+// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters() and
 // learn_response().
 #pragma once
 
@@ -27,22 +27,22 @@ namespace hdrcam {
 struct LiveOptions {
   std::uint64_t frames = 0;               // to capture; 0: until stopped
   Duration timeout{0};                    // of the run; 0: none
-  std::size_t memory_bytes = 256U << 20;  // for frames that wait, at least kFewestFrames of them
+  std::size_t memory_bytes = 256U << 20;  // for queued frames, at least kFewestFrames of them
   bool fits = true;                       // false: only record
 
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };
 
-// What became of the frames. At every moment captured() = emitted + dropped() + under_way where the run fits,
-// and captured() = recorded + no_room + to_record where it records; under_way and to_record are 0 at the end.
+// Frames by outcome. At every moment captured() = emitted + dropped() + under_way where the run fits, and
+// captured() = recorded + no_room + to_record where it records; under_way and to_record are 0 at the end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
   std::uint64_t no_room = 0;     // dropped: the pool was full
   std::uint64_t shed = 0;        // dropped: the fit was slower than the camera
-  std::uint64_t unproved = 0;    // dropped: kept out of the fit, as its exposure is not certain
+  std::uint64_t unproved = 0;    // dropped: kept out of the fit, because its exposure is not certain
   std::uint64_t unfinished = 0;  // dropped: the run ended with an error before the frame was emitted
-  std::uint64_t emitted = 0;     // left as an HDR frame
-  std::uint64_t under_way = 0;   // waits for the fit, or is in it
+  std::uint64_t emitted = 0;     // became an HDR frame
+  std::uint64_t under_way = 0;   // queued for the fit, or in it
   std::uint64_t recorded = 0, to_record = 0;
   Duration latency{0},
       longest_latency{0};  // from a frame's arrival to its emission: the last one, the longest
@@ -51,28 +51,28 @@ struct LiveCounters {
   std::uint64_t dropped() const { return camera.dropped() + no_room + shed + unproved + unfinished; }
 };
 
-// Why a run ended well: all frames, all the time, or the user's wish.
+// Why a run ended without an error: all frames, all the time, or the user stopped it.
 enum class LiveEnd { Frames, Timeout, Stopped };
 
 class LiveSession {
  public:
   // The camera and its stage belong to the session until it is finished. recording: may be null.
   LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording, const LiveOptions& options);
-  ~LiveSession();  // as finish(), its result unseen
+  ~LiveSession();  // like finish(), but ignores the result
 
   // Errors: those of starting the camera.
   Result<void> start();
   // The next frame for the fit; empty when the run is over: all frames came, the time is up, `stop` was set,
-  // or something failed (finish() says what). `tick` is called meanwhile, ten times a second or oftener, for
-  // whoever shows progress. A run that only records has no frames here: the call lasts as long as the run.
+  // or something failed (finish() returns the error). `tick` is called meanwhile, at least ten times a
+  // second, to show progress. A run that only records returns no frames: the call lasts as long as it.
   FrameShare next(const std::atomic<bool>& stop, const std::function<void()>& tick);
-  // A frame left the fit as an HDR frame. Returns how long ago it arrived.
+  // Records that a frame became an HDR frame. Returns its latency since its arrival.
   Duration emitted(std::uint64_t sequence);
-  // Stops the camera, if it still runs, and completes the recording. Errors: what ended the run, of the
-  // camera (Unplugged, Timeout...) or of the recording; what was captured before is recorded even then.
+  // Stops the camera, if it still runs, and completes the recording. Errors: those of the camera (Unplugged,
+  // Timeout...) or of the recording that ended the run; frames captured before are recorded even then.
   Result<LiveEnd> finish();
 
-  // The camera's response, for the proof of the frames to come (CaptureStage::learn_response).
+  // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
   LiveCounters counters() const;
 
@@ -100,17 +100,17 @@ class LiveSession {
   FitInbox inbox_;
   std::unique_ptr<Recorder> recorder_;
 
-  std::thread thread_;  // what it alone uses:
+  std::thread thread_;  // the members that it alone uses:
   CapturedFrame scratch_;
-  int lost_here_ = 0;  // frames without room since the last that had some
+  int lost_here_ = 0;  // frames dropped for lack of room since the last stored one
 
-  std::atomic<bool> ending_{false};  // after the frame that is being waited for
+  std::atomic<bool> ending_{false};  // ends after the frame that it waits for
   Instant begin_;
   LiveEnd why_ = LiveEnd::Frames;
   bool finished_ = false;
   Result<void> capture_result_;  // the capturing thread's, until it is joined
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   LiveCounters counters_;
   std::array<Arrival, 64> arrivals_{};  // of the frames in the fit, the latest last
   std::size_t arrival_count_ = 0;

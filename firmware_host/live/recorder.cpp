@@ -51,7 +51,7 @@ void Recorder::work() {
     if (!result) break;
     written_();
   }
-  // Also after a failure: what was written before it is then closed as well as it can be.
+  // Also after a failure: it closes the frames written before as well as possible.
   const Result<void> finished = recording_->finish();
   if (result) result = finished;
   const std::lock_guard lock(mutex_);

@@ -1,5 +1,5 @@
-// Writes captured frames to a recording on a thread of its own, in order, every one of them: the queue has
-// room for the whole frame pool, so it can never be the one to drop. Thread-safe.
+// Writes every captured frame to a recording, in order, on its own thread: the queue has room for the whole
+// frame pool, so the recorder never drops a frame. Thread-safe.
 #pragma once
 
 #include <condition_variable>
@@ -18,14 +18,14 @@ class Recorder {
  public:
   // frames: of the pool. written: called after each frame, on the recorder's thread.
   Recorder(std::unique_ptr<RecordingWriter> recording, int frames, std::function<void()> written);
-  ~Recorder();  // as finish(), its error unseen
+  ~Recorder();  // like finish(), but ignores the error
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  // Never waits. After a failure frames are given back unwritten.
+  // Never waits. After a failure frames are returned unwritten.
   void put(FrameShare frame);
   bool failed() const;
-  // Writes what waits, then the end of the recording. Errors: the first one of the writer.
+  // Writes all queued frames, then the end of the recording. Errors: the first one of the writer.
   Result<void> finish();
 
  private:

@@ -1,7 +1,7 @@
-// What the field shows from cameras that were not there, for scoring: for each frame whose truth says another
-// camera (`novel_c2w` in gt/gt.json) and has its picture (gt/novel), that view as OUT/novel/NNNN.exr, which
-// `hdrcam compare` scores. The truth says the step from one camera to the other; the field's unit of length
-// is found as the median of true over its own depth. Thread-bound.
+// Renders novel views of the field for scoring: for each frame whose truth has another camera (`novel_c2w` in
+// gt/gt.json) and its picture (gt/novel), it writes that view as OUT/novel/NNNN.exr, which `hdrcam compare`
+// scores. The truth gives the transform between the two cameras; the field's unit of length is the median of
+// true depth over its own depth. Thread-bound.
 #pragma once
 
 #include <map>
@@ -21,7 +21,7 @@ class NovelViews {
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
                                  WorkerPool& pool);
 
-  // Nothing for a frame without such a truth, or without a field. Errors: those of the disk.
+  // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
   Result<void> render(const FrameEstimate& estimate);
 
  private:

@@ -43,7 +43,7 @@ PipelineOptions options_of(const Settings& settings) {
   options.render.shows_field_flow = settings.output.layers.field_flow;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
-    CHECK(set.ok());  // it was checked when it was read (settings/setting_field.h)
+    CHECK(set.ok());  // already checked when read (settings/setting_field.h)
   }
   return options;
 }

@@ -1,6 +1,6 @@
-// The one place where the parts are joined, in the order of a frame's way: raw frame -> exposed frame ->
-// state (and field) -> HDR frame -> whoever takes it. The same for live capture, recording and replay.
-// Thread-bound; deterministic whatever the number of threads.
+// Joins the stages of the method in processing order: raw frame -> exposed frame -> state (and field) -> HDR
+// frame -> consumer. The same for live capture, recording and replay. Thread-bound; deterministic for any
+// number of threads.
 #pragma once
 
 #include <functional>
@@ -20,21 +20,21 @@ struct PipelineOptions {
   Knobs knobs;
   RenderOptions render;
 };
-// What a preset means for one layer: the state alone needs no field.
+// The knobs of a preset for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
 PipelineOptions options_of(const Settings& settings);
 
 class Pipeline {
  public:
-  // What leaves the pipeline, and what the method knows about it. Valid during the call.
+  // An emitted frame with its estimate. Valid during the call.
   using Deliver = std::function<Result<void>(const HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
 
   Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool);
 
-  // A frame whose exposure is not proved, or whose pixels are damaged, is kept out. Errors: BadExposure,
-  // SizeChanged, and what `deliver` returns.
+  // Takes the next frame. It leaves out a frame whose exposure is not proved or whose pixels are damaged.
+  // Errors: BadExposure, SizeChanged, and those of `deliver`.
   Result<void> take(const RawFrame& raw, const Deliver& deliver);
-  // Delivers what is still on its way. TooShort for a clip of one frame.
+  // Delivers the remaining frames. TooShort for a clip of one frame.
   Result<void> finish(const Deliver& deliver);
 
   const OnlineStage& online() const { return online_; }
@@ -48,7 +48,7 @@ class Pipeline {
   OnlineStage online_;
   RenderStage render_;
   HdrFrame frame_;
-  FrameRecord record_;  // of the frame on its way; stages add to it
+  FrameRecord record_;  // of the frame in progress; stages add to it
   std::optional<Instant> first_time_;
   int kept_out_ = 0;
 };

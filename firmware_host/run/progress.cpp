@@ -49,7 +49,7 @@ void StatusLine::show(const std::string& words, Clock::time_point now) {
   if (!terminal_) {
     fmt::print(stream_, "{}\n", words);
   } else {
-    // Blanks overwrite the rest of a longer line before.
+    // Blanks overwrite the rest of a longer previous line.
     fmt::print(stream_, "\r{:<{}}", words, std::max(shown_width_, words.size()));
     shown_width_ = words.size();
   }

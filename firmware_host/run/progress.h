@@ -1,6 +1,6 @@
-// How far a run is, for the person at the terminal. On a terminal one line is rewritten:
+// The progress of a run, for the terminal. On a terminal one line is rewritten:
 //   frame 12/48  61 ms/frame  loss 0.021  ETA 00:03
-// elsewhere (a log file, a pipe) the same words become plain lines, one a second at most. Thread-bound.
+// elsewhere (a log file, a pipe) the same text becomes plain lines, at most one per second. Thread-bound.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ namespace hdrcam {
 
 struct ProgressState {
   int done = 0;
-  std::optional<int> total;    // unknown while the end of the clip is
+  std::optional<int> total;    // none while the length of the clip is unknown
   double ms_per_frame = 0;     // recent
   std::optional<double> loss;  // none without the fit
 
@@ -20,21 +20,21 @@ struct ProgressState {
   void frame_done(double ms, std::optional<double> its_loss);
 };
 
-// The words, without a line end.
+// The text, without a line end.
 std::string progress_line(const ProgressState& state);
 
-// One line of words that change: rewritten on a terminal, a line each elsewhere.
+// One changing line of text: rewritten on a terminal, printed line by line elsewhere.
 class StatusLine {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // stream: usually stderr; whether it is a terminal is found out here.
+  // stream: usually stderr; the constructor checks whether it is a terminal.
   explicit StatusLine(std::FILE* stream);
-  ~StatusLine();  // ends the rewritten line, so that what is printed next starts on a line of its own
+  ~StatusLine();  // ends the rewritten line, so that later output starts on a new line
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  // Whether it is time to show again: every 50 ms on a terminal, every second elsewhere.
+  // Whether an update is due: every 50 ms on a terminal, every second elsewhere.
   bool due(Clock::time_point now = Clock::now()) const;
   void show(const std::string& words, Clock::time_point now = Clock::now());
 
@@ -51,7 +51,7 @@ class Progress {
 
   Progress(std::FILE* stream, std::optional<int> total) : line_(stream) { state_.total = total; }
 
-  // One more frame is done. It shows when the line is due, and always for the last.
+  // Counts a finished frame. It updates the line when one is due, and always for the last frame.
   void frame_done(double ms, std::optional<double> loss, Clock::time_point now = Clock::now());
 
  private:

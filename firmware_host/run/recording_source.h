@@ -1,5 +1,5 @@
-// A recording as the source of a run: every frame, as fast as the fit takes them, its exposure judged by the
-// pictures (capture/recording_stage.h). The same for `replay` and for a camera that is a recording, which
+// A recording as the source of a run: every frame, as fast as the fit takes them, with its exposure judged by
+// the pictures (capture/recording_stage.h). `replay` and a camera that replays a recording share it and
 // therefore give the same bytes. Thread-bound.
 #pragma once
 
@@ -17,11 +17,11 @@
 namespace hdrcam {
 
 struct RecordingSourceOptions {
-  int frames = 0;       // at most so many, 0 for all
+  int frames = 0;       // at most this many, 0 for all
   Duration timeout{0};  // of the run, 0 for none
   Contradiction contradiction = Contradiction::Warns;
-  std::optional<BlackLevel> black_level = {};  // as the user states it, instead of the recording's own
-  std::string copy_to = {};                    // a recording of the frames as judged; "" for none
+  std::optional<BlackLevel> black_level = {};  // stated by the user, instead of the recording's own
+  std::string copy_to = {};                    // a recording of the judged frames; "" for none
 };
 
 class RecordingSource : public FrameSource {
@@ -39,7 +39,7 @@ class RecordingSource : public FrameSource {
   Result<const RawFrame*> next() override;
   Result<void> finish(RunRecord& record) override;
 
-  // What the user should be told of the frames so far.
+  // Warnings for the user about the frames so far.
   std::vector<std::string> warnings() const { return recording_->warnings(); }
   const CaptureCounters& counters() const { return recording_->counters(); }
 

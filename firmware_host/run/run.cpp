@@ -19,7 +19,7 @@
 namespace hdrcam {
 namespace {
 
-// How far the run is: written by the thread that works, read by the one that shows it.
+// The progress of the run: written by the working thread, read by the one that shows it.
 class SharedProgress {
  public:
   explicit SharedProgress(std::optional<int> total) { state_.total = total; }
@@ -55,7 +55,7 @@ RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace 
   return record;
 }
 
-// A clip ends, and its record tells of every frame. A camera may run for weeks: the latest frames are kept.
+// The record of a clip holds every frame. A camera may run for weeks, so only the latest frames are kept.
 std::size_t frames_kept(RunPace pace) {
   return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
 }
@@ -69,7 +69,7 @@ FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
   return kept;
 }
 
-// What the method learned about the camera on the way.
+// The camera parameters that the method estimated.
 void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const OnlineStage& online = pipeline.online();
   record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1),
@@ -121,21 +121,21 @@ Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record
   return {};
 }
 
-// A stream that ended early is the reason why it is too short.
+// If the stream ended early, that error explains why it is too short.
 Result<void> first_cause(Result<void> worked, Result<void> ended) {
   const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
   if (!worked && !(too_short && !ended)) return worked;
   return ended;
 }
 
-// The way of a frame.
+// The path of a frame.
 Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage,
                          SharedProgress& progress) {
   const Settings& settings = plan.settings;
   const CameraFacts& camera = source.camera();
   const RunPace pace = source.pace();
 
-  // The method, and where its frames go.
+  // The method and the sinks.
   const PipelineOptions options = options_of(settings);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
@@ -149,7 +149,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   RunRecord record = opened_record(plan, camera, pace, pool.threads());
   Stopwatch wall;
 
-  // Out: each HDR frame goes to the sinks, its record is kept.
+  // Output: each HDR frame goes to the sinks, and its record is kept.
   bool response_told = camera.linear;
   const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
@@ -169,7 +169,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     return {};
   };
 
-  // In: frame by frame, until the source ends.
+  // Input: frame by frame, until the source ends.
   TRY(source.start());
   const auto take_all = [&]() -> Result<void> {
     while (const RawFrame* frame = TRY(source.next())) {
@@ -180,7 +180,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   };
   Result<void> worked = take_all();
 
-  // The end: files are completed, then what tells of the whole run is written.
+  // The end: completes the files, then writes the outputs about the whole run.
   if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
   add_findings(pipeline, record);
   close_record(pace, wall.lap_ms() / 1e3, record);
@@ -207,7 +207,7 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   ProgressState shown;
   while (work.wait_for(kLook) != std::future_status::ready) {
     const ProgressState now = progress.now();
-    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line goes on
+    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line keeps changing
     if (line.due()) line.show(source.status(shown = now));
   }
   if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));

@@ -1,5 +1,5 @@
-// One run of the method, the only place where source, method and sinks are joined: run.cpp reads from top to
-// bottom as the way of a frame. `replay` and `live` differ in their source and nothing else.
+// One run of the method, the only place where source, method and sinks are joined: run.cpp follows a frame
+// from top to bottom. `replay` and `live` differ only in their source.
 #pragma once
 
 #include <atomic>
@@ -15,18 +15,18 @@ namespace hdrcam {
 struct RunPlan {
   Settings settings = {};
   std::string title = {};    // of the report
-  std::string command = {};  // as it could be typed again
+  std::string command = {};  // to type it again
   std::string truth = {};    // a clip with ground truth, to score the HDR frames against; "" for none
   std::span<const SinkKind> sinks = sink_kinds();
   const std::atomic<bool>* stop = nullptr;  // ends the scoring
-  std::FILE* progress = stderr;             // the line that says how far the run is; null for none
+  std::FILE* progress = stderr;             // stream of the progress line; null for none
 };
 
-constexpr std::size_t kFramesKept = 2048;  // records of frames, the latest, of a run on a camera
+constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
 
-// Runs until the source ends; the work is done on threads of its own, the caller's shows the progress.
-// However a run ends, what left before is complete. Errors: those of the settings, of the disk and of the
-// frames (BadExposure, SizeChanged, TooShort), and why the source ended.
+// Runs until the source ends; the work is done on separate threads, the caller's shows the progress. However
+// a run ends, frames emitted before are complete. Errors: those of the settings, of the disk, of the frames
+// (BadExposure, SizeChanged, TooShort) and of the source.
 Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage);
 
 }  // namespace hdrcam

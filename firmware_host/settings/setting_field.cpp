@@ -45,7 +45,7 @@ std::optional<T> parsed_number(const std::string& text) {
   return failure == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
 }
 
-// The value of the field's own type that the given one stands for.
+// The given value, converted to the field's own type.
 std::optional<SettingValue> converted(const SettingField& field, const SettingValue& value) {
   if (field.type == SettingType::Knob) return to_text(value);
   const bool numbers_are_texts = field.list || !field.choices.empty();

@@ -1,5 +1,5 @@
-// One setting: its key in a TOML file, its flag, what it is about, what it takes and where it lives in
-// Settings; and how a value that somebody gave is checked and set. Reentrant.
+// One setting: its key in a TOML file, its flag, its meaning, its valid values and its member in Settings;
+// and the checking and setting of a given value. Reentrant.
 #pragma once
 
 #include <functional>
@@ -14,14 +14,14 @@
 
 namespace hdrcam {
 
-// Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas. Knob: what a
-// knob of the method takes (online/knobs.h); "" leaves it as the preset has it.
+// Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas. Knob: a value
+// for a knob of the method (online/knobs.h); "" keeps the preset's value.
 enum class SettingType { Text, Whole, Real, Switch, Choice, Words, Knob };
 
-// What was given or is printed; choices and words are texts.
+// A value as given or printed; choices and words are texts.
 using SettingValue = std::variant<std::string, int, double, bool>;
 
-// What a number may be: least..most, or the one value besides that means "not set".
+// The range of a number: least..most, or the one value besides that means "not set".
 struct SettingRange {
   double least = 0, most = 0;
   std::optional<double> besides;
@@ -33,19 +33,19 @@ struct SettingField {
   std::string key;        // "camera.format": table and name
   const char* flag = "";  // "--format", or "-o,--output"; "" for a knob, which --set sets
   std::function<SettingValue(const Settings&)> read;
-  std::function<void(Settings&, const SettingValue&)> write;  // of a value that the field takes
+  std::function<void(Settings&, const SettingValue&)> write;  // with a valid value
   std::string about;                                          // a clause, with the unit
-  const char* unset = "";            // what "", or the number besides the range, stands for
+  const char* unset = "";            // meaning of "", or of the number besides the range
   SettingRange range;                // of a number
   std::vector<std::string> choices;  // of Choice and Words
-  bool list = false;                 // parts joined by commas; in TOML an array will do, too
+  bool list = false;                 // parts joined by commas; TOML also accepts an array
   const Knob* knob = nullptr;        // of a Knob
 };
 
-// The clause with the range or the choices, and what the field means when it is not set.
+// The clause with the range or the choices, and the meaning of an unset field.
 std::string describe(const SettingField& field);
 
-// "takes ..." for a sentence: "a whole number, 4..32".
+// The valid values for "takes ...": "a whole number, 4..32".
 std::string accepted(const SettingField& field);
 
 std::string to_text(const SettingValue& value);  // as a flag takes it
@@ -53,9 +53,9 @@ std::string to_text(const SettingValue& value);  // as a flag takes it
 // The parts of "a,b, c", without the blanks around them; none of "".
 std::vector<std::string> parts_of(std::string_view text);
 
-// Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is what the user called the field. The first form
-// reads the value from a text, as a flag gives it; the second one takes a whole number for a number and
-// for a choice, too.
+// Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is the field's name in the message. The first form
+// reads the value from a text, as a flag gives it; the second one also accepts a whole number for a number
+// and for a choice.
 Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,
                            Settings& settings);
 Result<void> set(const SettingField& field, const SettingValue& value, std::string_view name,

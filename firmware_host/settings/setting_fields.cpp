@@ -222,7 +222,7 @@ std::vector<SettingField> knob_fields() {
   return fields;
 }
 
-// The path of each sink first, then how the frames are written.
+// First the path of each sink, then the settings of the frames.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
   using L = ExrLayers;

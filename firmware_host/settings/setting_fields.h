@@ -13,7 +13,7 @@ std::span<const SettingField> setting_fields();
 
 const char* title(SettingGroup group);  // "Sync line"
 
-// The flag by which a verb of these groups takes the field: --record is -o where no HDR frames go out.
+// The field's flag for a verb of these groups: --record is -o where no HDR frames are written.
 const char* flag_of(const SettingField& field, std::span<const SettingGroup> groups);
 
 }  // namespace hdrcam

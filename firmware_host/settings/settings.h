@@ -1,6 +1,6 @@
-// The settings of a run. Every setting has a default that works, a key in a TOML file and a flag; one list of
-// fields (setting_fields.h) feeds all three, the help and the printed configuration. Plain value: what is one
-// of several words is an enum here, checked where it was read.
+// The settings of a run. Every setting has a working default, a key in a TOML file and a flag; one list of
+// fields (setting_fields.h) defines all three, the help and the printed configuration. Plain value: a setting
+// that is one of several words is an enum here, checked when it was read.
 #pragma once
 
 #include <map>
@@ -36,13 +36,13 @@ struct Settings {
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times
     std::string gain;                      // analogue gains of the cycle, or one for all; "": 1
-    bool adapt = false;                    // the cycle follows the light
-    Mains mains = Mains::Off;              // exposures of whole half periods
+    bool adapt = false;                    // auto-exposure: the cycle adapts to the light
+    Mains mains = Mains::Off;              // mains frequency (anti-flicker)
   } schedule;
   struct Sync {
     std::string line;  // "": none; "gpiochip0:17" or a line's name: strobe edges
     StrobePulse strobe = StrobePulse::MarksFrame;
-    std::string strobe_delay = "0us";  // of the rising edge after the driver's timestamp
+    std::string strobe_delay = "0us";  // from the driver's timestamp to the rising edge
     bool active_low = false;
   } sync;
   struct Fit {
@@ -52,11 +52,11 @@ struct Settings {
     int threads = 0;        // 0: all processors
     int seed = 1;           // of the fit's random rays
     double code_noise = 1;  // codes rms, 0..20: 1 clean, 2 MJPEG
-    // Knobs of the method (online/knobs.h) that were set, by name; all others are as the preset has them.
+    // Knobs of the method (online/knobs.h) that were set, by name; all others have the preset's values.
     std::map<std::string, std::string> knobs;
   } fit;
   struct Output {
-    // By the name of the sink (sinks/sink_table.h), where it writes; "" or missing: not wanted.
+    // Output path by the name of the sink (sinks/sink_table.h); "" or missing: not wanted.
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
     ExrCompression compression = ExrCompression::Zip;
@@ -65,11 +65,11 @@ struct Settings {
   } output;
   struct Record {
     std::string file;      // the raw recording
-    int memory_mib = 256;  // frames that may wait for the disk, 1..65536
+    int memory_mib = 256;  // for frames that wait for the disk, 1..65536
   } record;
 };
 
-// As many as were asked for; by default one for each processor.
+// The number of threads; by default one for each processor.
 int thread_count(const Settings::Fit& fit);
 
 // Which settings a verb takes.

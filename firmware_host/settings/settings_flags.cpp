@@ -41,7 +41,7 @@ Result<void> set_knob_from(const std::string& assignment, const std::vector<cons
   const std::string name = assignment.substr(0, equals);
   if (equals == std::string::npos)
     return Error{ErrorCode::Invalid,
-                 fmt::format("--set {} sets nothing; write NAME=VALUE, such as --set steps=100", assignment)};
+                 fmt::format("--set {} has no value; write NAME=VALUE, such as --set steps=100", assignment)};
   std::vector<std::string> names;
   for (const SettingField* field : knobs) {
     if (field->knob->name == name)
@@ -77,10 +77,9 @@ struct SettingsFlags::Given {
           ->take_all()
           ->expected(1)
           ->group(title(SettingGroup::Fit));
-    verb.add_option("--config", config, "settings in TOML; flags come on top of them")
-        ->group("Configuration");
+    verb.add_option("--config", config, "settings in TOML; flags override them")->group("Configuration");
     if (fields.empty()) return;
-    verb.add_flag("--print-config", print_config, "print the settings as such a file, and end")
+    verb.add_flag("--print-config", print_config, "print the settings as such a file and exit")
         ->group("Configuration");
   }
 };

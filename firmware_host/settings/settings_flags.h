@@ -1,4 +1,4 @@
-// The settings on a command line: a flag for each, --config and --print-config. What is given last in this
+// The settings on a command line: a flag for each, --config and --print-config. The last one given in this
 // order wins: default, file, flag. Thread-bound.
 #pragma once
 
@@ -24,14 +24,14 @@ class SettingsFlags {
   ~SettingsFlags();
 
   // Errors: those of reading the file; Invalid for TOML that does not parse, an unknown key, a value of
-  // another type or outside its range, naming file, line and what would do. A file may hold keys of groups
-  // that this verb does not take: one file serves all verbs.
+  // another type or outside its range, naming file, line and valid values. A file may hold keys of groups
+  // that this verb does not use: one file serves all verbs.
   Result<Settings> read(Storage& storage) const;
-  // Whether the settings are to be printed instead of a run.
+  // Whether to print the settings instead of running.
   bool print_config() const;
   // The settings of this verb, as --print-config prints them.
   std::string printed(const Settings& settings) const;
-  // Those of them that are not at their default, as flags that could be typed again: " --preset fast".
+  // The settings that differ from their default, as flags for a command line: " --preset fast".
   std::string as_flags(const Settings& settings) const;
 
  private:

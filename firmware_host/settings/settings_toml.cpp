@@ -12,8 +12,8 @@
 #include "firmware_host/settings/setting_fields.h"
 #include "firmware_host/settings/suggestion.h"
 
-// toml++ 3.3 asserts what a damaged file can break and, with NDEBUG, lets the compiler assume it. Without
-// either it goes on to the branches that report the mistake.
+// toml++ 3.3 asserts conditions that a damaged file can violate and, with NDEBUG, lets the compiler assume
+// them. Without either it reaches the branches that report the mistake.
 #undef NDEBUG
 #define TOML_ASSERT(expr) static_cast<void>(0)
 #define TOML_EXCEPTIONS 0
@@ -22,7 +22,7 @@
 namespace hdrcam {
 namespace {
 
-// One key of the file with what it was given.
+// One key of the file with its value.
 struct Entry {
   std::string key;  // "camera.format", or "camra" where there is no such table
   const toml::node* node = nullptr;
@@ -39,7 +39,7 @@ std::vector<std::string> tables() {
   return names;
 }
 
-// For people and for TOML: on one line, whatever is in it.
+// For messages and for TOML: on one line, whatever the text holds.
 std::string escaped(std::string_view text, std::string_view also = "") {
   std::string out;
   for (const char c : text) {
@@ -53,8 +53,8 @@ std::string escaped(std::string_view text, std::string_view also = "") {
   return out;
 }
 
-// The parser recurses for every part of a dotted key and bounds only the brackets, so the dots bound its
-// stack.
+// The parser recurses for every part of a dotted key and limits only the brackets, so a limit of dots bounds
+// its stack.
 Result<void> check_size(std::string_view text, const std::string& name) {
   const auto dots = static_cast<std::size_t>(std::ranges::count(text, '.'));
   if (text.size() <= kMostTomlBytes && dots <= kMostTomlDots) return {};
@@ -68,7 +68,7 @@ Error at_line(const std::string& name, std::uint32_t line, const Error& error) {
 }
 
 // Refuses letters such as é outside of quotes and comments, on which toml++ 3.3 has undefined behaviour, and
-// texts of several lines, which no setting is. Agrees with the parser up to the first mistake of a file.
+// multi-line texts, which no setting uses. Agrees with the parser up to the first mistake of a file.
 Result<void> check_letters(std::string_view text, const std::string& name) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
@@ -85,10 +85,9 @@ Result<void> check_letters(std::string_view text, const std::string& name) {
     } else if (c == '"' || c == '\'' || c == '#') {
       inside = c;
       if (c != '#' && text.substr(i).starts_with(std::string(3, c)))
-        return at_line(name, line, {ErrorCode::Invalid, "no setting is a text of several lines"});
+        return at_line(name, line, {ErrorCode::Invalid, "no setting is a multi-line text"});
     } else if (static_cast<unsigned char>(c) >= 0x80) {
-      return at_line(name, line,
-                     {ErrorCode::Invalid, "a letter beyond ASCII outside of quotes; write \"é\""});
+      return at_line(name, line, {ErrorCode::Invalid, "a letter outside ASCII needs quotes; write \"é\""});
     }
   }
   return {};
@@ -127,8 +126,8 @@ std::vector<Entry> entries_of(const toml::table& file) {
   return entries;
 }
 
-// " (did you mean 'camera.width'?)": by the whole key, else by the name in whichever table has it; else where
-// to look.
+// Returns text like " (did you mean 'camera.width'?)": by the whole key, otherwise by the name in any table;
+// otherwise where to look.
 std::string nearest_setting(const std::string& key) {
   std::vector<std::string> keys, names;
   for (const SettingField& field : setting_fields()) {
@@ -137,7 +136,7 @@ std::string nearest_setting(const std::string& key) {
   }
   if (nearest_word(key, keys)) return did_you_mean(key, keys);
   const auto name = nearest_word(name_of(key), names);
-  if (!name) return "; --print-config prints those that there are";
+  if (!name) return "; --print-config lists all settings";
   return did_you_mean(keys[static_cast<std::size_t>(std::ranges::find(names, *name) - names.begin())], keys);
 }
 
@@ -159,7 +158,7 @@ std::optional<SettingValue> scalar(const toml::node& node) {
   const auto* whole = node.as_integer();
   if (!whole) return std::nullopt;
   if (std::in_range<int>(whole->get())) return static_cast<int>(whole->get());
-  return static_cast<double>(whole->get());  // outside every range, and shown as it was written
+  return static_cast<double>(whole->get());  // outside every range; shown as written
 }
 
 // The parts of a list, joined as a flag takes them.
@@ -191,8 +190,8 @@ Result<void> take(const Entry& entry, Settings& settings) {
 
 std::string quoted(const std::string& text) { return '"' + escaped(text, "\"\\") + '"'; }
 
-// "width = 640". A knob that is as the preset has it stands in a comment, so that the file follows the
-// preset.
+// Returns a line like "width = 640". A knob with the preset's value is in a comment, so that the file follows
+// the preset.
 std::string line_of(const SettingField& field, const Settings& settings) {
   const SettingValue value = field.read(settings);
   const auto* words = std::get_if<std::string>(&value);

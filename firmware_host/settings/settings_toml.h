@@ -10,17 +10,17 @@
 
 namespace hdrcam {
 
-// A file beyond these is not one of settings.
+// A larger file is not a settings file.
 constexpr std::size_t kMostTomlBytes = 64 << 10;
 constexpr std::size_t kMostTomlDots = 2000;
 
-// Sets what the text sets and leaves the rest; after an error, settings hold what came before it. Lists
-// (shutter, gain, control_delay, layers) may be arrays or texts with commas. Errors: Invalid, one sentence
-// that begins with "NAME:LINE:", the first one of the file.
+// Changes only the settings in the text; after an error, those before it are set. Lists (shutter, gain,
+// control_delay, layers) may be arrays or texts with commas. Errors: Invalid for the first mistake of the
+// file, one sentence that begins with "NAME:LINE:".
 Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings);
 
-// These settings as a TOML file with a comment for each: what --print-config prints, and what reads back as
-// the same settings. The second form: those of these groups.
+// These settings as a TOML file with a comment for each: --print-config prints it, and it reads back as the
+// same settings. The second form: those of these groups.
 std::string to_toml(const Settings& settings, const std::vector<const SettingField*>& fields);
 std::string to_toml(const Settings& settings, const std::vector<SettingGroup>& groups);
 

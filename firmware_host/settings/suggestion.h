@@ -1,4 +1,4 @@
-// What the user may have meant: the known word nearest to a mistyped one. Reentrant.
+// The known word nearest to a mistyped one, as a suggestion. Reentrant.
 #pragma once
 
 #include <optional>

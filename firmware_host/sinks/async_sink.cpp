@@ -50,7 +50,7 @@ Result<void> AsyncSink::emit(const EmittedFrame& frame) {
     if (count_ == kSlots) return ++times_.left_out, Result<void>{};
     slot = &slots_[(begin_ + count_) % kSlots];
   }
-  // The slot is free and this thread alone fills slots: no lock is needed.
+  // The slot is free and only this thread fills slots, so no lock is needed.
   copy(frame.hdr, slot->hdr);
   copy(frame.input, slot->input);
   slot->record = frame.record;
@@ -78,7 +78,7 @@ void AsyncSink::work() {
       const std::lock_guard lock(mutex_);
       ++times_.frames, times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
       begin_ = (begin_ + 1) % kSlots, --count_;
-      if (!emitted) result_ = std::move(emitted), count_ = 0;  // the rest is given up
+      if (!emitted) result_ = std::move(emitted), count_ = 0;  // drops the rest
       if (!result_) return changed_.notify_all();
     }
     changed_.notify_all();

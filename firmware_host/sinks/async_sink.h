@@ -1,7 +1,7 @@
-// A sink on a thread of its own behind a bounded queue, so that a slow one (an EXR of 640x480 takes 50 ms)
-// costs the pipeline a copy and no more. Order is kept; the sink sees what it would have seen, a little
-// later. What happens when the queue is full is declared: WhenFull. The queue's frames are used again and
-// again. Thread-bound; its thread alone calls the sink until finish() has joined it.
+// Runs a sink on its own thread behind a bounded queue, so that a slow one (an EXR of 640x480 takes 50 ms)
+// costs the pipeline only a copy. Order is kept; the sink gets the same frames, a little later. WhenFull
+// declares what happens when the queue is full. The queue reuses its frames. Thread-bound; its thread alone
+// calls the sink until finish() has joined it.
 #pragma once
 
 #include <condition_variable>
@@ -17,25 +17,25 @@ namespace hdrcam {
 
 enum class WhenFull {
   Wait,       // emit() waits: every frame arrives
-  DropFrame,  // the frame is left out, and counted: for what people look at while a camera runs
+  DropFrame,  // the frame is left out and counted: for previews while a camera runs
 };
 
 class AsyncSink : public FrameSink {
  public:
-  static constexpr int kDepth = 2;  // frames that wait, besides the one at work
+  static constexpr int kDepth = 2;  // queued frames, besides the one in work
 
   AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority);
-  ~AsyncSink() override;  // as finish(), its error unseen
+  ~AsyncSink() override;  // like finish(), but ignores the error
   AsyncSink(const AsyncSink&) = delete;
   AsyncSink& operator=(const AsyncSink&) = delete;
 
-  // Errors: the first one of the sink, which may be that of an earlier frame.
+  // Errors: the sink's first error, possibly from an earlier frame.
   Result<void> emit(const EmittedFrame& frame) override;
-  // Everything that waits is done, or given up after an error; then the sink's own finish(), here.
+  // Completes all queued frames, or drops them after an error; then calls the sink's finish() here.
   Result<void> finish() override;
   Result<void> conclude(const RunRecord& record) override { return sink_->conclude(record); }
 
-  // Of the frames so far; times are of the sink's thread.
+  // Statistics of the frames so far; times are of the sink's thread.
   SinkTimes times() const;
 
  private:
@@ -51,9 +51,9 @@ class AsyncSink : public FrameSink {
 
   const std::unique_ptr<FrameSink> sink_;
   const WhenFull when_full_;
-  std::vector<Slot> slots_;  // a ring; the oldest one in use is the one at work
+  std::vector<Slot> slots_;  // a ring; the oldest one in use is in work
 
-  mutable std::mutex mutex_;  // of what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::size_t begin_ = 0, count_ = 0;
   bool closed_ = false;

@@ -14,7 +14,7 @@ constexpr double kCapitals_px = 21;  // height of the font's capitals at scale 1
 
 std::array<std::uint8_t, 3> samples_of(Rgb colour) { return {colour.r, colour.g, colour.b}; }
 
-// A view of one plane. cv::Mat knows no const: the caller writes only to planes of its own.
+// A view of one plane. cv::Mat has no const: the caller writes only to its own planes.
 template <class T>
 cv::Mat plane_of(const Image<T>& image, int channel) {
   return cv::Mat(image.rows(), image.cols(), cv::DataType<T>::type, const_cast<T*>(image.plane(channel)));

@@ -1,5 +1,5 @@
-// A picture to compose on: paste, fill, write. 8-bit sRGB; (top, left) in pixels from the upper left corner;
-// what falls outside is cut off. The one file of the sinks that draws with OpenCV. Value type.
+// A picture for composing: paste, fill, write. 8-bit sRGB; (top, left) in pixels from the upper left corner;
+// parts outside are clipped. The only file of the sinks that draws with OpenCV. Value type.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ constexpr std::size_t kRowsKept = 12;
 constexpr int kCellWidth_px = 320;
 constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
 constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224};
-constexpr float kBrightest = 0.98f;  // the percentile of 1 / depth that is shown brightest
+constexpr float kBrightest = 0.98f;  // percentile of 1 / depth shown as the brightest
 
 int cell_rows(int rows, int cols) {
   return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols);

@@ -1,5 +1,5 @@
-// HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written beside
-// its name and renamed when whole, so a reader that watches the folder never sees half a frame.
+// HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written under a
+// temporary name and renamed when complete, so a reader that watches the folder never sees half a frame.
 //   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
 //   Z                 depth, float, in units of the field's near plane; 0 where there is none
 //   backward.u/.v     motion to the previous frame, pixels; 0 for the first frame
@@ -19,7 +19,7 @@
 
 namespace hdrcam {
 
-// The channels beside radiance.
+// The channels besides radiance.
 struct ExrLayers {
   bool depth = false, flow = false, field_flow = false, confidence = false, provenance = false;
 };

@@ -1,5 +1,5 @@
-// The name of one file per frame: "out/%06d.exr" -> out/000041.exr. Exactly one %0Nd, which stands for the
-// sensor's sequence number; the pattern is parsed here and never handed to printf. Value type, reentrant.
+// The name of one file per frame: "out/%06d.exr" -> out/000041.exr. It has exactly one %0Nd, which stands for
+// the sensor's sequence number; the pattern is parsed here and never passed to printf. Value type, reentrant.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A pattern as the names that it may take: everything up to the number, digits, the rest.
+// The names that a pattern stands for: everything before the number, digits, the rest.
 struct NameSet {
   std::string folder, before, after;  // folder: without symbolic links
 
@@ -26,7 +26,7 @@ struct NameSet {
   }
 };
 
-// nullopt for what is no pattern; its sink says why.
+// nullopt where it is not a pattern; its sink reports why.
 Result<std::optional<NameSet>> names_of(Storage& storage, const std::string& pattern) {
   const fs::path path(pattern);
   const std::string name = path.filename().string();
@@ -37,7 +37,7 @@ Result<std::optional<NameSet>> names_of(Storage& storage, const std::string& pat
                                name.substr(end + 1)});
 }
 
-// Where an input or an output stands on the disk.
+// The place of an input or an output on the disk.
 struct Place {
   std::string words;  // "the recording that is read", "--stats"
   std::string path;
@@ -70,7 +70,7 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   return Place{output.flag, output.path, TRY(storage.look_at(output.path)), std::nullopt};
 }
 
-// How many files of these names there are, and one of them.
+// The number of files with these names, and one of them.
 struct EarlierFrames {
   int count = 0;
   std::string one;
@@ -88,7 +88,7 @@ EarlierFrames earlier_frames(const NameSet& names) {
 
 Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Recording && place.facts.kind == FileKind::Regular)
-    return Error{ErrorCode::Exists, fmt::format("{} '{}' is there already; name another file, or replace it "
+    return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another file, or replace it "
                                                 "with --force",
                                                 place.words, place.path)};
   if (!place.names) return {};
@@ -101,7 +101,7 @@ Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
   return {};
 }
 
-// A page replaces a page, never a frame or a recording that a typing error names.
+// A page may replace a page, but never a frame or a recording that was named by mistake.
 Result<void> is_no_work_of_another_kind(const Place& place) {
   constexpr std::string_view kWork[] = {".exr", ".mkv", ".mp4", ".mov", ".dng", ".cr2", ".nef"};
   if (place.facts.kind != FileKind::Regular) return {};

@@ -1,6 +1,6 @@
-// Stands between a run and what is already on the disk. Before anything is opened, every output is held
-// against every input and every other output: the same file under any name is refused, and so is what an
-// earlier run left (a recording, numbered frames), unless the user says --force. Reentrant.
+// Protects existing files from a run. Before anything is opened, it checks every output against every input
+// and every other output: it refuses the same file under any name, and also the results of an earlier run (a
+// recording, numbered frames), unless --force is given. Reentrant.
 #pragma once
 
 #include <span>
@@ -11,14 +11,14 @@
 namespace hdrcam {
 
 struct NamedInput {
-  std::string what;  // for the sentence: "the recording that is read"
+  std::string what;  // for messages: "the recording that is read"
   std::string path;
 };
 
 enum class OutputKind {
   Frames,     // a pattern, one file per frame: earlier frames stay unless --force
   Recording,  // an earlier take stays unless --force
-  Page,       // statistics, a report, a sheet: made anew by every run
+  Page,       // statistics, a report, a sheet: every run replaces them
 };
 
 struct NamedOutput {
@@ -29,8 +29,8 @@ struct NamedOutput {
 
 enum class Overwrite { Refuse, Force };
 
-// Errors: Invalid where an output is an input, another output, or a page over a file of another kind (its
-// extension tells); Exists where an earlier take would go; those of Storage::look_at.
+// Errors: Invalid where an output is an input, another output, or a page over a file of another kind (by its
+// extension); Exists where it would replace an earlier take; those of Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 

@@ -1,5 +1,5 @@
-// How provenance is shown to people: one name and one colour per value, the same in pictures, charts and
-// legends. The colours stay apart for colour-blind eyes (Okabe and Ito 2008).
+// Names and colours of provenance: one of each per value, the same in pictures, charts and legends. The
+// colours are distinct for colour-blind users (Okabe and Ito 2008).
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct Rgb {
 struct ProvenanceLook {
   Provenance provenance;
   const char* key;   // in files
-  const char* name;  // for people
+  const char* name;  // for display
   Rgb colour;
 };
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMostPoints = 240;  // along a chart's time axis
 constexpr std::size_t kMostNotedFrames = 20;
-constexpr double kMetWell = 95;  // % of frames within the deadline from which on the share is shown in green
+constexpr double kMetWell = 95;  // % of frames within the deadline; from here on the share is shown in green
 constexpr double kHole = std::numeric_limits<double>::quiet_NaN();
 
 std::string css(Rgb colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b); }
@@ -42,7 +42,7 @@ std::string fact(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
 }
 
-// Means over consecutive frames, so that at most kMostPoints remain; holes are left out of the means.
+// Means over consecutive frames, so that at most kMostPoints remain; missing values do not count.
 std::vector<double> averaged(const std::vector<double>& values) {
   const std::size_t width = (values.size() + kMostPoints - 1) / kMostPoints;
   if (width <= 1) return values;
@@ -123,7 +123,7 @@ std::string tiles(const RunRecord& record) {
 std::string sheet_section(std::span<const std::byte> png) {
   if (png.empty()) return "";
   return section(
-      "Frames", "What came in, what left, and where each pixel came from, at moments spread over the clip.",
+      "Frames", "Input, HDR frame and the source of each pixel, at moments spread over the clip.",
       fmt::format(
           "<div class=\"card sheet\"><img alt=\"contact sheet\" src=\"data:image/png;base64,{}\"></div>\n",
           base64(png)));
@@ -161,7 +161,7 @@ std::string time_section(const RunRecord& record) {
       "class=\"n\">95th percentile, "
       "ms</th><th class=\"n\">longest, ms</th></tr></thead><tbody>" +
       rows + "</tbody></table>";
-  return section("Time", "Where each frame's time went, stage by stage.",
+  return section("Time", "Time per frame, by stage.",
                  "<div class=\"two\">" + card(stacked_bars(chart)) + card(table) + "</div>\n");
 }
 
@@ -182,7 +182,7 @@ std::string provenance_section(const RunRecord& record) {
     rows += fmt::format("<tr><th>{}</th><td class=\"n\">{:.1f} %</td></tr>\n", look.name, 100 * shares[i]);
   }
   return section(
-      "Where the pixels came from",
+      "Sources of the pixels",
       "Each pixel's main source: this frame's own sample, earlier frames carried along the motion, a later "
       "frame, "
       "the field, or only a lower bound because it was clipped everywhere.",
@@ -243,7 +243,7 @@ std::string notes_section(const RunRecord& record) {
   if (noted > kMostNotedFrames)
     items += fmt::format("<li>and {} more frames with remarks</li>\n", noted - kMostNotedFrames);
   return items.empty() ? ""
-                       : section("Remarks", "What was out of the ordinary.", card("<ul>" + items + "</ul>"));
+                       : section("Remarks", "Unusual events of the run.", card("<ul>" + items + "</ul>"));
 }
 
 std::string run_section(const RunRecord& record) {
@@ -262,7 +262,8 @@ std::string run_section(const RunRecord& record) {
   rows += fmt::format(
       "<tr><th>frames</th><td class=\"{}\">{} captured {} {} emitted + {} dropped</td></tr>\n",
       balanced ? "" : "bad", record.captured, balanced ? "=" : "&ne;", record.emitted, record.dropped);
-  return section("Run", "Enough to do it again.", card("<table><tbody>" + rows + "</tbody></table>"));
+  return section("Run", "The settings and the machine, to repeat the run.",
+                 card("<table><tbody>" + rows + "</tbody></table>"));
 }
 
 class Report : public FrameSink {

@@ -1,5 +1,5 @@
-// report.html: what a run did, on one page that needs nothing else (styles, charts and pictures are inside;
-// no script, no network), readable on light and dark screens and on paper.
+// report.html: a run on one self-contained page (styles, charts and pictures are inside; no script, no
+// network), readable on light and dark screens and on paper.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ namespace hdrcam {
 // consecutive frames for the charts, so the page stays small. Reentrant.
 std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png);
 
-// The page is written when the run is concluded, with a contact sheet of its own; its folder is created. The
-// storage outlives the sink.
+// Writes the page when the run is concluded, with its own contact sheet; creates the folder. The storage
+// outlives the sink.
 Result<std::unique_ptr<FrameSink>> create_report(Storage& storage, const std::string& path);
 
 std::string base64(std::span<const std::byte> bytes);  // RFC 4648, with padding

@@ -1,4 +1,4 @@
-// What a run did, for people and for scripts: facts of the clip and one entry per emitted frame. The run
+// The record of a run, for users and scripts: facts of the clip and one entry per emitted frame. The run
 // fills it (run/run.h), --stats writes it as JSON (stats.h) and the report draws it (report.h). Plain values.
 #pragma once
 
@@ -21,7 +21,7 @@ struct NamedValue {
   double value = 0;
 };
 
-// One frame's values: as many as there are stages, or terms of the fit, and some to spare.
+// One frame's values: room for all stages, or all terms of the fit.
 using FrameValues = InlineList<NamedValue, 24>;
 
 inline constexpr std::size_t kProvenances = 5;  // values of enum Provenance
@@ -31,15 +31,15 @@ struct FrameRecord {
   double time_s = 0;    // since the first frame
   double exposure = 1;  // E / E_ref
   ExposureSource exposure_source = ExposureSource::Unknown;
-  std::optional<Verdict> verdict;  // on the exposure; none: it was not judged
-  double total_ms = 0;             // from the frame's arrival in the pipeline until its work was done
+  std::optional<Verdict> verdict;  // on the exposure; none: not judged
+  double total_ms = 0;             // from the frame's arrival in the pipeline to its completion
   FrameValues
       stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
   FrameValues losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
   double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
-  std::string note;  // what was out of the ordinary, in words: "step rolled back"; usually empty
+  std::string note;  // unusual events in words: "step rolled back"; usually empty
 };
 
 // [rgb][code] relative exposure, as Response::inverse
@@ -52,11 +52,11 @@ struct ScoreRow {
   bool higher_is_better = true;
 };
 
-// What one sink cost, on whatever thread it runs.
+// The cost of one sink, on its own thread or the emitting one.
 struct SinkTimes {
   std::string name = {};
-  int frames = 0;    // that it took
-  int left_out = 0;  // as it could not keep up with a camera
+  int frames = 0;    // that it received
+  int left_out = 0;  // because it could not keep up with a camera
   double total_ms = 0, longest_ms = 0;
 
   double mean_ms() const { return frames > 0 ? total_ms / frames : 0; }
@@ -68,14 +68,14 @@ struct RunRecord {
   std::string preset;
   std::uint64_t seed = 0;
   int threads = 1;
-  std::string precision;  // of the field's parameters, as far as it is a choice; "" hides it
+  std::string precision;  // of the field's parameters, where there is a choice; "" hides it
 
   std::string camera;
   int width = 0, height = 0;
   double framerate_hz = 0;
   double deadline_ms = 0;  // per frame; 0: none
 
-  int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped, or the report says so in red
+  int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped; the report checks it
   std::vector<NamedValue> counters;  // frames by stage and reason, of a run on a camera: "dropped.shed"
   double wall_s = 0;
   double peak_memory_mib = 0;
@@ -85,7 +85,7 @@ struct RunRecord {
   std::optional<ResponseCurves> response;         // the estimate in use at the end
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
   std::vector<ScoreRow> scores;                   // empty without ground truth
-  std::vector<std::string> notes;                 // clip-level remarks: what was switched off and why
+  std::vector<std::string> notes;  // remarks on the clip, such as what was switched off and why
 };
 
 // One stage over all frames in which it ran.

@@ -1,5 +1,5 @@
-// The sinks of one run, opened as the settings ask. A slow sink gets a queue and a thread (async_sink.h), so
-// that emit() hands a frame to all of them and goes on. Thread-bound.
+// The sinks of one run, opened from the settings. A slow sink gets a queue and a thread (async_sink.h), so
+// that emit() passes a frame to all of them without waiting. Thread-bound.
 #pragma once
 
 #include <map>
@@ -11,21 +11,21 @@
 
 namespace hdrcam {
 
-// Whom a run waits for: a clip waits for every sink; a camera waits for nobody, so sinks that may leave out
-// frames do, and their threads stand back behind capture.
+// Pace of a run: a clip waits for every sink; a camera does not wait, so sinks that may leave out frames do,
+// and their threads have a lower priority than capture.
 enum class RunPace { Clip, Camera };
 
 class SinkSet {
  public:
-  // paths: by name of the sink; "" or missing: not wanted. What else the request holds is the same for all.
-  // Errors: Invalid for a path that will not do, and those of the disk.
+  // paths: by name of the sink; "" or missing: not wanted. The rest of the request is the same for all.
+  // Errors: Invalid for an unusable path, and those of the disk.
   static Result<SinkSet> open(std::span<const SinkKind> kinds,
                               const std::map<std::string, std::string, std::less<>>& paths,
                               const SinkRequest& request, RunPace pace);
 
   // Errors: the first one of any sink.
   Result<void> emit(const EmittedFrame& frame);
-  // Every sink is finished, also after an error of one of them; the first error.
+  // Finishes every sink, also after an error of one of them. Returns the first error.
   Result<void> finish();
   Result<void> conclude(const RunRecord& record);
 

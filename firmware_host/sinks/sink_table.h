@@ -1,6 +1,6 @@
-// The sinks that there are. Each has a name, which is its key among the settings (`output.NAME`), a flag, a
-// word of help and a function that opens it; everything else about outputs follows from this table: one more
-// line is one more sink. Reentrant.
+// The table of sinks. Each has a name, which is its key in the settings (`output.NAME`), a flag, a help text
+// and a function that opens it; everything else about outputs follows from this table: a new sink is a new
+// line. Reentrant.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace hdrcam {
 
-// What a sink is opened with.
+// The arguments for opening a sink.
 struct SinkRequest {
   std::string path;  // as the user gave it: a file, or a pattern for one file per frame
   const CameraFacts& camera;
@@ -23,11 +23,11 @@ struct SinkRequest {
   Storage& storage;  // outlives the sink
 };
 
-// Where a sink works, and what it does when it cannot keep up with a camera; with a recording the run waits.
+// A sink's thread, and what it does when slower than the camera; with a recording the run waits.
 enum class SinkPace {
-  Light,     // in the thread that emits: it costs next to nothing there
-  Complete,  // on a thread of its own; every frame arrives, the fit waits
-  Latest,    // on a thread of its own; frames may be left out while a camera runs
+  Light,     // in the emitting thread, where it costs almost nothing
+  Complete,  // on its own thread; every frame arrives, the fit waits
+  Latest,    // on its own thread; frames may be left out while a camera runs
 };
 
 struct SinkKind {
@@ -35,7 +35,7 @@ struct SinkKind {
   const char* flag;   // "-o,--output"
   const char* about;  // a clause with an example
   SinkPace pace;
-  // Errors: Invalid for a path that will not do, and those of the disk.
+  // Errors: Invalid for an unusable path, and those of the disk.
   Result<std::unique_ptr<FrameSink>> (*open)(const SinkRequest& request);
 };
 

@@ -12,7 +12,7 @@ namespace hdrcam {
 // Values that are not finite become null. Reentrant.
 std::string to_json(const RunRecord& record);
 
-// The file is written when the run is concluded; its folder is created. The storage outlives the sink.
+// Writes the file when the run is concluded; creates its folder. The storage outlives the sink.
 Result<std::unique_ptr<FrameSink>> create_stats(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

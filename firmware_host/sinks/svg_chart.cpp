@@ -52,7 +52,7 @@ Range range_of(const std::vector<double>& values, bool logarithmic) {
   return range;
 }
 
-// The vertical range: what the chart asks for, else from the values with a little air above.
+// The vertical range: as the chart sets it, otherwise from the values with a small margin above.
 Range vertical_range(const Chart& chart, const std::vector<double>& values) {
   constexpr double kAir = 0.04;
   Range range = range_of(values, chart.logarithmic_y);

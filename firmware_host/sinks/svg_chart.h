@@ -17,7 +17,7 @@ std::string escaped(std::string_view text);
 struct ChartSeries {
   std::string name;
   std::string colour;     // CSS
-  std::vector<double> y;  // as many as x; a value that is not finite is a hole
+  std::vector<double> y;  // as many as x; a value that is not finite is a gap
   bool dashed = false;
 };
 
@@ -27,12 +27,12 @@ struct ChartLimit {  // a horizontal line to compare with
 };
 
 struct Chart {
-  std::string label;  // what the chart shows, for those who cannot see it
+  std::string label;  // the chart's text for screen readers
   std::string x_label, y_label;
   std::vector<double> x;  // increasing
   std::vector<ChartSeries> series;
   std::optional<ChartLimit> limit;
-  bool logarithmic_y = false;             // powers of ten; values <= 0 are holes
+  bool logarithmic_y = false;             // powers of ten; values <= 0 are gaps
   std::optional<double> y_least, y_most;  // of the axis; otherwise from the values
 };
 
@@ -43,7 +43,7 @@ std::string stacked_bars(const Chart& chart);
 // Round values that divide [least, most] into about `wanted` steps of 1, 2 or 5 times a power of ten.
 std::vector<double> round_ticks(double least, double most, int wanted);
 
-// The i-th of a row of colours that stay apart on light and dark, also for colour-blind eyes.
+// The i-th of a series of colours that are distinct on light and dark, also for colour-blind users.
 std::string series_colour(std::size_t i);
 
 }  // namespace hdrcam

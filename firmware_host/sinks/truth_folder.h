@@ -1,5 +1,5 @@
-// The gt/ folder of a clip, as `hdrcam compare` reads it (render/scores/ground_truth.h): what a simulated
-// scene knows of itself, frame by frame, and gt.json and crf.csv in the end. Thread-bound.
+// The gt/ folder of a clip, as `hdrcam compare` reads it (render/scores/ground_truth.h): the ground truth of
+// a simulated scene, frame by frame, and at the end gt.json and crf.csv. Thread-bound.
 //   gt/hdr/NNNN.exr R G B half · gt/depth/NNNN.exr Z metres · gt/flow/NNNN.exr R=dx G=dy B=occluded ·
 //   gt/id/NNNN.png
 #pragma once
@@ -14,12 +14,12 @@ namespace hdrcam {
 
 class TruthFolder {
  public:
-  // folder: of the clip; gt/ is made in it. spec: what made the scene, for the record. Errors: Permission,
-  // Io.
+  // folder: of the clip; creates gt/ in it. spec: the scene's settings, stored in gt.json. Errors:
+  // Permission, Io.
   static Result<TruthFolder> create(Storage& storage, const std::string& folder,
                                     const SimulatedSensor& sensor, const std::string& spec);
 
-  // The next frame: frame 0, 1, 2.. Errors: NoSpace, Permission, Io.
+  // Writes the next frame: 0, 1, 2.. Errors: NoSpace, Permission, Io.
   Result<void> append(const SceneTruth& truth, const FrameFacts& facts);
   // gt.json and crf.csv.
   Result<void> finish();

@@ -86,7 +86,7 @@ TEST_CASE("list says of every kind of device that there is none, and what to do"
   for (const char* heading : {"Cameras:\n", "GPIO chips:\n", "Graphics devices:\n"})
     CHECK_THAT(text, Contains(heading));
   if (!has(DeviceKind::Camera))
-    CHECK_THAT(text, Contains("none; connect one, or take a simulated one: --camera sim:walk"));
+    CHECK_THAT(text, Contains("none; connect one, or use a simulated one: --camera sim:walk"));
   if (!has(DeviceKind::GpioChip)) CHECK_THAT(text, Contains("none; a sync line needs one"));
   CHECK_THAT(printed("'" HDRCAM_BINARY "' list --json"), Matches("\\[[^]*\\]\n"));
 }

@@ -1,14 +1,14 @@
-// What the emitted pictures must reach on small simulated clips: every number of the quality floor, in one
-// place. A bound leaves room for another machine's rounding and for nothing else: who makes the pictures
-// better raises it (`./run test "[floor]" -s` prints what is measured), and from then on the suite holds
-// that. Worse pictures fail.
+// The scores that the emitted pictures must reach on small simulated clips: every number of the quality
+// floor, in one place. A bound leaves room only for another machine's rounding: a change that improves the
+// pictures raises it (`./run test "[floor]" -s` prints the measured values), and from then on the suite
+// requires it. Worse pictures fail.
 #pragma once
 
 #include "firmware_host/run/pipeline.h"
 
 namespace hdrcam::test {
 
-// Small, and each hard where a part of the method pays.
+// Small clips, each difficult where a part of the method helps.
 struct FloorClip {
   const char* scene;
   const char* shutter;
@@ -23,7 +23,7 @@ inline constexpr FloorClip kPan{"pan?size=112x84&seed=2&speed=2", "2ms,8ms,32ms"
 // few photons, quick things
 inline constexpr FloorClip kDim{"fast?size=128x96&seed=2&full-well=500", "1.5ms,6ms,26ms", 16};
 
-// Parts of the method, each with what turns it off.
+// Parts of the method, each with the setting that turns it off.
 inline void leave(PipelineOptions&) {}
 inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead = 0; }
 inline void two_frames_ahead(PipelineOptions& options) { options.knobs.look_ahead = 2; }
@@ -59,7 +59,7 @@ inline constexpr PictureFloor kPictureFloors[] = {
     {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 35.4, 32.5, 0.1135, 0.018},
 };
 
-// Without the part the picture must lose this much, or the part is not worth its place (or not at work).
+// Without the part the picture must lose this much; otherwise the part is useless or not active.
 struct PartWorth {
   const char* part;
   FloorClip clip;
@@ -75,8 +75,8 @@ inline constexpr PartWorth kPartWorths[] = {
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
 inline constexpr double kFinerFlow_db = 0.2, kNotWorse_db = -0.05;
 
-// What the field answers where nobody saw the pixel: so many samples at least on kShortWalk, and their error
-// (mean |log2|) at most this share of the lower bound's that the state holds there.
+// The field's radiance of unseen pixels: at least so many samples on kShortWalk, and their error (mean
+// |log2|) at most this share of the lower bound's that the state holds there.
 inline constexpr int kFieldAnswers = 300;
 inline constexpr double kFieldErrorShare = 1.05;
 // The field alone is another picture than the state's: mean |log2| between them, stops.

@@ -1,7 +1,7 @@
-// A small simulated clip that knows its answer, and what the pipeline makes of it. The program's own
-// `simulate` verb films it, so that its truth is the one that `hdrcam compare` reads. The same text makes the
-// same clip on every machine. Thread-bound; all is kept in memory but the truth, which is in a folder that
-// goes at the end of the run.
+// A small simulated clip with ground truth, and the pipeline's result. The program's own `simulate` verb
+// films it, so that its truth is the one that `hdrcam compare` reads. The same text gives the same clip on
+// every machine. Thread-bound; everything is in memory except the truth, whose folder is removed at the end
+// of the run.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ EmittedClip emit(const SimulatedClip& clip, const PipelineOptions& options);
 // As `hdrcam compare` gives them.
 ClipScores scores_of(const SimulatedClip& clip, const EmittedClip& emitted);
 
-// Does the claimed uncertainty hold? Over all pixels that are not white.
+// Checks the stated uncertainty over all pixels that are not white.
 struct Calibration {
   // Squared error of ln radiance over the variance that the frame claims (sigma squared).
   struct Ratio {
@@ -42,7 +42,7 @@ struct Calibration {
     int pixels;
   };
   static constexpr int kFewPixels = 500;
-  std::array<std::optional<Ratio>, kProvenances> ratios;  // none where only few pixels say so
+  std::array<std::optional<Ratio>, kProvenances> ratios;  // none where too few pixels have it
   double bounds_kept = 1;  // share of the pixels called a bound whose truth is not below nine tenths of it
 };
 // scores: of the same frames; their gains make estimate and truth comparable.

@@ -215,7 +215,7 @@ TEST_CASE("an unknown key names the file, the line and the setting that was mean
   CHECK_THAT(sentence(from_toml("framerate = 30\n")), Contains("(did you mean 'camera.framerate'?)"));
   CHECK_THAT(sentence(from_toml("[schedule]\nwidth = 30\n")), Contains("(did you mean 'camera.width'?)"));
   CHECK_THAT(sentence(from_toml("[camera]\nperpendicular = 1\n")),
-             Contains("'camera.perpendicular'; --print-config prints those that there are"));
+             Contains("'camera.perpendicular'; --print-config lists all settings"));
   CHECK(sentence(from_toml("\n[camra]\nwidth = 640\n")) ==
         "live.toml:2: there is no table [camra] (did you mean 'camera'?); "
         "there are camera, schedule, sync, fit, knobs, output, record");
@@ -291,10 +291,10 @@ TEST_CASE("letters beyond ASCII belong in quotes or comments") {
   REQUIRE(quoted.ok());
   CHECK(quoted.value().record.file == "höhe \"é\".mkv");
   CHECK(from_toml("[record]\nfile = 'é'\n").value().record.file == "é");
-  CHECK_THAT(sentence(from_toml("[record]\nfile = é\n")), Contains("live.toml:2: a letter beyond ASCII"));
-  CHECK_THAT(sentence(from_toml("[record]\nhöhe = 3\n")), Contains("live.toml:2: a letter beyond ASCII"));
+  CHECK_THAT(sentence(from_toml("[record]\nfile = é\n")), Contains("live.toml:2: a letter outside ASCII"));
+  CHECK_THAT(sentence(from_toml("[record]\nhöhe = 3\n")), Contains("live.toml:2: a letter outside ASCII"));
   CHECK(sentence(from_toml("\n[record]\nfile = \"\"\"\nwalk.mkv\"\"\"\n")) ==
-        "live.toml:3: no setting is a text of several lines");
+        "live.toml:3: no setting is a multi-line text");
 }
 
 TEST_CASE("a file that cannot be read is an error of its own kind") {

@@ -1,5 +1,5 @@
-// HDR frames for the tests of the sinks: a gradient with a bright spot, every kind of provenance, nothing
-// random.
+// HDR frames for the tests of the sinks: a gradient with a bright spot, every kind of provenance, no random
+// values.
 #pragma once
 
 #include <cmath>
@@ -47,7 +47,7 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
   return frame;
 }
 
-// The frame to the sink, with what came in and the work on it. codes: [rgb, rows, cols] 0..255.
+// Emits the frame with its input and its record. codes: [rgb, rows, cols] 0..255.
 inline Result<void> emit(FrameSink& sink, const HdrFrame& frame, const Image<float>& codes = {}) {
   ExposedFrame input;
   input.facts = frame.facts;

@@ -1,5 +1,5 @@
-// A run to draw and to write down: what a clip of `frames` frames with three exposures could have given. The
-// numbers are made up by formulas, nothing random.
+// An example run for reports and statistics: a clip of `frames` frames with three exposures. Formulas give
+// the numbers; none is random.
 #pragma once
 
 #include <cmath>
