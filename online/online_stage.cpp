@@ -36,18 +36,18 @@ struct OnlineStage::Step {
 };
 
 OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
-                         const std::optional<Response>& response, WorkerPool& pool)
+                         const std::optional<Response>& response, WorkerPool& pool, GpuDevice* gpu)
     : knobs_(knobs),
       budget_(knobs.budget),
       camera_(camera),
       lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
+      gpu_(gpu),
       response_known_(response.has_value()),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
-      filter_(knobs.state, camera.height, camera.width, pool),
-      look_ahead_(pool) {
+      state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
@@ -121,12 +121,12 @@ Result<void> OnlineStage::take(std::unique_ptr<Step> arrived, const Emit& emit) 
   if (tables_.size() > kMaxTables) tables_.clear();
   steps_.push_back(std::move(arrived));
   Step& step = *steps_.back();
-  filter_.fusion().set_white(std::max(filter_.fusion().white(), 1 / step.frame.exposure));
+  white_ = std::max(white_, 1 / step.frame.exposure);
   step.advanced = step.emitted = false;
   const ExposureTables& tables = tables_for(step.frame.exposure);
 
   if (steps_.size() == 1) {
-    filter_.restart(step.frame, tables);
+    state_->restart({step.frame, tables, white_});
     step.motion.to_previous.vectors.reshape(0, 0, 0);
     step.motion.from_previous.vectors.reshape(0, 0, 0);
     step.advanced = true;
@@ -135,7 +135,7 @@ Result<void> OnlineStage::take(std::unique_ptr<Step> arrived, const Emit& emit) 
     Step& previous = *steps_[steps_.size() - 2];
     if (!previous.advanced) TRY(advance(previous, &step));
     Stopwatch watch;
-    motion_->match(filter_.state(), step.frame, tables, budget_.flow, step.motion);
+    motion_->match(state_->state(), step.frame, tables, budget_.flow, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
     if (knobs_.look_ahead == 0) TRY(advance(step, nullptr));
@@ -163,13 +163,13 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
     context.after_tables = &tables_for(after->frame.exposure);
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
   }
-  motion_->complete(filter_.state(), step.frame, context, budget_.flow, step.motion);
+  motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
-  filter_.advance(step.frame, tables_for(step.frame.exposure), step.motion.to_previous);
-  tables_.at(step.frame.exposure).rebuild(response_, noise_, filter_.residuals().excess(step.frame.exposure));
+  state_->advance({step.frame, tables_for(step.frame.exposure), white_}, step.motion.to_previous);
+  tables_.at(step.frame.exposure).rebuild(response_, noise_, state_->residuals().excess(step.frame.exposure));
   step.advanced = true;
-  if (knobs_.look_ahead > 1) step.state.copy_from(filter_.state());
+  if (knobs_.look_ahead > 1) step.state.copy_from(state_->state());
   if (timing_) timing_("state", watch.lap_ms());
   return fit(step);
 }
@@ -178,13 +178,12 @@ Result<void> OnlineStage::fit(Step& step) {
   if (knobs_.field == FieldKind::None) return {};
   Stopwatch watch;
   if (!field_) make_second_layer(step.frame);
-  const SeenFrame seen{step.frame, filter_.state(), step.motion};
+  const SeenFrame seen{step.frame, state_->state(), step.motion};
   const CameraPose& pose = poses_->estimate(seen);
   const DepthMap& depth = depth_->estimate(seen, pose);
   step.T_world_camera = pose.T_world_camera;
   if (timing_) timing_("pose", watch.lap_ms());
-  TRY(field_->observe(
-      {step.frame, filter_.state(), filter_.fusion().white(), step.motion, pose, depth, response_}));
+  TRY(field_->observe({step.frame, state_->state(), white_, step.motion, pose, depth, response_}));
   step.fit = field_->fit(budget_.fit);
   if (timing_) timing_("fit", watch.lap_ms());
   return {};
@@ -194,7 +193,7 @@ void OnlineStage::make_second_layer(const ExposedFrame& first) {
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
   depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
   field_ = make_scene_field(knobs_.field, knobs_.hash_grid,
-                            {lens_, camera_.height, camera_.width, poses_->near()}, pool_);
+                            {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
 }
 
 Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
@@ -222,7 +221,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
     later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame.exposure)};
   }
   const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
-  look_ahead_.join(kept ? step.state : filter_.state(), {later.data(), ahead}, filter_.fusion(), joined_);
+  state_->join(kept ? step.state : state_->state(), {later.data(), ahead}, white_, joined_);
   SceneView view;
   view.T_world_camera = step.T_world_camera;
   view.time_s = step.frame.facts.timestamp.seconds();
@@ -236,7 +235,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .view = view,
       .fit = field_ ? &step.fit : nullptr,
       .budget = budget_,
-      .white = filter_.fusion().white(),
+      .white = white_,
       .reference_exposure = settings_.reference_exposure};
   if (timing_) timing_("look-ahead", watch.lap_ms());
   return emit(estimate);
@@ -258,7 +257,7 @@ const ExposureTables& OnlineStage::tables_for(float exposure) {
   const auto found = tables_.find(exposure);
   if (found != tables_.end()) return found->second;
   return tables_
-      .emplace(exposure, ExposureTables(response_, noise_, exposure, filter_.residuals().excess(exposure)))
+      .emplace(exposure, ExposureTables(response_, noise_, exposure, state_->residuals().excess(exposure)))
       .first->second;
 }
 
@@ -272,7 +271,7 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
     noise_ = noise_estimator_.solve(assumed_noise_);
     for (auto& [exposure, tables] : tables_)
-      tables.rebuild(response_, noise_, filter_.residuals().excess(exposure));
+      tables.rebuild(response_, noise_, state_->residuals().excess(exposure));
   }
   if (timing_) timing_("noise", watch.lap_ms());
 }

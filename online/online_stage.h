@@ -17,8 +17,7 @@
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
 #include "online/response/response_estimator.h"
-#include "online/state/look_ahead.h"
-#include "online/state/state_filter.h"
+#include "online/state/state_layer.h"
 
 namespace hdrcam {
 
@@ -27,9 +26,10 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  // response: none where it is unknown and must be estimated.
+  // response: none where it is unknown and must be estimated. gpu: runs the state and renders the field; null
+  // for the processor; outlives the stage.
   OnlineStage(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
-              WorkerPool& pool);
+              WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~OnlineStage();
 
   // Takes the next frame and emits the estimates that became ready. budget: for all work in this call.
@@ -42,6 +42,8 @@ class OnlineStage {
   const Response& response() const { return response_; }
   const NoiseModel& noise() const { return noise_; }
   const BlackLevel& black_level() const { return settings_.black_level; }
+  // Why something no longer runs on the graphics device; "" while all does that was asked to.
+  std::string trouble() const { return state_->trouble(); }
   double reference_exposure() const { return settings_.reference_exposure; }
 
  private:
@@ -63,6 +65,7 @@ class OnlineStage {
   const CameraFacts camera_;
   const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;
+  GpuDevice* const gpu_;
   UnpackSettings settings_;
   std::deque<RawFrame> waiting_;  // until the bootstrap
   bool started_ = false, response_known_ = false;
@@ -75,8 +78,8 @@ class OnlineStage {
   std::map<float, ExposureTables> tables_;
 
   std::unique_ptr<MotionPrior> motion_;
-  StateFilter filter_;
-  LookAhead look_ahead_;
+  std::unique_ptr<StateLayer> state_;
+  float white_ = 1;  // radiance that saturates the shortest exposure so far
   JoinedState joined_;
   // created with the first frame, where there is a field
   std::unique_ptr<PosePrior> poses_;

@@ -10,7 +10,8 @@ namespace hdrcam {
 
 class Emission {
  public:
-  explicit Emission(WorkerPool& pool) : pool_(pool), shrinkage_(pool) {}
+  // gpu: which shrinks, null for the processor; it outlives the emission.
+  explicit Emission(WorkerPool& pool, GpuDevice* gpu = nullptr) : pool_(pool), shrinkage_(pool, gpu) {}
 
   void render(const FrameEstimate& estimate, HdrFrame& frame);
 

@@ -25,7 +25,9 @@ class RenderStage {
  public:
   using Timing = std::function<void(const char* stage, double ms)>;
 
-  RenderStage(RenderOptions options, WorkerPool& pool) : options_(options), pool_(pool), emission_(pool) {}
+  // gpu: what computes beside the processor, or null; it outlives the stage.
+  RenderStage(RenderOptions options, WorkerPool& pool, GpuDevice* gpu = nullptr)
+      : options_(options), pool_(pool), emission_(pool, gpu) {}
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
   void render(const FrameEstimate& estimate, HdrFrame& frame);

@@ -1,7 +1,11 @@
 #include "render/shrinkage.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cmath>
 #include <numbers>
+
+#include "render/vulkan/vulkan_shrinkage.h"
 
 namespace hdrcam {
 namespace {
@@ -45,9 +49,34 @@ constexpr std::array<std::array<float, 3>, 3> kOpponent{
 
 }  // namespace
 
+Shrinkage::Shrinkage(WorkerPool& pool, GpuDevice* gpu) : pool_(pool) {
+  if (gpu == nullptr) return;
+  auto made = VulkanShrinkage::make(*gpu);
+  if (made)
+    gpu_ = std::move(*made);
+  else
+    give_up(made.error());
+}
+
+Shrinkage::~Shrinkage() = default;
+
+void Shrinkage::give_up(const Error& why) {
+  spdlog::warn("shrinkage goes on with the processor: {}", why.message);
+  gpu_.reset();
+}
+
 void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset) {
+  if (radiance.rows() < kTile || radiance.cols() < kTile) return;
+  if (gpu_ != nullptr) {
+    const Result<void> done = gpu_->apply(radiance, variance, offset);
+    if (done) return;
+    give_up(done.error());
+  }
+  apply_here(radiance, variance, offset);
+}
+
+void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance, float offset) {
   const int rows = radiance.rows(), cols = radiance.cols();
-  if (rows < kTile || cols < kTile) return;
   for (auto* image : {&opponent_, &noise_, &sum_, &weight_}) image->reshape_like(radiance);
 
   pool_.for_rows(rows, [&](int y0, int y1) {

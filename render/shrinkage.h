@@ -5,24 +5,33 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
+#include "hal/gpu/gpu_device.h"
 
 namespace hdrcam {
 
+class VulkanShrinkage;
+
 class Shrinkage {
  public:
-  explicit Shrinkage(WorkerPool& pool) : pool_(pool) {}
+  // gpu: which shrinks, null for the processor; it outlives this. When it fails, the processor goes on.
+  explicit Shrinkage(WorkerPool& pool, GpuDevice* gpu = nullptr);
+  ~Shrinkage();
 
   // radiance, variance: [rgb, rows, cols]; offset: radiance below which a difference does not matter. Works
   // in place. Pictures smaller than one tile are unchanged.
   void apply(Image<float>& radiance, const Image<float>& variance, float offset);
 
  private:
+  void apply_here(Image<float>& radiance, const Image<float>& variance, float offset);
   void shrink_tile_row(int channel, int y0);
+  void give_up(const Error& why);
 
   WorkerPool& pool_;
+  std::unique_ptr<VulkanShrinkage> gpu_;
   Image<float> opponent_, noise_, sum_, weight_;
 };
 

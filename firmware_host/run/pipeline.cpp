@@ -48,11 +48,12 @@ PipelineOptions options_of(const Settings& settings) {
   return options;
 }
 
-Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool)
+Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
+                   GpuDevice* gpu)
     : camera_(camera),
       budget_(options.knobs.budget),
-      online_(options.knobs, camera, known_response(camera), pool),
-      render_(options.render, pool) {
+      online_(options.knobs, camera, known_response(camera), pool, gpu),
+      render_(options.render, pool, gpu) {
   const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
   online_.set_timing(time);
   render_.set_timing(time);

@@ -29,7 +29,9 @@ class Pipeline {
   // An emitted frame with its estimate. Valid during the call.
   using Deliver = std::function<Result<void>(const HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
 
-  Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool);
+  // gpu: what computes beside the processor, or null; it outlives the pipeline.
+  Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
+           GpuDevice* gpu = nullptr);
 
   // Takes the next frame. It leaves out a frame whose exposure is not proved or whose pixels are damaged.
   // Errors: BadExposure, SizeChanged, and those of `deliver`.

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include "firmware_host/run/backend.h"
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/pipeline.h"
 #include "hal/core/cpu.h"
@@ -81,6 +82,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const BlackLevel& black = online.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
+  if (const std::string trouble = online.trouble(); !trouble.empty())
+    record.notes.push_back("the processor went on with the state: " + trouble);
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
@@ -139,7 +142,8 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   const PipelineOptions options = options_of(settings);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
-  Pipeline pipeline(options, camera, pool);
+  const Backend backend = open_backend(settings.fit.backend);
+  Pipeline pipeline(options, camera, pool, backend.gpu.get());
   SinkSet sinks =
       TRY(SinkSet::open(plan.sinks, settings.output.paths,
                         {"", camera, settings.output.layers, settings.output.compression, storage}, pace));
@@ -182,6 +186,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
 
   // The end: completes the files, then writes the outputs about the whole run.
   if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
+  if (!backend.note.empty()) record.notes.push_back(backend.note);
   add_findings(pipeline, record);
   close_record(pace, wall.lap_ms() / 1e3, record);
   const Result<void> ended = source.finish(record);

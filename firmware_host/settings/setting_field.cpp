@@ -64,11 +64,19 @@ std::optional<SettingValue> converted(const SettingField& field, const SettingVa
   return std::nullopt;
 }
 
+bool is_meant_by(const std::string& choice, const std::string& word) {
+  constexpr std::string_view kAnyName = "NAME";
+  if (!choice.ends_with(":NAME")) return word == choice;
+  const std::string_view beginning(choice.data(), choice.size() - kAnyName.size());
+  return word.size() > beginning.size() && word.starts_with(beginning);
+}
+
 // The first word that is not one of the field's.
 std::optional<std::string> stranger(const SettingField& field, const std::string& text) {
   if (field.choices.empty()) return std::nullopt;
   for (const std::string& word : field.list ? parts_of(text) : std::vector{text})
-    if (std::ranges::find(field.choices, word) == field.choices.end()) return word;
+    if (std::ranges::none_of(field.choices, [&](const auto& choice) { return is_meant_by(choice, word); }))
+      return word;
   return std::nullopt;
 }
 

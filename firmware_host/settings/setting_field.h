@@ -37,7 +37,7 @@ struct SettingField {
   std::string about;                                          // a clause, with the unit
   const char* unset = "";            // meaning of "", or of the number besides the range
   SettingRange range;                // of a number
-  std::vector<std::string> choices;  // of Choice and Words
+  std::vector<std::string> choices;  // of Choice and Words; one that ends in ":NAME" accepts any name there
   bool list = false;                 // parts joined by commas; TOML also accepts an array
   const Knob* knob = nullptr;        // of a Knob
 };

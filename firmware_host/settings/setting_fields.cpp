@@ -195,6 +195,14 @@ std::vector<SettingField> sync_fields() {
   };
 }
 
+SettingField backend_field() {
+  SettingField field = any<&Settings::fit, &Settings::Fit::backend>(
+      "fit.backend", "--backend", "what computes: the processor, or a graphics device ('hdrcam list')");
+  field.type = SettingType::Choice;
+  field.choices = {"cpu", "vulkan", "vulkan:NAME"};
+  return field;
+}
+
 std::vector<SettingField> fit_fields() {
   using F = Settings::Fit;
   constexpr auto kGroup = &Settings::fit;
@@ -208,6 +216,7 @@ std::vector<SettingField> fit_fields() {
                                             "later frames that an HDR frame waits for", {0, 2, {}}),
       number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
                                           "all processors"),
+      backend_field(),
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
                                        {0, kMostInt, {}}),
       number<&Settings::fit, &F::code_noise>(

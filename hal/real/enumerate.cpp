@@ -4,13 +4,13 @@
 #include <filesystem>
 #include <map>
 
+#include "hal/gpu/gpu_list.h"
 #include "hal/real/camera_libcamera.h"
 #include "hal/real/camera_v4l2.h"
 #include "hal/real/device_node.h"
 #include "hal/real/gpio_line.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/v4l2_modes.h"
-#include "hal/real/vulkan_devices.h"
 
 namespace hdrcam {
 namespace {
@@ -112,16 +112,20 @@ void add_gpio_chips(std::vector<FoundDevice>& devices) {
 }
 
 void add_graphics(std::vector<FoundDevice>& devices) {
-  const auto found = vulkan_devices();
+  const auto found = list_gpus();
   if (!found) {
     devices.push_back({DeviceKind::Graphics, "", "none through Vulkan", {}, {found.error().message}});
     return;
   }
-  for (const VulkanDevice& device : found.value()) {
-    FoundDevice listed{DeviceKind::Graphics, "", device.name, {}, {}};
-    listed.facts.push_back(fmt::format("{} device, Vulkan {}, {:.1f} GiB of its own", device.kind, device.api,
-                                       device.memory_gib));
-    listed.missing.emplace_back("not used: this hdrcam computes on the processor");
+  for (const GpuFacts& gpu : found.value()) {
+    const bool usable = gpu.missing.empty();
+    FoundDevice listed;
+    listed.kind = DeviceKind::Graphics;
+    listed.id = usable ? "vulkan:" + gpu.name : "";
+    listed.title = fmt::format("{}{} device, Vulkan {}, {:.1f} GiB of its own", usable ? "" : gpu.name + ", ",
+                               gpu.kind, gpu.api, gpu.memory_gib);
+    if (gpu.kind == "software") listed.facts.emplace_back("computes on the processor: for tests");
+    if (!usable) listed.missing = {gpu.missing};
     devices.push_back(std::move(listed));
   }
 }

@@ -15,9 +15,9 @@ enum class DeviceKind { Camera, GpioChip, Graphics };
 
 struct FoundDevice {
   DeviceKind kind = DeviceKind::Camera;
-  std::string id;                    // what --camera or a line setting takes; empty where it cannot be used
-  std::string title;                 // the name to show
-  std::vector<std::string> facts;    // a clause each
+  std::string id;                  // for --camera, a line setting or --backend; empty where it cannot be used
+  std::string title;               // the name to show
+  std::vector<std::string> facts;  // a clause each
   std::vector<std::string> missing;  // a sentence each: the obstacle and what to do
 };
 

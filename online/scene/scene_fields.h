@@ -2,6 +2,7 @@
 // make_scene_field().
 #pragma once
 
+#include "hal/gpu/gpu_device.h"
 #include "online/scene/hash_grid/fit/field_options.h"
 #include "online/scene/scene_field.h"
 
@@ -13,7 +14,8 @@ enum class FieldKind { None, HashGrid };
 struct SceneSetup {
   Intrinsics lens;
   int rows = 0, cols = 0;
-  float near = 1;  // distance of the near plane, in the poses' unit
+  float near = 1;            // distance of the near plane, in the poses' unit
+  GpuDevice* gpu = nullptr;  // renders views of the field; null for the processor; outlives the field
 };
 
 // Returns null for None: the state alone.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "capture/noise_model.h"
 #include "online/response/response.h"
@@ -58,6 +59,10 @@ class ExposureTables {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
   }
+  // The tables themselves, for kernels that look up on their own: radiance by code [257], variance by
+  // 2048 sqrt(relative exposure) [2050].
+  std::span<const float> radiances(int channel) const { return radiance_[static_cast<std::size_t>(channel)]; }
+  std::span<const float> variances(int channel) const { return variance_[static_cast<std::size_t>(channel)]; }
   // radiance -> code 0..255, clipped
   float code(int channel, float radiance) const {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;

@@ -8,12 +8,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kStride = 2;              // pixels
-constexpr float kMinConfidence = 0.8f;  // of the motion
 constexpr std::size_t kEnough = 40;
-constexpr float kLearning = 0.3f;       // share of a new frame in its slot's average
-constexpr float kMisalignment = 0.05f;  // squared pixels per (2 pixels)^2: position error of a match
-constexpr float kRelative = 0.05f;      // of radiance: harmless contrast
+constexpr float kLearning = 0.3f;  // share of a new frame in its slot's average
 
 }  // namespace
 
@@ -39,28 +35,36 @@ int SampleResiduals::slot_of(float exposure) {
 void SampleResiduals::observe(const RadianceState& predicted, const Samples& samples,
                               const Image<float>& confidence, const ExposureTables& tables, float white) {
   const float known = known_limit(white), exposure2 = tables.exposure() * tables.exposure();
-  for (auto& channel : bins_)
-    for (Bin& bin : channel) bin.residuals.clear(), bin.predicted.clear(), bin.seen = 0;
+  constexpr ResidualSampling how = kResidualSampling;
+  begin();
   for (int c = 0; c < 3; ++c)
-    for (int y = 1; y < predicted.radiance.rows() - 1; y += kStride) {
+    for (int y = 1; y < predicted.radiance.rows() - 1; y += how.stride_px) {
       const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
       const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
       const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
       const float* trust = confidence.row(0, y);
-      for (int x = 1; x < predicted.radiance.cols() - 1; x += kStride) {
-        if (trust[x] < kMinConfidence || v[x] >= known || w[x] < 0.5f) continue;
+      for (int x = 1; x < predicted.radiance.cols() - 1; x += how.stride_px) {
+        if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
         const float variance = tables.variance(c, s[x]) + v[x];
         const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
-        const float misplaced = kMisalignment * (slope_x * slope_x + slope_y * slope_y);
-        if (misplaced > variance + kRelative * kRelative * s[x] * s[x]) continue;
+        const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);
+        if (misplaced > variance + how.relative * how.relative * s[x] * s[x]) continue;
         const float x_seen = s[x] * tables.exposure();
-        const auto place = static_cast<std::size_t>(std::lround(VarianceExcess::place_of(x_seen)));
-        const auto channel = static_cast<std::size_t>(c);
-        bins_[channel][place].add((r[x] - s[x] - b[x]) * tables.exposure(),
-                                  variance * exposure2 - tables.excess().at(channel, x_seen));
+        const auto bin = static_cast<int>(std::lround(VarianceExcess::place_of(x_seen)));
+        take(c, bin, (r[x] - s[x] - b[x]) * tables.exposure(),
+             variance * exposure2 - tables.excess().at(static_cast<std::size_t>(c), x_seen));
       }
     }
-  VarianceExcess& slot = excess_[slot_of(tables.exposure())];
+  learn(tables.exposure());
+}
+
+void SampleResiduals::begin() {
+  for (auto& channel : bins_)
+    for (Bin& bin : channel) bin.residuals.clear(), bin.predicted.clear(), bin.seen = 0;
+}
+
+void SampleResiduals::learn(float exposure) {
+  VarianceExcess& slot = excess_[slot_of(exposure)];
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t k = 0; k < VarianceExcess::kBins; ++k) {
       Bin& bin = bins_[c][k];

@@ -14,6 +14,15 @@
 
 namespace hdrcam {
 
+// Which pixels are looked at.
+struct ResidualSampling {
+  int stride_px = 2;              // the first at (1, 1), none in the last row and column
+  float least_confidence = 0.8f;  // of the motion
+  float misalignment = 0.05f;     // squared pixels per (2 pixels)^2: what a match may be off
+  float relative = 0.05f;         // of radiance: contrast that does no harm
+};
+inline constexpr ResidualSampling kResidualSampling;
+
 class SampleResiduals {
  public:
   SampleResiduals();
@@ -22,6 +31,14 @@ class SampleResiduals {
   // known_limit().
   void observe(const RadianceState& predicted, const Samples& samples, const Image<float>& confidence,
                const ExposureTables& tables, float white);
+
+  // The same in three steps, for callers that select the pixels themselves (kResidualSampling): start a
+  // frame, add each selected pixel in a fixed order, learn the frame's excess.
+  void begin();
+  void take(int channel, int bin, float residual, float variance) {
+    bins_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(bin)].add(residual, variance);
+  }
+  void learn(float exposure);
 
   // The excess variance of this exposure so far; zero at first.
   const VarianceExcess& excess(float exposure) const;

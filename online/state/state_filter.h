@@ -23,6 +23,12 @@ class StateFilter {
   // Starts with the first frame of a clip or of a new scene and discards the state.
   void restart(const ExposedFrame& frame, const ExposureTables& tables);
 
+  // Goes on from what somebody else knows of a clip.
+  void resume(const RadianceState& state, const SampleResiduals& residuals) {
+    state_.copy_from(state);
+    residuals_ = residuals;
+  }
+
   // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous
   // one) and updates it with this frame's samples.
   void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);

@@ -14,22 +14,22 @@ FieldOptions with_near(FieldOptions options, float near) {
 
 }  // namespace
 
-HashGridSnapshot::HashGridSnapshot(const FieldFit& fit)
-    : window_(fit.field().window.frustum()), networks_(fit.fresh_networks(1)) {}
+HashGridSnapshot::HashGridSnapshot(const FieldFit& fit, GpuDevice* gpu)
+    : window_(fit.field().window.frustum()), networks_(fit.fresh_networks(1)), gpu_(gpu) {}
 
 void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const {
   auto* renderer = dynamic_cast<FieldRenderer*>(picture.room.get());
   if (renderer == nullptr) {
-    picture.room = std::make_unique<FieldRenderer>();
+    picture.room = std::make_unique<FieldRenderer>(gpu_);
     renderer = static_cast<FieldRenderer*>(picture.room.get());
   }
   renderer->render({window_, networks_, samples_per_ray_, has_dynamic_}, view, pool, picture);
 }
 
 HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
-                             int cols, WorkerPool& pool)
-    : pool_(pool), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {
-  snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_));
+                             int cols, WorkerPool& pool, GpuDevice* gpu)
+    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {
+  snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_, gpu_));
 }
 
 HashGridField::~HashGridField() {
@@ -87,7 +87,7 @@ SnapshotHold HashGridField::snapshot() {
   for (const auto& snapshot : snapshots_)
     if (!snapshot->is_held()) free = snapshot.get();
   if (free == nullptr) {
-    snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_));
+    snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_, gpu_));
     free = snapshots_.back().get();
   }
   const RadianceField now = fit_.field();

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "hal/gpu/gpu_device.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/scene/scene_field.h"
 
@@ -13,7 +14,8 @@ namespace hdrcam {
 
 class HashGridSnapshot final : public FieldSnapshot {
  public:
-  explicit HashGridSnapshot(const FieldFit& fit);
+  // gpu: which looks, null for the processor; it outlives the snapshot.
+  explicit HashGridSnapshot(const FieldFit& fit, GpuDevice* gpu = nullptr);
 
   void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const override;
 
@@ -23,13 +25,15 @@ class HashGridSnapshot final : public FieldSnapshot {
   FieldNetworks<float> networks_;
   int samples_per_ray_ = 1;
   bool has_dynamic_ = false;
+  GpuDevice* gpu_;
 };
 
 class HashGridField final : public SceneField {
  public:
-  // near: distance of the near plane, in the poses' unit
+  // near: distance of the near plane, in the poses' unit; gpu: which looks into snapshots, null for the
+  // processor
   HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows, int cols,
-                WorkerPool& pool);
+                WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~HashGridField() override;
 
   Result<void> observe(const SceneObservation& seen) override;
@@ -40,6 +44,7 @@ class HashGridField final : public SceneField {
   void spread(const DepthMap& depth, int rows, int cols);
 
   WorkerPool& pool_;
+  GpuDevice* gpu_;
   float near_;
   FieldFit fit_;
   Image<float> variance_, inverse_depth_;

@@ -1,6 +1,10 @@
 #include "online/scene/hash_grid/field/field_renderer.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cmath>
+
+#include "online/scene/hash_grid/field/vulkan/vulkan_probe.h"
 
 namespace hdrcam {
 namespace {
@@ -39,6 +43,17 @@ struct PixelMap {
 float presentable(float radiance) { return std::isfinite(radiance) ? std::clamp(radiance, 0.f, 1e9f) : 0.f; }
 
 }  // namespace
+
+FieldRenderer::FieldRenderer(GpuDevice* gpu) {
+  if (gpu == nullptr) return;
+  auto probe = VulkanProbe::make(*gpu);
+  if (probe)
+    gpu_probe_ = std::move(*probe);
+  else
+    give_up(probe.error());
+}
+
+FieldRenderer::~FieldRenderer() = default;
 
 // The surface of a frame in another view: each of its pixels is projected into the view, and nearer ones
 // win. Pixels without a projection are disoccluded background: they continue the farther of their
@@ -102,7 +117,6 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
   for (Image<float>* plane : {&picture.depth, &picture.dynamic_share, &picture.confidence})
     plane->reshape(1, rows, cols);
   for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
-  while (probes_.size() < kStripes) probes_.emplace_back(field.networks, kMaxSamples);
   const ProbeView from = probe_view(field.window, view.T_world_camera, time_s);
   const PixelMap map(field.window.frustum().camera, view.lens);
   splat_surface(field, from);
@@ -123,21 +137,47 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
     const int gy = std::clamp(static_cast<int>(py) / kSplat, 0, guide_.rows() - 1);
     return guide_.at(0, gy, gx);
   };
-  pool.for_each(kStripes, [&](int stripe) {
-    ProbeRay rays[FieldProbe::kRays];
-    ProbeAnswer answers[FieldProbe::kRays];
-    for (int y = stripe; y < rows; y += kStripes)
-      for (int x0 = 0; x0 < cols; x0 += FieldProbe::kRays) {
-        const int count = std::min(FieldProbe::kRays, cols - x0);
-        for (int i = 0; i < count; ++i) {
-          const float px = map.map(0, x0 + i), py = map.map(1, y);
-          rays[i] = {{px, py}, guide_at(px, py)};
-        }
-        const auto n = static_cast<std::size_t>(count);
-        probes_[static_cast<std::size_t>(stripe)].look(field, from, {rays, n}, {answers, n});
-        for (int i = 0; i < count; ++i) store(y, x0 + i, answers[i]);
+  const auto n = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+  rays_.resize(n), answers_.resize(n);
+  const auto at = [cols](int y, int x) {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x);
+  };
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float px = map.map(0, x), py = map.map(1, y);
+        rays_[at(y, x)] = {{px, py}, guide_at(px, py)};
       }
   });
+  look(field, from, pool);
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) store(y, x, answers_[at(y, x)]);
+  });
+}
+
+// Along all rays of the view.
+void FieldRenderer::look(const RadianceField& field, const ProbeView& from, WorkerPool& pool) {
+  if (gpu_probe_ != nullptr) {
+    const Result<void> looked = gpu_probe_->look(field, from, rays_, answers_);
+    if (looked) return;
+    give_up(looked.error());
+  }
+  while (probes_.size() < kStripes) probes_.emplace_back(field.networks, kMaxSamples);
+  const std::size_t batches = (rays_.size() + FieldProbe::kRays - 1) / FieldProbe::kRays;
+  pool.for_each(kStripes, [&](int stripe) {
+    const auto own = static_cast<std::size_t>(stripe);
+    for (std::size_t batch = own; batch < batches; batch += kStripes) {
+      const std::size_t first = batch * FieldProbe::kRays;
+      const std::size_t n = std::min<std::size_t>(FieldProbe::kRays, rays_.size() - first);
+      probes_[own].look(field, from, {rays_.data() + first, n}, {answers_.data() + first, n});
+    }
+  });
+}
+
+void FieldRenderer::give_up(const Error& why) {
+  spdlog::warn("views of the field go on with the processor: {}", why.message);
+  gpu_probe_.reset();
 }
 
 }  // namespace hdrcam

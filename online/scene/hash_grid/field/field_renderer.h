@@ -4,13 +4,20 @@
 #pragma once
 
 #include "hal/core/worker_pool.h"
+#include "hal/gpu/gpu_device.h"
 #include "online/scene/field_snapshot.h"
 #include "online/scene/hash_grid/field/field_probe.h"
 
 namespace hdrcam {
 
+class VulkanProbe;
+
 class FieldRenderer final : public LookRoom {
  public:
+  // gpu: which looks along the rays, null for the processor. When it fails, the processor goes on.
+  explicit FieldRenderer(GpuDevice* gpu = nullptr);
+  ~FieldRenderer() override;
+
   // The field must have at least one frame. With an exposure interval the radiance is the mean over instants
   // in it; everything else belongs to its centre.
   void render(const RadianceField& field, const SceneView& view, WorkerPool& pool, FieldPicture& picture);
@@ -22,8 +29,13 @@ class FieldRenderer final : public LookRoom {
   void render_instant(const RadianceField& field, const SceneView& view, double time_s, WorkerPool& pool,
                       FieldPicture& picture);
   void splat_surface(const RadianceField& field, const ProbeView& from);
+  void look(const RadianceField& field, const ProbeView& from, WorkerPool& pool);
+  void give_up(const Error& why);
 
   std::vector<FieldProbe> probes_;
+  std::unique_ptr<VulkanProbe> gpu_probe_;
+  std::vector<ProbeRay> rays_;  // of the whole view, row by row
+  std::vector<ProbeAnswer> answers_;
   Image<float> guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view
                         // sees it, in pixels of the window's camera
   Image<float> sum_;    // of radiance, over instants

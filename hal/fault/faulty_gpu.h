@@ -1,0 +1,65 @@
+// A graphics device that fails when it is told to: its memory is full, or it is lost in the middle of work.
+// All else is the wrapped device's. For tests of what goes on without it. Thread-bound; the wrapped device
+// outlives it.
+#pragma once
+
+#include <limits>
+
+#include "hal/gpu/gpu_device.h"
+
+namespace hdrcam {
+
+struct GpuFaults {
+  static constexpr int kNever = std::numeric_limits<int>::max();
+  int buffers_until_full = kNever;   // that can be made before NoSpace
+  int finishes_until_lost = kNever;  // that succeed before Unplugged, which it then is for good
+};
+
+class FaultyGpu final : public GpuDevice {
+ public:
+  FaultyGpu(GpuDevice& device, GpuFaults faults) : device_(device), left_(faults), work_(*this) {}
+
+  const GpuFacts& facts() const override { return device_.facts(); }
+  Result<std::unique_ptr<GpuBuffer>> buffer(std::size_t bytes) override {
+    if (left_.buffers_until_full-- <= 0)
+      return Error{ErrorCode::NoSpace, "graphics memory is full, as it was told to be"};
+    return device_.buffer(bytes);
+  }
+  Result<const GpuKernel*> kernel(const GpuShader& shader) override { return device_.kernel(shader); }
+  GpuWork& work() override { return work_; }
+
+ private:
+  class Work final : public GpuWork {
+   public:
+    explicit Work(FaultyGpu& owner) : owner_(owner) {}
+    using GpuWork::run;
+    void upload(std::span<const std::byte> from, const GpuBuffer& to) override { inner().upload(from, to); }
+    void copy(const GpuBuffer& from, const GpuBuffer& to) override { inner().copy(from, to); }
+    void clear(const GpuBuffer& buffer) override { inner().clear(buffer); }
+    void run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
+             std::span<const std::byte> constants, const GpuGrid& grid) override {
+      inner().run(kernel, buffers, constants, grid);
+    }
+    void download(const GpuBuffer& from, std::span<std::byte> to) override {
+      // what a lost device would have sent never arrives
+      if (owner_.left_.finishes_until_lost > 0) inner().download(from, to);
+    }
+    Result<void> finish() override {
+      const Result<void> done = inner().finish();
+      if (owner_.left_.finishes_until_lost <= 0)
+        return Error{ErrorCode::Unplugged, "the graphics device was lost, as it was told to be"};
+      --owner_.left_.finishes_until_lost;
+      return done;
+    }
+
+   private:
+    GpuWork& inner() { return owner_.device_.work(); }
+    FaultyGpu& owner_;
+  };
+
+  GpuDevice& device_;
+  GpuFaults left_;
+  Work work_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,117 @@
+// A graphics device as a place to compute: memory of its own, kernels that were compiled with the program
+// (compute shaders in SPIR-V), and work that is recorded, handed over and waited for. Nothing here names the
+// library behind it; hal/gpu/vulkan/ is the only implementation, hal/fault/faulty_gpu.h wraps one that fails.
+// A device outlives its buffers and kernels. Thread-bound, but for users that take turns (turn()).
+//
+// Errors of all calls: NotFound (no driver, no such device), Unsupported (a missing feature, a build without
+// Vulkan), NoSpace (graphics memory is full), Unplugged (the device was lost), Timeout (it does not answer).
+// After Unplugged or Timeout a device gives no more answers: who uses it goes on with the processor.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+// A compute shader as the build made it. It reads and writes `buffers` storage buffers, bound from 0 on, and
+// may read up to 128 bytes of constants. Work group sizes are a specialization constant (id 0), set by the
+// device to suit its subgroups.
+struct GpuShader {
+  const char* name;
+  std::span<const std::uint32_t> code;
+  int buffers;
+};
+
+struct GpuFacts {
+  std::string name;       // as the driver says: "llvmpipe (LLVM 15.0.6, 256 bits)"
+  std::string kind;       // "discrete", "integrated", "virtual", "software", "other"
+  std::string api;        // "1.3.230"
+  double memory_gib = 0;  // of its own heaps
+  int subgroup = 0;       // lanes that run together; 0 where nobody said
+  int group = 0;          // invocations of a work group of ours; 0 while it is only listed
+  std::string missing;    // what keeps it from being used; "" where nothing does
+};
+
+// Elements of one run of a kernel: innermost first. The kernel leaves out what lies beyond.
+struct GpuGrid {
+  int columns = 1, rows = 1, planes = 1;
+};
+
+class GpuBuffer {
+ public:
+  virtual ~GpuBuffer() = default;
+  virtual std::size_t bytes() const = 0;
+};
+
+class GpuKernel {
+ public:
+  virtual ~GpuKernel() = default;
+};
+
+// A list of steps, each of which sees what those before it have done. Nothing happens before finish().
+class GpuWork {
+ public:
+  virtual ~GpuWork() = default;
+
+  // The bytes are taken at once.
+  virtual void upload(std::span<const std::byte> from, const GpuBuffer& to) = 0;
+  virtual void copy(const GpuBuffer& from, const GpuBuffer& to) = 0;  // as many bytes as both have
+  virtual void clear(const GpuBuffer& buffer) = 0;                    // to zeros
+  virtual void run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
+                   std::span<const std::byte> constants, const GpuGrid& grid) = 0;
+  // The bytes are there when finish() returns.
+  virtual void download(const GpuBuffer& from, std::span<std::byte> to) = 0;
+  // Hands everything over and waits for it. Whatever went wrong since the last call is said here; nothing
+  // was downloaded then.
+  virtual Result<void> finish() = 0;
+
+  // constants: a plain struct laid out as the shader's.
+  template <class Constants>
+  void run(const GpuKernel& kernel, std::initializer_list<const GpuBuffer*> buffers,
+           const Constants& constants, const GpuGrid& grid) {
+    static_assert(std::is_trivially_copyable_v<Constants> && sizeof(Constants) <= 128);
+    run(kernel, std::span<const GpuBuffer* const>(buffers.begin(), buffers.size()),
+        std::as_bytes(std::span(&constants, 1)), grid);
+  }
+};
+
+class GpuDevice {
+ public:
+  virtual ~GpuDevice() = default;
+
+  virtual const GpuFacts& facts() const = 0;
+  virtual Result<std::unique_ptr<GpuBuffer>> buffer(std::size_t bytes) = 0;
+  // Made once per shader and kept; later calls find it.
+  virtual Result<const GpuKernel*> kernel(const GpuShader& shader) = 0;
+  // The one list of steps, empty after finish().
+  virtual GpuWork& work() = 0;
+  // Held while a device is used where several threads do: from the first step, or the first buffer, to
+  // finish().
+  std::mutex& turn() { return turn_; }
+
+ private:
+  std::mutex turn_;
+};
+
+struct GpuOptions {
+  std::string name = {};          // "": the best there is; or part of a device's name, in any case
+  std::string cache_folder = {};  // where compiled kernels are kept for the next start; "": nowhere
+  // The library's own checks are asked for, and what they say is kept in `complaints`, which outlives the
+  // device. Unsupported where they are not installed.
+  std::vector<std::string>* complaints = nullptr;
+};
+
+// Discrete devices come first, then integrated, virtual and software ones. The message of NotFound names the
+// devices that there are.
+Result<std::unique_ptr<GpuDevice>> open_gpu(const GpuOptions& options);
+
+}  // namespace hdrcam

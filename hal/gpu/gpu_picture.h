@@ -1,0 +1,35 @@
+// Pictures in a graphics device's memory: planar like Image<float>, [channels, rows, cols]. Move-only;
+// thread-bound like the device, which outlives them.
+#pragma once
+
+#include "hal/core/image.h"
+#include "hal/gpu/gpu_device.h"
+
+namespace hdrcam {
+
+struct GpuPicture {
+  std::unique_ptr<GpuBuffer> buffer;
+  int channels = 0, rows = 0, cols = 0;
+
+  static Result<GpuPicture> make(GpuDevice& device, int channels, int rows, int cols) {
+    const std::size_t samples =
+        static_cast<std::size_t>(channels) * static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
+    return GpuPicture{TRY(device.buffer(samples * sizeof(float))), channels, rows, cols};
+  }
+  const GpuBuffer* operator*() const { return buffer.get(); }
+  // One element per pixel of each plane.
+  GpuGrid grid() const { return {cols, rows, channels}; }
+  GpuGrid pixels() const { return {cols, rows, 1}; }
+};
+
+inline void upload(GpuWork& work, const Image<float>& from, const GpuPicture& to) {
+  CHECK(from.channels() == to.channels && from.rows() == to.rows && from.cols() == to.cols);
+  work.upload(std::as_bytes(from.samples()), *to.buffer);
+}
+// `to` takes the picture's shape at once, its samples with finish().
+inline void download(GpuWork& work, const GpuPicture& from, Image<float>& to) {
+  to.reshape(from.channels, from.rows, from.cols);
+  work.download(*from.buffer, std::as_writable_bytes(to.samples()));
+}
+
+}  // namespace hdrcam

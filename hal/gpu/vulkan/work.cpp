@@ -1,0 +1,223 @@
+#ifdef HDRCAM_HAVE_VULKAN
+#include "hal/gpu/vulkan/work.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace hdrcam::vulkan {
+namespace {
+
+constexpr std::uint32_t kSetsPerPool = 256, kBuffersPerPool = 2048;
+constexpr std::uint64_t kPatience_ns = 20'000'000'000;  // a step of ours takes milliseconds
+constexpr VkPipelineStageFlags kWorkStages =
+    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+constexpr std::size_t kMostBuffers = 16;  // of a kernel
+
+const Memory::Range& range_of(const GpuBuffer& buffer) { return static_cast<const Memory::Range&>(buffer); }
+
+std::uint32_t groups(int elements, int group) {
+  return static_cast<std::uint32_t>((elements + group - 1) / group);
+}
+
+}  // namespace
+
+Work::~Work() {
+  if (fence_ != VK_NULL_HANDLE) vk_.DestroyFence(device_, fence_, nullptr);
+  for (VkDescriptorPool pool : descriptors_) vk_.DestroyDescriptorPool(device_, pool, nullptr);
+  if (pool_ != VK_NULL_HANDLE) vk_.DestroyCommandPool(device_, pool_, nullptr);
+}
+
+Result<void> Work::open(std::uint32_t queue_family) {
+  constexpr const char* kDoing = "making a command buffer";
+  VkCommandPoolCreateInfo pool{};
+  pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+  pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  pool.queueFamilyIndex = queue_family;
+  if (const VkResult r = vk_.CreateCommandPool(device_, &pool, nullptr, &pool_); r != VK_SUCCESS)
+    return failed(r, kDoing);
+  VkCommandBufferAllocateInfo commands{};
+  commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  commands.commandPool = pool_;
+  commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  commands.commandBufferCount = 1;
+  if (const VkResult r = vk_.AllocateCommandBuffers(device_, &commands, &commands_); r != VK_SUCCESS)
+    return failed(r, kDoing);
+  VkFenceCreateInfo fence{};
+  fence.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
+  if (const VkResult r = vk_.CreateFence(device_, &fence, nullptr, &fence_); r != VK_SUCCESS)
+    return failed(r, kDoing);
+  return {};
+}
+
+bool Work::begin() {
+  if (!trouble_) return false;
+  if (lost_) {
+    trouble_ = Error{ErrorCode::Unplugged, "the graphics device was lost before"};
+    return false;
+  }
+  if (recording_) return true;
+  VkCommandBufferBeginInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  if (const VkResult r = vk_.BeginCommandBuffer(commands_, &info); r != VK_SUCCESS) {
+    trouble_ = failed(r, "beginning work");
+    return false;
+  }
+  recording_ = true;
+  return true;
+}
+
+void Work::barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, VkAccessFlags seen_by) {
+  VkMemoryBarrier all{};
+  all.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  all.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_READ_BIT |
+                      VK_ACCESS_TRANSFER_READ_BIT;
+  all.dstAccessMask = seen_by;
+  vk_.CmdPipelineBarrier(commands_, from, to, 0, 1, &all, 0, nullptr, 0, nullptr);
+}
+
+void Work::upload(std::span<const std::byte> from, const GpuBuffer& to) {
+  CHECK_LE(from.size(), to.bytes());
+  if (!begin()) return;
+  auto staging = memory_.take(from.size(), MemoryUse::Staging);
+  if (!staging) {
+    trouble_ = staging.error();
+    return;
+  }
+  std::memcpy((*staging)->mapped(), from.data(), from.size());
+  copy(**staging, to);
+  staged_.push_back(std::move(*staging));
+}
+
+void Work::copy(const GpuBuffer& from, const GpuBuffer& to) {
+  if (!begin()) return;
+  const Memory::Range &source = range_of(from), &target = range_of(to);
+  barrier(kWorkStages, VK_PIPELINE_STAGE_TRANSFER_BIT,
+          VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
+  const VkBufferCopy region{source.offset(), target.offset(), std::min(from.bytes(), to.bytes())};
+  vk_.CmdCopyBuffer(commands_, source.handle(), target.handle(), 1, &region);
+}
+
+void Work::clear(const GpuBuffer& buffer) {
+  if (!begin()) return;
+  const Memory::Range& range = range_of(buffer);
+  barrier(kWorkStages, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
+  vk_.CmdFillBuffer(commands_, range.handle(), range.offset(), buffer.bytes(), 0);
+}
+
+void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
+               std::span<const std::byte> constants, const GpuGrid& grid) {
+  const auto& own = static_cast<const Kernel&>(kernel);
+  CHECK_EQ(static_cast<int>(buffers.size()), own.buffers);
+  CHECK(constants.size() <= kConstantBytes && grid.columns > 0 && grid.rows > 0 && grid.planes > 0);
+  if (!begin()) return;
+  auto set = set_for(own);
+  if (!set) {
+    trouble_ = set.error();
+    return;
+  }
+  std::array<VkDescriptorBufferInfo, kMostBuffers> places;
+  std::array<VkWriteDescriptorSet, kMostBuffers> writes;
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    const Memory::Range& range = range_of(*buffers[i]);
+    places[i] = {range.handle(), range.offset(), range.bytes()};
+    writes[i] = {};
+    writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    writes[i].dstSet = *set;
+    writes[i].dstBinding = static_cast<std::uint32_t>(i);
+    writes[i].descriptorCount = 1;
+    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[i].pBufferInfo = &places[i];
+  }
+  vk_.UpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
+  vk_.CmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, own.pipeline);
+  vk_.CmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, own.layout, 0, 1, &*set, 0, nullptr);
+  if (!constants.empty())
+    vk_.CmdPushConstants(commands_, own.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                         static_cast<std::uint32_t>(constants.size()), constants.data());
+  barrier(kWorkStages, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  vk_.CmdDispatch(commands_, groups(grid.columns, group_), static_cast<std::uint32_t>(grid.rows),
+                  static_cast<std::uint32_t>(grid.planes));
+}
+
+void Work::download(const GpuBuffer& from, std::span<std::byte> to) {
+  CHECK_LE(to.size(), from.bytes());
+  if (!begin()) return;
+  auto staging = memory_.take(to.size(), MemoryUse::Staging);
+  if (!staging) {
+    trouble_ = staging.error();
+    return;
+  }
+  copy(from, **staging);
+  arrivals_.push_back({std::move(*staging), to});
+}
+
+Result<VkDescriptorSet> Work::set_for(const Kernel& kernel) {
+  VkDescriptorSetAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+  info.descriptorSetCount = 1;
+  info.pSetLayouts = &kernel.set_layout;
+  for (; descriptors_used_ < descriptors_.size(); ++descriptors_used_) {
+    info.descriptorPool = descriptors_[descriptors_used_];
+    VkDescriptorSet set = VK_NULL_HANDLE;
+    if (vk_.AllocateDescriptorSets(device_, &info, &set) == VK_SUCCESS) return set;
+  }
+  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBuffersPerPool};
+  VkDescriptorPoolCreateInfo pool{};
+  pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+  pool.maxSets = kSetsPerPool;
+  pool.poolSizeCount = 1, pool.pPoolSizes = &size;
+  descriptors_.push_back(VK_NULL_HANDLE);
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  VkResult made = vk_.CreateDescriptorPool(device_, &pool, nullptr, &descriptors_.back());
+  info.descriptorPool = descriptors_.back();
+  if (made == VK_SUCCESS) made = vk_.AllocateDescriptorSets(device_, &info, &set);
+  if (made != VK_SUCCESS) return failed(made, fmt::format("binding the buffers of '{}'", kernel.name));
+  return set;
+}
+
+Result<void> Work::submit() {
+  barrier(kWorkStages, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+  if (const VkResult r = vk_.EndCommandBuffer(commands_); r != VK_SUCCESS) return failed(r, "ending work");
+  VkSubmitInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO;
+  info.commandBufferCount = 1, info.pCommandBuffers = &commands_;
+  if (const VkResult r = vk_.QueueSubmit(queue_, 1, &info, fence_); r != VK_SUCCESS)
+    return failed(r, "handing work over");
+  if (const VkResult r = vk_.WaitForFences(device_, 1, &fence_, VK_TRUE, kPatience_ns); r != VK_SUCCESS)
+    return failed(r, "waiting for work");
+  if (const VkResult r = vk_.ResetFences(device_, 1, &fence_); r != VK_SUCCESS)
+    return failed(r, "waiting for work");
+  return {};
+}
+
+Result<void> Work::finish() {
+  Result<void> done = trouble_;
+  if (recording_) {
+    if (done)
+      done = submit();
+    else
+      (void)vk_.EndCommandBuffer(commands_);
+  }
+  lost_ = lost_ ||
+          (!done && (done.error().code == ErrorCode::Unplugged || done.error().code == ErrorCode::Timeout));
+  if (done)
+    for (const Arrival& arrival : arrivals_)
+      std::memcpy(arrival.to.data(), arrival.staging->mapped(), arrival.to.size());
+  // what an unanswering device may still read is not given to others: nothing is taken any more
+  staged_.clear(), arrivals_.clear();
+  if (!lost_)
+    for (VkDescriptorPool pool : descriptors_)
+      if (pool != VK_NULL_HANDLE) (void)vk_.ResetDescriptorPool(device_, pool, 0);
+  descriptors_used_ = 0;
+  recording_ = false;
+  trouble_ = {};
+  return done;
+}
+
+}  // namespace hdrcam::vulkan
+#endif

@@ -1,0 +1,206 @@
+#include "online/scene/hash_grid/field/vulkan/vulkan_probe.h"
+
+#include <bit>
+
+#include "online/scene/hash_grid/field/vulkan/affine.comp.h"
+#include "online/scene/hash_grid/field/vulkan/answer.comp.h"
+#include "online/scene/hash_grid/field/vulkan/encode.comp.h"
+#include "online/scene/hash_grid/field/vulkan/move.comp.h"
+#include "online/scene/hash_grid/field/vulkan/place.comp.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr std::size_t kBatchRays = 16384;  // memory of a batch: 70 MB at 8 samples a ray
+constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 10, kLevelWords = 8, kViews = 4, kViewFloats = 24;
+
+template <class T>
+std::span<const std::byte> bytes_of(std::span<T> values) {
+  return std::as_bytes(values);
+}
+
+// As window.glsl reads it: to the anchor and from it, translations over the near plane.
+void append_view(const WindowFrustum& frustum, const RigidTransform& T_anchor_camera,
+                 std::vector<float>& views) {
+  for (const RigidTransform& T : {T_anchor_camera, T_anchor_camera.inverse()})
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) views.push_back(static_cast<float>(T.R(i, j)));
+      views.push_back(static_cast<float>(T.t(i) / static_cast<double>(frustum.near)));
+    }
+}
+
+std::vector<std::uint32_t> words_of(const HashGrid<float>& grid) {
+  std::vector<std::uint32_t> words;
+  for (int l = 0; l < grid.shape().levels; ++l) {
+    const HashLevel& level = grid.level(l);
+    for (const float cells : level.cells) words.push_back(std::bit_cast<std::uint32_t>(cells));
+    words.insert(words.end(), std::begin(level.stride), std::end(level.stride));
+    words.push_back(level.entries);
+    words.push_back(level.dense ? 1 : 0);
+  }
+  return words;
+}
+
+}  // namespace
+
+// field_constants.glsl
+struct VulkanProbe::Constants {
+  float focal[2], centre[2], size[2];
+  float margin, offset;
+  float unit[3];
+  int rays, samples, ld, has_dynamic, weighted;
+};
+
+Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
+  const std::lock_guard turn(device.turn());
+  const std::array<GpuShader, kPasses> shaders{{{"field place", k_place, 4},
+                                                {"field encode", k_encode, 4},
+                                                {"field affine", k_affine, 3},
+                                                {"field move", k_move, 5},
+                                                {"field answer", k_answer, 8}}};
+  std::unique_ptr<VulkanProbe> probe(new VulkanProbe(device));
+  for (std::size_t i = 0; i < kPasses; ++i) probe->kernels_[i] = TRY(device.kernel(shaders[i]));
+  return probe;
+}
+
+Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view,
+                               std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers) {
+  CHECK(answers.size() == rays.size());
+  const std::lock_guard turn(device_.turn());
+  const std::size_t batch = std::min(kBatchRays, rays.size());
+  const int ld = static_cast<int>(batch) * field.samples_per_ray;
+  TRY(reserve_for(field, ld));  // all of it before the first step: work that was begun is finished
+  upload(field, view);
+  for (std::size_t first = 0; first < rays.size(); first += batch) {
+    const std::size_t n = std::min(batch, rays.size() - first);
+    TRY(look_at_batch(field, view, rays.subspan(first, n), answers.subspan(first, n)));
+  }
+  return {};
+}
+
+Result<void> VulkanProbe::reserve(Room& room, std::size_t bytes) {
+  if (room.buffer != nullptr && room.buffer->bytes() >= bytes) return {};
+  room.buffer.reset();
+  room.buffer = TRY(device_.buffer(bytes));
+  return {};
+}
+
+Result<void> VulkanProbe::reserve_for(const Branch<float>& branch, int ld, BranchRoom& room) {
+  const auto rows = [&](int count) {
+    return static_cast<std::size_t>(count) * static_cast<std::size_t>(ld) * sizeof(float);
+  };
+  const auto levels = static_cast<std::size_t>(branch.grid.shape().levels);
+  TRY(reserve(room.tables, branch.grid.tables().samples().size_bytes()));
+  TRY(reserve(room.levels, levels * kLevelWords * sizeof(std::uint32_t)));
+  TRY(reserve(room.parameters, branch.mlp.parameters().size_bytes()));
+  TRY(reserve(room.features, rows(branch.mlp.inputs())));
+  for (Room& hidden : room.hidden) TRY(reserve(hidden, rows(branch.mlp.hidden())));
+  return reserve(room.raw, rows(branch.mlp.outputs()));
+}
+
+Result<void> VulkanProbe::reserve_for(const RadianceField& field, int ld) {
+  const auto samples = static_cast<std::size_t>(ld) * sizeof(float);
+  TRY(reserve(views_, kViews * kViewFloats * sizeof(float)));
+  TRY(reserve(base_, field.window.newest().base.samples().size_bytes()));
+  TRY(reserve(rays_, kBatchRays * sizeof(ProbeRay)));
+  TRY(reserve(answers_, kBatchRays * kAnswerPlanes * sizeof(float)));
+  TRY(reserve(placed_, kPlacedPlanes * samples));
+  TRY(reserve(moved_, 3 * samples));
+  TRY(reserve_for(field.networks.still, ld, still_));
+  return reserve_for(field.networks.moving, ld, moving_);
+}
+
+void VulkanProbe::upload(const Branch<float>& branch, const BranchRoom& room) {
+  GpuWork& work = device_.work();
+  work.upload(bytes_of(branch.grid.tables().samples()), *room.tables.buffer);
+  work.upload(bytes_of(std::span<const std::uint32_t>(words_of(branch.grid))), *room.levels.buffer);
+  work.upload(bytes_of(branch.mlp.parameters()), *room.parameters.buffer);
+}
+
+void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
+  const WindowFrames& window = field.window;
+  const WindowFrame& frame = window.frame(view.frame);
+  const bool has_next = view.frame + 1 < window.size(), has_previous = view.frame > 0;
+  std::vector<float> views;
+  for (const RigidTransform* T_anchor_camera :
+       {&view.T_anchor_camera, &frame.T_anchor_camera,
+        has_next ? &window.frame(view.frame + 1).T_anchor_camera : &view.T_anchor_camera,
+        has_previous ? &window.frame(view.frame - 1).T_anchor_camera : &view.T_anchor_camera})
+    append_view(window.frustum(), *T_anchor_camera, views);
+  device_.work().upload(bytes_of(std::span(views)), *views_.buffer);
+  device_.work().upload(bytes_of(frame.base.samples()), *base_.buffer);
+  upload(field.networks.still, still_);
+  upload(field.networks.moving, moving_);
+}
+
+void VulkanProbe::forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
+                          BranchRoom& room) {
+  GpuWork& work = device_.work();
+  const struct { int count, ld, slot, level_size; } grid{count, ld, slot, branch.grid.tables().cols()};
+  work.run(*kernels_[kEncode], {*position, *room.tables, *room.levels, *room.features}, grid,
+           {count, 1, branch.grid.shape().levels});
+  const Mlp<float>& mlp = branch.mlp;
+  const int widths[] = {mlp.inputs(), mlp.hidden(), mlp.hidden(), mlp.outputs()};
+  const Room* values[] = {&room.features, &room.hidden[0], &room.hidden[1], &room.raw};
+  int first = 0;
+  for (int layer = 0; layer < Mlp<float>::kLayers; ++layer) {
+    const struct {
+      int count, ld, first, inputs, outputs, rectified;
+    } affine{count, ld, first, widths[layer], widths[layer + 1], layer + 1 < Mlp<float>::kLayers ? 1 : 0};
+    work.run(*kernels_[kAffine], {*room.parameters, **values[layer], **values[layer + 1]}, affine,
+             {count, widths[layer + 1] / 4, 1});
+    first += (widths[layer] + 1) * widths[layer + 1];
+  }
+}
+
+Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeView& view,
+                                        std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers) {
+  GpuWork& work = device_.work();
+  const WindowFrustum& frustum = field.window.frustum();
+  const auto count = static_cast<int>(rays.size());
+  const int samples = count * field.samples_per_ray, slot = field.window.frame(view.frame).slot;
+  const auto real = [](double v) { return static_cast<float>(v); };
+  const Constants constants{
+      {real(frustum.camera.fx_px), real(frustum.camera.fy_px)},
+      {real(frustum.camera.cx_px), real(frustum.camera.cy_px)},
+      {static_cast<float>(frustum.cols), static_cast<float>(frustum.rows)},
+      frustum.margin,
+      view.offset,
+      {real(frustum.u_per_px()), real(frustum.v_per_px()), real(WindowFrustum::kDepthUnit)},
+      count,
+      field.samples_per_ray,
+      samples,
+      field.has_dynamic ? 1 : 0,
+      field.networks.blend == Blend::Weight ? 1 : 0};
+  static_assert(sizeof(ProbeRay) == 3 * sizeof(float));
+  work.upload(bytes_of(rays), *rays_.buffer);
+  work.run(*kernels_[kPlace], {*rays_, *views_, *base_, *placed_}, constants, {count, 1, 1});
+  forward(field.networks.still, 0, placed_, samples, samples, still_);
+  const Room* position = &placed_;
+  if (field.has_dynamic) {
+    forward(field.networks.moving, slot, placed_, samples, samples, moving_);
+    if (view.offset != 0) {
+      work.run(*kernels_[kMove], {*placed_, *moving_.raw, *views_, *base_, *moved_}, constants,
+               {samples, 1, 1});
+      forward(field.networks.moving, slot, moved_, samples, samples, moving_);
+      position = &moved_;
+    }
+  }
+  work.run(*kernels_[kAnswer],
+           {*rays_, *placed_, *still_.raw, *moving_.raw, **position, *views_, *base_, *answers_}, constants,
+           {count, 1, 1});
+  fetched_.resize(kAnswerPlanes * rays.size());
+  work.download(*answers_.buffer, std::as_writable_bytes(std::span(fetched_)));
+  TRY(work.finish());
+  const auto value = [&](std::size_t plane, std::size_t r) { return fetched_[plane * rays.size() + r]; };
+  for (std::size_t r = 0; r < rays.size(); ++r) {
+    ProbeAnswer& answer = answers[r];
+    for (std::size_t c = 0; c < 3; ++c) answer.radiance[c] = value(c, r);
+    answer.inverse_depth = value(3, r), answer.dynamic_share = value(4, r), answer.confidence = value(5, r);
+    for (std::size_t n = 0; n < 2; ++n)
+      for (std::size_t a = 0; a < 2; ++a) answer.flow[n][a] = value(6 + 2 * n + a, r);
+  }
+  return {};
+}
+
+}  // namespace hdrcam

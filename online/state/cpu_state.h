@@ -1,0 +1,39 @@
+// The state on the processor: the recursion and the look-ahead with one room for both. Thread-bound.
+#pragma once
+
+#include "online/state/state_layer.h"
+
+namespace hdrcam {
+
+class CpuState final : public StateLayer {
+ public:
+  CpuState(const StateOptions& options, int rows, int cols, WorkerPool& pool)
+      : filter_(options, rows, cols, pool), look_ahead_(pool) {}
+
+  void restart(const StateInput& input) override {
+    filter_.fusion().set_white(input.white);
+    filter_.restart(input.frame, input.tables);
+  }
+  void advance(const StateInput& input, const FlowField& to_previous) override {
+    filter_.fusion().set_white(input.white);
+    filter_.advance(input.frame, input.tables, to_previous);
+  }
+  void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
+            JoinedState& joined) override {
+    filter_.fusion().set_white(white);
+    look_ahead_.join(of, later, filter_.fusion(), joined);
+  }
+  // Goes on from what another layer knew.
+  void resume(const RadianceState& state, const SampleResiduals& residuals) {
+    filter_.resume(state, residuals);
+  }
+
+  const RadianceState& state() const override { return filter_.state(); }
+  const SampleResiduals& residuals() const override { return filter_.residuals(); }
+
+ private:
+  StateFilter filter_;
+  LookAhead look_ahead_;
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,220 @@
+#include "online/state/vulkan/state_passes.h"
+
+#include "capture/clip_policy.h"
+#include "online/pictures/vulkan/box_mean.comp.h"
+#include "online/pictures/vulkan/local_contrast.comp.h"
+#include "online/pictures/vulkan/warp.comp.h"
+#include "online/state/sample_residuals.h"
+#include "online/state/vulkan/age.comp.h"
+#include "online/state/vulkan/blur.comp.h"
+#include "online/state/vulkan/dilate.comp.h"
+#include "online/state/vulkan/disagreement.comp.h"
+#include "online/state/vulkan/follow.comp.h"
+#include "online/state/vulkan/gate.comp.h"
+#include "online/state/vulkan/guess.comp.h"
+#include "online/state/vulkan/residuals.comp.h"
+#include "online/state/vulkan/sample.comp.h"
+#include "online/state/vulkan/shown.comp.h"
+#include "online/state/vulkan/update.comp.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr float kBlurBelieved = 0.3f;  // confidence of the motion, as Fusion::model_blur has it
+
+float square(float v) { return v * v; }
+
+}  // namespace
+
+Result<GpuTables> GpuTables::make(GpuDevice& device) {
+  constexpr std::size_t kCurves = 3 * (257 + 2050), kExcess = 3 * VarianceExcess::kBins;
+  return GpuTables{TRY(device.buffer(kCurves * sizeof(float))), TRY(device.buffer(kExcess * sizeof(float))),
+                   1};
+}
+
+void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
+  std::vector<float> all;
+  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.radiances(c).begin(), tables.radiances(c).end());
+  for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.variances(c).begin(), tables.variances(c).end());
+  work.upload(std::as_bytes(std::span(all)), *curves);
+  work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
+  exposure = tables.exposure();
+}
+
+Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& options) {
+  const std::array<GpuShader, kPasses> shaders{{{"warp", k_warp, 3},
+                                                {"box_mean", k_box_mean, 2},
+                                                {"local_contrast", k_local_contrast, 3},
+                                                {"sample", k_sample, 4},
+                                                {"shown", k_shown, 4},
+                                                {"blur", k_blur, 3},
+                                                {"disagreement", k_disagreement, 6},
+                                                {"gate", k_gate, 5},
+                                                {"age", k_age, 4},
+                                                {"residuals", k_residuals, 6},
+                                                {"guess", k_guess, 3},
+                                                {"update", k_update, 8},
+                                                {"dilate", k_dilate, 2},
+                                                {"follow", k_follow, 3}}};
+  StatePasses passes(device, options);
+  for (std::size_t i = 0; i < kPasses; ++i) passes.kernels_[i] = TRY(device.kernel(shaders[i]));
+  return passes;
+}
+
+void StatePasses::warp(const GpuPicture& in, const GpuPicture& motion, int cubic_planes, float limit,
+                       const GpuPicture& out) const {
+  const struct {
+    int rows, cols, cubic_planes;
+    float limit;
+  } constants{in.rows, in.cols, cubic_planes, limit};
+  run(kWarp, {*in, *motion, *out}, constants, out.grid());
+}
+
+void StatePasses::box_mean(const GpuPicture& in, int radius, const GpuPicture& out) const {
+  const struct { int rows, cols, radius; } constants{in.rows, in.cols, radius};
+  run(kBoxMean, {*in, *out}, constants, out.grid());
+}
+
+void StatePasses::local_contrast(const GpuPicture& in, const GpuPicture& mean,
+                                 const GpuPicture& contrast) const {
+  const struct { int rows, cols; } constants{in.rows, in.cols};
+  run(kLocalContrast, {*in, *mean, *contrast}, constants, mean.grid());
+}
+
+void StatePasses::sample(const GpuPicture& codes, const GpuPicture& brightest, const GpuTables& tables,
+                         const GpuPicture& samples) const {
+  using namespace clip_policy;
+  const struct {
+    int rows, cols;
+    float fade_begin, fade_end, compare_fade_begin, compare_fade_end, compare_dark_begin, compare_dark_end;
+  } constants{codes.rows,        codes.cols,      kFadeBegin,        kFadeEnd,
+              kCompareFadeBegin, kCompareFadeEnd, kCompareDarkBegin, kCompareDarkEnd};
+  run(kSample, {*codes, *brightest, tables.curves.get(), *samples}, constants, codes.grid());
+}
+
+void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction, float white,
+                             const GpuPicture& shown, const GpuPicture& samples) const {
+  const struct {
+    int rows, cols;
+    float known, believed;
+  } choice{state.rows, state.cols, known_limit(white), kBlurBelieved};
+  run(kShown, {*state, *samples, *motion, *shown}, choice, shown.grid());
+  const struct {
+    int rows, cols;
+    float fraction;
+  } constants{state.rows, state.cols, fraction};
+  run(kBlur, {*shown, *motion, *samples}, constants, shown.grid());
+}
+
+void StatePasses::gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,
+                       const GpuPicture& contrast, const GpuTables& tables, const GpuPicture& motion,
+                       float white, const GpuPicture& found, const GpuPicture& found_mean,
+                       const GpuPicture& gate) const {
+  const FusionOptions& o = options_.fusion;
+  const struct {
+    int rows, cols;
+    float known, exposure, relative2, texture2, blur_tolerance;
+  } apart{state.rows,
+          state.cols,
+          known_limit(white),
+          tables.exposure,
+          square(o.chi2_relative),
+          square(o.chi2_texture),
+          o.blur_tolerance};
+  run(kDisagreement, {*state, *samples, *mean, *contrast, tables.curves.get(), *found}, apart,
+      found.pixels());
+  box_mean(found, 2, found_mean);
+  const struct {
+    int rows, cols;
+    float tolerance, scale, least;
+  } constants{state.rows, state.cols, o.chi2_tolerance, o.chi2_scale, o.gate_floor};
+  run(kGate, {*state, *samples, *found_mean, *motion, *gate}, constants, gate.pixels());
+}
+
+void StatePasses::age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
+                      const GpuPicture& gate) const {
+  const struct {
+    int rows, cols;
+    float growth, relative2, misalignment2, least, unseen;
+  } constants{state.rows,
+              state.cols,
+              1 + options_.variance_growth,
+              square(options_.relative_growth),
+              square(options_.fusion.misalignment),
+              options_.fusion.gate_floor,
+              kUnseenVariance};
+  run(kAge, {*state, *contrast, *motion, *gate}, constants, contrast.grid());
+}
+
+void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
+                            const GpuTables& tables, float white, const GpuPicture& found) const {
+  constexpr ResidualSampling kHow = kResidualSampling;
+  static_assert(kHow.stride_px == 2);
+  const struct {
+    int rows, cols, found_rows, found_cols, bins;
+    float known, exposure, least_confidence, misalignment, relative2;
+  } constants{state.rows,
+              state.cols,
+              found.rows,
+              found.cols,
+              static_cast<int>(VarianceExcess::kBins),
+              known_limit(white),
+              tables.exposure,
+              kHow.least_confidence,
+              kHow.misalignment,
+              square(kHow.relative)};
+  run(kResiduals, {*state, *samples, *motion, tables.curves.get(), tables.excess.get(), *found}, constants,
+      {found.cols, found.rows, 3});
+}
+
+void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
+                       float white, const GpuPicture& gate, const GpuPicture& contrast,
+                       const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
+                       const GpuPicture& share) const {
+  const FusionOptions& o = options_.fusion;
+  const struct {
+    int rows, cols;
+    float known;
+  } choice{state.rows, state.cols, known_limit(white)};
+  run(kGuess, {*state, *samples, *guess}, choice, guess.grid());
+  box_mean(guess, 1, mean);
+  const struct {
+    int rows, cols, joins;
+    float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2;
+  } constants{state.rows,
+              state.cols,
+              joins,
+              known_limit(white),
+              tables.exposure,
+              square(o.relative_noise),
+              o.blur_variance,
+              o.unknown_blur_variance,
+              square(o.misalignment)};
+  run(kUpdate, {*state, *samples, *mean, tables.curves.get(), *gate, *contrast, *motion, *share}, constants,
+      share.pixels());
+}
+
+void StatePasses::update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
+                         float white, const GpuPicture& guess, const GpuPicture& mean,
+                         const GpuPicture& share) const {
+  fuse(0, state, samples, tables, white, mean, mean, mean, guess, mean, share);
+}
+
+void StatePasses::join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
+                       float white, const GpuPicture& gate, const GpuPicture& contrast,
+                       const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
+                       const GpuPicture& share) const {
+  fuse(1, state, samples, tables, white, gate, contrast, motion, guess, mean, share);
+}
+
+void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {
+  const struct { int rows, cols; } constants{in.rows, in.cols};
+  run(kDilate, {*in, *out}, constants, out.grid());
+}
+
+void StatePasses::follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const {
+  const struct { int rows, cols; } constants{motion.rows, motion.cols};
+  run(kFollow, {*motion, *path, *longer}, constants, longer.pixels());
+}
+
+}  // namespace hdrcam

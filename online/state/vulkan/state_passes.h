@@ -1,0 +1,99 @@
+// The state's passes over pictures on a graphics device: one method per kernel, each with a twin on the
+// processor (named beside it) and a test that compares the two. Pictures as state.glsl lays them out. A pass
+// is recorded into the device's work; nothing runs before its finish(). Thread-bound; the device outlives it.
+#pragma once
+
+#include <array>
+
+#include "hal/gpu/gpu_picture.h"
+#include "online/state/exposure_tables.h"
+#include "online/state/state_filter.h"
+
+namespace hdrcam {
+
+// Planes of the pictures that passes share.
+constexpr int kStatePlanes = 6;     // radiance rgb, variance rgb
+constexpr int kSamplePlanes = 12;   // radiance, weight, comparable, blur; rgb each
+constexpr int kMotionPlanes = 3;    // dx, dy, confidence
+constexpr int kFoundPlanes = 2;     // chi^2, compared
+constexpr int kResidualPlanes = 9;  // residual, variance, bin; rgb each
+
+// What a code means and how noisy it is, in the device's memory.
+struct GpuTables {
+  std::unique_ptr<GpuBuffer> curves, excess;
+  float exposure = 1;
+
+  static Result<GpuTables> make(GpuDevice& device);
+  void take(const ExposureTables& tables, GpuWork& work);
+};
+
+class StatePasses {
+ public:
+  static Result<StatePasses> make(GpuDevice& device, const StateOptions& options);
+
+  // warp_cubic and warp_linear: the first planes cubic, within `limit` of the linear value.
+  void warp(const GpuPicture& in, const GpuPicture& motion, int cubic_planes, float limit,
+            const GpuPicture& out) const;
+  void box_mean(const GpuPicture& in, int radius, const GpuPicture& out) const;
+  void local_contrast(const GpuPicture& in, const GpuPicture& mean, const GpuPicture& contrast) const;
+  // Fusion::sample
+  void sample(const GpuPicture& codes, const GpuPicture& brightest, const GpuTables& tables,
+              const GpuPicture& samples) const;
+  // Fusion::model_blur; shown: room for its picture
+  void model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction, float white,
+                  const GpuPicture& shown, const GpuPicture& samples) const;
+  // Fusion::gate; mean, contrast: of the state's radiance; found, found_mean: room
+  void gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,
+            const GpuPicture& contrast, const GpuTables& tables, const GpuPicture& motion, float white,
+            const GpuPicture& found, const GpuPicture& found_mean, const GpuPicture& gate) const;
+  // StateFilter's growth of the variance, Fusion::warp_variance in it
+  void age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
+           const GpuPicture& gate) const;
+  // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, (rows - 1) / 2, (cols - 1) / 2]
+  void residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
+                 const GpuTables& tables, float white, const GpuPicture& found) const;
+  // Fusion::update with a frame's own samples; guess, mean: room
+  void update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
+              const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+  // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
+  void join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
+            const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
+            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+  // LookAhead: the brightest code that may have gone into a warped one; a path made longer
+  void dilate(const GpuPicture& in, const GpuPicture& out) const;
+  void follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const;
+
+ private:
+  enum Pass : std::size_t {
+    kWarp,
+    kBoxMean,
+    kLocalContrast,
+    kSample,
+    kShown,
+    kBlur,
+    kDisagreement,
+    kGate,
+    kAge,
+    kResiduals,
+    kGuess,
+    kUpdate,
+    kDilate,
+    kFollow,
+    kPasses
+  };
+  StatePasses(GpuDevice& device, const StateOptions& options) : device_(&device), options_(options) {}
+  template <class Constants>
+  void run(Pass pass, std::initializer_list<const GpuBuffer*> buffers, const Constants& constants,
+           const GpuGrid& grid) const {
+    device_->work().run(*kernels_[pass], buffers, constants, grid);
+  }
+  void fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
+            float white, const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
+            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+
+  GpuDevice* device_;
+  StateOptions options_;
+  std::array<const GpuKernel*, kPasses> kernels_{};
+};
+
+}  // namespace hdrcam

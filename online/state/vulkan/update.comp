@@ -1,0 +1,53 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// Inverse-variance update of the state by samples. A frame's own samples count whole and set the share;
+// later frames' samples (`joins` 1) count as far as the gate says, with the variance of their warp, and their
+// share is joined to that of those before.
+#include "hal/gpu/element.glsl"
+layout(push_constant) uniform Constants {
+  int rows, cols, joins;
+  float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2;
+};
+CHANGES(0, State, state)
+READS(1, Samples, samples)
+READS(2, Mean, mean)
+READS(3, Tables, tables)
+READS(4, Gate, gate)
+READS(5, Contrast, contrast)
+READS(6, Motion, motion)
+CHANGES(7, Share, share)
+#include "online/pictures/vulkan/picture.glsl"
+#include "online/state/vulkan/state.glsl"
+#include "online/state/vulkan/noise.glsl"
+#include "online/state/vulkan/warp_variance.glsl"
+
+void main() {
+  if (!is_pixel()) return;
+  const int x = column(), y = row(), pixel = at(0, y, x);
+  const float trust = joins != 0 ? gate[pixel] : 1;
+  const float extra = joins != 0 ? warp_variance(motion[pixel], motion[at(1, y, x)], misalignment2) : 0;
+  float shared_ = 0;
+  for (int c = 0; c < 3; ++c) {
+    const int i = at(c, y, x), of_variance = at(kVariance + c, y, x);
+    const float s = state[i], v = state[of_variance], r = samples[i], m = mean[i];
+    const float blur = samples[at(kBlur + c, y, x)], blur2 = blur * blur;
+    float variance = noise_variance(c, m) + relative2 * m * m, value = r;
+    if (v < known) {
+      value = max(0.0, value - blur * blur2 / (blur2 + v + kTiny));
+      variance += blur_variance * blur2;
+    } else {
+      variance += unknown_blur_variance * blur2;
+    }
+    if (joins != 0) variance += extra * contrast[i];
+    const float weight = samples[at(kWeight + c, y, x)] * trust / (variance + kTiny);
+    const float before = 1 / (v + kTiny);
+    if (weight > 1e-5 / (m * m + kTiny) || v < known) {
+      state[i] = (s * before + value * weight) / (before + weight);
+      state[of_variance] = 1 / (before + weight);
+      shared_ += weight / (before + weight) * (1.0 / 3);
+    } else {
+      state[i] = max(r, s);
+    }
+  }
+  share[pixel] = joins != 0 ? share[pixel] * (1 - shared_) + shared_ : shared_;
+}

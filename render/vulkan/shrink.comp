@@ -1,0 +1,53 @@
+#version 450
+#extension GL_GOOGLE_include_directive : require
+// One tile of one channel: its spectrum, each coefficient scaled by how far it is above the noise, and back.
+// One invocation per tile.
+#include "hal/gpu/element.glsl"
+layout(push_constant) uniform Constants {
+  int rows, cols, tile_rows, tile_cols;
+};
+READS(0, Opponent, opponent)
+READS(1, Basis, basis)  // [frequency][pixel] cosines
+WRITES(2, Tiles, tiles)
+#include "render/vulkan/tiles.glsl"
+
+void main() {
+  if (column() >= tile_cols) return;
+  const int c = plane(), y0 = first_of(row(), rows), x0 = first_of(column(), cols);
+  float a[64], b[64];
+  float noise = 0;
+  for (int i = 0; i < 64; ++i) {
+    a[i] = opponent[at(c, y0 + i / kTile, x0 + i % kTile)];
+    noise += opponent[at(3 + c, y0 + i / kTile, x0 + i % kTile)];
+  }
+  noise /= 64;
+  for (int i = 0; i < 64; ++i) {  // b = basis a
+    float sum = 0;
+    for (int k = 0; k < kTile; ++k) sum += basis[i / kTile * kTile + k] * a[k * kTile + i % kTile];
+    b[i] = sum;
+  }
+  float energy = 1;  // of the gains; the mean is kept whole
+  for (int i = 0; i < 64; ++i) {  // a = b basis^T: the spectrum, shrunk
+    float sum = 0;
+    for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[i % kTile * kTile + k];
+    if (i > 0) {
+      const float power = sum * sum, gain = max(0.0, (power - 1.5 * noise) / (power + 1e-12));
+      sum *= gain;
+      energy += gain * gain;
+    }
+    a[i] = sum;
+  }
+  for (int i = 0; i < 64; ++i) {  // b = basis^T a
+    float sum = 0;
+    for (int k = 0; k < kTile; ++k) sum += basis[k * kTile + i / kTile] * a[k * kTile + i % kTile];
+    b[i] = sum;
+  }
+  const float weight = 1 / (energy * (noise + 1e-6));
+  const int to = tile_at(c, row(), column());
+  tiles[to] = weight;
+  for (int i = 0; i < 64; ++i) {  // b basis
+    float sum = 0;
+    for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[k * kTile + i % kTile];
+    tiles[to + 1 + i] = weight * sum;
+  }
+}
