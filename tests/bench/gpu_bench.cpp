@@ -1,0 +1,113 @@
+// What runs on a graphics device, beside the same on the processor with two threads: state, look-ahead,
+// shrinkage and a view of the field, 320x240. HDRCAM_TEST_GPU names the device. Transfers are part of the
+// time. `device` in the label names what computed.
+#include <benchmark/benchmark.h>
+
+#include "capture/unpack.h"
+#include "online/scene/hash_grid/field/field_renderer.h"
+#include "online/scene/hash_grid/fit/field_fit.h"
+#include "online/state/state_layer.h"
+#include "render/shrinkage.h"
+#include "tests/support/gpu.h"
+#include "tests/support/moving_scene.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kRows = 240, kCols = 320, kFrames = 6;
+
+struct Bench {
+  test::MovingScene scene;
+  WorkerPool pool{2};
+  Response response = Response::gamma(2.2f);
+  std::unique_ptr<GpuDevice> gpu;
+  std::vector<ExposedFrame> frames;
+  std::vector<ExposureTables> tables;
+  FlowField motion{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
+
+  // where: 0 the processor, 1 the graphics device.
+  explicit Bench(benchmark::State& state) {
+    scene.rows = kRows, scene.cols = kCols;
+    if (state.range(0) == 1 && (gpu = test::open_test_gpu()) == nullptr)
+      state.SkipWithError("there is no graphics device");
+    state.SetLabel(gpu != nullptr ? gpu->facts().name : "processor");
+    UnpackSettings settings;
+    settings.reference_exposure = 0.004;
+    for (int i = 0; i < kFrames; ++i) {
+      frames.push_back(unpack(scene.frame(i), i, 1 / 30., settings).value());
+      tables.emplace_back(response, NoiseModel(), frames.back().exposure);
+    }
+    std::fill_n(motion.vectors.plane(0), motion.vectors.plane_size(), -1.3f);
+    std::fill_n(motion.vectors.plane(1), motion.vectors.plane_size(), 0.4f);
+    motion.confidence.fill(1);
+  }
+  StateInput input(std::size_t i) const { return {frames[i], tables[i], 4}; }
+};
+
+void state_on_device(benchmark::State& state) {
+  Bench bench(state);
+  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, bench.gpu.get());
+  layer->restart(bench.input(0));
+  for (auto _ : state) layer->advance(bench.input(1), bench.motion);
+}
+
+void look_ahead_on_device(benchmark::State& state) {
+  Bench bench(state);
+  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, bench.gpu.get());
+  layer->restart(bench.input(0));
+  const LaterFrame later{&bench.frames[1], &bench.motion, &bench.tables[1]};
+  JoinedState joined;
+  for (auto _ : state) layer->join(layer->state(), {&later, 1}, 4, joined);
+}
+
+void shrinkage_on_device(benchmark::State& state) {
+  Bench bench(state);
+  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  layer->restart(bench.input(0));
+  Shrinkage shrink(bench.pool, bench.gpu.get());
+  for (auto _ : state) {
+    Image<float> radiance = layer->state().radiance.clone();
+    shrink.apply(radiance, layer->state().variance, 8e-4f);
+  }
+}
+
+void view_on_device(benchmark::State& state) {
+  Bench bench(state);
+  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  layer->restart(bench.input(0));
+  const Intrinsics lens = *bench.scene.camera().intrinsics;
+  FieldFit fit({}, lens, kRows, kCols, bench.pool);
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    FieldObservation seen;
+    seen.index = static_cast<int>(i), seen.time_s = static_cast<double>(i) / 30;
+    seen.exposure = bench.frames[i].exposure;
+    seen.codes = &bench.frames[i].codes;
+    seen.radiance = &layer->state().radiance, seen.variance = &layer->state().variance;
+    if (i > 0) seen.to_previous = &bench.motion, seen.from_previous = &bench.motion;
+    if (!fit.observe(seen, bench.response)) state.SkipWithError("a frame was refused");
+  }
+  SceneView view;
+  view.time_s = 3 / 30.0, view.lens = lens, view.rows = kRows, view.cols = kCols;
+  FieldRenderer renderer(bench.gpu.get());
+  FieldPicture picture;
+  for (auto _ : state) renderer.render(fit.field(), view, bench.pool, picture);
+  state.SetItemsProcessed(state.iterations() * kRows * kCols * fit.field().samples_per_ray);
+}
+
+BENCHMARK(state_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(look_ahead_on_device)
+    ->ArgName("on_gpu")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(shrinkage_on_device)
+    ->ArgName("on_gpu")
+    ->Arg(0)
+    ->Arg(1)
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
+BENCHMARK(view_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+}  // namespace
+}  // namespace hdrcam
