@@ -29,6 +29,7 @@ struct ListedVerb {
 constexpr ListedVerb kVerbs[] = {
     {"HDR", "replay", add_replay, "hdrcam replay walk.mkv -o out/%06d.exr --report out/report.html"},
     {"HDR", "live", add_live, "hdrcam live --camera sim:walk --frames 90 -o out/%06d.exr"},
+    {"HDR", "encode", add_encode, "hdrcam encode out/%06d.exr -o walk.mp4"},
     {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
     {"Recordings", "record", add_record, "hdrcam record --shutter 1ms,4ms,16ms --frames 300 -o walk.mkv"},
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},

@@ -61,7 +61,7 @@ ToneCurve::ToneCurve(ToneAnchors anchors) : anchors_(anchors) {
   }
 }
 
-std::uint8_t ToneCurve::code(float radiance) const {
+float ToneCurve::level(float radiance) const {
   if (!(radiance > 0)) return 0;
   // The exponent and the upper six bits of the mantissa are the segment, the lower bits the place within it.
   constexpr int kMantissaBits = std::numeric_limits<float>::digits - 1;
@@ -70,11 +70,11 @@ std::uint8_t ToneCurve::code(float radiance) const {
   const auto bits = std::bit_cast<std::uint32_t>(radiance);
   const int segment = static_cast<int>(bits >> kPlaceBits) - kFirst;
   if (segment < 0) return 0;
-  if (segment >= kSegments * kOctaves) return static_cast<std::uint8_t>(codes_.back() + 0.5f);
+  if (segment >= kSegments * kOctaves) return codes_.back();
   const float place =
       static_cast<float>(bits & ((1u << kPlaceBits) - 1)) / static_cast<float>(1u << kPlaceBits);
   const auto i = static_cast<std::size_t>(segment);
-  return static_cast<std::uint8_t>(codes_[i] + place * (codes_[i + 1] - codes_[i]) + 0.5f);
+  return codes_[i] + place * (codes_[i + 1] - codes_[i]);
 }
 
 Image<std::uint8_t> tone_mapped(const Image<float>& radiance, const ToneCurve& curve) {

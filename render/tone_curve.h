@@ -32,7 +32,9 @@ class ToneCurve {
 
   explicit ToneCurve(ToneAnchors anchors);
   // radiance -> code, monotone; 0 for what is not a positive number, 255 for +inf
-  std::uint8_t code(float radiance) const;
+  std::uint8_t code(float radiance) const { return static_cast<std::uint8_t>(level(radiance) + 0.5f); }
+  // The code before it is rounded, 0..255.
+  float level(float radiance) const;
   const ToneAnchors& anchors() const { return anchors_; }
 
  private:

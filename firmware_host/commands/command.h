@@ -28,6 +28,7 @@ void add_import(CLI::App& app, Verb& chosen);
 void add_export(CLI::App& app, Verb& chosen);
 void add_info(CLI::App& app, Verb& chosen);
 void add_replay(CLI::App& app, Verb& chosen);
+void add_encode(CLI::App& app, Verb& chosen);
 void add_compare(CLI::App& app, Verb& chosen);
 void add_live(CLI::App& app, Verb& chosen);
 void add_record(CLI::App& app, Verb& chosen);

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "firmware_host/sinks/sink_table.h"
+#include "hal/video/video_writer.h"
 
 namespace hdrcam {
 
@@ -21,9 +22,11 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
   for (const SinkKind& sink : sink_kinds()) {
     const std::string& path = settings.output.path(sink.name);
     const std::string_view flag = sink.flag;
-    const bool numbered = path.find('%') != std::string::npos;
-    outputs.push_back(
-        {std::string(flag.substr(flag.find("--"))), path, numbered ? OutputKind::Frames : OutputKind::Page});
+    if (path == kStandardOutput) continue;  // replaces nothing
+    const OutputKind kind = path.find('%') != std::string::npos ? OutputKind::Frames
+                            : video_container_of(path)          ? OutputKind::Recording
+                                                                : OutputKind::Page;
+    outputs.push_back({std::string(flag.substr(flag.find("--"))), path, kind});
   }
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   return outputs;

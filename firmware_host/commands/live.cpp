@@ -13,6 +13,7 @@
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 namespace {
@@ -37,10 +38,12 @@ bool keeps_nothing(const Settings& settings) {
 }
 
 void print_summary(const LiveCounters& counters, const Settings& settings) {
-  fmt::print("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true), proof_of(counters.camera),
-             to_seconds(counters.longest_latency) * 1e3);
+  // The standard output may be taken by the frames.
+  std::FILE* const words = settings.output.path("frames") == kStandardOutput ? stderr : stdout;
+  fmt::print(words, "{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
+             proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3);
   if (!settings.record.file.empty())
-    fmt::print("recorded {} frames to {}\n", counters.recorded, settings.record.file);
+    fmt::print(words, "recorded {} frames to {}\n", counters.recorded, settings.record.file);
 }
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
@@ -66,7 +69,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
-    fmt::print(stderr, "note: this run writes no files; give -o out/%06d.exr or --record walk.mkv\n");
+    fmt::print(stderr, "note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return replay_as_camera(flags, settings, around);
   const auto camera =

@@ -41,11 +41,12 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
-  if (!flags.truth.empty() && settings.output.path("frames").empty())
-    return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output too"};
+  if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
+    return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
   if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
-    return Error{ErrorCode::Invalid,
-                 "nothing to write; give --output out/%06d.exr, --preview, --sheet, --stats or --report"};
+    return Error{
+        ErrorCode::Invalid,
+        "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report"};
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,

@@ -144,9 +144,9 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   const Backend backend = open_backend(settings.fit.backend);
   Pipeline pipeline(options, camera, pool, backend.gpu.get());
-  SinkSet sinks =
-      TRY(SinkSet::open(plan.sinks, settings.output.paths,
-                        {"", camera, settings.output.layers, settings.output.compression, storage}, pace));
+  SinkSet sinks = TRY(SinkSet::open(
+      plan.sinks, settings.output.paths,
+      {"", camera, settings.output.layers, settings.output.compression, settings.video, storage}, pace));
   std::optional<NovelViews> novel_views;
   if (!plan.truth.empty())
     novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));

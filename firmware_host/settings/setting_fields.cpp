@@ -231,6 +231,32 @@ std::vector<SettingField> knob_fields() {
   return fields;
 }
 
+std::vector<SettingField> video_fields() {
+  using V = VideoOptions;
+  using enum VideoTransfer;
+  using enum PipeFormat;
+  constexpr auto kGroup = &Settings::video;
+  return {
+      choice<kGroup, &V::transfer, Pq, Hlg, Sdr>(
+          "video.transfer", "--transfer",
+          "of videos: HDR10, hybrid log-gamma, or tone-mapped for SDR displays", {"pq", "hlg", "sdr"}),
+      choice<kGroup, &V::codec, CodecChoice::Suitable, CodecChoice::Hevc, CodecChoice::Av1,
+             CodecChoice::H264>("video.codec", "--codec", "of videos; auto: h264 for sdr, else hevc",
+                                {"auto", "hevc", "av1", "h264"}),
+      number<kGroup, &V::white_nits>("video.white", "--white", "luminance of radiance 1 in HDR videos, cd/m2",
+                                     {1, 10000, {}}),
+      number<kGroup, &V::peak_nits>(
+          "video.peak", "--peak",
+          "peak luminance of HDR videos, cd/m2; brighter light is compressed below it", {100, 10000, {}}),
+      number<kGroup, &V::crf>("video.crf", "--crf",
+                              "constant rate factor of videos: less is better and larger", {0, 51, {}}),
+      choice<kGroup, &V::pipe, Nut, Y4m, Half>(
+          "video.pipe_format", "--pipe-format",
+          "of frames to the standard output: uncompressed video, or bare half-float RGB radiance",
+          {"nut", "y4m", "half"}),
+  };
+}
+
 // First the path of each sink, then the settings of the frames.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
@@ -243,6 +269,7 @@ std::vector<SettingField> output_fields() {
       "none", {"depth", "flow", "field_flow", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
+  for (SettingField& field : video_fields()) fields.push_back(std::move(field));
   return fields;
 }
 

@@ -11,6 +11,7 @@
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "firmware_host/sinks/exr_sequence.h"
+#include "firmware_host/sinks/video_options.h"
 #include "hal/replay/replayed_camera.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"
@@ -64,6 +65,7 @@ struct Settings {
 
     const std::string& path(std::string_view sink) const;
   } output;
+  VideoOptions video;  // of every output that is a video
   struct Record {
     std::string file;      // the raw recording
     int memory_mib = 256;  // for frames that wait for the disk, 1..65536

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -15,6 +16,19 @@ namespace hdrcam {
 namespace {
 
 constexpr double kIsoOfUnitGain = 100;
+constexpr const char* kSinceStart = "hdrcam.secondsSinceStart";
+constexpr const char* kWhite = "hdrcam.white";
+
+std::optional<double> number(const std::map<std::string, std::string>& texts, const char* name) {
+  const auto text = texts.find(name);
+  if (text == texts.end()) return std::nullopt;
+  double value = 0;
+  const char* const end = text->second.data() + text->second.size();
+  const auto parsed = std::from_chars(text->second.data(), end, value);
+  return parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value) && value >= 0
+             ? std::optional(value)
+             : std::nullopt;
+}
 
 ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& options, Instant start) {
   const FrameFacts& facts = frame.facts;
@@ -31,6 +45,8 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
   if (facts.exposure_within_ev)
     attributes.texts["hdrcam.exposureWithinEv"] = fmt::format("{:.3f}", *facts.exposure_within_ev);
+  attributes.texts[kSinceStart] = fmt::format("{:.9f}", to_seconds(facts.timestamp - start));
+  attributes.texts[kWhite] = fmt::format("{}", frame.white);
   attributes.comments = fmt::format(
       "hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is "
       "{:.6g} of it",
@@ -97,6 +113,10 @@ class ExrSequence : public FrameSink {
 };
 
 }  // namespace
+
+RunFacts run_facts_of(const ExrAttributes& attributes) {
+  return {number(attributes.texts, kSinceStart), number(attributes.texts, kWhite)};
+}
 
 Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,
                                                        ExrSequenceOptions options) {

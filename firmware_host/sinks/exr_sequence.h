@@ -34,6 +34,13 @@ struct ExrSequenceOptions {
   std::string owner = {};  // written where not empty
 };
 
+// What a file says of its place in the run, for whoever makes a video of the files.
+struct RunFacts {
+  std::optional<double> since_start_s;  // from the first frame of the run to this one
+  std::optional<double> white;          // radiance that saturates the shortest exposure
+};
+RunFacts run_facts_of(const ExrAttributes& attributes);
+
 // pattern: "out/%06d.exr" (frame_pattern.h); its folder is created. The storage outlives the sink.
 // Errors: Invalid (pattern), Permission, NoSpace, Io.
 Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 
 namespace hdrcam {
 namespace {
@@ -42,6 +43,19 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
 
 std::string FramePattern::path(std::uint64_t sequence) const {
   return fmt::format("{}{:0{}}{}", before_, sequence, digits_, after_);
+}
+
+std::optional<std::uint64_t> FramePattern::sequence_of(std::string_view name) const {
+  const std::size_t slash = before_.rfind('/');
+  const std::string_view before =
+      std::string_view(before_).substr(slash == std::string::npos ? 0 : slash + 1);
+  if (name.size() <= before.size() + after_.size() || !name.starts_with(before) || !name.ends_with(after_))
+    return std::nullopt;
+  const std::string_view digits = name.substr(before.size(), name.size() - before.size() - after_.size());
+  std::uint64_t sequence = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), sequence);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size();
+  return whole && path(sequence).ends_with(name) ? std::optional(sequence) : std::nullopt;
 }
 
 std::string FramePattern::folder() const {

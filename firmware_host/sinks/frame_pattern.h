@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,8 @@ class FramePattern {
   static Result<FramePattern> parse(std::string_view flag, std::string_view text, std::string_view extension);
 
   std::string path(std::uint64_t sequence) const;
+  // The number of a file of that name, without its folder; nullopt where the pattern makes no such name.
+  std::optional<std::uint64_t> sequence_of(std::string_view name) const;
   std::string folder() const;  // of the files; "." where the pattern names none
 
  private:

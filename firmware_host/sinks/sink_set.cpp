@@ -15,8 +15,8 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
     const auto path = paths.find(kind.name);
     if (path == paths.end() || path->second.empty()) continue;
     Open open{.name = kind.name};
-    open.sink =
-        TRY(kind.open({path->second, request.camera, request.layers, request.compression, request.storage}));
+    open.sink = TRY(kind.open(
+        {path->second, request.camera, request.layers, request.compression, request.video, request.storage}));
     if (kind.pace != SinkPace::Light) {
       const bool camera = pace == RunPace::Camera;
       const WhenFull when_full =

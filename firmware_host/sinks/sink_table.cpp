@@ -1,16 +1,33 @@
 #include "firmware_host/sinks/sink_table.h"
 
+#include <algorithm>
+#include <iterator>
+
 #include "firmware_host/sinks/contact_sheet.h"
+#include "firmware_host/sinks/half_pipe.h"
+#include "firmware_host/sinks/hdr_video.h"
 #include "firmware_host/sinks/preview.h"
 #include "firmware_host/sinks/report.h"
 #include "firmware_host/sinks/stats.h"
+#include "hal/standard_output.h"
 
 namespace hdrcam {
 namespace {
 
 using Opened = Result<std::unique_ptr<FrameSink>>;
 
+Opened open_video(const SinkRequest& request) {
+  return create_hdr_video(request.storage, request.path, request.camera.framerate_hz, request.video);
+}
+
+Opened open_pipe(const SinkRequest& request) {
+  if (request.video.pipe == PipeFormat::Half) return create_half_pipe(standard_output());
+  return create_video_pipe(standard_output(), request.camera.framerate_hz, request.video);
+}
+
 Opened open_frames(const SinkRequest& request) {
+  if (request.path == kStandardOutput) return open_pipe(request);
+  if (video_container_of(request.path)) return open_video(request);
   ExrSequenceOptions options;
   options.layers = request.layers;
   options.compression = request.compression;
@@ -19,8 +36,11 @@ Opened open_frames(const SinkRequest& request) {
 }
 
 constexpr SinkKind kSinkKinds[] = {
-    {"frames", "-o,--output", "HDR frames, numbered by the sensor's sequence: out/%06d.exr",
+    {"frames", "-o,--output",
+     "HDR frames, numbered by the sensor's sequence: out/%06d.exr; a video: out.mp4 (.mov, .mkv); or -, the "
+     "standard output",
      SinkPace::Complete, open_frames},
+    {"video", "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete, open_video},
     {"preview", "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest,
      [](const SinkRequest& request) { return create_preview(request.storage, request.path); }},
     {"sheet", "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest,
@@ -34,5 +54,12 @@ constexpr SinkKind kSinkKinds[] = {
 }  // namespace
 
 std::span<const SinkKind> sink_kinds() { return kSinkKinds; }
+
+Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request) {
+  const auto* const kind =
+      std::ranges::find(kSinkKinds, name, [](const SinkKind& one) { return std::string_view(one.name); });
+  CHECK(kind != std::end(kSinkKinds));
+  return kind->open(request);
+}
 
 }  // namespace hdrcam

@@ -6,22 +6,27 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "firmware_host/sinks/async_sink.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_sink.h"
+#include "firmware_host/sinks/video_options.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
 
 // The arguments for opening a sink.
 struct SinkRequest {
-  std::string path;  // as the user gave it: a file, or a pattern for one file per frame
+  std::string path;  // as the user gave it: a file, a pattern for one file per frame, or kStandardOutput
   const CameraFacts& camera;
   ExrLayers layers = {};
   ExrCompression compression = ExrCompression::Zip;
+  VideoOptions video = {};
   Storage& storage;  // outlives the sink
 };
+
+inline constexpr std::string_view kStandardOutput = "-";
 
 // A sink's thread, and what it does when slower than the camera; with a recording the run waits.
 enum class SinkPace {
@@ -41,5 +46,8 @@ struct SinkKind {
 
 // In the order in which they get a frame, and in which the help lists them.
 std::span<const SinkKind> sink_kinds();
+
+// The sink of that name by itself, in the caller's thread. Errors: those of its `open`.
+Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request);
 
 }  // namespace hdrcam

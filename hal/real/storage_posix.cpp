@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "hal/standard_output.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -53,7 +54,8 @@ std::filesystem::path end_of_links(std::filesystem::path path) {
 
 class PosixFile : public StorageFile {
  public:
-  PosixFile(int fd, std::string path) : fd_(fd), path_(std::move(path)) {}
+  PosixFile(int fd, std::string path, bool streams = false)
+      : fd_(fd), path_(std::move(path)), streams_(streams) {}
   ~PosixFile() override { ::close(fd_); }
 
   Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
@@ -108,7 +110,7 @@ class PosixFile : public StorageFile {
 
   int fd_;
   std::string path_;
-  bool streams_ = false;
+  bool streams_;
   std::uint64_t streamed_ = 0;
 };
 
@@ -171,6 +173,10 @@ class PosixStorage : public Storage {
 };
 
 }  // namespace
+
+std::unique_ptr<StorageFile> standard_output() {
+  return std::make_unique<PosixFile>(::dup(STDOUT_FILENO), "the standard output", true);
+}
 
 Storage& posix_storage() {
   static PosixStorage storage;

@@ -14,11 +14,11 @@ constexpr int kBufferBytes = 1 << 16;
 
 StorageStream::StorageStream(std::unique_ptr<StorageFile> file, Direction direction)
     : file_(std::move(file)) {
-  const bool writes = direction == Direction::Write;
+  const bool writes = direction != Direction::Read;
   auto* buffer = static_cast<unsigned char*>(av_malloc(kBufferBytes));
   if (buffer == nullptr) throw std::bad_alloc();
   context_ = avio_alloc_context(buffer, kBufferBytes, writes ? 1 : 0, this, writes ? nullptr : &read,
-                                writes ? &write : nullptr, &seek);
+                                writes ? &write : nullptr, direction == Direction::Pipe ? nullptr : &seek);
   if (context_ == nullptr) {
     av_free(buffer);
     throw std::bad_alloc();

@@ -14,7 +14,11 @@ namespace hdrcam {
 
 class StorageStream {
  public:
-  enum class Direction { Read, Write };
+  enum class Direction {
+    Read,
+    Write,
+    Pipe,  // write, in order, without going back
+  };
 
   StorageStream(std::unique_ptr<StorageFile> file, Direction direction);
   ~StorageStream();

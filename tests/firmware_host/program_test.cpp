@@ -40,7 +40,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-const std::vector<std::string> kVerbs{"replay", "live", "compare",  "record",    "import",
+const std::vector<std::string> kVerbs{"replay", "live", "encode",   "compare",   "record", "import",
                                       "export", "info", "simulate", "calibrate", "list"};
 
 }  // namespace

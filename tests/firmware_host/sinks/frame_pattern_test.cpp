@@ -18,6 +18,15 @@ TEST_CASE("a pattern names one file per sequence number, in the folder it says")
   CHECK(FramePattern::parse("--output", "/%04d.exr", ".exr").value().folder() == "/");
 }
 
+TEST_CASE("the number of a file is found again in its name") {
+  const auto pattern = FramePattern::parse("--output", "out/f_%04d_v2.exr", ".exr").value();
+  CHECK(pattern.sequence_of("f_0007_v2.exr") == 7);
+  CHECK(pattern.sequence_of("f_12345_v2.exr") == 12345);
+  for (const char* stranger : {"f_007_v2.exr", "f_00007_v2.exr", "f__v2.exr", "f_0007.exr", "g_0007_v2.exr",
+                               "f_00a7_v2.exr", "f_-007_v2.exr", ""})
+    CHECK_FALSE(pattern.sequence_of(stranger));
+}
+
 TEST_CASE("a number of 64 bits keeps all its digits") {
   const auto pattern = FramePattern::parse("--output", "%019d.exr", ".exr");
   CHECK(pattern.value().path(UINT64_MAX) == "18446744073709551615.exr");

@@ -1,0 +1,125 @@
+// hdrcam encode out/%06d.exr -o x.mp4: HDR frames that exist become a video.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
+#include "firmware_host/run/progress.h"
+#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/sinks/exr_sequence.h"
+#include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/sink_table.h"
+#include "hal/core/stopwatch.h"
+#include "hal/video/video_writer.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kUsualFramerate_hz = 30;
+constexpr double kBrightest_nits =
+    10000;  // that PQ can say, where a file does not say what its cycle could see
+
+struct EncodeFlags {
+  std::string frames;
+  KeptWork kept;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+struct NumberedFile {
+  std::uint64_t sequence;
+  std::string path;
+};
+
+// In the order of their numbers.
+Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const std::string& text) {
+  std::vector<NumberedFile> files;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(pattern.folder(), ignored))
+    if (const auto sequence = pattern.sequence_of(entry.path().filename().string()))
+      files.push_back({*sequence, pattern.path(*sequence)});
+  if (files.empty()) return Error{ErrorCode::NotFound, fmt::format("there are no frames '{}'", text)};
+  std::ranges::sort(files, {}, &NumberedFile::sequence);
+  return files;
+}
+
+// A player can show what another program left in a file, but not what is no number.
+float shown(float radiance) { return std::isfinite(radiance) && radiance > 0 ? radiance : 0; }
+
+Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::uint64_t first,
+                          const Settings& settings, double framerate_hz) {
+  HdrFrame frame;
+  frame.facts.sequence = file.sequence;
+  frame.radiance = Image<float>(3, image.samples.rows(), image.samples.cols());
+  for (int c = 0; c < 3; ++c) {
+    const auto channel = image.find(exr_channel::kRadiance[c]);
+    if (!channel)
+      return Error{ErrorCode::Invalid, fmt::format("'{}' has no channel {}; HDR frames have R, G and B",
+                                                   file.path, exr_channel::kRadiance[c])};
+    std::transform(image.samples.plane(*channel), image.samples.plane(*channel) + image.samples.plane_size(),
+                   frame.radiance.plane(c), shown);
+  }
+  const RunFacts facts = run_facts_of(image.attributes);
+  const double regular_s = static_cast<double>(file.sequence - first) / framerate_hz;
+  frame.facts.timestamp = Instant::from_seconds(facts.since_start_s.value_or(regular_s));
+  frame.white = static_cast<float>(facts.white.value_or(kBrightest_nits / settings.video.white_nits));
+  return frame;
+}
+
+Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
+  const Settings settings = TRY(flags.settings->read(around.storage));
+  const std::string& output = settings.output.path("frames");
+  if (output != kStandardOutput && !video_container_of(output))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is no name of a video; give -o x.mp4 (.mov, .mkv), or - for "
+                             "the standard output",
+                             output)};
+  const FramePattern pattern = TRY(FramePattern::parse("frames", flags.frames, ".exr"));
+  const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
+  TRY(flags.kept.check(around.storage, {}, outputs_of(settings, "")));
+
+  CameraFacts camera;
+  std::unique_ptr<FrameSink> sink;
+  Progress progress(stderr, static_cast<int>(files.size()));
+  Result<void> encoded;
+  for (const NumberedFile& file : files) {
+    if (around.stop)
+      encoded = Error{ErrorCode::Interrupted, fmt::format("interrupted before '{}'", file.path)};
+    if (!encoded) break;
+    Stopwatch watch;
+    const ExrImage image = TRY(read_exr(around.storage, file.path));
+    if (!sink) {
+      const double wanted = settings.camera.framerate_hz;
+      camera.framerate_hz = wanted > 0 ? wanted : image.attributes.framerate_hz.value_or(kUsualFramerate_hz);
+      sink = TRY(open_sink(
+          "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
+    }
+    const HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
+    encoded = sink->emit({frame, ExposedFrame{}, FrameRecord{}});
+    progress.frame_done(watch.lap_ms(), std::nullopt);
+  }
+  if (sink)
+    if (const Result<void> finished = sink->finish(); encoded && !finished) encoded = finished;
+  return encoded;
+}
+
+}  // namespace
+
+void add_encode(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<EncodeFlags>();
+  CLI::App* verb = app.add_subcommand("encode", "turn HDR frames that exist into a video");
+  verb->add_option("frames", flags->frames, "the OpenEXR files, numbered: out/%06d.exr")->required();
+  flags->kept.add_to(*verb);
+  flags->settings = std::make_unique<SettingsFlags>(
+      *verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",
+                                      "video.white", "video.peak", "video.crf", "video.pipe_format"});
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return encode(*flags, around); }; });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,181 @@
+#include "firmware_host/sinks/hdr_video.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "firmware_host/sinks/output_folder.h"
+#include "hal/video/picture_converter.h"
+#include "render/display_light.h"
+#include "render/tone_curve.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kHlgPeak_nits = 1000;  // the display for which zimg's system gamma of 1.2 is made
+
+ColorTags tags_of(VideoTransfer transfer) {
+  if (transfer == VideoTransfer::Sdr)
+    return {h273::kPrimariesBt709, h273::kTransferBt709, h273::kMatrixBt709};
+  return {h273::kPrimariesBt2020, transfer == VideoTransfer::Pq ? h273::kTransferPq : h273::kTransferHlg,
+          h273::kMatrixBt2020Ncl};
+}
+
+VideoCodec codec_of(const VideoOptions& options) {
+  switch (options.codec) {
+    case CodecChoice::Hevc:
+      return VideoCodec::Hevc;
+    case CodecChoice::Av1:
+      return VideoCodec::Av1;
+    case CodecChoice::H264:
+      return VideoCodec::H264;
+    case CodecChoice::Suitable:
+      break;
+  }
+  return options.transfer == VideoTransfer::Sdr ? VideoCodec::H264 : VideoCodec::Hevc;
+}
+
+Result<void> check(const VideoOptions& options) {
+  if (options.transfer != VideoTransfer::Sdr && options.codec == CodecChoice::H264)
+    return Error{ErrorCode::Invalid,
+                 "--codec h264 is for --transfer sdr; HDR players expect hevc or av1, choose one of them"};
+  if (options.transfer == VideoTransfer::Hlg && options.peak_nits > kHlgPeak_nits)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2",
+                    options.peak_nits, kHlgPeak_nits)};
+  if (options.peak_nits < options.white_nits)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--peak {:g} is below --white {:g}: nothing brighter than white "
+                             "could be shown",
+                             options.peak_nits, options.white_nits)};
+  return {};
+}
+
+// The frames as the planes of a video, whatever becomes of them.
+class HdrVideo : public FrameSink {
+ public:
+  HdrVideo(std::unique_ptr<StorageFile> file, StorageStream::Direction direction, VideoFormat format,
+           const VideoOptions& options)
+      : file_(std::move(file)), direction_(direction), format_(format), options_(options) {
+    format_.tags = tags_of(options.transfer);
+    format_.crf = options.crf;
+    if (options.transfer == VideoTransfer::Pq) format_.mastering.emplace().peak_nits = options.peak_nits;
+  }
+
+  Result<void> emit(const EmittedFrame& emitted) override {
+    const HdrFrame& frame = emitted.hdr;
+    if (!writer_) TRY(open(frame));
+    if (frame.radiance.rows() != format_.height_px || frame.radiance.cols() != format_.width_px)
+      return Error{
+          ErrorCode::SizeChanged,
+          fmt::format("frame {} has {}x{} pixels in a video of {}x{}", frame.facts.sequence,
+                      frame.radiance.cols(), frame.radiance.rows(), format_.width_px, format_.height_px)};
+    show(frame.radiance);
+    repeat_edges();
+    ConstPicturePlanes planes;
+    for (std::size_t c = 0; c < 3; ++c) {
+      planes.data[c] = light_.plane(static_cast<int>(c));
+      planes.stride_bytes[c] = static_cast<std::ptrdiff_t>(sizeof(float)) * light_.cols();
+    }
+    TRY(converter_->convert(planes, writer_->planes()));
+    return writer_->append(frame.facts.timestamp - start_);
+  }
+
+  Result<void> finish() override {
+    if (!writer_) return {};
+    const auto nits = [](double value) { return std::clamp(static_cast<int>(std::ceil(value)), 1, 10000); };
+    return writer_->finish(LightLevel{nits(largest_.largest_nits), nits(largest_.mean_nits)});
+  }
+
+ private:
+  // The first frame says how large the video is, and how bright it may become.
+  Result<void> open(const HdrFrame& first) {
+    start_ = first.facts.timestamp;
+    format_.width_px = first.radiance.cols(), format_.height_px = first.radiance.rows();
+    if (options_.transfer != VideoTransfer::Sdr)
+      display_.emplace(options_.white_nits, options_.peak_nits, static_cast<double>(first.white));
+    PictureFormat light = format_.picture();
+    light.bits = 0, light.colors = PictureColors::Rgb, light.range = CodeRange::Full;
+    light.chroma_shift_x = light.chroma_shift_y = 0;
+    light.tags = display_ ? ColorTags{h273::kPrimariesBt2020, h273::kTransferLinear, h273::kMatrixRgb}
+                          : ColorTags{h273::kPrimariesBt709, h273::kTransferSrgb, h273::kMatrixRgb};
+    converter_ = TRY(PictureConverter::create(light, format_.picture()));
+    constexpr int kStep = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(float));
+    light_ =
+        Image<float>(3, format_.coded_height_px(), (format_.coded_width_px() + kStep - 1) / kStep * kStep);
+    writer_ = TRY(VideoWriter::create(std::move(file_), direction_, format_));
+    return {};
+  }
+
+  void show(const Image<float>& radiance) {
+    if (display_) {
+      const PictureLight light = display_->show(radiance, light_);
+      largest_.largest_nits = std::max(largest_.largest_nits, light.largest_nits);
+      largest_.mean_nits = std::max(largest_.mean_nits, light.mean_nits);
+      return;
+    }
+    const ToneCurve& curve = tone_.follow(radiance);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < radiance.rows(); ++y)
+        std::transform(radiance.row(c, y), radiance.row(c, y) + radiance.cols(), light_.row(c, y),
+                       [&curve](float value) { return curve.level(value) / 255; });
+  }
+
+  // A video has even sides.
+  void repeat_edges() {
+    const int rows = format_.height_px, cols = format_.width_px;
+    for (int c = 0; c < 3; ++c) {
+      if (cols % 2 == 1)
+        for (int y = 0; y < rows; ++y) light_.at(c, y, cols) = light_.at(c, y, cols - 1);
+      if (rows % 2 == 1) std::copy_n(light_.row(c, rows - 1), light_.cols(), light_.row(c, rows));
+    }
+  }
+
+  std::unique_ptr<StorageFile> file_;  // until the writer has it
+  const StorageStream::Direction direction_;
+  VideoFormat format_;
+  const VideoOptions options_;
+  std::unique_ptr<VideoWriter> writer_;
+  std::optional<PictureConverter> converter_;
+  std::optional<DisplayLight> display_;  // of HDR
+  ToneAdaptation tone_;                  // of SDR
+  Image<float> light_;                   // [rgb, coded rows, cols and more]: cd/m2; of SDR sRGB levels 0..1
+  PictureLight largest_;
+  Instant start_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
+                                                    double framerate_hz, const VideoOptions& options) {
+  TRY(check(options));
+  const auto container = video_container_of(path);
+  if (!container)
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is no name of a video; .mp4, .mov or .mkv are", path)};
+  TRY(make_folder_of(storage, path));
+  const bool pipe = TRY(storage.look_at(path)).kind == FileKind::Other;
+  auto file = TRY(storage.create(path));
+  VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options), .container = *container};
+  format.bits = format.codec == VideoCodec::H264 ? 8 : 10;
+  return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(
+      std::move(file), pipe ? StorageStream::Direction::Pipe : StorageStream::Direction::Write, format,
+      options));
+}
+
+Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile> pipe, double framerate_hz,
+                                                     const VideoOptions& options) {
+  TRY(check(options));
+  const VideoFormat format{
+      .framerate_hz = framerate_hz,
+      .bits = options.transfer == VideoTransfer::Sdr ? 8 : 10,
+      .codec = VideoCodec::Uncompressed,
+      .container = options.pipe == PipeFormat::Y4m ? VideoContainer::Y4m : VideoContainer::Nut};
+  return std::unique_ptr<FrameSink>(
+      std::make_unique<HdrVideo>(std::move(pipe), StorageStream::Direction::Pipe, format, options));
+}
+
+}  // namespace hdrcam

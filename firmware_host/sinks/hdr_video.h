@@ -1,0 +1,26 @@
+// HDR frames as a video: HDR10, HLG, or tone-mapped for displays without HDR. One scale, one shoulder or one
+// tone curve for the whole clip; each frame at its sensor time, counted from the first. The file has its name
+// from the start, because what is cut plays up to the cut (hal/video/video_writer.h).
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware_host/sinks/frame_sink.h"
+#include "firmware_host/sinks/video_options.h"
+#include "hal/storage.h"
+#include "hal/video/video_writer.h"
+
+namespace hdrcam {
+
+// path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension or options that
+// contradict each other, Permission, NoSpace, Io; with the first frame Unsupported, where the codec refuses
+// it.
+Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
+                                                    double framerate_hz, const VideoOptions& options);
+
+// Uncompressed into a pipe, Nut or Y4m: 10 bits, of SDR 8.
+Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile> pipe, double framerate_hz,
+                                                     const VideoOptions& options);
+
+}  // namespace hdrcam

@@ -1,0 +1,125 @@
+// hdrcam encode, and videos instead of numbered frames, from outside.
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+
+#include "firmware_host/program.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+#include "tests/support/decoded_video.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+
+struct Outcome {
+  int code;
+  std::string err;
+};
+
+Outcome run(const std::vector<std::string>& words) {
+  std::vector<const char*> args;
+  for (const auto& word : words) args.push_back(word.c_str());
+  const std::atomic<bool> stop{false};
+  std::ostringstream out, err;
+  const int code = run_program(args, posix_storage(), stop, out, err);
+  return {code, err.str()};
+}
+
+// What the program writes to its standard output, and its exit code.
+std::pair<std::string, int> piped(const std::string& words) {
+  std::FILE* const pipe = ::popen((HDRCAM_BINARY " " + words + " 2>/dev/null").c_str(), "r");
+  REQUIRE(pipe != nullptr);
+  std::string bytes;
+  char block[1 << 16];
+  for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;) bytes.append(block, n);
+  return {bytes, ::pclose(pipe)};
+}
+
+test::DecodedVideo codes_of(const std::string& bytes, const std::string& path) {
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(bytes))).ok());
+  return test::decoded_video(path);
+}
+
+int largest_difference(const Image<std::uint16_t>& a, const Image<std::uint16_t>& b) {
+  REQUIRE(a.same_shape(b));
+  int largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    largest = std::max(largest, std::abs(int{a.samples()[i]} - int{b.samples()[i]}));
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("a replay writes a video, frames beside it, and encode makes the same of the frames") {
+  const std::string out = sample::scratch_folder("encode");
+  const Outcome replayed = run({"replay", kDemo, "--preset", "fast", "--emit", "state", "--frames", "7", "-o",
+                                out + "/%06d.exr", "--video", out + "/replayed.mp4"});
+  INFO(replayed.err);
+  REQUIRE(replayed.code == 0);
+  const Outcome encoded = run({"encode", out + "/%06d.exr", "-o", out + "/encoded.mp4"});
+  INFO(encoded.err);
+  REQUIRE(encoded.code == 0);
+  const auto a = test::decoded_video(out + "/replayed.mp4"), b = test::decoded_video(out + "/encoded.mp4");
+  REQUIRE(a.frames.size() == 7);
+  REQUIRE(b.frames.size() == 7);
+  CHECK(a.light->MaxCLL > 0);
+  CHECK(std::abs(static_cast<int>(a.light->MaxCLL) - static_cast<int>(b.light->MaxCLL)) <= 1);  // half floats
+  for (std::size_t i = 0; i < 7; ++i) CHECK(a.frames[i].time_s == Approx(b.frames[i].time_s).margin(1e-6));
+  // Before the codec, but for the rounding of half floats.
+  const auto [replayed_codes, replay_code] =
+      piped("replay " + kDemo + " --preset fast --emit state --frames 7 -o - --pipe-format y4m");
+  const auto [encoded_codes, encode_code] = piped("encode " + out + "/%06d.exr -o - --pipe-format y4m");
+  CHECK(replay_code == 0);
+  CHECK(encode_code == 0);
+  const auto x = codes_of(replayed_codes, out + "/x.y4m"), y = codes_of(encoded_codes, out + "/y.y4m");
+  REQUIRE(x.frames.size() == 7);
+  REQUIRE(y.frames.size() == 7);
+  for (std::size_t i = 0; i < 7; ++i) CHECK(largest_difference(x.frames[i].luma, y.frames[i].luma) <= 1);
+}
+
+TEST_CASE("an earlier video stays unless it is to be replaced") {
+  const std::string out = sample::scratch_folder("encode_kept");
+  const std::string path = out + "/x.mp4", text = "an earlier take";
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(text))).ok());
+  const std::vector<std::string> words{"replay", kDemo,      "--preset", "fast", "--emit",
+                                       "state",  "--frames", "6",        "-o",   path};
+  const Outcome kept = run(words);
+  CHECK(kept.code == 17);
+  CHECK_THAT(kept.err, Contains(path) && Contains("--force"));
+  CHECK(read_whole(posix_storage(), path).value() == text);
+  std::vector<std::string> forced = words;
+  forced.push_back("--force");
+  CHECK(run(forced).code == 0);
+  CHECK(test::decoded_video(path).frames.size() == 6);
+}
+
+TEST_CASE("frames go to a pipe, and nothing but frames") {
+  const std::string out = sample::scratch_folder("encode_pipe");
+  const std::string replay = "replay " + kDemo + " --preset fast --emit state --frames 6 -o - --pipe-format ";
+  const auto [y4m, y4m_code] = piped(replay + "y4m");
+  CHECK(y4m_code == 0);
+  CHECK(y4m.starts_with("YUV4MPEG2 "));
+  const auto video = codes_of(y4m, out + "/x.y4m");
+  CHECK(video.frames.size() == 6);
+  const auto [half, half_code] = piped(replay + "half");
+  CHECK(half_code == 0);
+  CHECK(half.size() == std::size_t{6} * 3 * 2 * static_cast<std::size_t>(video.width * video.height));
+}
+
+TEST_CASE("encode says what is missing") {
+  const std::string out = sample::scratch_folder("encode_missing");
+  const Outcome none = run({"encode", out + "/%06d.exr", "-o", out + "/x.mp4"});
+  CHECK(none.code == 3);
+  CHECK_THAT(none.err, Contains("no frames"));
+  const Outcome name = run({"encode", out + "/%06d.exr", "-o", out + "/x.avi"});
+  CHECK(name.code == 2);
+  CHECK_THAT(name.err, Contains("x.avi") && Contains(".mp4"));
+}

@@ -1,0 +1,241 @@
+// Videos of HDR frames, decoded again: what a player is told, and what it shows.
+#include "firmware_host/sinks/hdr_video.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "render/display_light.h"
+#include "render/tone_curve.h"
+#include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/decoded_video.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using test::DecodedVideo;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kPatches = 8, kPatch_px = 32;
+constexpr std::array<float, kPatches> kGreys{0.0005f, 0.005f, 0.05f, 0.2f, 0.5f, 1, 2, 3.9f};  // radiance
+constexpr double kFramerate_hz = 25;
+
+// A wedge of greys; the frames of the tests come at uneven times, one in five is missing.
+HdrFrame wedge(int i) {
+  HdrFrame frame;
+  frame.facts.sequence = static_cast<std::uint64_t>(i + i / 4);
+  frame.facts.timestamp = Instant::from_seconds(
+      100 + static_cast<double>(frame.facts.sequence) / kFramerate_hz + 0.0031 * (i % 3));
+  frame.white = 4;
+  frame.radiance = Image<float>(3, 64, kPatches * kPatch_px);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < frame.radiance.rows(); ++y)
+      for (int x = 0; x < frame.radiance.cols(); ++x)
+        frame.radiance.at(c, y, x) = kGreys[static_cast<std::size_t>(x / kPatch_px)];
+  return frame;
+}
+
+double time_of(int i) { return (wedge(i).facts.timestamp - wedge(0).facts.timestamp).count() * 1e-9; }
+
+int at_patch(const Image<std::uint16_t>& luma, int patch) {
+  return luma.at(0, luma.rows() / 2, patch * kPatch_px + kPatch_px / 2);
+}
+
+Result<void> make_video(const std::string& path, int frames, const VideoOptions& options,
+                        Storage& storage = posix_storage()) {
+  auto sink = TRY(create_hdr_video(storage, path, kFramerate_hz, options));
+  for (int i = 0; i < frames; ++i) TRY(test::emit(*sink, wedge(i)));
+  return sink->finish();
+}
+
+DecodedVideo made(const std::string& path, int frames, const VideoOptions& options = {}) {
+  const Result<void> video = make_video(path, frames, options);
+  INFO((video.ok() ? "" : video.error().message));
+  REQUIRE(video.ok());
+  return test::decoded_video(path);
+}
+
+int pq_code(double nits) { return static_cast<int>(std::lround(64 + 876 * pq_signal(nits))); }
+
+}  // namespace
+
+TEST_CASE("an HDR10 file says what it is, in the container and in the stream, and how bright it becomes") {
+  const std::string folder = sample::scratch_folder("hdr10");
+  for (const char* name : {"x.mp4", "x.mov", "x.mkv"}) {
+    INFO(name);
+    const DecodedVideo video = made(folder + "/" + name, 12);
+    CHECK(video.codec == "hevc");
+    CHECK(video.pixel_format == "yuv420p10le");
+    CHECK(video.primaries == "bt2020");
+    CHECK(video.transfer == "smpte2084");
+    CHECK(video.matrix == "bt2020nc");
+    CHECK(video.range == "tv");
+    REQUIRE(video.frames.size() == 12);
+    const auto& in_stream = video.frames.front();
+    REQUIRE(in_stream.mastering);
+    CHECK(av_q2d(in_stream.mastering->max_luminance) == Approx(1000));
+    CHECK(av_q2d(in_stream.mastering->display_primaries[0][0]) == Approx(0.64).margin(1e-4));
+    const double mean_nits = [] {
+      double sum = 0;
+      for (const float grey : kGreys) sum += static_cast<double>(grey) * 203;
+      return sum / kPatches;
+    }();
+    REQUIRE(video.mastering);
+    REQUIRE(video.light);
+    CHECK(av_q2d(video.mastering->max_luminance) == Approx(1000));
+    CHECK(av_q2d(video.mastering->min_luminance) == Approx(0.005));
+    CHECK(video.light->MaxCLL == 792);  // 3.9 x 203, rounded up
+    CHECK(video.light->MaxFALL == static_cast<unsigned>(std::ceil(mean_nits)));
+  }
+}
+
+TEST_CASE("a grey wedge decodes to its luminance within one code") {
+  const std::string folder = sample::scratch_folder("wedge");
+  const DecodedVideo video = made(folder + "/x.mp4", 5);
+  for (const auto& frame : video.frames)
+    for (int patch = 0; patch < kPatches; ++patch) {
+      const double nits = 203 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)]);
+      INFO(nits);
+      CHECK(std::abs(at_patch(frame.luma, patch) - pq_code(nits)) <= 1);
+      CHECK(std::abs(frame.cb.at(0, 16, patch * kPatch_px / 2 + 8) - 512) <= 1);
+      CHECK(std::abs(frame.cr.at(0, 16, patch * kPatch_px / 2 + 8) - 512) <= 1);
+    }
+}
+
+TEST_CASE("white and peak are where the user puts them") {
+  const std::string folder = sample::scratch_folder("white");
+  const DecodedVideo video = made(folder + "/x.mp4", 2, {.white_nits = 100, .peak_nits = 300});
+  const HighlightShoulder shoulder(400, 300);
+  for (int patch = 0; patch < kPatches; ++patch) {
+    const double nits = 100 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)]);
+    CHECK(std::abs(at_patch(video.frames[0].luma, patch) - pq_code(shoulder.shown(nits))) <= 1);
+  }
+  CHECK(av_q2d(video.mastering->max_luminance) == Approx(300));
+}
+
+TEST_CASE("frames keep the times of the sensor: to the microsecond in MP4, the millisecond in Matroska") {
+  const std::string folder = sample::scratch_folder("times");
+  for (const auto& [name, margin] : {std::pair{"x.mp4", 1e-6}, {"x.mov", 1e-6}, {"x.mkv", 1e-3}}) {
+    const DecodedVideo video = made(folder + "/" + name, 40);
+    REQUIRE(video.frames.size() == 40);
+    for (int i = 0; i < 40; ++i)
+      CHECK(video.frames[static_cast<std::size_t>(i)].time_s == Approx(time_of(i)).margin(margin));
+  }
+}
+
+TEST_CASE("a file that was cut plays up to the cut") {
+  const std::string folder = sample::scratch_folder("cut");
+  for (const char* name : {"x.mp4", "x.mov", "x.mkv"}) {
+    const std::string path = folder + "/" + name;
+    constexpr int kFrames = 100;
+    REQUIRE(make_video(path, kFrames, {}).ok());
+    fs::resize_file(path, fs::file_size(path) * 9 / 10);
+    const DecodedVideo video = test::decoded_video(path);
+    INFO(name << " " << video.frames.size());
+    CHECK(video.frames.size() >= kFrames * 3 / 4);  // a second of 25 frames is the most that a cut costs
+    CHECK(video.primaries == "bt2020");
+    for (std::size_t i = 0; i < video.frames.size(); ++i)
+      CHECK(video.frames[i].time_s == Approx(time_of(static_cast<int>(i))).margin(1e-3));
+  }
+}
+
+TEST_CASE("HLG puts white at three quarters of the signal") {
+  const std::string folder = sample::scratch_folder("hlg");
+  const DecodedVideo video = made(folder + "/x.mp4", 2, {.transfer = VideoTransfer::Hlg});
+  CHECK(video.transfer == "arib-std-b67");
+  CHECK(video.primaries == "bt2020");
+  CHECK_FALSE(video.light);
+  CHECK(std::abs(at_patch(video.frames[0].luma, 5) - (64 + 876 * 3 / 4)) <= 1);
+}
+
+TEST_CASE("SDR is H.264 of eight bits, with the tone curve of the previews") {
+  const std::string folder = sample::scratch_folder("sdr");
+  const DecodedVideo video = made(folder + "/x.mp4", 3, {.transfer = VideoTransfer::Sdr});
+  CHECK(video.codec == "h264");
+  CHECK(video.pixel_format == "yuv420p");
+  CHECK(video.primaries == "bt709");
+  CHECK(video.transfer == "bt709");
+  CHECK(video.matrix == "bt709");
+  ToneAdaptation tone;
+  const HdrFrame frame = wedge(0);
+  const ToneCurve& curve = tone.follow(frame.radiance);
+  for (int patch = 0; patch < kPatches; ++patch) {
+    const double level = static_cast<double>(curve.level(kGreys[static_cast<std::size_t>(patch)])) / 255;
+    const double light = level <= 0.04045 ? level / 12.92 : std::pow((level + 0.055) / 1.055, 2.4);
+    const double code = 16 + 219 * std::pow(light, 1 / 2.4);  // shown by a display of BT.1886
+    CHECK(std::abs(at_patch(video.frames[0].luma, patch) - code) <= 1.5);
+  }
+}
+
+TEST_CASE("AV1 says the same of itself as HEVC") {
+  const std::string folder = sample::scratch_folder("av1");
+  const DecodedVideo video = made(folder + "/x.mp4", 4, {.codec = CodecChoice::Av1, .crf = 8});
+  CHECK(video.codec == "av1");
+  CHECK(video.transfer == "smpte2084");
+  REQUIRE(video.frames.size() == 4);
+  REQUIRE(video.light);
+  CHECK(video.light->MaxCLL == 792);
+  for (int i = 0; i < 4; ++i)
+    CHECK(video.frames[static_cast<std::size_t>(i)].time_s == Approx(time_of(i)).margin(1e-6));
+  for (int patch = 0; patch < kPatches; ++patch)
+    CHECK(std::abs(at_patch(video.frames[0].luma, patch) -
+                   pq_code(203 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)]))) <= 2);
+}
+
+TEST_CASE("a picture of odd sides gets one more column and row, which repeat the last") {
+  const std::string folder = sample::scratch_folder("odd");
+  auto sink = create_hdr_video(posix_storage(), folder + "/x.mp4", 25, {});
+  REQUIRE(sink.ok());
+  REQUIRE(test::emit(**sink, test::example_frame(0, test::With::RadianceOnly, 65, 97)).ok());
+  REQUIRE(sink.value()->finish().ok());
+  const DecodedVideo video = test::decoded_video(folder + "/x.mp4");
+  CHECK(video.width == 98);
+  CHECK(video.height == 66);
+}
+
+TEST_CASE("a pipe gets the codes themselves, ten bits, with or without times") {
+  const std::string folder = sample::scratch_folder("pipe");
+  for (const auto format : {PipeFormat::Nut, PipeFormat::Y4m}) {
+    const std::string path = folder + (format == PipeFormat::Nut ? "/x.nut" : "/x.y4m");
+    auto sink = create_video_pipe(posix_storage().create(path).value(), kFramerate_hz, {.pipe = format});
+    REQUIRE(sink.ok());
+    for (int i = 0; i < 6; ++i) REQUIRE(test::emit(**sink, wedge(i)).ok());
+    REQUIRE(sink.value()->finish().ok());
+    const DecodedVideo video = test::decoded_video(path);
+    CHECK(video.pixel_format == "yuv420p10le");
+    REQUIRE(video.frames.size() == 6);
+    for (int i = 0; i < 6; ++i) {
+      const auto& frame = video.frames[static_cast<std::size_t>(i)];
+      CHECK(frame.time_s == Approx(format == PipeFormat::Nut ? time_of(i) : i / kFramerate_hz).margin(1e-6));
+      for (int patch = 0; patch < kPatches; ++patch)
+        CHECK(at_patch(frame.luma, patch) ==
+              pq_code(203 * static_cast<double>(kGreys[static_cast<std::size_t>(patch)])));
+    }
+  }
+}
+
+TEST_CASE("what cannot be is refused before a frame comes") {
+  const std::string folder = sample::scratch_folder("refused");
+  const auto code = [&](const char* name, const VideoOptions& options) {
+    return sample::error_of(create_hdr_video(posix_storage(), folder + "/" + name, 25, options)).code;
+  };
+  CHECK(code("x.avi", {}) == ErrorCode::Invalid);
+  CHECK(code("x.mp4", {.codec = CodecChoice::H264}) == ErrorCode::Invalid);
+  CHECK(code("x.mp4", {.transfer = VideoTransfer::Hlg, .peak_nits = 2000}) == ErrorCode::Invalid);
+  CHECK(code("x.mp4", {.white_nits = 500, .peak_nits = 300}) == ErrorCode::Invalid);
+}
+
+TEST_CASE("a full disk is an error, and what was written before it plays") {
+  const std::string folder = sample::scratch_folder("full_video");
+  const std::string path = folder + "/x.mp4";
+  REQUIRE(make_video(path, 100, {}).ok());
+  const auto size = fs::file_size(path);
+  FaultyStorage disk(posix_storage(), test::disk_of(size * 3 / 4));
+  CHECK(sample::error_of(make_video(path, 100, {}, disk)).code == ErrorCode::NoSpace);
+  CHECK(test::decoded_video(path).frames.size() >= 25);
+}
