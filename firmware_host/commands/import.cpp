@@ -1,19 +1,26 @@
-// hdrcam import CLIP -o x.mkv: a folder of images and its clip.json become a recording.
+// hdrcam import FOOTAGE -o x.mkv: videos, pictures, or a folder of images with its clip.json become a
+// recording.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/footage/footage_plan.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct ImportOptions {
-  std::string clip, output;
+  FootageRequest footage;
+  std::string output;
+  bool list = false;
   bool strict = false;
   KeptWork kept;
 };
@@ -32,6 +39,12 @@ Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, co
   return clip.counters().captured;
 }
 
+// A clip that says its exposures itself: its clip.json, or the folder that holds one.
+bool is_clip(const std::vector<std::string>& named) {
+  return named.size() == 1 && (fs::path(named.front()).extension() == ".json" ||
+                               fs::exists(fs::path(named.front()) / ImageSequence::kFile));
+}
+
 // The files that must not be overwritten: the clip.json and every image.
 Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& path) {
   const auto clip = TRY(ImageSequence::open(storage, path));
@@ -40,13 +53,17 @@ Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& pa
   return files;
 }
 
+std::vector<NamedInput> files_of(const FootageRequest& footage) {
+  std::vector<NamedInput> files;
+  for (const std::string& file : footage.files) files.push_back({"the footage that is read", file});
+  return files;
+}
+
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
 // is complete.
-Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
-  const std::vector<NamedInput> inputs = TRY(files_of(around.storage, options.clip));
-  TRY(options.kept.check(around.storage, inputs, {{"--output", options.output, OutputKind::Recording}}));
-  RecordingStage clip(TRY(open_clip(around.storage, options.clip)),
-                      options.strict ? Contradiction::Fails : Contradiction::Warns);
+Result<void> write_recording(Surroundings& around, const ImportOptions& options,
+                             std::unique_ptr<RecordingReader> reader) {
+  RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
   TRY(making.commit());
@@ -57,18 +74,60 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   return {};
 }
 
+Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
+  const std::string& path = options.footage.files.front();
+  const std::vector<NamedInput> files = TRY(files_of(around.storage, path));
+  if (options.list) return fmt::print("{}: a clip of {} images\n", path, files.size() - 1), Result<void>{};
+  TRY(options.kept.check(around.storage, files, {{"--output", options.output, OutputKind::Recording}}));
+  return write_recording(around, options, TRY(open_clip(around.storage, path)));
+}
+
+Result<void> import_footage(Surroundings& around, ImportOptions options) {
+  FootageRequest& footage = options.footage;
+  if (footage.files.size() == 1 && fs::is_directory(footage.files.front()))
+    footage.files = TRY(footage_in(footage.files.front()));
+  if (!options.list)
+    TRY(options.kept.check(around.storage, files_of(footage),
+                           {{"--output", options.output, OutputKind::Recording}}));
+  const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
+  if (options.list) return fmt::print("{}", described(plan)), Result<void>{};
+  if (plan.origin == ExposureOrigin::Estimated)
+    fmt::print(stderr, "note: the exposures are estimated, and relative to each other only\n");
+  return write_recording(around, options, TRY(open_planned(around.storage, footage, plan)));
+}
+
+Result<void> import_any(Surroundings& around, const ImportOptions& options) {
+  if (!options.list && options.output.empty())
+    return Error{ErrorCode::Invalid,
+                 "no output file; give -o walk.mkv, or --list to see what would be imported"};
+  return is_clip(options.footage.files) ? import_clip(around, options) : import_footage(around, options);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* verb = app.add_subcommand("import", "turn a folder of images with a clip.json into a recording");
-  verb->add_option("clip", options->clip, "the clip.json, or the folder that holds it")->required();
-  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
+  CLI::App* verb = app.add_subcommand("import", "turn videos or pictures of another camera into a recording");
+  FootageRequest& footage = options->footage;
+  verb->add_option(
+          "footage", footage.files,
+          "videos and pictures, or a folder of them; with a clip.json that says each exposure, it or its "
+          "folder")
+      ->required();
+  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)");
+  verb->add_option(
+      "--shutter", footage.shutter,
+      "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
+      "relative [as EXIF states them]");
+  verb->add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
+  verb->add_option("--framerate", footage.framerate_hz, "frames per second of stills [30]")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
   verb->add_flag("--strict", options->strict,
                  "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
   options->kept.add_to(*verb);
   verb->callback([options, &chosen] {
-    chosen = [options](Surroundings& around) { return import_clip(around, *options); };
+    chosen = [options](Surroundings& around) { return import_any(around, *options); };
   });
 }
 

@@ -1,0 +1,208 @@
+#include "capture/cycle_phase.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "capture/exposure_schedule.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kLoss = 8;            // what an unannounced loss costs, squared deviations
+constexpr double kWorst = 16;          // what one step can cost at most: a cut, a lamp switched on
+constexpr double kAcceptedMisfit = 5;  // mean, of a walk that the pictures support
+constexpr double kReference_s = 0.01;  // of an estimated cycle
+
+// In expected errors, squared. No response stretches all ratios alike, so an error is a part of the ratio; of
+// how bright a picture is as a whole, little more than the sign and the order is sure.
+double cost_of(const CycleStep& step, double expected) {
+  const bool measured = step.kind == StepKind::Measured;
+  const double error = measured ? 0.25 + 0.2 * std::abs(expected) : 0.3 + 0.5 * std::abs(expected);
+  const double deviation = (step.log_ratio - expected) / error;
+  return std::min(deviation * deviation, kWorst);
+}
+
+// Mean ln exposure of a picture, black and clipped parts at the ends of what a code can say.
+double brightness_of(const PhotometricSignature& picture) {
+  constexpr float kDarkest = -5.5f, kClipped = 0;
+  double sum = 0;
+  for (int i = 0; i < picture.sites; ++i)
+    sum += static_cast<double>(std::clamp(picture.by_rank[static_cast<std::size_t>(i)], kDarkest, kClipped));
+  return picture.sites > 0 ? sum / picture.sites : 0;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+struct Path {
+  double cost = std::numeric_limits<double>::infinity();
+  CycleWalk walk;
+};
+
+// The cheapest walk under one stretch.
+Path cheapest(std::span<const CycleStep> steps, std::span<const double> log_exposures, double stretch) {
+  const auto slots = static_cast<int>(log_exposures.size());
+  const auto at = [&](int slot) { return log_exposures[static_cast<std::size_t>(slot)]; };
+  std::vector<double> cost(log_exposures.size(), 0), next(log_exposures.size());
+  std::vector<std::array<int, ExposureSchedule::kMaxSlots>> from(steps.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const int announced = (1 + steps[i].missing) % slots;  // the step that the times tell
+    for (int to = 0; to < slots; ++to) {
+      double best = std::numeric_limits<double>::infinity();
+      for (int before = 0; before < slots; ++before) {
+        double step = cost[static_cast<std::size_t>(before)];
+        if ((before + announced) % slots != to) step += kLoss;
+        step += cost_of(steps[i], stretch * (at(to) - at(before)));
+        if (step < best) best = step, from[i][static_cast<std::size_t>(to)] = before;
+      }
+      next[static_cast<std::size_t>(to)] = best;
+    }
+    cost.swap(next);
+  }
+  Path path;
+  const auto last = std::ranges::min_element(cost);
+  path.cost = *last;
+  path.walk.stretch = stretch;
+  path.walk.slots.resize(steps.size() + 1);
+  path.walk.slots.back() = static_cast<int>(last - cost.begin());
+  for (std::size_t i = steps.size(); i-- > 0;)
+    path.walk.slots[i] = from[i][static_cast<std::size_t>(path.walk.slots[i + 1])];
+  return path;
+}
+
+// What is missing along the walk.
+void count(std::span<const CycleStep> steps, int slots, CycleWalk& walk) {
+  walk.lost_before.assign(walk.slots.size(), 0);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const int advance = ((walk.slots[i + 1] - walk.slots[i]) % slots + slots) % slots;
+    int lost = (advance - 1 + slots) % slots;
+    while (lost < steps[i].missing) lost += slots;
+    walk.lost_before[i + 1] = lost;
+    if (steps[i].kind == StepKind::Measured) ++walk.measured;
+  }
+}
+
+std::string described(std::span<const Exposure> cycle) {
+  std::string text;
+  for (const Exposure& exposure : cycle) text += (text.empty() ? "" : ", ") + describe(exposure);
+  return text;
+}
+
+// Under the stretch that fits best.
+Path best_path(std::span<const CycleStep> steps, std::span<const double> log_exposures) {
+  constexpr double kLeast = 0.25, kMost = 2.5, kStep = 1.07;  // of the stretch: real cameras lie within
+  Path best;
+  for (double stretch = kLeast; stretch <= kMost; stretch *= kStep)
+    if (Path path = cheapest(steps, log_exposures, stretch); path.cost < best.cost) best = std::move(path);
+  return best;
+}
+
+// Pictures that do not alternate are explained as well by no cycle at all.
+bool explains(const Path& path, std::span<const CycleStep> steps) {
+  double without = 0;
+  for (const CycleStep& step : steps) without += cost_of(step, 0);
+  return path.cost < 0.5 * without;
+}
+
+// ln exposures around their mean, from the step of each slot to the next; what is left after a round is
+// spread.
+std::vector<double> around_mean(std::span<const double> to_next) {
+  const auto n = static_cast<double>(to_next.size());
+  const double left = std::accumulate(to_next.begin(), to_next.end(), 0.0) / n;
+  std::vector<double> log_exposures{0};
+  for (std::size_t i = 0; i + 1 < to_next.size(); ++i)
+    log_exposures.push_back(log_exposures.back() + to_next[i] - left);
+  const double mean = std::accumulate(log_exposures.begin(), log_exposures.end(), 0.0) / n;
+  for (double& value : log_exposures) value -= mean;
+  return log_exposures;
+}
+
+// From the stretch of the clip that repeats best: a loss shifts the slots after it.
+std::vector<double> first_guess(std::span<const CycleStep> steps, std::size_t period) {
+  const std::size_t window = std::min(steps.size(), 4 * period);
+  std::vector<double> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t begin = 0; begin + window <= steps.size(); ++begin) {
+    std::vector<std::vector<double>> ratios(period);
+    for (std::size_t i = 0; i < window; ++i) ratios[i % period].push_back(steps[begin + i].log_ratio);
+    std::vector<double> to_next;
+    for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
+    double deviation = 0;
+    for (std::size_t i = 0; i < window; ++i)
+      deviation += std::abs(steps[begin + i].log_ratio - to_next[i % period]);
+    if (deviation < least) least = deviation, best = around_mean(to_next);
+  }
+  return best;
+}
+
+// By the walk that such exposures would make.
+std::vector<double> refined(std::span<const CycleStep> steps, std::span<const double> log_exposures) {
+  const Path path = cheapest(steps, log_exposures, 1);
+  std::vector<std::vector<double>> ratios(log_exposures.size());
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const auto from = static_cast<std::size_t>(path.walk.slots[i]),
+               to = static_cast<std::size_t>(path.walk.slots[i + 1]);
+    if (to == (from + 1) % log_exposures.size()) ratios[from].push_back(steps[i].log_ratio);
+  }
+  std::vector<double> to_next;
+  for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
+  return around_mean(to_next);
+}
+
+}  // namespace
+
+CycleStep step_between(Photometer& photometer, const PhotometricSignature& earlier,
+                       const PhotometricSignature& later) {
+  if (const auto ratio = photometer.ratio(earlier, later)) return {StepKind::Measured, ratio->log_ratio};
+  return {StepKind::Rough, brightness_of(later) - brightness_of(earlier)};
+}
+
+Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Exposure> cycle) {
+  if (cycle.empty() || cycle.size() > ExposureSchedule::kMaxSlots)
+    return Error{ErrorCode::Invalid, fmt::format("a cycle has 1 to {} exposures, not {}",
+                                                 ExposureSchedule::kMaxSlots, cycle.size())};
+  std::vector<double> log_exposures;
+  for (const Exposure& exposure : cycle) log_exposures.push_back(log_product(exposure));
+  Path best = best_path(steps, log_exposures);
+  count(steps, static_cast<int>(cycle.size()), best.walk);
+  best.walk.misfit = steps.empty() ? 0 : best.cost / static_cast<double>(steps.size());
+  if (best.walk.misfit > kAcceptedMisfit || (cycle.size() > 1 && !explains(best, steps)))
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format(
+            "the pictures do not alternate as {} would; give the camera's own cycle, or --shutter auto",
+            described(cycle))};
+  return best.walk;
+}
+
+Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
+  constexpr double kSame = 0.15;  // ln: what a moving scene does to frames of one exposure
+  constexpr int kRounds = 3;      // of refinement
+  std::size_t period = 0;
+  for (std::size_t lag = 1; lag <= steps.size() && period == 0; ++lag) {
+    std::vector<double> sizes;
+    for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
+    if (!sizes.empty() && median(std::move(sizes)) < kSame) period = lag;
+  }
+  if (period == 0)
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("the pictures show no cycle of 1 to {} exposures; give it with --shutter", steps.size())};
+  std::vector<double> log_exposures = first_guess(steps[0], period);
+  for (int round = 0; round < kRounds; ++round) log_exposures = refined(steps[0], log_exposures);
+  std::vector<Exposure> cycle;
+  for (const double log_exposure : log_exposures)
+    cycle.push_back({Instant::from_seconds(kReference_s * std::exp(log_exposure)).since_boot, 1});
+  return cycle;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,198 @@
+#include "firmware_host/footage/footage_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "capture/exposure_schedule.h"
+#include "hal/recording/exposure_cycle.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr const char* kAuto = "auto";
+constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
+
+// What one look at all frames leaves: their facts, and how the pictures compare.
+struct Scan {
+  CameraFacts camera;
+  std::string about;
+  std::vector<FrameFacts> facts;
+  StepsByLag steps;
+};
+
+Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
+  Scan seen;
+  seen.camera = footage.camera(), seen.about = footage.about();
+  seen.steps.resize(kLags);
+  Photometer photometer(seen.camera.linear ? PhotometricResponse::linear_unknown_black()
+                                           : PhotometricResponse::unknown());
+  std::array<PhotometricSignature, kLags + 1> recent;  // by frame number, round and round
+  RawFrame frame;
+  while (TRY(footage.next(frame))) {
+    if (stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {}", seen.facts.size())};
+    const std::size_t i = seen.facts.size();
+    PhotometricSignature& here = recent[i % recent.size()];
+    photometer.observe(frame.codes, seen.camera.layout, seen.camera.bits, here);
+    for (std::size_t lag = 1; lag <= std::min(kLags, i); ++lag)
+      seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));
+    seen.facts.push_back(frame.facts);
+  }
+  if (seen.facts.size() < 2)
+    return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {} frame(s); a clip has at least two",
+                                                  seen.camera.name, seen.facts.size())};
+  return seen;
+}
+
+// The usual time from a frame to the next, and what is missing where it is longer.
+void read_times(Scan& seen) {
+  std::vector<double> intervals_s;
+  for (std::size_t i = 1; i < seen.facts.size(); ++i)
+    intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
+  std::vector<double> sorted = intervals_s;
+  std::ranges::sort(sorted);
+  const double usual_s = sorted[sorted.size() / 2];
+  if (!(usual_s > 0)) return;  // no times worth the name
+  seen.camera.framerate_hz = 1 / usual_s;
+  for (std::size_t i = 0; i < intervals_s.size(); ++i)
+    seen.steps[0][i].missing = std::max(0, static_cast<int>(std::lround(intervals_s[i] / usual_s)) - 1);
+}
+
+bool all_stated(const Scan& seen) {
+  return std::ranges::all_of(
+      seen.facts, [](const FrameFacts& facts) { return facts.exposure_source == ExposureSource::Embedded; });
+}
+
+// Apertures are factors beside the first frame's.
+void take_stated(const Scan& seen, FootagePlan& plan) {
+  const double first = seen.facts.front().digital_gain;
+  std::uint64_t lost = 0;
+  for (std::size_t i = 0; i < plan.facts.size(); ++i) {
+    plan.facts[i].digital_gain /= first;
+    if (i > 0) lost += static_cast<std::uint64_t>(seen.steps[0][i - 1].missing);
+    plan.facts[i].sequence += lost;
+  }
+  const ExposureCycle cycle = find_exposure_cycle(plan.facts);
+  for (FrameFacts& facts : plan.facts) facts.slot = slot_of(cycle, plan.facts.front(), facts);
+  for (const double exposure : cycle.exposures)
+    plan.cycle.push_back({Instant::from_seconds(exposure).since_boot, 1});
+}
+
+void take_walk(FootagePlan& plan) {
+  std::uint64_t lost = 0;
+  for (std::size_t i = 0; i < plan.facts.size(); ++i) {
+    FrameFacts& facts = plan.facts[i];
+    const int slot = plan.walk.slots[i];
+    const Exposure& exposure = plan.cycle[static_cast<std::size_t>(slot)];
+    lost += static_cast<std::uint64_t>(plan.walk.lost_before[i]);
+    facts.sequence += lost;
+    if (plan.walk.lost_before[i] > 0) facts.flags |= kFrameAfterDrop;
+    facts.exposure_s = to_seconds(exposure.time);
+    facts.analogue_gain = exposure.gain, facts.digital_gain = 1;
+    facts.slot = slot;
+    facts.exposure_source =
+        plan.origin == ExposureOrigin::Cycle ? ExposureSource::Declared : ExposureSource::Photometric;
+  }
+}
+
+class PlannedFootage : public RecordingReader {
+ public:
+  PlannedFootage(std::unique_ptr<FootageReader> footage, const FootagePlan& plan)
+      : footage_(std::move(footage)), plan_(plan) {}
+
+  const CameraFacts& camera() const override { return plan_.camera; }
+  std::optional<int> frame_count() const override { return static_cast<int>(plan_.facts.size()); }
+  Result<std::optional<RawFrame>> next() override {
+    RawFrame frame;
+    if (next_ == plan_.facts.size() || !TRY(footage_->next(frame))) return std::optional<RawFrame>();
+    frame.facts = plan_.facts[next_++];
+    return std::optional(std::move(frame));
+  }
+
+ private:
+  const std::unique_ptr<FootageReader> footage_;
+  const FootagePlan& plan_;
+  std::size_t next_ = 0;
+};
+
+std::string cycle_of(const FootagePlan& plan) {
+  std::string text;
+  for (const Exposure& exposure : plan.cycle) text += (text.empty() ? "" : ", ") + describe(exposure);
+  return text;
+}
+
+}  // namespace
+
+Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
+                                 const std::atomic<bool>& stop) {
+  const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
+  Scan seen = TRY(scan(*footage, stop));
+  read_times(seen);
+  FootagePlan plan;
+  plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts;
+  if (request.shutter.empty()) {
+    if (!all_stated(seen))
+      return Error{ErrorCode::BadExposure,
+                   fmt::format("'{}' does not say how its frames were exposed; give the cycle with --shutter "
+                               "1ms,4ms,16ms, or --shutter auto to have it estimated",
+                               request.files.front())};
+    take_stated(seen, plan);
+    return plan;
+  }
+  const bool estimate = request.shutter == kAuto;
+  plan.origin = estimate ? ExposureOrigin::Estimated : ExposureOrigin::Cycle;
+  plan.cycle =
+      estimate ? TRY(estimate_cycle(seen.steps)) : TRY(parse_exposures(request.shutter, request.gain));
+  plan.walk = TRY(find_walk(seen.steps[0], plan.cycle));
+  take_walk(plan);
+  return plan;
+}
+
+Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
+                                                      const FootagePlan& plan) {
+  auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
+  return std::unique_ptr<RecordingReader>(std::make_unique<PlannedFootage>(std::move(footage), plan));
+}
+
+std::string described(const FootagePlan& plan) {
+  constexpr std::size_t kShown = 12;  // frames
+  const CameraFacts& camera = plan.camera;
+  std::string text =
+      fmt::format("{}: {}; {}x{}, {} frames, {:.4g} frames per second; recorded as {} of {} bits\n",
+                  camera.name, plan.about, camera.width, camera.height, plan.facts.size(),
+                  camera.framerate_hz, name(camera.layout), camera.bits);
+  if (plan.origin == ExposureOrigin::Stated)
+    text += plan.cycle.empty()
+                ? "exposures: stated by the files, no cycle\n"
+                : fmt::format("exposures: stated by the files, a cycle of {}\n", cycle_of(plan));
+  if (plan.origin == ExposureOrigin::Cycle)
+    text +=
+        fmt::format("exposures: {}; the first frame is number {} of the cycle ({} of {} steps measured)\n",
+                    cycle_of(plan), plan.walk.slots.front() + 1, plan.walk.measured, plan.facts.size() - 1);
+  if (plan.origin == ExposureOrigin::Estimated)
+    text += fmt::format("exposures: estimated, relative: {} ({} of {} steps measured)\n", cycle_of(plan),
+                        plan.walk.measured, plan.facts.size() - 1);
+  std::string places;
+  int lost = 0, losses = 0;
+  for (std::size_t i = 0; i < plan.walk.lost_before.size(); ++i)
+    if (const int missing = plan.walk.lost_before[i]; missing > 0) {
+      lost += missing;
+      if (++losses <= static_cast<int>(kShown)) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
+    }
+  if (lost > 0)
+    text += fmt::format("missing: {} frames, before frame {}{}\n", lost, places,
+                        losses > static_cast<int>(kShown) ? ".." : "");
+  for (std::size_t i = 0; i < std::min(kShown, plan.facts.size()); ++i) {
+    const FrameFacts& facts = plan.facts[i];
+    const Exposure exposure{Instant::from_seconds(facts.exposure_s).since_boot,
+                            facts.analogue_gain * facts.digital_gain};
+    text += fmt::format("  frame {:>3} {:>9.3f} s  {}\n", i, facts.timestamp.seconds(), describe(exposure));
+  }
+  if (plan.facts.size() > kShown) text += fmt::format("  .. and {} more\n", plan.facts.size() - kShown);
+  return text;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,51 @@
+// What footage becomes as a recording, before anything is written: it is read once, and each frame gets the
+// exposure that its file states, or its place in the cycle that the user names or the pictures show. Then it
+// is read again as if it were a recording, with those facts. Thread-bound; the storage outlives what is
+// opened.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capture/cycle_phase.h"
+#include "hal/footage/footage.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+
+struct FootageRequest {
+  std::vector<std::string> files;
+  std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures
+  double framerate_hz = 0;    // of stills; 0: 30
+};
+
+enum class ExposureOrigin {
+  Stated,     // by each file
+  Cycle,      // named by the user, its phase found in the pictures
+  Estimated,  // from the pictures: relative
+};
+
+struct FootagePlan {
+  CameraFacts camera;
+  std::string about;  // "h264, yuv420p"
+  ExposureOrigin origin = ExposureOrigin::Stated;
+  std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
+  CycleWalk walk;               // of a cycle
+  std::vector<FrameFacts> facts;
+};
+
+// stop: ends the reading with Interrupted. Errors: those of open_footage; TooShort below two frames;
+// BadExposure where no exposure is known, or the pictures do not alternate as the cycle.
+Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
+                                 const std::atomic<bool>& stop);
+
+// The frames of the plan. Errors: those of open_footage.
+Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
+                                                      const FootagePlan& plan);
+
+// For people: what the footage is, its cycle, what is missing, and the first frames.
+std::string described(const FootagePlan& plan);
+
+}  // namespace hdrcam

@@ -1,0 +1,159 @@
+#include "hal/footage/footage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "hal/footage/video_file.h"
+
+namespace hdrcam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUsualFramerate_hz = 30;
+
+// What is looked at in a folder; a file that is named is opened whatever it is called.
+constexpr std::string_view kExtensions[] = {".avi", ".jpeg", ".jpg", ".m2ts", ".m4v", ".mkv",
+                                            ".mov", ".mp4",  ".mts", ".mxf",  ".nut", ".png",
+                                            ".tif", ".tiff", ".ts",  ".webm", ".y4m"};
+
+std::string lower(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+// By letters, and numbers by their value.
+bool before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto number = [&digit](const std::string& text, std::size_t& at) {
+    while (at < text.size() && text[at] == '0') ++at;
+    const std::size_t begin = at;
+    while (at < text.size() && digit(text[at])) ++at;
+    return std::string_view(text).substr(begin, at - begin);
+  };
+  while (i < a.size() && j < b.size()) {
+    if (digit(a[i]) && digit(b[j])) {
+      const std::string_view x = number(a, i), y = number(b, j);
+      if (x.size() != y.size()) return x.size() < y.size();
+      if (x != y) return x < y;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i, ++j;
+    }
+  }
+  return a.size() - i < b.size() - j;
+}
+
+// The files of a clip one after the other. A file that does not say when its frames are, as a still does not,
+// goes on at the frame rate.
+class FootageFiles : public FootageReader {
+ public:
+  FootageFiles(Storage& storage, std::vector<std::string> files, double framerate_hz)
+      : storage_(storage),
+        files_(std::move(files)),
+        stills_hz_(framerate_hz > 0 ? framerate_hz : kUsualFramerate_hz) {}
+
+  Result<void> open_first() {
+    if (!TRY(read(ahead_)))
+      return Error{ErrorCode::NotRecording, fmt::format("'{}' holds no pictures", files_.front())};
+    has_ahead_ = true;
+    camera_.name = fs::path(files_.front()).stem().string();
+    camera_.width = ahead_.codes.cols(), camera_.height = ahead_.codes.rows();
+    camera_.bits = file_->bits(), camera_.layout = file_->layout();
+    camera_.framerate_hz = file_->framerate_hz() > 0 ? file_->framerate_hz() : stills_hz_;
+    about_ = file_->format();
+    return {};
+  }
+
+  const CameraFacts& camera() const override { return camera_; }
+  std::string about() const override { return about_; }
+
+  Result<bool> next(RawFrame& frame) override {
+    if (std::exchange(has_ahead_, false)) {
+      std::swap(frame.facts, ahead_.facts);
+      std::swap(frame.codes, ahead_.codes);
+      return true;
+    }
+    if (!TRY(read(frame))) return false;
+    if (frame.codes.cols() != camera_.width || frame.codes.rows() != camera_.height ||
+        file_->bits() != camera_.bits || file_->layout() != camera_.layout)
+      return Error{
+          ErrorCode::SizeChanged,
+          fmt::format("'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}",
+                      files_[next_file_ - 1], frame.codes.cols(), frame.codes.rows(), file_->bits(),
+                      name(file_->layout()), camera_.width, camera_.height, camera_.bits,
+                      name(camera_.layout))};
+    return true;
+  }
+
+ private:
+  Result<bool> read(RawFrame& frame) {
+    for (;;) {
+      if (!file_) {
+        if (next_file_ == files_.size()) return false;
+        file_ = TRY(VideoFile::open(storage_, files_[next_file_++]));
+        begin_ = last_ ? *last_ + period() : Instant{};
+      }
+      if (TRY(file_->next(frame))) break;
+      if (next_file_ == files_.size()) return false;
+      file_.reset();
+    }
+    frame.facts.timestamp = begin_ + frame.facts.timestamp.since_boot;
+    frame.facts.sequence = frames_++;
+    last_ = frame.facts.timestamp;
+    return true;
+  }
+
+  Duration period() const {
+    const double hz = camera_.width > 0 ? camera_.framerate_hz : stills_hz_;
+    return Instant::from_seconds(1 / hz).since_boot;
+  }
+
+  Storage& storage_;
+  const std::vector<std::string> files_;
+  const double stills_hz_;
+  CameraFacts camera_;
+  std::string about_;
+  std::size_t next_file_ = 0;
+  std::unique_ptr<VideoFile> file_;
+  std::uint64_t frames_ = 0;
+  Instant begin_;
+  std::optional<Instant> last_;
+  RawFrame ahead_;  // the first frame, which says what the clip is
+  bool has_ahead_ = false;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
+                                                    double framerate_hz) {
+  CHECK(!files.empty());
+  auto footage = std::make_unique<FootageFiles>(storage, std::move(files), framerate_hz);
+  TRY(footage->open_first());
+  return std::unique_ptr<FootageReader>(std::move(footage));
+}
+
+Result<std::vector<std::string>> footage_in(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    if (entry.is_regular_file(ignored) &&
+        std::ranges::find(kExtensions, lower(entry.path().extension().string())) != std::end(kExtensions))
+      files.push_back(entry.path().string());
+  if (files.empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("there is neither a clip.json nor a picture nor a video in '{}'", folder)};
+  std::ranges::sort(files, before);
+  return files;
+}
+
+}  // namespace hdrcam

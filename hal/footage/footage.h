@@ -1,0 +1,43 @@
+// Pictures that another camera left: videos of any codec that FFmpeg decodes, and stills. Each frame leaves
+// as the codes of its file, RGB or mono, with its time and, where the file says one, its exposure. Y'CbCr
+// becomes R'G'B' with the matrix and range that the file states; the transfer curve stays, for the response
+// is learned anyway. Readers are thread-bound; the storage outlives them.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+class FootageReader {
+ public:
+  virtual ~FootageReader() = default;
+
+  // Size, depth and layout of all frames; linear where the codes are those of the sensor.
+  virtual const CameraFacts& camera() const = 0;
+  // In one clause for people: "h264, yuv420p".
+  virtual std::string about() const = 0;
+  // The next frame; false at the end. Its facts: the number within the footage, the time since its beginning,
+  // and the exposure with its source, Unknown where the file says none. Errors: Corrupt, SizeChanged,
+  // Unsupported.
+  virtual Result<bool> next(RawFrame& frame) = 0;
+};
+
+// The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
+// it; 0:
+// 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
+// SizeChanged.
+Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
+                                                    double framerate_hz);
+
+// The pictures and videos in a folder, by name, numbers in their order (IMG_9 before IMG_10). Errors:
+// NotFound where there are none.
+Result<std::vector<std::string>> footage_in(const std::string& folder);
+
+}  // namespace hdrcam

@@ -1,0 +1,244 @@
+#include "hal/footage/video_file.h"
+
+extern "C" {
+#include <libavutil/imgutils.h>
+#include <libavutil/pixdesc.h>
+}
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kHighDefinition_px = 720;  // rows from which untagged video is BT.709, as players take it
+constexpr double kIsoOfUnitGain = 100;
+
+int rounded_up(int value, int shift) { return (value + (1 << shift) - 1) >> shift << shift; }
+
+int matrix_of(const AVFrame& frame, bool still) {
+  if (frame.colorspace != AVCOL_SPC_UNSPECIFIED) return frame.colorspace;
+  if (still) return h273::kMatrixBt601;  // JFIF
+  return frame.height >= kHighDefinition_px ? h273::kMatrixBt709 : h273::kMatrixBt601;
+}
+
+bool is_full_range(const AVFrame& frame) {
+  const std::string_view name = av_get_pix_fmt_name(static_cast<AVPixelFormat>(frame.format));
+  return frame.color_range == AVCOL_RANGE_JPEG || name.starts_with("yuvj");
+}
+
+ChromaSite chroma_site_of(const AVFrame& frame) {
+  switch (frame.chroma_location) {
+    case AVCHROMA_LOC_CENTER:
+      return ChromaSite::Center;
+    case AVCHROMA_LOC_TOPLEFT:
+      return ChromaSite::TopLeft;
+    default:
+      return ChromaSite::Left;
+  }
+}
+
+// A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100".
+std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
+  const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
+  if (entry == nullptr) return std::nullopt;
+  std::string_view text = entry->value;
+  const auto take = [&text](double& value) {
+    text.remove_prefix(std::min(text.find_first_not_of(" "), text.size()));
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+    return error == std::errc();
+  };
+  double value = 0, divisor = 1;
+  if (!take(value)) return std::nullopt;
+  if (text.starts_with(':') || text.starts_with('/')) {
+    text.remove_prefix(1);
+    if (!take(divisor) || divisor == 0) return std::nullopt;
+  }
+  value /= divisor;
+  return std::isfinite(value) && value > 0 ? std::optional(value) : std::nullopt;
+}
+
+// The exposure time; sensitivity and aperture are factors beside it, as far as the file says them.
+void add_exposure(const AVFrame& frame, FrameFacts& facts) {
+  const auto time_s = exif_number(frame, "ExposureTime");
+  if (!time_s) return;
+  facts.exposure_s = *time_s;
+  if (const auto iso = exif_number(frame, "ISOSpeedRatings")) facts.analogue_gain = *iso / kIsoOfUnitGain;
+  if (const auto number = exif_number(frame, "FNumber")) facts.digital_gain = 1 / (*number * *number);
+  facts.exposure_source = ExposureSource::Embedded;
+}
+
+}  // namespace
+
+Error VideoFile::refused(ErrorCode code, const std::string& why) const {
+  return {code, fmt::format("'{}' {}", path_, why)};
+}
+
+Result<std::unique_ptr<VideoFile>> VideoFile::open(Storage& storage, const std::string& path) {
+  libav::be_quiet();
+  std::unique_ptr<VideoFile> file(new VideoFile(TRY(storage.open(path)), path));
+  AVFormatContext* demuxer = avformat_alloc_context();
+  demuxer->pb = file->stream_.context();
+  // On failure the library frees what it was given.
+  const int code = avformat_open_input(&demuxer, path.c_str(), nullptr, nullptr);
+  if (file->stream_.failure()) return *file->stream_.failure();
+  if (code < 0)
+    return file->refused(ErrorCode::NotRecording, "is neither a video nor a picture that FFmpeg knows");
+  file->demuxer_.reset(demuxer);
+  TRY(file->open_decoder());
+  return file;
+}
+
+Result<void> VideoFile::open_decoder() {
+  if (avformat_find_stream_info(demuxer_.get(), nullptr) < 0)
+    return refused(ErrorCode::NotRecording, "holds nothing that FFmpeg can read");
+  const AVCodec* codec = nullptr;
+  track_ = av_find_best_stream(demuxer_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, &codec, 0);
+  if (track_ == AVERROR_DECODER_NOT_FOUND)
+    return refused(ErrorCode::Unsupported, "is of a codec that the FFmpeg libraries of this machine lack");
+  if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
+  const AVStream& stream = *demuxer_->streams[track_];
+  decoder_.reset(avcodec_alloc_context3(codec));
+  decoder_->thread_count = 0;  // as many as there are processors
+  if (avcodec_parameters_to_context(decoder_.get(), stream.codecpar) < 0 ||
+      avcodec_open2(decoder_.get(), codec, nullptr) < 0)
+    return refused(ErrorCode::Unsupported, fmt::format("cannot be decoded as {}", codec->name));
+  frame_.reset(av_frame_alloc());
+  packet_.reset(av_packet_alloc());
+  const bool still = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
+  framerate_hz_ = stream.avg_frame_rate.num > 0 && !still ? av_q2d(stream.avg_frame_rate) : 0;
+  format_ = avcodec_get_name(stream.codecpar->codec_id);
+  return {};
+}
+
+// What is damaged on the way is left out, as a player does; the next whole picture comes.
+Result<bool> VideoFile::decode() {
+  for (;;) {
+    const int code = avcodec_receive_frame(decoder_.get(), frame_.get());
+    if (code >= 0) return true;
+    if (code == AVERROR_EOF) return false;
+    const int read = av_read_frame(demuxer_.get(), packet_.get());
+    if (stream_.failure()) return *stream_.failure();
+    if (read < 0)
+      avcodec_send_packet(decoder_.get(), nullptr);  // the end: what is inside comes out
+    else if (packet_->stream_index == track_)
+      avcodec_send_packet(decoder_.get(), packet_.get());
+    av_packet_unref(packet_.get());
+  }
+}
+
+// From the first frame: how its codes become RGB.
+Result<void> VideoFile::prepare() {
+  const AVFrame& frame = *frame_;
+  const auto pixel_format = static_cast<AVPixelFormat>(frame.format);
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(pixel_format);
+  constexpr std::uint64_t kNoCodes =
+      AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BAYER | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_HWACCEL;
+  const bool xyz = pixel_format == AV_PIX_FMT_XYZ12LE || pixel_format == AV_PIX_FMT_XYZ12BE;
+  if ((format.flags & kNoCodes) != 0 || xyz || format.comp[0].depth < 8)
+    return refused(
+        ErrorCode::Unsupported,
+        fmt::format("has pixels of the format {}; convert it to RGB of 8 to 16 bits", format.name));
+  format_ += fmt::format(", {}", format.name);
+  pixel_format_ = frame.format;
+
+  const bool rgb = (format.flags & AV_PIX_FMT_FLAG_RGB) != 0, grey = format.nb_components < 3;
+  layout_ = grey ? PixelLayout::Mono : PixelLayout::Rgb;
+  from_ = {};
+  from_.store = SampleStore::Words;
+  from_.bits = format.comp[0].depth;
+  from_.colors = grey ? PictureColors::Grey : rgb ? PictureColors::Rgb : PictureColors::Yuv;
+  if (from_.colors == PictureColors::Yuv)
+    from_.chroma_shift_x = format.log2_chroma_w, from_.chroma_shift_y = format.log2_chroma_h;
+  from_.width_px = rounded_up(frame.width, from_.chroma_shift_x);
+  from_.height_px = rounded_up(frame.height, from_.chroma_shift_y);
+  const bool limited = rgb    ? frame.color_range == AVCOL_RANGE_MPEG
+                       : grey ? frame.color_range == AVCOL_RANGE_MPEG
+                              : !is_full_range(frame);
+  from_.range = limited ? CodeRange::Limited : CodeRange::Full;
+  from_.chroma_site = chroma_site_of(frame);
+  const bool still = demuxer_->streams[track_]->codecpar->codec_id == AV_CODEC_ID_MJPEG;
+  if (from_.colors == PictureColors::Yuv) from_.tags.matrix = matrix_of(frame, still);
+  bits_ = from_.colors == PictureColors::Yuv ? std::max(10, from_.bits) : from_.bits;
+
+  const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
+  unpacked_ =
+      Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
+  if (from_.colors != PictureColors::Yuv && !limited) return {};  // the codes are what is wanted
+  to_ = from_;
+  to_.bits = bits_, to_.range = CodeRange::Full, to_.chroma_shift_x = to_.chroma_shift_y = 0;
+  to_.colors = grey ? PictureColors::Grey : PictureColors::Rgb;
+  to_.tags = {};
+  converted_ = Image<std::uint16_t>(to_.planes(), unpacked_.rows(), unpacked_.cols());
+  auto converter = PictureConverter::create(from_, to_);
+  if (!converter)
+    return refused(ErrorCode::Unsupported,
+                   fmt::format("has colours that cannot become RGB: {}", converter.error().message));
+  converter_.emplace(std::move(converter).value());
+  return {};
+}
+
+// Into planes of words, whatever the order of bytes and components; chroma that reaches beyond the picture is
+// there, luma is repeated.
+Result<void> VideoFile::unpack(Image<std::uint16_t>& codes) {
+  const AVFrame& frame = *frame_;
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
+  const std::uint8_t* data[4] = {frame.data[0], frame.data[1], frame.data[2], frame.data[3]};
+  for (int c = 0; c < from_.planes(); ++c) {
+    const bool chroma = c > 0 && from_.colors == PictureColors::Yuv;
+    const int cols = chroma ? AV_CEIL_RSHIFT(frame.width, from_.chroma_shift_x) : frame.width;
+    const int rows = chroma ? AV_CEIL_RSHIFT(frame.height, from_.chroma_shift_y) : frame.height;
+    for (int y = 0; y < rows; ++y) {
+      std::uint16_t* const row = unpacked_.row(c, y);
+      av_read_image_line2(row, data, frame.linesize, &format, 0, y, c, cols, 0, sizeof(std::uint16_t));
+      if (!chroma) std::fill(row + cols, row + from_.width_px, row[cols - 1]);
+    }
+    for (int y = rows; !chroma && y < from_.height_px; ++y)
+      std::copy_n(unpacked_.row(c, rows - 1), unpacked_.cols(), unpacked_.row(c, y));
+  }
+  const Image<std::uint16_t>* result = &unpacked_;
+  if (converter_) {
+    ConstPicturePlanes source;
+    PicturePlanes target;
+    const auto stride = static_cast<std::ptrdiff_t>(sizeof(std::uint16_t)) * unpacked_.cols();
+    for (std::size_t c = 0; c < static_cast<std::size_t>(from_.planes()); ++c) {
+      source.data[c] = unpacked_.plane(static_cast<int>(c)), source.stride_bytes[c] = stride;
+      target.data[c] = converted_.plane(static_cast<int>(c)), target.stride_bytes[c] = stride;
+    }
+    TRY(converter_->convert(source, target));
+    result = &converted_;
+  }
+  codes.reshape(from_.planes(), frame.height, frame.width);
+  for (int c = 0; c < codes.channels(); ++c)
+    for (int y = 0; y < codes.rows(); ++y) std::copy_n(result->row(c, y), codes.cols(), codes.row(c, y));
+  return {};
+}
+
+Result<bool> VideoFile::next(RawFrame& frame) {
+  if (!TRY(decode())) return false;
+  if (frame_->interlaced_frame != 0)
+    return refused(ErrorCode::Unsupported, "is interlaced; make whole frames of it first: ffmpeg -vf bwdif");
+  const bool first = pixel_format_ < 0;
+  if (first) TRY(prepare());
+  if (!first &&
+      (frame_->format != pixel_format_ || rounded_up(frame_->width, from_.chroma_shift_x) != from_.width_px ||
+       rounded_up(frame_->height, from_.chroma_shift_y) != from_.height_px))
+    return refused(ErrorCode::SizeChanged, "changes its size or format on the way");
+  TRY(unpack(frame.codes));
+  frame.facts = {};
+  frame.facts.exposure_source = ExposureSource::Unknown;
+  const AVRational tick = demuxer_->streams[track_]->time_base;
+  const std::int64_t start = demuxer_->streams[track_]->start_time;
+  if (frame_->best_effort_timestamp != AV_NOPTS_VALUE)
+    frame.facts.timestamp.since_boot = Duration(av_rescale_q(
+        frame_->best_effort_timestamp - (start == AV_NOPTS_VALUE ? 0 : start), tick, {1, 1'000'000'000}));
+  add_exposure(*frame_, frame.facts);
+  return true;
+}
+
+}  // namespace hdrcam

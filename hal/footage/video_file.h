@@ -1,0 +1,67 @@
+// One video or picture file, decoded by the FFmpeg libraries: frame after frame, its codes as RGB or mono.
+// The depth of what was RGB or mono stays; Y'CbCr of 8 bits becomes RGB of 10, so that rounding adds nothing,
+// deeper ones keep their depth. Thread-bound.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/core/frame.h"
+#include "hal/recording/libav.h"
+#include "hal/recording/storage_stream.h"
+#include "hal/video/picture_converter.h"
+
+namespace hdrcam {
+
+class VideoFile {
+ public:
+  // Errors: NotFound, Permission; NotRecording where FFmpeg finds no picture in it; Unsupported for a codec
+  // that this machine's libraries lack.
+  static Result<std::unique_ptr<VideoFile>> open(Storage& storage, const std::string& path);
+
+  // false at the end. frame: codes; the timestamp is the time in the file; of the exposure what EXIF says.
+  // Errors: Corrupt, SizeChanged; Unsupported (interlaced, floating point, a colour space without RGB).
+  Result<bool> next(RawFrame& frame);
+
+  // Of the frames so far.
+  int bits() const { return bits_; }
+  PixelLayout layout() const { return layout_; }
+  const std::string& format() const { return format_; }  // "h264, yuv420p"
+  double framerate_hz() const { return framerate_hz_; }  // 0 of a still
+
+ private:
+  VideoFile(std::unique_ptr<StorageFile> file, std::string path)
+      : stream_(std::move(file), StorageStream::Direction::Read), path_(std::move(path)) {}
+
+  struct CloseDemuxer {
+    void operator()(AVFormatContext* demuxer) const { avformat_close_input(&demuxer); }
+  };
+
+  Result<void> open_decoder();
+  Result<bool> decode();
+  Result<void> prepare();
+  Result<void> unpack(Image<std::uint16_t>& codes);
+  Error refused(ErrorCode code, const std::string& why) const;
+
+  StorageStream stream_;  // outlives the demuxer
+  const std::string path_;
+  std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer_;
+  libav::CodecContext decoder_;
+  libav::Frame frame_;
+  libav::Packet packet_;
+  int track_ = 0;
+  std::string format_;
+  double framerate_hz_ = 0;
+
+  // Of the first frame; all others are like it.
+  int pixel_format_ = -1;
+  int bits_ = 8;
+  PixelLayout layout_ = PixelLayout::Rgb;
+  PictureFormat from_, to_;  // sides are multiples of the chroma's
+  std::optional<PictureConverter> converter_;
+  Image<std::uint16_t> unpacked_, converted_;  // rows at multiples of 64 bytes
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,158 @@
+#include "capture/cycle_phase.h"
+
+#include <cmath>
+#include <random>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+Exposure exposure_of(double ms) { return {Instant::from_seconds(ms * 1e-3).since_boot, 1}; }
+
+struct Footage {
+  std::vector<int> slots;  // the truth
+  std::vector<CycleStep> steps;
+};
+
+// Frames of a cycle from slot `first` on; before the frames of `losses` so many are missing. A measured ratio
+// is stretched and has an error of a tenth of it and .05.
+Footage footage(const std::vector<Exposure>& cycle, int frames, int first,
+                const std::vector<std::pair<int, int>>& losses, double stretch, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Footage made;
+  int slot = first;
+  const auto n = static_cast<int>(cycle.size());
+  for (int i = 0; i < frames; ++i) {
+    for (const auto& [frame, lost] : losses)
+      if (frame == i) slot += lost;
+    made.slots.push_back(slot++ % n);
+    if (i == 0) continue;
+    const double ratio = log_product(cycle[static_cast<std::size_t>(made.slots.back())]) -
+                         log_product(cycle[static_cast<std::size_t>(made.slots[made.slots.size() - 2])]);
+    const double error = (0.1 * std::abs(ratio) + 0.05) * normal(random);
+    made.steps.push_back({StepKind::Measured, stretch * ratio + error, 0});
+  }
+  return made;
+}
+
+const std::vector<std::vector<Exposure>> kCycles{
+    {exposure_of(1), exposure_of(4)},
+    {exposure_of(1), exposure_of(4), exposure_of(16)},
+    {exposure_of(16), exposure_of(1), exposure_of(4)},
+    {exposure_of(1), exposure_of(2), exposure_of(4), exposure_of(8)},
+};
+
+}  // namespace
+
+TEST_CASE("the phase of a cycle is found whatever frame the footage begins with, and whatever the response") {
+  for (const auto& cycle : kCycles)
+    for (int first = 0; first < static_cast<int>(cycle.size()); ++first)
+      for (const double stretch : {0.45, 0.7, 1.0, 1.6}) {
+        const Footage made = footage(cycle, 30, first, {}, stretch, 7);
+        const auto walk = find_walk(made.steps, cycle);
+        INFO(cycle.size() << " exposures from " << first << ", stretch " << stretch);
+        REQUIRE(walk.ok());
+        CHECK(walk.value().slots == made.slots);
+        CHECK(walk.value().stretch == Approx(stretch).epsilon(0.25));
+        CHECK(walk.value().measured == 29);
+        for (const int lost : walk.value().lost_before) CHECK(lost == 0);
+      }
+}
+
+TEST_CASE("frames that are missing inside are found where they are missing") {
+  const auto& cycle = kCycles[1];
+  const Footage made = footage(cycle, 60, 1, {{13, 1}, {30, 2}, {41, 1}}, 0.7, 11);
+  const auto walk = find_walk(made.steps, cycle);
+  REQUIRE(walk.ok());
+  CHECK(walk.value().slots == made.slots);
+  for (int i = 0; i < 60; ++i)
+    CHECK(walk.value().lost_before[static_cast<std::size_t>(i)] == (i == 30              ? 2
+                                                                    : i == 13 || i == 41 ? 1
+                                                                                         : 0));
+}
+
+TEST_CASE("a loss that the times tell may be a whole round of the cycle, which no picture shows") {
+  const auto& cycle = kCycles[1];
+  Footage made = footage(cycle, 24, 0, {{9, 3}, {15, 1}}, 1, 3);
+  made.steps[8].missing = 3;
+  made.steps[14].missing = 1;
+  const auto walk = find_walk(made.steps, cycle);
+  REQUIRE(walk.ok());
+  CHECK(walk.value().slots == made.slots);
+  CHECK(walk.value().lost_before[9] == 3);
+  CHECK(walk.value().lost_before[15] == 1);
+}
+
+TEST_CASE("a light that is switched on is one odd step, not a loss") {
+  const auto& cycle = kCycles[1];
+  Footage made = footage(cycle, 40, 0, {}, 1, 5);
+  made.steps[19].log_ratio += 1.2;
+  const auto walk = find_walk(made.steps, cycle);
+  REQUIRE(walk.ok());
+  CHECK(walk.value().slots == made.slots);
+}
+
+TEST_CASE("pictures that have nothing in common still show who is brighter") {
+  const std::vector<Exposure> cycle{exposure_of(0.06), exposure_of(1.8), exposure_of(29)};
+  Footage made = footage(cycle, 30, 2, {{12, 1}}, 0.5, 9);
+  for (CycleStep& step : made.steps) step.kind = StepKind::Rough;
+  const auto walk = find_walk(made.steps, cycle);
+  REQUIRE(walk.ok());
+  CHECK(walk.value().slots == made.slots);
+  CHECK(walk.value().measured == 0);
+}
+
+TEST_CASE("footage that does not alternate as it is said to is refused") {
+  const Footage still = footage({exposure_of(4)}, 30, 0, {}, 1, 5);
+  const auto refused = find_walk(still.steps, kCycles[1]);
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::BadExposure);
+  CHECK_THAT(refused.error().message, Contains("1 ms, 4 ms, 16 ms") && Contains("--shutter auto"));
+  CHECK(find_walk(still.steps, {}).error().code == ErrorCode::Invalid);
+}
+
+TEST_CASE("a cycle that nobody knows comes out of the pictures with its ratios, losses or not") {
+  for (const auto& cycle : kCycles)
+    for (const bool losses : {false, true}) {
+      Footage made = footage(
+          cycle, 50, 1,
+          losses ? std::vector<std::pair<int, int>>{{20, 1}} : std::vector<std::pair<int, int>>{}, 1, 21);
+      StepsByLag steps(4);
+      std::mt19937 random(4);
+      std::normal_distribution<double> normal;
+      for (std::size_t lag = 1; lag <= 4; ++lag)
+        for (std::size_t i = 0; i + lag < made.slots.size(); ++i) {
+          const double ratio = log_product(cycle[static_cast<std::size_t>(made.slots[i + lag])]) -
+                               log_product(cycle[static_cast<std::size_t>(made.slots[i])]);
+          const double error = (0.1 * std::abs(ratio) + 0.05) * normal(random);
+          steps[lag - 1].push_back({StepKind::Measured, ratio + error, 0});
+        }
+      const auto found = estimate_cycle(steps);
+      REQUIRE(found.ok());
+      INFO(cycle.size() << " exposures");
+      REQUIRE(found.value().size() == cycle.size());
+      const auto walk = find_walk(steps[0], found.value());
+      REQUIRE(walk.ok());
+      // The cycle may begin with another of its exposures: frame by frame, exposures differ by one factor.
+      const auto offset = [&](std::size_t i) {
+        return log_product(found.value()[static_cast<std::size_t>(walk.value().slots[i])]) -
+               log_product(cycle[static_cast<std::size_t>(made.slots[i])]);
+      };
+      for (std::size_t i = 0; i < made.slots.size(); ++i) CHECK(offset(i) == Approx(offset(0)).margin(0.35));
+    }
+}
+
+TEST_CASE("noise is no cycle") {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  StepsByLag steps(4);
+  for (auto& of_lag : steps)
+    for (int i = 0; i < 40; ++i) of_lag.push_back({StepKind::Measured, 2 * normal(random), 0});
+  const auto refused = estimate_cycle(steps);
+  REQUIRE_FALSE(refused.ok());
+  CHECK_THAT(refused.error().message, Contains("--shutter"));
+}

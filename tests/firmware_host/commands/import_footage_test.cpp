@@ -1,0 +1,143 @@
+// Footage of other cameras becomes a recording, as the user calls it.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "firmware_host/commands/command.h"
+#include "hal/recording/png_image.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/footage_files.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+Result<void> import_verb(const std::string& line) {
+  CLI::App app;
+  Verb verb;
+  add_import(app, verb);
+  app.parse("import " + line);
+  const std::atomic<bool> stop = false;
+  Surroundings around{posix_storage(), stop};
+  return verb(around);
+}
+
+test::MovingScene scene() {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128;
+  return scene;
+}
+
+// Which frames of the scene are filmed: `count` from `first`, without those that are lost.
+std::vector<int> filmed(int first, int count, const std::vector<int>& lost) {
+  std::vector<int> frames;
+  for (int i = first; i < first + count; ++i)
+    if (std::ranges::find(lost, i) == lost.end()) frames.push_back(i);
+  return frames;
+}
+
+std::vector<Image<std::uint16_t>> pictures(const std::vector<int>& frames) {
+  std::vector<Image<std::uint16_t>> all;
+  for (const int i : frames) all.push_back(scene().frame(i).codes);
+  return all;
+}
+
+// The recording's labels are those of the scene.
+void check_labels(const std::string& recording, const std::vector<int>& frames) {
+  const auto replayed = sample::replay(posix_storage(), recording);
+  REQUIRE_FALSE(replayed.error);
+  REQUIRE(replayed.frames.size() == frames.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const FrameFacts& facts = replayed.frames[i].facts;
+    const double truth_s = scene().exposures_s[static_cast<std::size_t>(frames[i]) % 3];
+    INFO("frame " << i << " of " << recording);
+    CHECK(facts.exposure_s == Approx(truth_s));
+    CHECK(facts.slot == frames[i] % 3);
+    CHECK(facts.sequence == static_cast<std::uint64_t>(frames[i] - frames[0]));
+    CHECK((facts.flags & kFrameExposureUnproved) == 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "videos of alternating exposures get each frame's exposure, whatever the first one is and what is lost") {
+  const std::string folder = sample::scratch_folder("import_video");
+  const struct {
+    const char* name;
+    VideoCodec codec;
+    int first;
+    std::vector<int> lost;
+  } videos[] = {{"a.mp4", VideoCodec::H264, 0, {}},
+                {"b.mkv", VideoCodec::Hevc, 2, {}},
+                {"c.mov", VideoCodec::H264, 1, {9, 20, 21}}};
+  for (const auto& video : videos) {
+    const std::vector<int> frames = filmed(video.first, 36, video.lost);
+    const std::string path = folder + "/" + video.name;
+    REQUIRE(
+        test::write_video(path, video.codec, pictures(frames)).ok());  // its times do not tell of the losses
+    const auto imported = import_verb(path + " -o " + path + ".rec.mkv --shutter 1ms,4ms,16ms");
+    INFO((imported.ok() ? "" : imported.error().message));
+    REQUIRE(imported.ok());
+    check_labels(path + ".rec.mkv", frames);
+  }
+}
+
+TEST_CASE("a folder of brackets with EXIF needs no flag") {
+  const std::string folder = sample::scratch_folder("import_exif");
+  const std::vector<int> frames = filmed(0, 9, {});
+  for (const int i : frames) {
+    const test::Exif exif{
+        static_cast<std::uint32_t>(std::lround(scene().exposures_s[static_cast<std::size_t>(i) % 3] * 1000)),
+        1000, 100, 80};
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, 95 + i), scene().frame(i).codes, exif);
+  }
+  const std::string out = sample::scratch_folder("import_exif_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  check_labels(out, frames);
+  CHECK(sample::replay(posix_storage(), out).frames[0].facts.exposure_source == ExposureSource::Embedded);
+}
+
+TEST_CASE("with no exposures at all the ratios are estimated, and called photometric") {
+  const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
+  const std::vector<int> frames = filmed(1, 36, {});
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(frames)).ok());
+  REQUIRE(import_verb(path + " -o " + path + ".mkv --shutter auto").ok());
+  const auto replayed = sample::replay(posix_storage(), path + ".mkv");
+  REQUIRE(replayed.frames.size() == 36);
+  for (std::size_t i = 0; i + 3 < 36; ++i) {
+    const FrameFacts &a = replayed.frames[i].facts, &b = replayed.frames[i + 1].facts;
+    CHECK(a.exposure_source == ExposureSource::Photometric);
+    const bool brighter = frames[i + 1] % 3 != 0;
+    const double stops = std::log2(b.exposure_s / a.exposure_s);
+    CHECK(stops ==
+          Approx(brighter ? 2 : -4).margin(brighter ? 1 : 2));  // relative, under a response nobody knows
+    CHECK(replayed.frames[i + 3].facts.exposure_s == a.exposure_s);
+  }
+}
+
+TEST_CASE("footage that does not say its exposures is not guessed at") {
+  const std::string path = sample::scratch_folder("import_unknown") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(filmed(0, 12, {}))).ok());
+  const auto unknown = import_verb(path + " -o " + path + ".mkv");
+  CHECK(sample::error_of(unknown).code == ErrorCode::BadExposure);
+  CHECK_THAT(sample::error_of(unknown).message, Contains(path) && Contains("--shutter"));
+  const auto wrong = import_verb(path + " -o " + path + ".mkv --shutter 16ms,1ms");
+  CHECK(sample::error_of(wrong).code == ErrorCode::BadExposure);
+  CHECK_FALSE(std::filesystem::exists(path + ".mkv"));
+}
+
+TEST_CASE("--list writes nothing, and an import never takes the place of its footage") {
+  const std::string folder = sample::scratch_folder("import_list"), path = folder + "/x.mkv";
+  REQUIRE(test::write_video(path, VideoCodec::Hevc, pictures(filmed(0, 12, {}))).ok());
+  CHECK(import_verb(path + " --shutter 1ms,4ms,16ms --list").ok());
+  CHECK(std::distance(std::filesystem::directory_iterator(folder), {}) == 1);
+  const auto same = import_verb(path + " --shutter 1ms,4ms,16ms --force -o " + path);
+  CHECK(sample::error_of(same).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(same).message, Contains("overwrite"));
+  CHECK(sample::error_of(import_verb(path + " --shutter 1ms,4ms,16ms")).code == ErrorCode::Invalid);
+}

@@ -1,0 +1,188 @@
+#include "hal/footage/footage.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "hal/recording/png_image.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/footage_files.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+// Patches of 16 pixels, every one another colour; pictures differ in their codes.
+Image<std::uint16_t> patches(int picture, int rows = 64, int cols = 96) {
+  Image<std::uint16_t> rgb(3, rows, cols);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x)
+        rgb.at(c, y, x) =
+            static_cast<std::uint16_t>((37 * (y / 16) + 61 * (x / 16) + 90 * c + 20 * picture) % 256);
+  return rgb;
+}
+
+std::vector<Image<std::uint16_t>> pictures(int count) {
+  std::vector<Image<std::uint16_t>> all;
+  for (int i = 0; i < count; ++i) all.push_back(patches(i));
+  return all;
+}
+
+struct Read {
+  CameraFacts camera;
+  std::string about;
+  std::vector<RawFrame> frames;
+  std::optional<Error> error;
+};
+
+Read read(std::vector<std::string> files, double framerate_hz = 0) {
+  Read all;
+  auto footage = open_footage(posix_storage(), std::move(files), framerate_hz);
+  if (!footage) return all.error = footage.error(), std::move(all);
+  all.camera = footage.value()->camera(), all.about = footage.value()->about();
+  for (;;) {
+    RawFrame frame;
+    const auto more = footage.value()->next(frame);
+    if (!more) return all.error = more.error(), std::move(all);
+    if (!more.value()) return all;
+    all.frames.push_back(std::move(frame));
+  }
+}
+
+// The largest difference in the middles of the patches, codes of 255.
+double difference(const RawFrame& frame, int bits, const Image<std::uint16_t>& rgb) {
+  const double scale = 255.0 / ((1 << bits) - 1);
+  double largest = 0;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 8; y < rgb.rows(); y += 16)
+      for (int x = 8; x < rgb.cols(); x += 16)
+        largest = std::max(largest, std::abs(frame.codes.at(c, y, x) * scale - rgb.at(c, y, x)));
+  return largest;
+}
+
+std::string png(const std::string& path, const Image<std::uint16_t>& rgb, int bits = 8) {
+  REQUIRE(write_png(posix_storage(), path, {bits, rgb.clone()}).ok());
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("a video of eight bits comes as RGB of ten, its frames within a code of what was filmed") {
+  const std::string path = sample::scratch_folder("footage_h264") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(5)).ok());
+  const Read read_back = read({path});
+  REQUIRE_FALSE(read_back.error);
+  CHECK(read_back.about == "h264, yuv420p");
+  CHECK(read_back.camera.bits == 10);
+  CHECK(read_back.camera.layout == PixelLayout::Rgb);
+  CHECK_FALSE(read_back.camera.linear);
+  CHECK(read_back.camera.framerate_hz == Approx(30));
+  REQUIRE(read_back.frames.size() == 5);
+  for (int i = 0; i < 5; ++i) {
+    const RawFrame& frame = read_back.frames[static_cast<std::size_t>(i)];
+    CHECK(difference(frame, 10, patches(i)) < 3);  // limited range, rounded, and the codec
+    CHECK(frame.facts.timestamp.seconds() == Approx(i / 30.0).margin(1e-6));
+    CHECK(frame.facts.sequence == static_cast<std::uint64_t>(i));
+    CHECK(frame.facts.exposure_source == ExposureSource::Unknown);
+  }
+}
+
+TEST_CASE("HEVC of ten bits keeps its depth, and a variable frame rate its times") {
+  const std::string path = sample::scratch_folder("footage_hevc") + "/x.mkv";
+  const std::vector<double> times{0, 0.033, 0.08, 0.1, 0.25};
+  REQUIRE(test::write_video(path, VideoCodec::Hevc, pictures(5), times).ok());
+  const Read read_back = read({path});
+  REQUIRE_FALSE(read_back.error);
+  CHECK(read_back.camera.bits == 10);
+  REQUIRE(read_back.frames.size() == 5);
+  for (std::size_t i = 0; i < 5; ++i) {
+    CHECK(difference(read_back.frames[i], 10, patches(static_cast<int>(i))) < 2);
+    CHECK(read_back.frames[i].facts.timestamp.seconds() == Approx(times[i]).margin(1e-3));
+  }
+}
+
+TEST_CASE("PNG pictures keep every code, eight or sixteen bits, colour or grey") {
+  const std::string folder = sample::scratch_folder("footage_png");
+  for (const int bits : {8, 16}) {
+    Image<std::uint16_t> rgb = patches(0, 33, 47);
+    if (bits == 16)
+      for (auto& code : rgb.samples()) code = static_cast<std::uint16_t>(code * 257 - (code > 0 ? 1 : 0));
+    const Read colour = read({png(folder + "/a.png", rgb, bits), png(folder + "/b.png", rgb, bits)}, 25);
+    REQUIRE_FALSE(colour.error);
+    CHECK(colour.camera.bits == bits);
+    CHECK(colour.camera.framerate_hz == Approx(25));
+    REQUIRE(colour.frames.size() == 2);
+    CHECK(sample::same(colour.frames[0].codes, rgb));
+    CHECK(colour.frames[1].facts.timestamp.seconds() == Approx(0.04));
+    Image<std::uint16_t> grey(1, 33, 47);
+    std::copy_n(rgb.plane(0), rgb.plane_size(), grey.plane(0));
+    const Read mono = read({png(folder + "/c.png", grey, bits)});
+    REQUIRE_FALSE(mono.error);
+    CHECK(mono.camera.layout == PixelLayout::Mono);
+    CHECK(sample::same(mono.frames[0].codes, grey));
+  }
+}
+
+TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture") {
+  const std::string folder = sample::scratch_folder("footage_jpeg");
+  test::write_jpeg(folder + "/a.jpg", patches(0), test::Exif{1, 1000, 100, 28});
+  test::write_jpeg(folder + "/b.jpg", patches(1), test::Exif{10, 60, 400, 56});
+  test::write_jpeg(folder + "/c.jpg", patches(2), std::nullopt);
+  const Read bracket = read({folder + "/a.jpg", folder + "/b.jpg", folder + "/c.jpg"});
+  REQUIRE_FALSE(bracket.error);
+  REQUIRE(bracket.frames.size() == 3);
+  CHECK(bracket.frames[0].facts.exposure_source == ExposureSource::Embedded);
+  CHECK(bracket.frames[0].facts.exposure_s == Approx(0.001));
+  CHECK(bracket.frames[0].facts.analogue_gain == Approx(1));
+  CHECK(bracket.frames[1].facts.exposure_s == Approx(1.0 / 6));
+  CHECK(bracket.frames[1].facts.analogue_gain == Approx(4));
+  CHECK(bracket.frames[0].facts.digital_gain / bracket.frames[1].facts.digital_gain ==
+        Approx(4));  // two stops
+  CHECK(bracket.frames[2].facts.exposure_source == ExposureSource::Unknown);
+  CHECK(difference(bracket.frames[0], bracket.camera.bits, patches(0)) < 2.5);
+}
+
+TEST_CASE("files in a folder come in the order of their numbers") {
+  const std::string folder = sample::scratch_folder("footage_order");
+  for (const char* name : {"IMG_10.JPG", "IMG_9.jpg", "img_2.png", "IMG_0011.jpg", "notes.txt", "clip.mov"})
+    std::ofstream(folder + "/" + name) << "x";
+  const auto files = footage_in(folder);
+  REQUIRE(files.ok());
+  std::vector<std::string> expected;
+  for (const char* name : {"IMG_9.jpg", "IMG_10.JPG", "IMG_0011.jpg", "clip.mov", "img_2.png"})
+    expected.push_back(folder + "/" + name);
+  CHECK(files.value() == expected);
+  const std::string empty = sample::scratch_folder("footage_empty");
+  CHECK(sample::error_of(footage_in(empty)).code == ErrorCode::NotFound);
+}
+
+TEST_CASE("what is no footage is an error that names the file") {
+  const std::string folder = sample::scratch_folder("footage_wrong");
+  const std::string text = folder + "/x.mp4";
+  std::ofstream(text) << "this is no video, whatever it is called\n";
+  const Read not_video = read({text});
+  REQUIRE(not_video.error);
+  CHECK(not_video.error->code == ErrorCode::NotRecording);
+  CHECK_THAT(not_video.error->message, Contains(text));
+  CHECK(read({folder + "/missing.mp4"}).error->code == ErrorCode::NotFound);
+
+  const Read sizes = read({png(folder + "/a.png", patches(0)), png(folder + "/b.png", patches(0, 32, 96))});
+  REQUIRE(sizes.error);
+  CHECK(sizes.error->code == ErrorCode::SizeChanged);
+  CHECK_THAT(sizes.error->message, Contains("b.png") && Contains("96x32"));
+}
+
+TEST_CASE("a video that was cut comes up to its cut") {
+  const std::string path = sample::scratch_folder("footage_cut") + "/x.mkv";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(90)).ok());
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) * 3 / 4);
+  const Read read_back = read({path});
+  CHECK_FALSE(read_back.error);
+  CHECK(read_back.frames.size() >= 30);
+  CHECK(read_back.frames.size() < 90);
+}

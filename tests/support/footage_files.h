@@ -1,0 +1,122 @@
+// Footage as other cameras leave it, of pictures whose codes are known: videos of several codecs, JPEG with
+// EXIF.
+#pragma once
+
+#include <cstdio>
+
+#include <jpeglib.h>
+
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/core/image.h"
+#include "hal/video/picture_converter.h"
+#include "hal/video/video_writer.h"
+
+namespace hdrcam::test {
+
+// rgb: [rgb, rows, cols] codes of 8 bits, even sides. times_s: of each picture, or none: regular.
+inline Result<void> write_video(const std::string& path, VideoCodec codec,
+                                const std::vector<Image<std::uint16_t>>& rgb,
+                                const std::vector<double>& times_s = {}, double framerate_hz = 30) {
+  VideoFormat format;
+  format.width_px = rgb[0].cols(), format.height_px = rgb[0].rows();
+  format.framerate_hz = framerate_hz;
+  format.codec = codec, format.container = *video_container_of(path);
+  format.bits = codec == VideoCodec::H264 ? 8 : 10;
+  format.tags = {h273::kPrimariesBt709, h273::kTransferBt709, h273::kMatrixBt709};
+  format.crf = 4;
+  PictureFormat codes = format.picture();
+  codes.colors = PictureColors::Rgb, codes.bits = 8, codes.store = SampleStore::Words,
+  codes.range = CodeRange::Full;
+  codes.chroma_shift_x = codes.chroma_shift_y = 0;
+  auto converter = TRY(PictureConverter::create(codes, format.picture()));
+  auto file = TRY(posix_storage().create(path));
+  auto writer = TRY(VideoWriter::create(std::move(file), StorageStream::Direction::Write, format));
+  Image<std::uint16_t> aligned(3, format.height_px, (format.width_px + 31) / 32 * 32);
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    ConstPicturePlanes planes;
+    for (int c = 0; c < 3; ++c) {
+      for (int y = 0; y < rgb[i].rows(); ++y) std::copy_n(rgb[i].row(c, y), rgb[i].cols(), aligned.row(c, y));
+      planes.data[static_cast<std::size_t>(c)] = aligned.plane(c);
+      planes.stride_bytes[static_cast<std::size_t>(c)] = 2 * aligned.cols();
+    }
+    TRY(converter.convert(planes, writer->planes()));
+    const double time_s = times_s.empty() ? static_cast<double>(i) / framerate_hz : times_s[i];
+    TRY(writer->append(Instant::from_seconds(time_s).since_boot));
+  }
+  return writer->finish(std::nullopt);
+}
+
+struct Exif {
+  std::uint32_t time_numerator = 1, time_denominator = 250;
+  std::uint16_t iso = 100;
+  std::uint32_t f_number_tenths = 28;
+};
+
+// The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory of three entries.
+inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
+  std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0};
+  const auto put = [&](std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  };
+  const auto entry = [&](std::uint32_t tag, std::uint32_t type, std::uint32_t count, std::uint32_t value) {
+    put(tag, 2), put(type, 2), put(count, 4), put(value, 4);
+  };
+  constexpr std::uint32_t kShort = 3, kLong = 4, kRational = 5;
+  put('I', 1), put('I', 1), put(42, 2);
+  put(8, 4);
+  put(1, 2);                        // at 8: one entry
+  entry(0x8769, kLong, 1, 26);      // the EXIF directory
+  put(0, 4);                        // no further directory
+  put(3, 2);                        // at 26
+  entry(0x829a, kRational, 1, 68);  // ExposureTime
+  entry(0x829d, kRational, 1, 76);  // FNumber
+  entry(0x8827, kShort, 1, exif.iso);
+  put(0, 4);
+  put(exif.time_numerator, 4), put(exif.time_denominator, 4);  // at 68
+  put(exif.f_number_tenths, 4), put(10, 4);                    // at 76
+  return bytes;
+}
+
+// rgb: as above. Without chroma subsampling, of quality 100.
+inline void write_jpeg(const std::string& path, const Image<std::uint16_t>& rgb,
+                       const std::optional<Exif>& exif) {
+  jpeg_compress_struct jpeg;
+  jpeg_error_mgr errors;
+  jpeg.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&jpeg);
+  unsigned char* bytes = nullptr;
+  unsigned long size = 0;
+  jpeg_mem_dest(&jpeg, &bytes, &size);
+  jpeg.image_width = static_cast<JDIMENSION>(rgb.cols()),
+  jpeg.image_height = static_cast<JDIMENSION>(rgb.rows());
+  jpeg.input_components = 3, jpeg.in_color_space = JCS_RGB;
+  jpeg_set_defaults(&jpeg);
+  jpeg_set_quality(&jpeg, 100, TRUE);
+  jpeg.comp_info[0].h_samp_factor = jpeg.comp_info[0].v_samp_factor = 1;
+  jpeg_start_compress(&jpeg, TRUE);
+  if (exif) {
+    const std::vector<std::uint8_t> segment = exif_segment(*exif);
+    jpeg_write_marker(&jpeg, JPEG_APP0 + 1, segment.data(), static_cast<unsigned>(segment.size()));
+  }
+  std::vector<std::uint8_t> row(static_cast<std::size_t>(rgb.cols()) * 3);
+  for (int y = 0; y < rgb.rows(); ++y) {
+    for (int x = 0; x < rgb.cols(); ++x)
+      for (int c = 0; c < 3; ++c)
+        row[static_cast<std::size_t>(3 * x + c)] = static_cast<std::uint8_t>(rgb.at(c, y, x));
+    std::uint8_t* rows[] = {row.data()};
+    jpeg_write_scanlines(&jpeg, rows, 1);
+  }
+  jpeg_finish_compress(&jpeg);
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes), static_cast<std::streamsize>(size));
+  jpeg_destroy_compress(&jpeg);
+  std::free(bytes);
+}
+
+}  // namespace hdrcam::test
