@@ -197,7 +197,8 @@ std::vector<SettingField> sync_fields() {
 
 SettingField backend_field() {
   SettingField field = any<&Settings::fit, &Settings::Fit::backend>(
-      "fit.backend", "--backend", "compute device: the processor, or a graphics device that 'hdrcam list' shows");
+      "fit.backend", "--backend",
+      "compute device: the processor, or a graphics device that 'hdrcam list' shows");
   field.type = SettingType::Choice;
   field.choices = {"cpu", "vulkan", "vulkan:NAME"};
   return field;

@@ -1,8 +1,5 @@
 #include "render/vulkan/vulkan_shrinkage.h"
 
-#include <cmath>
-#include <numbers>
-
 #include "render/vulkan/gather.comp.h"
 #include "render/vulkan/opponent.comp.h"
 #include "render/vulkan/shrink.comp.h"
@@ -15,17 +12,6 @@ constexpr float kMaxLogVariance = 0.25f;               // as shrinkage.cpp has i
 
 int tiles_along(int pixels) { return (pixels - kTile + kStep - 1) / kStep + 1; }
 
-// Cosines [frequency][pixel], orthonormal.
-std::array<float, kTile * kTile> make_basis() {
-  std::array<float, kTile * kTile> basis{};
-  for (std::size_t k = 0; k < kTile; ++k)
-    for (std::size_t n = 0; n < kTile; ++n)
-      basis[k * kTile + n] =
-          static_cast<float>((k != 0 ? std::sqrt(0.25) : std::sqrt(0.125)) *
-                             std::cos(std::numbers::pi * static_cast<double>((2 * n + 1) * k) / 16));
-  return basis;
-}
-
 struct Constants {
   int rows, cols, tile_rows, tile_cols;
   float offset, most_variance;
@@ -36,7 +22,7 @@ struct Constants {
 Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device) {
   const std::lock_guard turn(device.turn());
   const std::array<GpuShader, kPasses> shaders{
-      {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 3}, {"gather", k_gather, 2}}};
+      {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 2}, {"gather", k_gather, 2}}};
   std::unique_ptr<VulkanShrinkage> made(new VulkanShrinkage(device));
   for (std::size_t i = 0; i < kPasses; ++i) made->kernels_[i] = TRY(device.kernel(shaders[i]));
   return made;
@@ -48,7 +34,6 @@ Result<void> VulkanShrinkage::reserve(int rows, int cols) {
   variance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
   opponent_ = TRY(GpuPicture::make(device_, 6, rows, cols));
   tiles_ = TRY(GpuPicture::make(device_, 3, tiles_along(rows), tiles_along(cols) * kTileFloats));
-  basis_ = TRY(device_.buffer(sizeof(float) * kTile * kTile));
   return {};
 }
 
@@ -57,13 +42,11 @@ Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& 
   const int rows = radiance.rows(), cols = radiance.cols();
   TRY(reserve(rows, cols));
   GpuWork& work = device_.work();
-  const auto basis = make_basis();
   const Constants constants{rows, cols, tiles_along(rows), tiles_along(cols), offset, kMaxLogVariance};
   upload(work, radiance, radiance_);
   upload(work, variance, variance_);
-  work.upload(std::as_bytes(std::span(basis)), *basis_);
   work.run(*kernels_[kOpponent], {*radiance_, *variance_, *opponent_}, constants, radiance_.pixels());
-  work.run(*kernels_[kShrink], {*opponent_, basis_.get(), *tiles_}, constants,
+  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, constants,
            {constants.tile_cols, constants.tile_rows, 3});
   struct {
     int rows, cols, tile_rows, tile_cols;

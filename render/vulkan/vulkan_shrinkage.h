@@ -24,7 +24,6 @@ class VulkanShrinkage {
   GpuDevice& device_;
   std::array<const GpuKernel*, kPasses> kernels_{};
   GpuPicture radiance_, variance_, opponent_, tiles_;
-  std::unique_ptr<GpuBuffer> basis_;
 };
 
 }  // namespace hdrcam

@@ -22,6 +22,22 @@ int group_size(const PhysicalDevice& device) {
   return std::min(most, (kLeastGroup + subgroup - 1) / subgroup * subgroup);
 }
 
+// A bit for each binding whose variable lies in uniform memory, as the shader's own words say (SPIR-V:
+// OpVariable with its storage class, OpDecorate with its binding).
+std::uint32_t uniform_bindings(std::span<const std::uint32_t> code) {
+  constexpr std::uint32_t kDecorate = 71, kVariable = 59, kBinding = 33, kUniform = 2, kHeader = 5;
+  std::map<std::uint32_t, std::uint32_t> binding_of;
+  std::uint32_t uniforms = 0;
+  for (std::size_t at = kHeader; at < code.size() && code[at] >> 16 != 0; at += code[at] >> 16) {
+    const std::uint32_t operation = code[at] & 0xffff;
+    if (operation == kDecorate && code[at + 2] == kBinding) binding_of[code[at + 1]] = code[at + 3];
+    if (operation != kVariable || code[at + 3] != kUniform) continue;
+    if (const auto found = binding_of.find(code[at + 2]); found != binding_of.end())
+      uniforms |= 1u << found->second;
+  }
+  return uniforms;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Device>> Device::open(std::unique_ptr<Instance> instance, const PhysicalDevice& which,
@@ -102,6 +118,7 @@ Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
                              shader.name, shader.buffers, facts_.name, most)};
   auto kernel = std::make_unique<Kernel>();
   kernel->name = shader.name, kernel->buffers = shader.buffers;
+  kernel->uniforms = uniform_bindings(shader.code);
   if (const Result<void> made = compile(shader, *kernel); !made) {
     destroy(*kernel);
     return made.error();
@@ -119,8 +136,10 @@ Result<void> Device::compile(const GpuShader& shader, Kernel& kernel) {
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (int i = 0; i < shader.buffers; ++i)
-    bindings.push_back({static_cast<std::uint32_t>(i), VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1,
-                        VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    bindings.push_back({static_cast<std::uint32_t>(i),
+                        (kernel.uniforms >> i & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                                        : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                        1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
   VkDescriptorSetLayoutCreateInfo set{};
   set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
   set.bindingCount = static_cast<std::uint32_t>(bindings.size()), set.pBindings = bindings.data();

@@ -9,27 +9,24 @@
 
 namespace hdrcam::vulkan {
 
-#define HDRCAM_INSTANCE_FUNCTIONS(X)                                   \
-  X(DestroyInstance)                                                   \
-  X(EnumeratePhysicalDevices)                                          \
-  X(GetPhysicalDeviceProperties2) X(GetPhysicalDeviceMemoryProperties) \
-      X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) X(GetDeviceProcAddr)
+// clang-format off
+#define HDRCAM_INSTANCE_FUNCTIONS(X) \
+  X(DestroyInstance) X(EnumeratePhysicalDevices) X(GetPhysicalDeviceProperties2) \
+  X(GetPhysicalDeviceMemoryProperties) X(GetPhysicalDeviceQueueFamilyProperties) X(CreateDevice) \
+  X(GetDeviceProcAddr)
 
-#define HDRCAM_DEVICE_FUNCTIONS(X)                                                                           \
-  X(DestroyDevice)                                                                                           \
-  X(GetDeviceQueue)                                                                                          \
-  X(DeviceWaitIdle) X(AllocateMemory) X(FreeMemory) X(MapMemory) X(CreateBuffer) X(DestroyBuffer)            \
-      X(GetBufferMemoryRequirements) X(BindBufferMemory) X(CreateShaderModule) X(DestroyShaderModule)        \
-          X(CreateDescriptorSetLayout) X(DestroyDescriptorSetLayout) X(CreatePipelineLayout)                 \
-              X(DestroyPipelineLayout) X(CreateComputePipelines) X(DestroyPipeline) X(CreatePipelineCache)   \
-                  X(DestroyPipelineCache) X(GetPipelineCacheData) X(CreateDescriptorPool)                    \
-                      X(DestroyDescriptorPool) X(ResetDescriptorPool) X(AllocateDescriptorSets)              \
-                          X(UpdateDescriptorSets) X(CreateCommandPool) X(DestroyCommandPool)                 \
-                              X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer)            \
-                                  X(CmdBindPipeline) X(CmdBindDescriptorSets) X(CmdPushConstants)            \
-                                      X(CmdDispatch) X(CmdCopyBuffer) X(CmdFillBuffer) X(CmdPipelineBarrier) \
-                                          X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences)     \
-                                              X(QueueSubmit)
+#define HDRCAM_DEVICE_FUNCTIONS(X) \
+  X(DestroyDevice) X(GetDeviceQueue) X(DeviceWaitIdle) X(AllocateMemory) X(FreeMemory) X(MapMemory) \
+  X(CreateBuffer) X(DestroyBuffer) X(GetBufferMemoryRequirements) X(BindBufferMemory) \
+  X(CreateShaderModule) X(DestroyShaderModule) X(CreateDescriptorSetLayout) \
+  X(DestroyDescriptorSetLayout) X(CreatePipelineLayout) X(DestroyPipelineLayout) \
+  X(CreateComputePipelines) X(DestroyPipeline) X(CreatePipelineCache) X(DestroyPipelineCache) \
+  X(GetPipelineCacheData) X(CreateDescriptorPool) X(DestroyDescriptorPool) X(ResetDescriptorPool) \
+  X(AllocateDescriptorSets) X(UpdateDescriptorSets) X(CreateCommandPool) X(DestroyCommandPool) \
+  X(AllocateCommandBuffers) X(BeginCommandBuffer) X(EndCommandBuffer) X(CmdBindPipeline) \
+  X(CmdBindDescriptorSets) X(CmdPushConstants) X(CmdDispatch) X(CmdCopyBuffer) X(CmdFillBuffer) \
+  X(CmdPipelineBarrier) X(CreateFence) X(DestroyFence) X(ResetFences) X(WaitForFences) X(QueueSubmit)
+// clang-format on
 
 struct InstanceFunctions {
 #define HDRCAM_MEMBER(name) PFN_vk##name name = nullptr;

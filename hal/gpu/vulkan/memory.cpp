@@ -76,7 +76,8 @@ Result<Memory::Block*> Memory::add_block(VkDeviceSize bytes, MemoryUse use) {
   info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
   info.size = bytes;
   info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT;
-  if (use == MemoryUse::Compute) info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (use == MemoryUse::Compute)
+    info.usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
   info.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
   auto block = std::make_unique<Block>();
   block->use = use;

@@ -18,6 +18,11 @@ constexpr std::size_t kMostBuffers = 16;  // of a kernel
 
 const Memory::Range& range_of(const GpuBuffer& buffer) { return static_cast<const Memory::Range&>(buffer); }
 
+VkDescriptorType type_of(const Kernel& kernel, int binding) {
+  return (kernel.uniforms >> binding & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER
+                                               : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+}
+
 std::uint32_t groups(int elements, int group) {
   return static_cast<std::uint32_t>((elements + group - 1) / group);
 }
@@ -129,7 +134,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
     writes[i].dstSet = *set;
     writes[i].dstBinding = static_cast<std::uint32_t>(i);
     writes[i].descriptorCount = 1;
-    writes[i].descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
+    writes[i].descriptorType = type_of(own, static_cast<int>(i));
     writes[i].pBufferInfo = &places[i];
   }
   vk_.UpdateDescriptorSets(device_, static_cast<std::uint32_t>(buffers.size()), writes.data(), 0, nullptr);
@@ -139,7 +144,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
     vk_.CmdPushConstants(commands_, own.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                          static_cast<std::uint32_t>(constants.size()), constants.data());
   barrier(kWorkStages, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT);
   vk_.CmdDispatch(commands_, groups(grid.columns, group_), static_cast<std::uint32_t>(grid.rows),
                   static_cast<std::uint32_t>(grid.planes));
 }
@@ -166,11 +171,12 @@ Result<VkDescriptorSet> Work::set_for(const Kernel& kernel) {
     VkDescriptorSet set = VK_NULL_HANDLE;
     if (vk_.AllocateDescriptorSets(device_, &info, &set) == VK_SUCCESS) return set;
   }
-  const VkDescriptorPoolSize size{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBuffersPerPool};
+  const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kBuffersPerPool},
+                                        {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, kSetsPerPool}};
   VkDescriptorPoolCreateInfo pool{};
   pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
   pool.maxSets = kSetsPerPool;
-  pool.poolSizeCount = 1, pool.pPoolSizes = &size;
+  pool.poolSizeCount = 2, pool.pPoolSizes = sizes;
   descriptors_.push_back(VK_NULL_HANDLE);
   VkDescriptorSet set = VK_NULL_HANDLE;
   VkResult made = vk_.CreateDescriptorPool(device_, &pool, nullptr, &descriptors_.back());

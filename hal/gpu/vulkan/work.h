@@ -12,6 +12,7 @@ namespace hdrcam::vulkan {
 struct Kernel final : GpuKernel {
   std::string name;
   int buffers = 0;
+  std::uint32_t uniforms = 0;  // a bit for each binding that is a uniform buffer, not a storage buffer
   VkShaderModule module = VK_NULL_HANDLE;
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
   VkPipelineLayout layout = VK_NULL_HANDLE;

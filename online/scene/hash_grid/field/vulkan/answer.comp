@@ -10,8 +10,8 @@ READS(1, Placed, placed)
 READS(2, Still, still)
 READS(3, Moving, moving)
 READS(4, Moved, moved)
-READS(5, Views, views)
-READS(6, Base, base)
+layout(std140, set = 0, binding = 5) uniform Views { vec4 views[24]; };
+layout(std430, set = 0, binding = 6) readonly buffer BasePixels { vec4 base[]; };
 WRITES(7, Answers, answers)
 #include "online/scene/hash_grid/field/vulkan/window.glsl"
 
@@ -19,27 +19,31 @@ const float kDensityBound = 12, kRadianceBound = 20, kEmpty = 1e-6;
 
 float bounded_exp(float x, float bound) { return exp(clamp(x, -bound, bound)); }
 
+vec3 radiance_of(Base known, vec3 residual) {
+  return exp(clamp(known.log_radiance + known.gate * residual, -kRadianceBound, kRadianceBound));
+}
+float known_share(Base known) { return 1 - dot(known.gate, vec3(1)) / 3; }
+
 void main() {
   const int r = column();
   if (r >= rays) return;
   const vec2 pixel = vec2(ray[3 * r], ray[3 * r + 1]);
+  const View frame = from_anchor(kFrame);
+  const View neighbour[2] = {from_anchor(kNeighbour), from_anchor(kNeighbour + 1)};
   float light = 1, depth = 0, share = 0, confidence = 0;
   vec3 radiance = vec3(0);
   vec2 flow[2] = {vec2(0), vec2(0)};
   for (int k = 0; k < samples; ++k) {
     const int s = r * samples + k;
     const vec3 point = vec3(placed[s], placed[ld + s], placed[2 * ld + s]);
-    float known[kBaseChannels];
-    float prior = base_at(point, known);
+    Base known = base_at(frame, point);
     // static
-    float fastest = 0;
-    for (int i = kFlow; i < kFlow + 4; ++i) fastest = max(fastest, abs(known[i]));
-    float still_density =
-        bounded_exp(still[s] + prior, kDensityBound) * exp(-clamp(4 * (fastest - 0.25), 0.0, 6.0));
-    vec3 still_radiance;
-    for (int c = 0; c < 3; ++c)
-      still_radiance[c] = bounded_exp(known[c] + known[kGate + c] * still[(1 + c) * ld + s], kRadianceBound);
-    const float still_known = 1 - (known[kGate] + known[kGate + 1] + known[kGate + 2]) / 3;
+    const vec4 speed = abs(known.flow);
+    const float fastest = max(max(speed.x, speed.y), max(speed.z, speed.w));
+    float still_density = bounded_exp(still[s] + known.log_density, kDensityBound) *
+                          exp(-clamp(4 * (fastest - 0.25), 0.0, 6.0));
+    const vec3 still_radiance = radiance_of(known, vec3(still[ld + s], still[2 * ld + s], still[3 * ld + s]));
+    const float still_known = known_share(known);
     // dynamic
     float moving_density = 0, moving_known = 0;
     vec3 moving_radiance = vec3(0), place_there = point;
@@ -47,15 +51,14 @@ void main() {
     if (has_dynamic != 0) {
       if (offset != 0) {
         place_there = vec3(moved[s], moved[ld + s], moved[2 * ld + s]);
-        prior = base_at(place_there, known);
+        known = base_at(frame, place_there);
       }
-      moving_density = bounded_exp(moving[s] + prior, kDensityBound);
-      for (int c = 0; c < 3; ++c)
-        moving_radiance[c] = bounded_exp(known[c] + known[kGate + c] * moving[(1 + c) * ld + s], kRadianceBound);
+      moving_density = bounded_exp(moving[s] + known.log_density, kDensityBound);
+      moving_radiance = radiance_of(known, vec3(moving[ld + s], moving[2 * ld + s], moving[3 * ld + s]));
       for (int n = 0; n < 2; ++n)
         for (int a = 0; a < 3; ++a)
-          scene_flow[n][a] = moving[(4 + 3 * n + a) * ld + s] + (a < 2 ? known[kFlow + 2 * n + a] : 0);
-      moving_known = 1 - (known[kGate] + known[kGate + 1] + known[kGate + 2]) / 3;
+          scene_flow[n][a] = moving[(4 + 3 * n + a) * ld + s] + (a < 2 ? known.flow[2 * n + a] : 0);
+      moving_known = known_share(known);
       if (weighted != 0) {
         const float v = 1 / (1 + exp(-still[4 * ld + s]));
         still_density *= v, moving_density *= 1 - v;
@@ -72,9 +75,9 @@ void main() {
     share += of_moving;
     confidence += of_still * still_known + of_moving * moving_known;
     for (int n = 0; n < 2; ++n) {
-      flow[n] += of_still * (project(kNeighbour + n, point).xy - pixel);
+      flow[n] += of_still * (project(neighbour[n], point).xy - pixel);
       if (has_dynamic != 0)
-        flow[n] += of_moving * (project(kNeighbour + n, place_there + scene_flow[n] * unit).xy - pixel);
+        flow[n] += of_moving * (project(neighbour[n], place_there + scene_flow[n] * unit).xy - pixel);
     }
   }
   for (int c = 0; c < 3; ++c) answers[c * rays + r] = radiance[c];

@@ -7,22 +7,23 @@ layout(push_constant) uniform Constants {
   int count, ld, slot, level_size;
 };
 READS(0, Positions, position)
-READS(1, Table, table)
-layout(std430, set = 0, binding = 2) readonly buffer Levels { uint levels[]; };  // HashLevel, 8 words each
-WRITES(3, Features, features)
+layout(std430, set = 0, binding = 1) readonly buffer Table { vec2 table[]; };
+WRITES(2, Features, features)
+// HashLevel: cells along u, v, d and dense or not; strides and entries.
+layout(std140, set = 0, binding = 3) uniform Levels { uvec4 levels[32]; };
 
 void main() {
   const int s = column(), l = plane();
   if (s >= count) return;
-  const int own = 8 * l;
-  const uint entries = levels[own + 6];
-  const bool dense = levels[own + 7] != 0;
+  const uvec4 lattice = levels[2 * l], strides = levels[2 * l + 1];
+  const uint entries = strides.w;
+  const bool dense = lattice.w != 0;
   uint low[3], high[3];
   float fraction[3];
   for (int axis = 0; axis < 3; ++axis) {
-    const float cells = uintBitsToFloat(levels[own + axis]);
+    const float cells = uintBitsToFloat(lattice[axis]);
     const float x = max(0.0, min(position[axis * ld + s] * cells, cells * 0.999999));
-    const uint vertex = uint(x), stride = levels[own + 3 + axis];
+    const uint vertex = uint(x), stride = strides[axis];
     fraction[axis] = x - float(vertex);
     low[axis] = vertex * stride, high[axis] = low[axis] + stride;
   }
@@ -33,8 +34,7 @@ void main() {
     const uint entry = (dense ? a + b + c : (a ^ b ^ c) & (entries - 1)) + uint(slot) * entries;
     const float weight = (u ? fraction[0] : 1 - fraction[0]) * (v ? fraction[1] : 1 - fraction[1]) *
                          (d ? fraction[2] : 1 - fraction[2]);
-    const uint at = uint(l * level_size) + 2 * entry;
-    sum += weight * vec2(table[at], table[at + 1]);
+    sum += weight * table[uint(l * level_size) + entry];
   }
   features[2 * l * ld + s] = sum.x;
   features[(2 * l + 1) * ld + s] = sum.y;

@@ -6,8 +6,8 @@
 #include "online/scene/hash_grid/field/vulkan/field_constants.glsl"
 READS(0, Placed, placed)
 READS(1, Moving, moving)
-READS(2, Views, views)
-READS(3, Base, base)
+layout(std140, set = 0, binding = 2) uniform Views { vec4 views[24]; };
+layout(std430, set = 0, binding = 3) readonly buffer BasePixels { vec4 base[]; };
 WRITES(4, Moved, moved)
 #include "online/scene/hash_grid/field/vulkan/window.glsl"
 
@@ -15,10 +15,9 @@ void main() {
   const int s = column(), toward = offset > 0 ? 0 : 1;
   if (s >= rays * samples) return;
   const vec3 point = vec3(placed[s], placed[ld + s], placed[2 * ld + s]);
-  float known[kBaseChannels];
-  base_at(point, known);
+  const Base known = base_at(from_anchor(kFrame), point);
   for (int a = 0; a < 3; ++a) {
-    const float flow = moving[(4 + 3 * toward + a) * ld + s] + (a < 2 ? known[kFlow + 2 * toward + a] : 0);
+    const float flow = moving[(4 + 3 * toward + a) * ld + s] + (a < 2 ? known.flow[2 * toward + a] : 0);
     moved[a * ld + s] = point[a] - abs(offset) * flow * unit[a];
   }
 }

@@ -5,8 +5,8 @@
 #include "hal/gpu/element.glsl"
 #include "online/scene/hash_grid/field/vulkan/field_constants.glsl"
 READS(0, Rays, ray)
-READS(1, Views, views)
-READS(2, Base, base)
+layout(std140, set = 0, binding = 1) uniform Views { vec4 views[24]; };
+layout(std430, set = 0, binding = 2) readonly buffer BasePixels { vec4 base[]; };
 WRITES(3, Placed, placed)
 #include "online/scene/hash_grid/field/vulkan/window.glsl"
 
@@ -17,6 +17,7 @@ void main() {
   if (r >= rays) return;
   const vec2 pixel = vec2(ray[3 * r], ray[3 * r + 1]);
   const float guide = ray[3 * r + 2];
+  const View camera = to_anchor(kCamera);
   float q[17];
   if (samples < 4) {
     for (int k = 0; k < samples; ++k) q[k] = 1 - (float(k) + 0.5) / float(samples);
@@ -35,7 +36,7 @@ void main() {
   }
   for (int k = 0; k < samples; ++k) {
     const int s = r * samples + k;
-    const vec3 x = place(kCamera, pixel, q[k]);
+    const vec3 x = place(camera, pixel, q[k]);
     placed[s] = x.x, placed[ld + s] = x.y, placed[2 * ld + s] = x.z;
     placed[3 * ld + s] = q[k];
     placed[4 * ld + s] = k + 1 < samples ? (q[k] - q[k + 1]) * kOpticalRange : 1;

@@ -2,17 +2,19 @@
 
 #include <bit>
 
-#include "online/scene/hash_grid/field/vulkan/affine.comp.h"
 #include "online/scene/hash_grid/field/vulkan/answer.comp.h"
 #include "online/scene/hash_grid/field/vulkan/encode.comp.h"
 #include "online/scene/hash_grid/field/vulkan/move.comp.h"
+#include "online/scene/hash_grid/field/vulkan/network.comp.h"
 #include "online/scene/hash_grid/field/vulkan/place.comp.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr std::size_t kBatchRays = 16384;  // memory of a batch: 70 MB at 8 samples a ray
+constexpr std::size_t kBatchRays = 16384;  // 27 MB of memory at 8 samples a ray
 constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 10, kLevelWords = 8, kViews = 4, kViewFloats = 24;
+constexpr std::size_t kMostLevels = 16, kMostParameters = 1024;  // of encode.comp and network.comp, vectors
+constexpr int kMostWidth = 64;
 
 template <class T>
 std::span<const std::byte> bytes_of(std::span<T> values) {
@@ -34,11 +36,31 @@ std::vector<std::uint32_t> words_of(const HashGrid<float>& grid) {
   for (int l = 0; l < grid.shape().levels; ++l) {
     const HashLevel& level = grid.level(l);
     for (const float cells : level.cells) words.push_back(std::bit_cast<std::uint32_t>(cells));
+    words.push_back(level.dense ? 1 : 0);
     words.insert(words.end(), std::begin(level.stride), std::end(level.stride));
     words.push_back(level.entries);
-    words.push_back(level.dense ? 1 : 0);
   }
   return words;
+}
+
+// In tiles of four outputs, as network.comp reads them.
+std::vector<float> tiled(const Mlp<float>& mlp) {
+  const std::span<const float> all = mlp.parameters();
+  const int widths[] = {mlp.inputs(), mlp.hidden(), mlp.hidden(), mlp.outputs()};
+  std::vector<float> tiles;
+  tiles.reserve(all.size());
+  std::size_t first = 0;
+  for (int layer = 0; layer < Mlp<float>::kLayers; ++layer) {
+    const auto in = static_cast<std::size_t>(widths[layer]),
+               out = static_cast<std::size_t>(widths[layer + 1]);
+    for (std::size_t o = 0; o < out; o += 4) {
+      for (std::size_t k = 0; k < 4; ++k) tiles.push_back(all[first + in * out + o + k]);
+      for (std::size_t i = 0; i < in; ++i)
+        for (std::size_t k = 0; k < 4; ++k) tiles.push_back(all[first + (o + k) * in + i]);
+    }
+    first += (in + 1) * out;
+  }
+  return tiles;
 }
 
 }  // namespace
@@ -55,7 +77,7 @@ Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
   const std::lock_guard turn(device.turn());
   const std::array<GpuShader, kPasses> shaders{{{"field place", k_place, 4},
                                                 {"field encode", k_encode, 4},
-                                                {"field affine", k_affine, 3},
+                                                {"field network", k_network, 3},
                                                 {"field move", k_move, 5},
                                                 {"field answer", k_answer, 8}}};
   std::unique_ptr<VulkanProbe> probe(new VulkanProbe(device));
@@ -89,12 +111,16 @@ Result<void> VulkanProbe::reserve_for(const Branch<float>& branch, int ld, Branc
   const auto rows = [&](int count) {
     return static_cast<std::size_t>(count) * static_cast<std::size_t>(ld) * sizeof(float);
   };
-  const auto levels = static_cast<std::size_t>(branch.grid.shape().levels);
+  const Mlp<float>& mlp = branch.mlp;
+  if (mlp.parameters().size() > 4 * kMostParameters || std::max(mlp.inputs(), mlp.hidden()) > kMostWidth)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("a network of {} parameters does not fit into the kernel's {}; reduce the knob "
+                             "hidden, or use --backend cpu",
+                             mlp.parameters().size(), 4 * kMostParameters)};
   TRY(reserve(room.tables, branch.grid.tables().samples().size_bytes()));
-  TRY(reserve(room.levels, levels * kLevelWords * sizeof(std::uint32_t)));
-  TRY(reserve(room.parameters, branch.mlp.parameters().size_bytes()));
+  TRY(reserve(room.levels, kMostLevels * kLevelWords * sizeof(std::uint32_t)));
+  TRY(reserve(room.parameters, kMostParameters * 4 * sizeof(float)));
   TRY(reserve(room.features, rows(branch.mlp.inputs())));
-  for (Room& hidden : room.hidden) TRY(reserve(hidden, rows(branch.mlp.hidden())));
   return reserve(room.raw, rows(branch.mlp.outputs()));
 }
 
@@ -114,7 +140,7 @@ void VulkanProbe::upload(const Branch<float>& branch, const BranchRoom& room) {
   GpuWork& work = device_.work();
   work.upload(bytes_of(branch.grid.tables().samples()), *room.tables.buffer);
   work.upload(bytes_of(std::span<const std::uint32_t>(words_of(branch.grid))), *room.levels.buffer);
-  work.upload(bytes_of(branch.mlp.parameters()), *room.parameters.buffer);
+  work.upload(bytes_of(std::span<const float>(tiled(branch.mlp))), *room.parameters.buffer);
 }
 
 void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
@@ -136,21 +162,14 @@ void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
 void VulkanProbe::forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
                           BranchRoom& room) {
   GpuWork& work = device_.work();
-  const struct { int count, ld, slot, level_size; } grid{count, ld, slot, branch.grid.tables().cols()};
-  work.run(*kernels_[kEncode], {*position, *room.tables, *room.levels, *room.features}, grid,
+  const struct { int count, ld, slot, level_size; } grid{count, ld, slot, branch.grid.tables().cols() / 2};
+  work.run(*kernels_[kEncode], {*position, *room.tables, *room.features, *room.levels}, grid,
            {count, 1, branch.grid.shape().levels});
   const Mlp<float>& mlp = branch.mlp;
-  const int widths[] = {mlp.inputs(), mlp.hidden(), mlp.hidden(), mlp.outputs()};
-  const Room* values[] = {&room.features, &room.hidden[0], &room.hidden[1], &room.raw};
-  int first = 0;
-  for (int layer = 0; layer < Mlp<float>::kLayers; ++layer) {
-    const struct {
-      int count, ld, first, inputs, outputs, rectified;
-    } affine{count, ld, first, widths[layer], widths[layer + 1], layer + 1 < Mlp<float>::kLayers ? 1 : 0};
-    work.run(*kernels_[kAffine], {*room.parameters, **values[layer], **values[layer + 1]}, affine,
-             {count, widths[layer + 1] / 4, 1});
-    first += (widths[layer] + 1) * widths[layer + 1];
-  }
+  const struct {
+    int count, ld, inputs, hidden, outputs;
+  } network{count, ld, mlp.inputs(), mlp.hidden(), mlp.outputs()};
+  work.run(*kernels_[kNetwork], {*room.features, *room.raw, *room.parameters}, network, {count, 1, 1});
 }
 
 Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeView& view,

@@ -21,7 +21,7 @@ class VulkanProbe {
   const GpuFacts& device() const { return device_.facts(); }
 
  private:
-  enum Pass : std::size_t { kPlace, kEncode, kAffine, kMove, kAnswer, kPasses };
+  enum Pass : std::size_t { kPlace, kEncode, kNetwork, kMove, kAnswer, kPasses };
   // Memory of the device that grows when more is asked of it.
   struct Room {
     std::unique_ptr<GpuBuffer> buffer;
@@ -29,7 +29,7 @@ class VulkanProbe {
   };
   // One branch's parameters and what a batch makes of its samples.
   struct BranchRoom {
-    Room tables, levels, parameters, features, hidden[2], raw;
+    Room tables, levels, parameters, features, raw;
   };
   struct Constants;
 
