@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
 
 namespace hdrcam {
@@ -68,9 +69,10 @@ class FootageFiles : public FootageReader {
     has_ahead_ = true;
     camera_.name = fs::path(files_.front()).stem().string();
     camera_.width = ahead_.codes.cols(), camera_.height = ahead_.codes.rows();
-    camera_.bits = file_->bits(), camera_.layout = file_->layout();
-    camera_.framerate_hz = file_->framerate_hz() > 0 ? file_->framerate_hz() : stills_hz_;
-    about_ = file_->format();
+    camera_.bits = file_->facts().bits, camera_.layout = file_->facts().layout;
+    camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
+    camera_.linear = file_->facts().linear;
+    about_ = file_->facts().format;
     return {};
   }
 
@@ -85,12 +87,12 @@ class FootageFiles : public FootageReader {
     }
     if (!TRY(read(frame))) return false;
     if (frame.codes.cols() != camera_.width || frame.codes.rows() != camera_.height ||
-        file_->bits() != camera_.bits || file_->layout() != camera_.layout)
+        file_->facts().bits != camera_.bits || file_->facts().layout != camera_.layout)
       return Error{
           ErrorCode::SizeChanged,
           fmt::format("'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}",
-                      files_[next_file_ - 1], frame.codes.cols(), frame.codes.rows(), file_->bits(),
-                      name(file_->layout()), camera_.width, camera_.height, camera_.bits,
+                      files_[next_file_ - 1], frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
+                      name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
                       name(camera_.layout))};
     return true;
   }
@@ -100,7 +102,8 @@ class FootageFiles : public FootageReader {
     for (;;) {
       if (!file_) {
         if (next_file_ == files_.size()) return false;
-        file_ = TRY(VideoFile::open(storage_, files_[next_file_++]));
+        const std::string& path = files_[next_file_++];
+        file_ = TRY(is_raw_still(path) ? open_raw_still(storage_, path) : VideoFile::open(storage_, path));
         begin_ = last_ ? *last_ + period() : Instant{};
       }
       if (TRY(file_->next(frame))) break;
@@ -124,7 +127,7 @@ class FootageFiles : public FootageReader {
   CameraFacts camera_;
   std::string about_;
   std::size_t next_file_ = 0;
-  std::unique_ptr<VideoFile> file_;
+  std::unique_ptr<PictureFile> file_;
   std::uint64_t frames_ = 0;
   Instant begin_;
   std::optional<Instant> last_;
@@ -147,7 +150,8 @@ Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (entry.is_regular_file(ignored) &&
-        std::ranges::find(kExtensions, lower(entry.path().extension().string())) != std::end(kExtensions))
+        (is_raw_still(entry.path().string()) ||
+         std::ranges::find(kExtensions, lower(entry.path().extension().string())) != std::end(kExtensions)))
       files.push_back(entry.path().string());
   if (files.empty())
     return Error{ErrorCode::NotFound,

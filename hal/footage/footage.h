@@ -1,7 +1,7 @@
-// Pictures that another camera left: videos of any codec that FFmpeg decodes, and stills. Each frame leaves
-// as the codes of its file, RGB or mono, with its time and, where the file says one, its exposure. Y'CbCr
-// becomes R'G'B' with the matrix and range that the file states; the transfer curve stays, for the response
-// is learned anyway. Readers are thread-bound; the storage outlives them.
+// Pictures that another camera left: videos of any codec that FFmpeg decodes, stills, and raw stills. Each
+// frame leaves as the codes of its file, RGB or mono, with its time and, where the file says one, its
+// exposure. Y'CbCr becomes R'G'B' with the matrix and range that the file states; the transfer curve stays,
+// for the response is learned anyway. Readers are thread-bound; the storage outlives them.
 #pragma once
 
 #include <memory>

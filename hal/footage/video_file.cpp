@@ -42,6 +42,11 @@ ChromaSite chroma_site_of(const AVFrame& frame) {
   }
 }
 
+// A file is what was named: a playlist opens no others, and nothing on a network.
+int open_nothing(AVFormatContext*, AVIOContext**, const char*, int, AVDictionary**) {
+  return AVERROR(EACCES);
+}
+
 // A number as FFmpeg prints EXIF's: "1:250", "0.004", "  100".
 std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
   const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
@@ -79,19 +84,21 @@ Error VideoFile::refused(ErrorCode code, const std::string& why) const {
   return {code, fmt::format("'{}' {}", path_, why)};
 }
 
-Result<std::unique_ptr<VideoFile>> VideoFile::open(Storage& storage, const std::string& path) {
+Result<std::unique_ptr<PictureFile>> VideoFile::open(Storage& storage, const std::string& path) {
   libav::be_quiet();
   std::unique_ptr<VideoFile> file(new VideoFile(TRY(storage.open(path)), path));
   AVFormatContext* demuxer = avformat_alloc_context();
   demuxer->pb = file->stream_.context();
-  // On failure the library frees what it was given.
-  const int code = avformat_open_input(&demuxer, path.c_str(), nullptr, nullptr);
+  demuxer->io_open = open_nothing;
+  // Without a name: the content says what it is, and no name is taken for a pattern. On failure the library
+  // frees what it was given.
+  const int code = avformat_open_input(&demuxer, nullptr, nullptr, nullptr);
   if (file->stream_.failure()) return *file->stream_.failure();
   if (code < 0)
     return file->refused(ErrorCode::NotRecording, "is neither a video nor a picture that FFmpeg knows");
   file->demuxer_.reset(demuxer);
   TRY(file->open_decoder());
-  return file;
+  return std::unique_ptr<PictureFile>(std::move(file));
 }
 
 Result<void> VideoFile::open_decoder() {
@@ -111,8 +118,8 @@ Result<void> VideoFile::open_decoder() {
   frame_.reset(av_frame_alloc());
   packet_.reset(av_packet_alloc());
   const bool still = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
-  framerate_hz_ = stream.avg_frame_rate.num > 0 && !still ? av_q2d(stream.avg_frame_rate) : 0;
-  format_ = avcodec_get_name(stream.codecpar->codec_id);
+  facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still ? av_q2d(stream.avg_frame_rate) : 0;
+  facts_.format = avcodec_get_name(stream.codecpar->codec_id);
   return {};
 }
 
@@ -144,11 +151,11 @@ Result<void> VideoFile::prepare() {
     return refused(
         ErrorCode::Unsupported,
         fmt::format("has pixels of the format {}; convert it to RGB of 8 to 16 bits", format.name));
-  format_ += fmt::format(", {}", format.name);
+  facts_.format += fmt::format(", {}", format.name);
   pixel_format_ = frame.format;
 
   const bool rgb = (format.flags & AV_PIX_FMT_FLAG_RGB) != 0, grey = format.nb_components < 3;
-  layout_ = grey ? PixelLayout::Mono : PixelLayout::Rgb;
+  facts_.layout = grey ? PixelLayout::Mono : PixelLayout::Rgb;
   from_ = {};
   from_.store = SampleStore::Words;
   from_.bits = format.comp[0].depth;
@@ -164,14 +171,14 @@ Result<void> VideoFile::prepare() {
   from_.chroma_site = chroma_site_of(frame);
   const bool still = demuxer_->streams[track_]->codecpar->codec_id == AV_CODEC_ID_MJPEG;
   if (from_.colors == PictureColors::Yuv) from_.tags.matrix = matrix_of(frame, still);
-  bits_ = from_.colors == PictureColors::Yuv ? std::max(10, from_.bits) : from_.bits;
+  facts_.bits = from_.colors == PictureColors::Yuv ? std::max(10, from_.bits) : from_.bits;
 
   const int step = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(std::uint16_t));
   unpacked_ =
       Image<std::uint16_t>(from_.planes(), from_.height_px, (from_.width_px + step - 1) / step * step);
   if (from_.colors != PictureColors::Yuv && !limited) return {};  // the codes are what is wanted
   to_ = from_;
-  to_.bits = bits_, to_.range = CodeRange::Full, to_.chroma_shift_x = to_.chroma_shift_y = 0;
+  to_.bits = facts_.bits, to_.range = CodeRange::Full, to_.chroma_shift_x = to_.chroma_shift_y = 0;
   to_.colors = grey ? PictureColors::Grey : PictureColors::Rgb;
   to_.tags = {};
   converted_ = Image<std::uint16_t>(to_.planes(), unpacked_.rows(), unpacked_.cols());

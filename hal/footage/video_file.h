@@ -8,28 +8,23 @@
 #include <string>
 #include <vector>
 
-#include "hal/core/frame.h"
+#include "hal/footage/picture_file.h"
 #include "hal/recording/libav.h"
 #include "hal/recording/storage_stream.h"
 #include "hal/video/picture_converter.h"
 
 namespace hdrcam {
 
-class VideoFile {
+class VideoFile : public PictureFile {
  public:
   // Errors: NotFound, Permission; NotRecording where FFmpeg finds no picture in it; Unsupported for a codec
   // that this machine's libraries lack.
-  static Result<std::unique_ptr<VideoFile>> open(Storage& storage, const std::string& path);
+  static Result<std::unique_ptr<PictureFile>> open(Storage& storage, const std::string& path);
 
-  // false at the end. frame: codes; the timestamp is the time in the file; of the exposure what EXIF says.
-  // Errors: Corrupt, SizeChanged; Unsupported (interlaced, floating point, a colour space without RGB).
-  Result<bool> next(RawFrame& frame);
-
-  // Of the frames so far.
-  int bits() const { return bits_; }
-  PixelLayout layout() const { return layout_; }
-  const std::string& format() const { return format_; }  // "h264, yuv420p"
-  double framerate_hz() const { return framerate_hz_; }  // 0 of a still
+  const PictureFileFacts& facts() const override { return facts_; }
+  // Beyond what PictureFile says: Unsupported for interlaced video, floating point, a colour space without
+  // RGB.
+  Result<bool> next(RawFrame& frame) override;
 
  private:
   VideoFile(std::unique_ptr<StorageFile> file, std::string path)
@@ -52,13 +47,10 @@ class VideoFile {
   libav::Frame frame_;
   libav::Packet packet_;
   int track_ = 0;
-  std::string format_;
-  double framerate_hz_ = 0;
 
   // Of the first frame; all others are like it.
   int pixel_format_ = -1;
-  int bits_ = 8;
-  PixelLayout layout_ = PixelLayout::Rgb;
+  PictureFileFacts facts_;
   PictureFormat from_, to_;  // sides are multiples of the chroma's
   std::optional<PictureConverter> converter_;
   Image<std::uint16_t> unpacked_, converted_;  // rows at multiples of 64 bytes

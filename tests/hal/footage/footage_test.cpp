@@ -145,6 +145,7 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
         Approx(4));  // two stops
   CHECK(bracket.frames[2].facts.exposure_source == ExposureSource::Unknown);
   CHECK(difference(bracket.frames[0], bracket.camera.bits, patches(0)) < 2.5);
+  CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
 TEST_CASE("files in a folder come in the order of their numbers") {
@@ -175,6 +176,25 @@ TEST_CASE("what is no footage is an error that names the file") {
   REQUIRE(sizes.error);
   CHECK(sizes.error->code == ErrorCode::SizeChanged);
   CHECK_THAT(sizes.error->message, Contains("b.png") && Contains("96x32"));
+}
+
+TEST_CASE("a name is no pattern, and a playlist opens nothing") {
+  const std::string folder = sample::scratch_folder("footage_names");
+  test::write_jpeg(folder + "/a%02d.jpg", patches(0), std::nullopt);
+  test::write_jpeg(folder + "/a01.jpg", patches(1), std::nullopt);
+  const Read named = read({folder + "/a%02d.jpg"});
+  REQUIRE_FALSE(named.error);
+  REQUIRE(named.frames.size() == 1);
+  CHECK(difference(named.frames[0], named.camera.bits, patches(0)) < 2.5);
+
+  REQUIRE(test::write_video(folder + "/x.mkv", VideoCodec::H264, pictures(3)).ok());
+  for (const char* list : {"#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\nx.mkv\n#EXT-X-ENDLIST\n",
+                           "ffconcat version 1.0\nfile x.mkv\n"}) {
+    std::ofstream(folder + "/list.txt") << list;
+    const Read playlist = read({folder + "/list.txt"});
+    REQUIRE(playlist.error);
+    CHECK(playlist.error->code == ErrorCode::NotRecording);
+  }
 }
 
 TEST_CASE("a video that was cut comes up to its cut") {

@@ -1,0 +1,31 @@
+// One file of footage, whatever its kind: a video or a picture that FFmpeg decodes (video_file.h), or the raw
+// still of a camera (raw_still.h). Thread-bound.
+#pragma once
+
+#include <string>
+
+#include "hal/core/frame.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+// The form of all frames of a file; known once the first has been read.
+struct PictureFileFacts {
+  int bits = 8;
+  PixelLayout layout = PixelLayout::Rgb;
+  bool linear = false;
+  std::string format;       // "h264, yuv420p"
+  double framerate_hz = 0;  // 0 of a still
+};
+
+class PictureFile {
+ public:
+  virtual ~PictureFile() = default;
+
+  virtual const PictureFileFacts& facts() const = 0;
+  // The next frame; false at the end. Its timestamp is the time in the file; its exposure what the file says.
+  // Errors: Corrupt, SizeChanged, Unsupported.
+  virtual Result<bool> next(RawFrame& frame) = 0;
+};
+
+}  // namespace hdrcam

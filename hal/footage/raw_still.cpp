@@ -1,0 +1,118 @@
+#include "hal/footage/raw_still.h"
+
+#include <fmt/format.h>
+#include <libraw/libraw.h>
+
+#include <algorithm>
+#include <bit>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+namespace hdrcam {
+namespace {
+
+constexpr std::string_view kExtensions[] = {".arw", ".cr2", ".cr3", ".dng", ".nef",
+                                            ".orf", ".pef", ".raf", ".rw2"};
+constexpr double kIsoOfUnitGain = 100;
+
+// By the colours of the first two rows.
+std::optional<PixelLayout> layout_of(LibRaw& raw) {
+  const auto color = [&raw](int row, int col) { return raw.imgdata.idata.cdesc[raw.COLOR(row, col)]; };
+  const std::string pattern{color(0, 0), color(0, 1), color(1, 0), color(1, 1)};
+  if (pattern == "RGGB") return PixelLayout::BayerRggb;
+  if (pattern == "GRBG") return PixelLayout::BayerGrbg;
+  if (pattern == "GBRG") return PixelLayout::BayerGbrg;
+  if (pattern == "BGGR") return PixelLayout::BayerBggr;
+  return std::nullopt;
+}
+
+// Of all colours together, in codes: the common one, the mean of the four, and that of a pattern.
+double black_of(const libraw_colordata_t& color) {
+  double black = color.black;
+  for (int i = 0; i < 4; ++i) black += color.cblack[i] / 4.0;
+  const unsigned cells = color.cblack[4] * color.cblack[5];
+  for (unsigned i = 0; i < cells; ++i) black += static_cast<double>(color.cblack[6 + i]) / cells;
+  return black;
+}
+
+class RawStill : public PictureFile {
+ public:
+  const PictureFileFacts& facts() const override { return facts_; }
+
+  Result<bool> next(RawFrame& frame) override {
+    if (std::exchange(read_, true)) return false;
+    std::swap(frame.facts, frame_.facts);
+    std::swap(frame.codes, frame_.codes);
+    return true;
+  }
+
+  Result<void> develop(LibRaw& raw, const std::string& path) {
+    const auto layout = layout_of(raw);
+    const auto& sizes = raw.imgdata.sizes;
+    const ushort* const codes = raw.imgdata.rawdata.raw_image;
+    if (codes == nullptr || raw.imgdata.idata.filters < 1000 ||
+        !layout)  // small numbers are X-Trans and the like
+      return Error{ErrorCode::Unsupported,
+                   fmt::format("'{}' is no Bayer mosaic; develop it to 16-bit TIFF or PNG first", path)};
+    const unsigned white = raw.imgdata.color.maximum;
+    facts_.bits = std::clamp(static_cast<int>(std::bit_width(white)), 8, 16);
+    facts_.layout = *layout, facts_.linear = true;
+    facts_.format = fmt::format("raw of {} {}", raw.imgdata.idata.make, raw.imgdata.idata.model);
+    const auto largest = static_cast<std::uint16_t>((1u << facts_.bits) - 1);
+    frame_.codes = Image<std::uint16_t>(1, sizes.height, sizes.width);
+    const std::size_t pitch = sizes.raw_pitch / sizeof(ushort);
+    for (int y = 0; y < sizes.height; ++y) {
+      const ushort* const row =
+          codes + static_cast<std::size_t>(y + sizes.top_margin) * pitch + sizes.left_margin;
+      std::transform(row, row + sizes.width, frame_.codes.row(0, y),
+                     [&](ushort code) { return code >= white ? largest : static_cast<std::uint16_t>(code); });
+    }
+    add_facts(raw);
+    return {};
+  }
+
+ private:
+  void add_facts(const LibRaw& raw) {
+    FrameFacts& facts = frame_.facts;
+    facts.black_level = BlackLevel::of_code(black_of(raw.imgdata.color), facts_.bits);
+    facts.exposure_source = ExposureSource::Unknown;
+    const libraw_imgother_t& other = raw.imgdata.other;
+    if (!(other.shutter > 0)) return;
+    facts.exposure_source = ExposureSource::Embedded;
+    facts.exposure_s = static_cast<double>(other.shutter);
+    if (other.iso_speed > 0) facts.analogue_gain = static_cast<double>(other.iso_speed) / kIsoOfUnitGain;
+    if (other.aperture > 0)
+      facts.digital_gain = 1 / (static_cast<double>(other.aperture) * static_cast<double>(other.aperture));
+  }
+
+  PictureFileFacts facts_;
+  RawFrame frame_;
+  bool read_ = false;
+};
+
+}  // namespace
+
+bool is_raw_still(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
+}
+
+Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path) {
+  std::string bytes = TRY(read_whole(storage, path));
+  const auto raw = std::make_unique<LibRaw>();  // some hundred kilobytes
+  if (const int code = raw->open_buffer(bytes.data(), bytes.size()); code != LIBRAW_SUCCESS)
+    return Error{ErrorCode::NotRecording,
+                 fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(code))};
+  if (const int code = raw->unpack(); code != LIBRAW_SUCCESS)
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: {}", path, libraw_strerror(code))};
+  auto still = std::make_unique<RawStill>();
+  TRY(still->develop(*raw, path));
+  return std::unique_ptr<PictureFile>(std::move(still));
+}
+
+}  // namespace hdrcam
