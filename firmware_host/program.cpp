@@ -14,6 +14,7 @@
 #include "firmware_host/exit_code.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
+#include "firmware_host/terminal.h"
 #include "firmware_host/version.h"
 
 namespace hdrcam {
@@ -178,7 +179,12 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     }
     Surroundings surroundings{storage, stop};
     const Result<void> done = request->verb(surroundings);
-    return done ? kExitOk : end_with(done.error());
+    if (!done) return end_with(done.error());
+    if (const int lost = lost_results(); lost != 0)
+      return end_with(
+          {ErrorCode::Io, fmt::format("cannot write to the standard output: {}; the files are complete",
+                                      std::strerror(lost))});
+    return kExitOk;
   } catch (const std::exception& bug) {
     fmt::print(err, "hdrcam: internal error: {}.\n", bug.what());
     return kExitInternal;

@@ -1,17 +1,49 @@
 #include "firmware_host/terminal.h"
 
 #include <fcntl.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 
 namespace hdrcam {
+namespace {
+
+std::atomic<int> lost_results_errno{0};
+
+// False where a part of the text did not get out.
+bool write_to(std::FILE* stream, std::string_view text) {
+  errno = 0;
+  const bool taken = std::fwrite(text.data(), 1, text.size(), stream) == text.size();
+  return std::fflush(stream) == 0 && taken;
+}
+
+}  // namespace
 
 void occupy_standard_streams() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
     if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
       (void)::open("/dev/null",
                    fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);  // gets the lowest free number, which is fd
+}
+
+void write_result(std::string_view text) {
+  if (write_to(stdout, text)) return;
+  int none = 0;
+  lost_results_errno.compare_exchange_strong(none, errno != 0 ? errno : EIO);
+  std::clearerr(stdout);
+}
+
+void write_remark(std::string_view text) {
+  if (!write_to(stderr, text)) std::clearerr(stderr);
+}
+
+int lost_results() { return lost_results_errno.exchange(0); }
+
+int columns_of(std::FILE* stream) {
+  winsize size{};
+  return ::ioctl(::fileno(stream), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
 }
 
 }  // namespace hdrcam

@@ -9,6 +9,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/settings_toml.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -67,10 +68,10 @@ Result<DelayEstimate> measure(Camera& camera, const CaptureOptions& options, con
 
 void print(const char* control, const DelayEstimate& estimate) {
   if (!estimate.delay)
-    fmt::print("{}: unknown, {}\n", control, estimate.reason);
+    say("{}: unknown, {}\n", control, estimate.reason);
   else
-    fmt::print("{}: acts {} frame(s) after its request ({:.0f} % of {} comparisons agree)\n", control,
-               *estimate.delay, 100 * estimate.agreement, estimate.comparisons);
+    say("{}: acts {} frame(s) after its request ({:.0f} % of {} comparisons agree)\n", control,
+        *estimate.delay, 100 * estimate.agreement, estimate.comparisons);
 }
 
 Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
@@ -78,8 +79,7 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
   Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config())
-    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   if (!camera->capabilities().sets_exposure)
     return Error{ErrorCode::Unsupported,
@@ -100,7 +100,7 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   DelayEstimate gain;
   const auto gains = gain_pairs(schedule, camera->capabilities());
   if (gains.empty()) {
-    fmt::print("gain: cannot be set\n");
+    say("gain: cannot be set\n");
   } else {
     gain = TRY(measure(*camera, setup.options, gains, around.stop));
     print("gain", gain);
@@ -108,13 +108,13 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   if (settings.camera.id.empty()) settings.camera.id = camera->capabilities().id;
   settings.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
   if (flags.output.empty()) {
-    fmt::print("use it with --control-delay {}, or write a configuration with -o FILE\n",
-               settings.camera.control_delay);
+    say("use it with --control-delay {}, or write a configuration with -o FILE\n",
+        settings.camera.control_delay);
     return {};
   }
   const std::string toml = to_toml(settings, {SettingGroup::Camera});
   TRY(write_whole(around.storage, flags.output, std::as_bytes(std::span(toml))));
-  fmt::print("use it with --config {}\n", flags.output);
+  say("use it with --config {}\n", flags.output);
   return {};
 }
 

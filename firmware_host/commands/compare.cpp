@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/terminal.h"
 #include "render/scores/scores.h"
 
 namespace hdrcam {
@@ -29,8 +30,7 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
   const std::size_t clip_width = std::max<std::size_t>(clip.size(), 4);
   const std::size_t label_width = std::max<std::size_t>(label.size(), 9);
   const auto line = [&](const auto&... cells) {
-    fmt::print("{:<{}}  {:<{}} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>10} {:>7}\n",
-               cells...);
+    say("{:<{}}  {:<{}} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>10} {:>7}\n", cells...);
   };
   line("", clip_width, "", label_width, "", "PSNR-mu", "moving", "worst", "PSNR-L", "PSNR-PU", "SSIM-mu",
        "log RMSE", "flicker", "background", "phase");
@@ -42,23 +42,22 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
        fixed(m.psnr_pu_db, 2), fixed(m.ssim_mu, 4), fixed(m.log_rmse_stops, 3),
        fixed(scores.flicker_stops, 4), fixed(scores.flicker_background_stops, 4),
        fixed(scores.phase_stops, 4));
-  fmt::print("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
-             scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
-  fmt::print("one gain for all channels: PSNR-mu {:.2f} dB, cast {:+.2f} {:+.2f} {:+.2f} stops\n",
-             scores.psnr_mu_single_gain_db, scores.cast_stops[0], scores.cast_stops[1], scores.cast_stops[2]);
-  if (scores.depth_abs_rel)
-    fmt::print("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
+  say("white (N) {:.3f}, gain {:.4g} {:.4g} {:.4g}, worst frame {}\n", scores.shared.white,
+      scores.shared.gain[0], scores.shared.gain[1], scores.shared.gain[2], scores.worst.frame);
+  say("one gain for all channels: PSNR-mu {:.2f} dB, cast {:+.2f} {:+.2f} {:+.2f} stops\n",
+      scores.psnr_mu_single_gain_db, scores.cast_stops[0], scores.cast_stops[1], scores.cast_stops[2]);
+  if (scores.depth_abs_rel) say("depth abs-rel {:.4f} (one scale for the clip)\n", *scores.depth_abs_rel);
   if (scores.flow_backward_epe_px)
-    fmt::print("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);
+    say("flow to the previous frame, end-point error {:.3f} px\n", *scores.flow_backward_epe_px);
   if (scores.flow_forward_epe_px)
-    fmt::print("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
+    say("flow to the next frame, end-point error {:.3f} px\n", *scores.flow_forward_epe_px);
   if (scores.field_flow_epe_px)
-    fmt::print("the field's flow to the previous frame, end-point error {:.3f} px, of moving objects {} px\n",
-               *scores.field_flow_epe_px, fixed(scores.field_flow_moving_epe_px, 3));
+    say("the field's flow to the previous frame, end-point error {:.3f} px, of moving objects {} px\n",
+        *scores.field_flow_epe_px, fixed(scores.field_flow_moving_epe_px, 3));
   if (scores.novel_psnr_mu_db)
-    fmt::print("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
+    say("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
   if (!scores.missing.empty())
-    fmt::print("not scored for lack of an estimate: frames {}\n", fmt::join(scores.missing, ", "));
+    say("not scored for lack of an estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {

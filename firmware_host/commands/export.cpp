@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -23,7 +24,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
     auto frame = reader->next();
     if (!frame && frame.error().code == ErrorCode::Truncated) {
-      fmt::print(stderr, "{}; exporting these\n", frame.error().message);
+      remark("{}; exporting these\n", frame.error().message);
       break;
     }
     if (!frame) return frame.error();
@@ -31,7 +32,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     TRY(clip.append(**frame));
   }
   TRY(clip.finish());
-  fmt::print("{}: {} frames\n", options.folder, frames);
+  say("{}: {} frames\n", options.folder, frames);
   return {};
 }
 

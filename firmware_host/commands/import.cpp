@@ -9,6 +9,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -68,9 +69,9 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
   const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  for (const std::string& warning : clip.warnings()) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames, camera.width, camera.height,
-             camera.bits, name(camera.layout));
+  for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
+  say("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames, camera.width, camera.height, camera.bits,
+      name(camera.layout));
   return {};
 }
 

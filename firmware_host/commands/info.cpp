@@ -4,6 +4,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -15,7 +16,7 @@ struct InfoOptions {
 
 Result<void> show(Surroundings& around, const InfoOptions& options) {
   const auto summary = TRY(summarize(around.storage, options.recording));
-  fmt::print("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
+  say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
   return {};
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/terminal.h"
 #include "hal/real/camera_libcamera.h"
 #include "hal/real/enumerate.h"
 
@@ -32,16 +33,16 @@ constexpr Section kSections[] = {
 
 void print_text(const std::vector<FoundDevice>& devices) {
   for (const Section& section : kSections) {
-    fmt::print("{}:\n", section.heading);
+    say("{}:\n", section.heading);
     bool any = false;
     for (const FoundDevice& device : devices) {
       if (device.kind != section.kind) continue;
       any = true;
-      fmt::print("  {}\n", device.id.empty() ? device.title : fmt::format("{}  {}", device.id, device.title));
-      for (const std::string& fact : device.facts) fmt::print("      {}\n", fact);
-      for (const std::string& missing : device.missing) fmt::print("    ! {}\n", missing);
+      say("  {}\n", device.id.empty() ? device.title : fmt::format("{}  {}", device.id, device.title));
+      for (const std::string& fact : device.facts) say("      {}\n", fact);
+      for (const std::string& missing : device.missing) say("    ! {}\n", missing);
     }
-    if (!any) fmt::print("  {}\n", section.none);
+    if (!any) say("  {}\n", section.none);
   }
 }
 
@@ -56,7 +57,7 @@ void print_json(const std::vector<FoundDevice>& devices) {
                     {"facts", device.facts},
                     {"missing", device.missing}});
   }
-  fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  say("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -39,11 +40,11 @@ bool keeps_nothing(const Settings& settings) {
 
 void print_summary(const LiveCounters& counters, const Settings& settings) {
   // The standard output may be taken by the frames.
-  std::FILE* const words = settings.output.path("frames") == kStandardOutput ? stderr : stdout;
-  fmt::print(words, "{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
-             proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3);
+  const auto tell = settings.output.path("frames") == kStandardOutput ? write_remark : write_result;
+  tell(fmt::format("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
+                   proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3));
   if (!settings.record.file.empty())
-    fmt::print(words, "recorded {} frames to {}\n", counters.recorded, settings.record.file);
+    tell(fmt::format("recorded {} frames to {}\n", counters.recorded, settings.record.file));
 }
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
@@ -58,23 +59,22 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   const RunPlan plan{
       .settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)};
   const Result<void> ended = run(plan, *source, around.storage);
-  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
-  fmt::print("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
+  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
   return ended;
 }
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config())
-    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
-    fmt::print(stderr, "note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
+    remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return replay_as_camera(flags, settings, around);
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
-  for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
+  for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
   const RunPlan plan{
       .settings = settings, .title = camera->camera().name, .command = command_line_of(flags, settings)};

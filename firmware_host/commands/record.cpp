@@ -10,6 +10,7 @@
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -25,15 +26,14 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config())
-    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(false), around.storage, around.stop));
   LiveSession& session = camera->session();
-  for (const std::string& warning : camera->capture().warnings()) fmt::print(stderr, "note: {}\n", warning);
+  for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
   TRY(session.start());
   {
@@ -43,7 +43,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   RunRecord record;
   const Result<void> ended = camera->finish(record);
   const LiveCounters counters = session.counters();
-  fmt::print("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
+  say("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
 }

@@ -11,6 +11,7 @@
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -37,8 +38,7 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config())
-    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
   if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
@@ -59,7 +59,7 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
                .truth = flags.truth,
                .stop = &around.stop};
   const Result<void> ended = run(plan, *source, around.storage);
-  for (const std::string& warning : source->warnings()) fmt::print(stderr, "warning: {}\n", warning);
+  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   return ended;
 }
 

@@ -13,6 +13,7 @@
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
+#include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 #include "hal/sim/effect_costs.h"
@@ -47,7 +48,7 @@ Result<Format> format_of(const SimulateFlags& flags) {
 void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double exposure_s) {
   const Simulation& s = sensor.simulation();
   const auto line = [](std::string_view what, std::string_view on, std::string_view ms,
-                       std::string_view why) { fmt::print("{:<16} {:>3} {:>8}  {}\n", what, on, ms, why); };
+                       std::string_view why) { say("{:<16} {:>3} {:>8}  {}\n", what, on, ms, why); };
   const auto ms = [](double cost) { return fmt::format("{:.2f}", std::max(0.0, cost)); };
   line("effect", "on", "CPU ms", "why");
   line("(bare frame)", "", ms(costs.bare_ms), "rays, surfaces, codes");
@@ -181,10 +182,9 @@ std::string scene_list() {
 }
 
 Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
-  if (flags.list) return fmt::print("{}", scene_list()), Result<void>{};
+  if (flags.list) return say("{}", scene_list()), Result<void>{};
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config())
-    return fmt::print("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.scene.empty())
     return Error{ErrorCode::Invalid, "no scene given; 'hdrcam simulate --list' prints the scenes"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)

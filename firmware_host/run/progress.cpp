@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware_host/terminal.h"
+
 namespace hdrcam {
 namespace {
 
@@ -37,7 +39,7 @@ std::string progress_line(const ProgressState& state) {
 StatusLine::StatusLine(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
 
 StatusLine::~StatusLine() {
-  if (terminal_ && shown_) fmt::print(stream_, "\n");
+  if (terminal_ && shown_) std::fputs("\n", stream_);
 }
 
 bool StatusLine::due(Clock::time_point now) const {
@@ -47,11 +49,14 @@ bool StatusLine::due(Clock::time_point now) const {
 void StatusLine::show(const std::string& words, Clock::time_point now) {
   shown_ = now;
   if (!terminal_) {
-    fmt::print(stream_, "{}\n", words);
+    std::fputs((words + "\n").c_str(), stream_);
   } else {
-    // Blanks overwrite the rest of a longer previous line.
-    fmt::print(stream_, "\r{:<{}}", words, std::max(shown_width_, words.size()));
-    shown_width_ = words.size();
+    // No wider than the terminal, where a line that wraps would stay; blanks overwrite the rest of a longer
+    // one.
+    const auto columns = static_cast<std::size_t>(std::max(0, columns_of(stream_)));
+    const std::string shown = columns > 1 ? words.substr(0, columns - 1) : words;
+    std::fputs(fmt::format("\r{:<{}}", shown, std::max(shown_width_, shown.size())).c_str(), stream_);
+    shown_width_ = shown.size();
   }
   std::fflush(stream_);
 }

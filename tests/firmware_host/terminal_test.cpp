@@ -1,0 +1,39 @@
+#include "firmware_host/terminal.h"
+
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+
+#include "tests/contracts/expect.h"
+
+namespace hdrcam {
+namespace {
+
+// The exit code of a short recording whose standard streams are as the shell text says.
+int recorded(const std::string& file, const std::string& streams) {
+  const std::string line =
+      "'" HDRCAM_BINARY "' record --camera 'sim:still?size=64x48' --frames 6 -o " + file + " " + streams;
+  const int status = std::system(line.c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_CASE("a recording goes on whatever becomes of the terminal, and no word of it lands in the file") {
+  const std::string folder = sample::scratch_folder("terminal");
+  int number = 0;
+  for (const auto& [streams, code] :
+       {std::pair{"2>/dev/full >/dev/null", 0}, {"2>&- >&- <&-", 0}, {">/dev/full 2>/dev/null", 12}}) {
+    INFO(streams);
+    const std::string file = folder + "/" + std::to_string(number++) + ".mkv";
+    CHECK(recorded(file, streams) == code);
+    const sample::Replayed replayed = sample::replay(posix_storage(), file);
+    CHECK(replayed.frames.size() == 6);
+    CHECK_FALSE(replayed.error.has_value());
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
