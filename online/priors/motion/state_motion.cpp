@@ -115,12 +115,11 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   clipped_share(frame, clipped_);
   if (before != nullptr && !before->to_previous.empty()) {
     warp_linear(before->to_previous.vectors, to, warped_, pool_);
-    pool_.for_rows(rows_, [&](int y0, int y1) {
+    pool_.for_rows(rows_, [&, ratio = before_ratio](int y0, int y1) {
       for (int y = y0; y < y1; ++y)
         for (int x = 0; x < cols_; ++x) {
           const float a = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
-          for (int d = 0; d < 2; ++d)
-            to.at(d, y, x) += a * (before_ratio * warped_.at(d, y, x) - to.at(d, y, x));
+          for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (ratio * warped_.at(d, y, x) - to.at(d, y, x));
         }
     });
   }
