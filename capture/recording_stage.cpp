@@ -8,7 +8,8 @@ namespace hdrcam {
 
 Result<std::unique_ptr<RecordingStage>> RecordingStage::open(Storage& storage, const std::string& path,
                                                              Contradiction contradiction) {
-  return std::make_unique<RecordingStage>(TRY(open_recording(storage, path)), contradiction);
+  const Damage damage = contradiction == Contradiction::Fails ? Damage::Ends : Damage::IsSkipped;
+  return std::make_unique<RecordingStage>(TRY(open_recording(storage, path, damage)), contradiction);
 }
 
 RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contradiction contradiction)
@@ -21,6 +22,7 @@ bool RecordingStage::read(CapturedFrame& frame) {
   if (!raw.value()) return end_ = false, false;
   frame = {};
   frame.raw = std::move(**raw);
+  count_gap(frame);
   return true;
 }
 
@@ -44,20 +46,37 @@ Result<bool> RecordingStage::next(CapturedFrame& frame) {
   }
   if (const auto objection = labels_.objection(); objection && contradiction_ == Contradiction::Fails)
     return Error{ErrorCode::BadExposure, *objection};
-  count(frame);
+  ++counters_.emitted;
+  counters_.count(frame.proof);
   return true;
 }
 
-void RecordingStage::count(CapturedFrame& frame) {
+// Of the numbers that are missing before a frame, those of damaged frames were not lost by the camera.
+void RecordingStage::count_gap(CapturedFrame& frame) {
+  const std::uint64_t damaged = recording_->left_out().count - left_out_;
+  left_out_ += damaged;
+  if (damaged > 0) frame.raw.facts.flags |= kFrameAfterDrop;
   const std::uint64_t sequence = frame.raw.facts.sequence;
-  if (last_sequence_ && sequence > *last_sequence_ + 1) {
-    constexpr std::uint64_t kMost = std::numeric_limits<int>::max();
-    frame.lost_before = static_cast<int>(std::min(kMost, sequence - *last_sequence_ - 1));
-  }
+  const std::uint64_t missing =
+      last_sequence_ && sequence > *last_sequence_ ? sequence - *last_sequence_ - 1 : 0;
   last_sequence_ = sequence;
-  ++counters_.captured, ++counters_.emitted;
-  counters_.lost_by_camera += static_cast<std::uint64_t>(frame.lost_before);
-  counters_.count(frame.proof);
+  constexpr std::uint64_t kMost = std::numeric_limits<int>::max();
+  frame.lost_before = static_cast<int>(std::min(kMost, missing));
+  counters_.lost_by_camera += missing > damaged ? missing - damaged : 0;
+}
+
+CaptureCounters RecordingStage::counters() const {
+  CaptureCounters counters = counters_;
+  counters.damaged = recording_->left_out().count;
+  counters.captured = counters.emitted + counters.damaged;
+  return counters;
+}
+
+std::vector<std::string> RecordingStage::warnings() const {
+  std::vector<std::string> warnings = labels_.warnings();
+  if (std::string damage = recording_->left_out().sentence(); !damage.empty())
+    warnings.push_back(std::move(damage));
+  return warnings;
 }
 
 }  // namespace hdrcam

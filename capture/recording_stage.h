@@ -14,7 +14,8 @@
 
 namespace hdrcam {
 
-// What happens when pictures contradict a stated exposure: a warning or an error.
+// What happens when frames of a recording are damaged or their pictures contradict a stated exposure: a
+// warning or an error.
 enum class Contradiction { Warns, Fails };
 
 class RecordingStage {
@@ -31,13 +32,14 @@ class RecordingStage {
   const CameraFacts& camera() const { return recording_->camera(); }
   // nullopt where it is not known before the end.
   std::optional<int> frame_count() const { return recording_->frame_count(); }
-  const CaptureCounters& counters() const { return counters_; }
+  // captured = emitted + damaged.
+  CaptureCounters counters() const;
   // Warnings for the user about the frames so far; empty if there are none.
-  std::vector<std::string> warnings() const { return labels_.warnings(); }
+  std::vector<std::string> warnings() const;
 
  private:
   void read_beginning();
-  void count(CapturedFrame& frame);
+  void count_gap(CapturedFrame& frame);
   // Returns whether there was one more frame; end_ keeps the reason for the end.
   bool read(CapturedFrame& frame);
 
@@ -49,6 +51,7 @@ class RecordingStage {
   std::optional<Result<bool>> end_;
   CaptureCounters counters_;
   std::optional<std::uint64_t> last_sequence_;
+  std::uint64_t left_out_ = 0;  // up to the frame that was read last
 };
 
 }  // namespace hdrcam

@@ -23,7 +23,7 @@ constexpr std::array kExitCodes{
     ExitCode{13, ErrorCode::Busy, "another program holds the device or file"},
     ExitCode{14, ErrorCode::Unplugged, "the device was unplugged"},
     ExitCode{15, ErrorCode::Timeout, "nothing arrived within the time limit"},
-    ExitCode{16, ErrorCode::Unsupported, "valid, but not offered by this build or device"},
+    ExitCode{16, ErrorCode::Unsupported, "valid, but beyond this build, device or --memory"},
     ExitCode{17, ErrorCode::Exists, "an output exists already; --force replaces it"},
     ExitCode{kExitInterrupted, ErrorCode::Interrupted, "stopped by ^C; the files written so far are whole"},
 };

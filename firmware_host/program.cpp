@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "firmware_host/exit_code.h"
+#include "firmware_host/printable.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
 #include "firmware_host/terminal.h"
@@ -36,6 +37,7 @@ constexpr ListedVerb kVerbs[] = {
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},
     {"Recordings", "info", add_info, "hdrcam info walk.mkv"},
+    {"Recordings", "repair", add_repair, "hdrcam repair walk.mkv -o whole.mkv"},
     {"Recordings", "simulate", add_simulate, "hdrcam simulate walk -o walk.mkv --truth clips/walk"},
     {"Devices", "calibrate", add_calibrate, "hdrcam calibrate delay --camera /dev/video0 -o camera.toml"},
     {"Devices", "list", add_list, "hdrcam list"},
@@ -167,7 +169,7 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
 int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop,
                 std::ostream& out, std::ostream& err) {
   const auto end_with = [&](const Error& error) {
-    fmt::print(err, "hdrcam: {}.\n", error.message);
+    err << fmt::format("hdrcam: {}.\n", printable(error.message)) << std::flush;
     return exit_code_of(error.code);
   };
   try {
@@ -186,7 +188,7 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
                                       std::strerror(lost))});
     return kExitOk;
   } catch (const std::exception& bug) {
-    fmt::print(err, "hdrcam: internal error: {}.\n", bug.what());
+    err << fmt::format("hdrcam: internal error: {}.\n", printable(bug.what())) << std::flush;
     return kExitInternal;
   }
 }

@@ -117,7 +117,6 @@ std::array<float, 2> point(const Imath::V2f& xy) { return {xy.x, xy.y}; }
 
 void add_attributes(Imf::Header& header, const ExrAttributes& a) {
   if (a.exposure_s) Imf::addExpTime(header, static_cast<float>(*a.exposure_s));
-  if (a.iso_speed) Imf::addIsoSpeed(header, static_cast<float>(*a.iso_speed));
   if (a.framerate_hz) Imf::addFramesPerSecond(header, Imf::guessExactFps(*a.framerate_hz));
   if (a.white_cd_m2) Imf::addWhiteLuminance(header, static_cast<float>(*a.white_cd_m2));
   if (a.chromaticities) {
@@ -138,7 +137,6 @@ void add_attributes(Imf::Header& header, const ExrAttributes& a) {
 ExrAttributes attributes_of(const Imf::Header& header) {
   ExrAttributes a;
   if (Imf::hasExpTime(header)) a.exposure_s = Imf::expTime(header);
-  if (Imf::hasIsoSpeed(header)) a.iso_speed = Imf::isoSpeed(header);
   if (Imf::hasFramesPerSecond(header)) a.framerate_hz = static_cast<double>(Imf::framesPerSecond(header));
   if (Imf::hasWhiteLuminance(header)) a.white_cd_m2 = Imf::whiteLuminance(header);
   if (Imf::hasChromaticities(header)) {
@@ -204,7 +202,18 @@ std::vector<std::byte> write_file(const ExrPicture& picture) {
   return out.take();
 }
 
-Result<ExrImage> read_file(BytesIn& in, const std::string& name) {
+// Whether a file of so many bytes can hold so many samples: a few damaged bytes of a header must not cost
+// gigabytes. Deflate packs 1032 to 1 at most, PIZ about 410 and the others less; only the discrete cosine
+// transform (DWA) of a flat picture does better.
+bool can_hold(std::size_t file_bytes, const Imf::Header& header, std::size_t samples) {
+  const bool transform =
+      header.compression() == Imf::DWAA_COMPRESSION || header.compression() == Imf::DWAB_COMPRESSION;
+  const std::size_t most_per_byte = transform ? 100'000 : 1100;
+  constexpr std::size_t kBytesPerSample = 2;  // at least
+  return samples / most_per_byte <= file_bytes / kBytesPerSample;
+}
+
+Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::string& name) {
   Imf::InputFile file(in, 0);
   const Imf::Header& header = file.header();
   const Imath::Box2i& window = header.dataWindow();
@@ -223,6 +232,10 @@ Result<ExrImage> read_file(BytesIn& in, const std::string& name) {
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
                              image.names.size(), cols, rows)};
+  if (!can_hold(file_bytes, header, samples))
+    return Error{ErrorCode::Truncated,
+                 fmt::format("'{}' has {} bytes, too few for {} channels of {}x{}: it was cut, or is damaged",
+                             name, file_bytes, image.names.size(), cols, rows)};
   image.attributes = attributes_of(header);
   image.samples = Image<float>(static_cast<int>(image.names.size()), rows, cols);
   Imf::FrameBuffer frame;
@@ -276,7 +289,7 @@ Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string&
   (void)limited;
   BytesIn in(bytes, name);
   try {
-    return read_file(in, name);
+    return read_file(in, bytes.size(), name);
   } catch (const std::exception& e) {
     if (in.ended_early() && !bytes.empty())
       return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};

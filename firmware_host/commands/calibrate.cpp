@@ -9,6 +9,7 @@
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/settings_toml.h"
+#include "firmware_host/sinks/output_guard.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -80,6 +81,9 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
   Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  if (!flags.output.empty())
+    TRY(make_room_for(around.storage,
+                      std::vector<NamedOutput>{{"--output", flags.output, OutputKind::Page}}));
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   if (!camera->capabilities().sets_exposure)
     return Error{ErrorCode::Unsupported,

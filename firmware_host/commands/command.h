@@ -27,6 +27,7 @@ using Verb = std::function<Result<void>(Surroundings&)>;
 void add_import(CLI::App& app, Verb& chosen);
 void add_export(CLI::App& app, Verb& chosen);
 void add_info(CLI::App& app, Verb& chosen);
+void add_repair(CLI::App& app, Verb& chosen);
 void add_replay(CLI::App& app, Verb& chosen);
 void add_encode(CLI::App& app, Verb& chosen);
 void add_compare(CLI::App& app, Verb& chosen);

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/sinks/output_guard.h"
 #include "firmware_host/terminal.h"
 #include "render/scores/scores.h"
 
@@ -57,10 +59,12 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
   if (scores.novel_psnr_mu_db)
     say("views from other cameras (novel/), PSNR-mu {:.2f} dB\n", *scores.novel_psnr_mu_db);
   if (!scores.missing.empty())
-    say("not scored for lack of an estimate: frames {}\n", fmt::join(scores.missing, ", "));
+    say("not scored, there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
+  if (!flags.json.empty())
+    TRY(make_room_for(around.storage, std::vector<NamedOutput>{{"--json", flags.json, OutputKind::Page}}));
   const ClipScores scores =
       TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);

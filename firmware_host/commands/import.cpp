@@ -9,6 +9,8 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
@@ -22,8 +24,9 @@ struct ImportOptions {
   FootageRequest footage;
   std::string output;
   bool list = false;
-  bool strict = false;
+  bool strict = false, allow_outside = false;
   KeptWork kept;
+  std::unique_ptr<SettingsFlags> settings;
 };
 
 // Returns the number of frames. The verdicts of the pictures on the exposures go into the recording.
@@ -47,8 +50,7 @@ bool is_clip(const std::vector<std::string>& named) {
 }
 
 // The files that must not be overwritten: the clip.json and every image.
-Result<std::vector<NamedInput>> files_of(Storage& storage, const std::string& path) {
-  const auto clip = TRY(ImageSequence::open(storage, path));
+std::vector<NamedInput> files_of(const ImageSequence& clip) {
   std::vector<NamedInput> files{{"the clip that is read", clip.path()}};
   for (int i = 0; i < clip.frame_count(); ++i) files.push_back({"a frame that is read", clip.path_of(i)});
   return files;
@@ -64,6 +66,7 @@ std::vector<NamedInput> files_of(const FootageRequest& footage) {
 // is complete.
 Result<void> write_recording(Surroundings& around, const ImportOptions& options,
                              std::unique_ptr<RecordingReader> reader) {
+  TRY(admit_copy(TRY(options.settings->read(around.storage)), reader->camera()));
   RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
@@ -77,27 +80,31 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
 
 Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   const std::string& path = options.footage.files.front();
-  const std::vector<NamedInput> files = TRY(files_of(around.storage, path));
-  if (options.list) return fmt::print("{}: a clip of {} images\n", path, files.size() - 1), Result<void>{};
-  TRY(options.kept.check(around.storage, files, {{"--output", options.output, OutputKind::Recording}}));
-  return write_recording(around, options, TRY(open_clip(around.storage, path)));
+  auto clip = TRY(ImageSequence::open(around.storage, path,
+                                      options.allow_outside ? ClipReach::Anywhere : ClipReach::BelowFolder));
+  if (options.list) return say("{}: a clip of {} images\n", path, clip.frame_count()), Result<void>{};
+  TRY(options.kept.check(around.storage, files_of(clip),
+                         {{"--output", options.output, OutputKind::Recording}}));
+  return write_recording(around, options, reader_of(std::move(clip)));
 }
 
-Result<void> import_footage(Surroundings& around, ImportOptions options) {
-  FootageRequest& footage = options.footage;
+Result<void> import_footage(Surroundings& around, const ImportOptions& options) {
+  FootageRequest footage = options.footage;
   if (footage.files.size() == 1 && fs::is_directory(footage.files.front()))
     footage.files = TRY(footage_in(footage.files.front()));
   if (!options.list)
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
-  if (options.list) return fmt::print("{}", described(plan)), Result<void>{};
+  if (options.list) return say("{}", described(plan)), Result<void>{};
   if (plan.origin == ExposureOrigin::Estimated)
-    fmt::print(stderr, "note: the exposures are estimated, and relative to each other only\n");
+    remark("note: the exposures are estimated, and relative to each other only\n");
   return write_recording(around, options, TRY(open_planned(around.storage, footage, plan)));
 }
 
 Result<void> import_any(Surroundings& around, const ImportOptions& options) {
+  const Settings settings = TRY(options.settings->read(around.storage));
+  if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
@@ -126,7 +133,10 @@ void add_import(CLI::App& app, Verb& chosen) {
   verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
   verb->add_flag("--strict", options->strict,
                  "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
+  verb->add_flag("--allow-outside", options->allow_outside,
+                 "also read images that the clip.json names outside its own folder");
   options->kept.add_to(*verb);
+  options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return import_any(around, *options); };
   });

@@ -1,4 +1,5 @@
-// hdrcam info x.mkv: shows the content of a recording and whether it is complete.
+// hdrcam info x.mkv: shows the content of a recording and whether it is complete; if not, it ends with an
+// error.
 #include <CLI/CLI.hpp>
 #include <memory>
 
@@ -17,6 +18,11 @@ struct InfoOptions {
 Result<void> show(Surroundings& around, const InfoOptions& options) {
   const auto summary = TRY(summarize(around.storage, options.recording));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
+  if (summary.end) return *summary.end;
+  if (const std::string damage = summary.left_out.sentence(); !damage.empty())
+    return Error{ErrorCode::Corrupt, fmt::format("'{0}' is damaged: {1}; 'hdrcam repair {0} -o FILE' writes "
+                                                 "the others",
+                                                 options.recording, damage)};
   return {};
 }
 

@@ -1,8 +1,10 @@
 #include "firmware_host/commands/kept_work.h"
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <string_view>
 
+#include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "hal/video/video_writer.h"
 
@@ -14,7 +16,8 @@ void KeptWork::add_to(CLI::App& verb) {
 
 Result<void> KeptWork::check(Storage& storage, const std::vector<NamedInput>& inputs,
                              const std::vector<NamedOutput>& outputs) const {
-  return check_outputs(storage, inputs, outputs, force_ ? Overwrite::Force : Overwrite::Refuse);
+  TRY(check_outputs(storage, inputs, outputs, force_ ? Overwrite::Force : Overwrite::Refuse));
+  return make_room_for(storage, outputs);
 }
 
 std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag) {
@@ -27,6 +30,9 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
                             : video_container_of(path)          ? OutputKind::Recording
                                                                 : OutputKind::Page;
     outputs.push_back({std::string(flag.substr(flag.find("--"))), path, kind});
+    if (std::string_view(sink.name) == "frames" && kind == OutputKind::Frames)
+      outputs.push_back({"the list beside --output",
+                         (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
   }
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   return outputs;

@@ -17,7 +17,7 @@ class KeptWork {
  public:
   void add_to(CLI::App& verb);  // --force
 
-  // Errors: those of check_outputs.
+  // Also makes the folders of the outputs. Errors: those of check_outputs and of make_room_for.
   Result<void> check(Storage& storage, const std::vector<NamedInput>& inputs,
                      const std::vector<NamedOutput>& outputs) const;
 

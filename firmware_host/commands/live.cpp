@@ -10,6 +10,7 @@
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -29,6 +30,8 @@ struct LiveFlags {
 std::string command_line_of(const LiveFlags& flags, const Settings& settings) {
   std::string text = "hdrcam live" + flags.settings->as_flags(settings);
   if (flags.limits.frames > 0) text += fmt::format(" --frames {}", flags.limits.frames);
+  if (flags.limits.timeout_s > 0) text += fmt::format(" --timeout {}", flags.limits.timeout_s);
+  if (flags.strict) text += " --strict";
   return text;
 }
 
@@ -44,7 +47,7 @@ void print_summary(const LiveCounters& counters, const Settings& settings) {
   tell(fmt::format("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
                    proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3));
   if (!settings.record.file.empty())
-    tell(fmt::format("recorded {} frames to {}\n", counters.recorded, settings.record.file));
+    tell(fmt::format("{}: {} of {} frames\n", settings.record.file, counters.recorded, counters.captured()));
 }
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
@@ -56,8 +59,11 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
                                  .copy_to = settings.record.file};
   if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
   const auto source = TRY(RecordingSource::open(around.storage, file, options, around.stop));
-  const RunPlan plan{
-      .settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)};
+  const CameraFacts& camera = source->camera();
+  TRY(memory_limit(settings).admit(
+      fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
+      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
+  const RunPlan plan{.settings = settings, .title = camera.name, .command = command_line_of(flags, settings)};
   const Result<void> ended = run(plan, *source, around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
@@ -98,7 +104,7 @@ void add_live(CLI::App& app, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                        SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                       SettingGroup::Record});
+                                       SettingGroup::Record, SettingGroup::Machine});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return live(*flags, around); }; });
 }

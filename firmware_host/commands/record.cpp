@@ -22,7 +22,7 @@ struct RecordFlags {
 };
 
 const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
-                                        SettingGroup::Record};
+                                        SettingGroup::Record, SettingGroup::Machine};
 
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "firmware_host/printable.h"
+
 namespace hdrcam {
 namespace {
 
@@ -68,7 +70,7 @@ std::string schedule_text(const ExposureCycle& cycle) {
 }  // namespace
 
 Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
-  auto reader = TRY(open_recording(storage, path));
+  auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
   RecordingSummary summary;
   summary.camera = reader->camera();
   const auto file = TRY(storage.open(path));
@@ -81,6 +83,7 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
     frames.push_back(**facts);
     count(summary, frames.back(), frames.size() > 1 ? &frames[frames.size() - 2] : nullptr);
   }
+  summary.left_out = reader->left_out();
   summary.cycle = find_exposure_cycle(frames);
   if (!frames.empty())
     summary.duration = frames.back().timestamp - frames.front().timestamp +
@@ -90,11 +93,11 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
 
 std::string as_table(const RecordingSummary& summary, const std::string& path) {
   const CameraFacts& camera = summary.camera;
-  std::string table = path + "\n";
+  std::string table = printable(path) + "\n";
   const auto row = [&](const char* what, const std::string& value) {
     table += fmt::format("  {:<12}{}\n", what, value);
   };
-  row("camera", camera.name.empty() ? "(no name)" : camera.name);
+  row("camera", camera.name.empty() ? "(no name)" : printable(camera.name));
   row("picture",
       fmt::format("{}x{}, {} bits, {}", camera.width, camera.height, camera.bits, name(camera.layout)));
   row("frame rate", fmt::format("{:.6g} Hz", camera.framerate_hz));
@@ -119,7 +122,9 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
   row("poses",
       summary.with_pose == 0 ? "none" : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
   row("size", fmt::format("{:.2f} MB", static_cast<double>(summary.bytes) * 1e-6));
-  row("complete", summary.end ? "no: " + summary.end->message : "yes");
+  const std::string damage = summary.left_out.sentence();
+  if (!damage.empty()) row("unreadable", damage);
+  row("complete", summary.end ? "no: " + printable(summary.end->message) : damage.empty() ? "yes" : "no");
   return table;
 }
 
@@ -148,7 +153,9 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"damaged", summary.damaged},
                {"with_pose", summary.with_pose},
                {"bytes", summary.bytes},
-               {"complete", !summary.end}};
+               {"unreadable", summary.left_out.count},
+               {"unreadable_places", summary.left_out.places},
+               {"complete", !summary.end && summary.left_out.sentence().empty()}};
   if (const auto& lens = camera.intrinsics)
     json["intrinsics"] = {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};

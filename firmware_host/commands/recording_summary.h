@@ -27,10 +27,11 @@ struct RecordingSummary {
   double shortest_exposure_s = 0,
          longest_exposure_s = 0;  // products of time and gains, 0 where none is known
   ExposureCycle cycle;
-  std::optional<Error> end;  // why it ended early: Truncated, Corrupt; none where it is complete
+  LeftOut left_out;          // frames that are there, but damaged
+  std::optional<Error> end;  // why it ended early: Truncated; none where its end was reached
 };
 
-// Errors: those of open_recording. A recording that ends early is not an error.
+// Errors: those of open_recording. A truncated or damaged recording is not an error.
 Result<RecordingSummary> summarize(Storage& storage, const std::string& path);
 
 std::string as_table(const RecordingSummary& summary, const std::string& path);

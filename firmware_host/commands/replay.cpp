@@ -8,6 +8,8 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/run_limits.h"
+#include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -25,8 +27,11 @@ struct ReplayFlags {
 };
 
 std::string command_line_of(const ReplayFlags& flags, const Settings& settings) {
-  std::string text = fmt::format("hdrcam replay {}", flags.recording) + flags.settings->as_flags(settings);
+  std::string text =
+      fmt::format("hdrcam replay {}", shell_word(flags.recording)) + flags.settings->as_flags(settings);
   if (flags.frames > 0) text += fmt::format(" --frames {}", flags.frames);
+  if (!flags.truth.empty()) text += " --truth " + shell_word(flags.truth);
+  if (flags.strict) text += " --strict";
   return text;
 }
 
@@ -52,7 +57,11 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
       around.storage, flags.recording,
       {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},
       around.stop));
-  const std::string& clip = source->camera().name;
+  const CameraFacts& camera = source->camera();
+  TRY(memory_limit(settings).admit(
+      fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
+      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
+  const std::string& clip = camera.name;
   RunPlan plan{.settings = settings,
                .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
                .command = command_line_of(flags, settings),
@@ -69,16 +78,19 @@ void add_replay(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<ReplayFlags>();
   CLI::App* verb = app.add_subcommand("replay", "turn a recording into HDR frames");
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
-  verb->add_option("--frames", flags->frames, "frames to take [all]")->check(CLI::PositiveNumber);
+  verb->add_option("--frames", flags->frames, "frames to take [all]")->check(counts_frames());
   verb->add_option(
       "--truth", flags->truth,
       "a clip with ground truth: scores in the report, and the field's views from the clip's other cameras "
       "beside the frames, in novel/");
-  verb->add_flag("--strict", flags->strict,
-                 "fail where pictures contradict an exposure, instead of relabelling or flagging it");
+  verb->add_flag(
+      "--strict", flags->strict,
+      "fail at a damaged frame and where pictures contradict an exposure, instead of going on with a "
+      "warning");
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output});
+      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                       SettingGroup::Machine});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return replay(*flags, around); }; });
 }

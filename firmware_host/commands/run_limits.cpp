@@ -3,10 +3,33 @@
 #include <CLI/CLI.hpp>
 
 namespace hdrcam {
+namespace {
+
+constexpr double kLongestRun_s = 1e9;  // 30 years
+constexpr int kMostFrames = 1'000'000'000;
+
+}  // namespace
+
+std::function<std::string(const std::string&)> counts_frames() {
+  return [](const std::string& text) {
+    long long frames = 0;
+    const bool sound = CLI::detail::lexical_cast(text, frames) && frames >= 1 && frames <= kMostFrames;
+    return sound ? std::string()
+                 : fmt::format("takes a number of frames, 1 to {}, not '{}'", kMostFrames, text);
+  };
+}
 
 void RunLimits::add_to(CLI::App& verb) {
-  verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(CLI::PositiveNumber);
-  verb.add_option("--timeout", timeout_s, "duration in seconds [until ^C]")->check(CLI::PositiveNumber);
+  verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(counts_frames());
+  verb.add_option("--timeout", timeout_s, "duration in seconds [until ^C]")
+      ->check([](const std::string& text) {
+        double seconds = 0;
+        const bool sound =
+            CLI::detail::lexical_cast(text, seconds) && seconds > 0 && seconds <= kLongestRun_s;
+        return sound ? std::string()
+                     : fmt::format("takes seconds, more than 0 and at most {:g}, not '{}'", kLongestRun_s,
+                                   text);
+      });
 }
 
 LiveOptions RunLimits::options(bool fits) const {
@@ -16,7 +39,9 @@ LiveOptions RunLimits::options(bool fits) const {
 Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {
   const bool limited = frames > 0 || timeout_s > 0;
   if (end != LiveEnd::Stopped || !limited) return {};
-  return Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", captured)};
+  return Error{
+      ErrorCode::Interrupted,
+      fmt::format("stopped after {} captured frames; the files that were written are complete", captured)};
 }
 
 }  // namespace hdrcam

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <string>
 
 #include "firmware_host/live/live_session.h"
 
@@ -10,6 +12,9 @@ class App;
 }
 
 namespace hdrcam {
+
+// What --frames takes: "" for a number of frames, else a clause that says so.
+std::function<std::string(const std::string&)> counts_frames();
 
 struct RunLimits {
   std::uint64_t frames = 0;  // 0: until ^C

@@ -10,6 +10,7 @@
 #include "capture/exposure.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
@@ -198,6 +199,8 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
         ErrorCode::BadExposure,
         fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
                     timeline.longest_s() * 1e3, simulation.framerate_hz)};
+  TRY(memory_limit(settings).admit(fmt::format("a scene of {}x{}", simulation.width, simulation.height),
+                                   simulator_bytes(simulation.width, simulation.height)));
   WorkerPool pool(thread_count(settings.fit));
   SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
   if (flags.explain) {
@@ -231,7 +234,8 @@ void add_simulate(CLI::App& app, Verb& chosen) {
   verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
   verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads"});
+      *verb,
+      std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "machine.memory_mib"});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
 }

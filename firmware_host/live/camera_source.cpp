@@ -2,6 +2,7 @@
 
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/memory_need.h"
 
 namespace hdrcam {
 
@@ -12,6 +13,13 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->camera_ = TRY(open_camera(settings.camera.id, storage));
   source->strobe_ = TRY(open_strobe(settings.sync));
   const CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
+  const StreamMode& mode = setup.options.mode;
+  const bool simulated = settings.camera.id.starts_with("sim:");
+  TRY(memory_limit(settings).admit(
+      fmt::format("a stream of {}x{}{}", mode.width, mode.height, limits.fits ? " with its fit" : ""),
+      capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames) +
+          (limits.fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
+          (simulated ? simulator_bytes(mode.width, mode.height) : 0)));
   source->capture_ = TRY(
       CaptureStage::open(*source->camera_, source->strobe_.get(), setup.cycle, setup.mains, setup.options));
   source->facts_ = source->capture_->facts();

@@ -13,7 +13,7 @@ std::string live_line(double seconds, const LiveCounters& counters, bool fits) {
     line += fmt::format("  emitted {}  dropped {}  latency {:.0f} ms", counters.emitted, counters.dropped(),
                         to_seconds(counters.latency) * 1e3);
   else
-    line += fmt::format("  recorded {}  dropped {}", counters.recorded, counters.dropped());
+    line += fmt::format("  recorded {}  dropped {}", counters.recorded, counters.not_recorded());
   if (camera.lost_by_camera > 0) line += fmt::format("  lost {}", camera.lost_by_camera);
   return line + fmt::format("  exposure proved {:.0f} %", proved);
 }
@@ -26,9 +26,13 @@ void LiveStatus::update() {
 
 std::string sentence_of(const LiveCounters& counters, bool fits) {
   const std::pair<std::uint64_t, const char*> reasons[] = {
-      {counters.shed, "shed, the fit was busy"},        {counters.unproved, "exposure not proved"},
-      {counters.no_room, "no room, the disk was busy"}, {counters.camera.damaged, "damaged"},
-      {counters.camera.undecodable, "not decodable"},   {counters.unfinished, "not finished"},
+      {fits ? 0 : counters.unwritten, "not written, the recording failed"},
+      {counters.shed, "shed, the fit was busy"},
+      {counters.unproved, "exposure not proved"},
+      {counters.no_room, "no room, the disk was busy"},
+      {counters.camera.damaged, "damaged"},
+      {counters.camera.undecodable, "not decodable"},
+      {counters.unfinished, "not finished"},
   };
   std::vector<std::string> dropped;
   for (const auto& [count, reason] : reasons)
@@ -37,7 +41,7 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   std::string text = fits ? fmt::format("captured {} = emitted {} + dropped {}{}", counters.captured(),
                                         counters.emitted, counters.dropped(), why)
                           : fmt::format("captured {} = recorded {} + dropped {}{}", counters.captured(),
-                                        counters.recorded, counters.dropped(), why);
+                                        counters.recorded, counters.not_recorded(), why);
   if (counters.camera.lost_by_camera > 0)
     text += fmt::format("; {} more never came from the camera", counters.camera.lost_by_camera);
   return text;
@@ -56,6 +60,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"dropped.damaged", camera.damaged},
       {"dropped.undecodable", camera.undecodable},
       {"dropped.unfinished", counters.unfinished},
+      {"not_recorded", counters.not_recorded()},
       {"camera.lost", camera.lost_by_camera},
       {"camera.proved", camera.proved},
       {"camera.plausible", camera.plausible},

@@ -153,6 +153,7 @@ Result<LiveEnd> LiveSession::finish() {
     const std::lock_guard lock(mutex_);
     count_camera();
     counters_.unfinished += std::exchange(counters_.under_way, 0);
+    counters_.unwritten += std::exchange(counters_.to_record, 0);
     if (!recorded) capture_result_ = std::move(recorded);
   }
   if (!capture_result_) return capture_result_.error();

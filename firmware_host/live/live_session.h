@@ -33,8 +33,9 @@ struct LiveOptions {
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };
 
-// Frames by outcome. At every moment captured() = emitted + dropped() + under_way where the run fits, and
-// captured() = recorded + no_room + to_record where it records; under_way and to_record are 0 at the end.
+// Frames by outcome. At every moment captured() = emitted + dropped() + under_way where the run fits,
+// and captured() = recorded + not_recorded() + to_record where it records; under_way and to_record are 0 at
+// the end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
   std::uint64_t no_room = 0;     // dropped: the pool was full
@@ -44,11 +45,13 @@ struct LiveCounters {
   std::uint64_t emitted = 0;     // became an HDR frame
   std::uint64_t under_way = 0;   // queued for the fit, or in it
   std::uint64_t recorded = 0, to_record = 0;
+  std::uint64_t unwritten = 0;  // not recorded: the recording had failed
   Duration latency{0},
       longest_latency{0};  // from a frame's arrival to its emission: the last one, the longest
 
   std::uint64_t captured() const { return camera.captured; }
   std::uint64_t dropped() const { return camera.dropped() + no_room + shed + unproved + unfinished; }
+  std::uint64_t not_recorded() const { return camera.dropped() + no_room + unwritten; }
 };
 
 // Why a run ended without an error: all frames, all the time, or the user stopped it.

@@ -12,7 +12,8 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage,
                                                                const std::atomic<bool>& stop) {
   auto recording = TRY(RecordingStage::open(storage, path, options.contradiction));
   std::unique_ptr<RecordingWriter> copy;
-  if (!options.copy_to.empty()) copy = TRY(create_recording(storage, options.copy_to, recording->camera()));
+  if (!options.copy_to.empty())
+    copy = TRY(create_recording(storage, options.copy_to, recording->camera(), Creation::Replace));
   return std::unique_ptr<RecordingSource>(
       new RecordingSource(std::move(recording), std::move(copy), options, stop));
 }
@@ -43,7 +44,13 @@ Result<const RawFrame*> RecordingSource::next() {
 }
 
 Result<void> RecordingSource::finish(RunRecord& record) {
-  record.notes.push_back(proof_of(recording_->counters()));
+  const CaptureCounters counters = recording_->counters();
+  record.notes.push_back(proof_of(counters));
+  if (counters.damaged > 0) {
+    record.counters.push_back({"dropped.damaged", static_cast<double>(counters.damaged)});
+    record.captured += static_cast<int>(counters.damaged);
+    record.dropped += static_cast<int>(counters.damaged);
+  }
   for (std::string& warning : recording_->warnings()) record.notes.push_back(std::move(warning));
   if (copy_) TRY(copy_->finish());
   return end_;

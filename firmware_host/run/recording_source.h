@@ -41,7 +41,7 @@ class RecordingSource : public FrameSource {
 
   // Warnings for the user about the frames so far.
   std::vector<std::string> warnings() const { return recording_->warnings(); }
-  const CaptureCounters& counters() const { return recording_->counters(); }
+  CaptureCounters counters() const { return recording_->counters(); }
 
  private:
   RecordingSource(std::unique_ptr<RecordingStage> recording, std::unique_ptr<RecordingWriter> copy,

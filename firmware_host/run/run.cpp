@@ -13,6 +13,7 @@
 #include "firmware_host/run/backend.h"
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "render/scores/scores.h"
@@ -124,6 +125,21 @@ Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record
   return {};
 }
 
+// One line for each output: where it is, and how many frames.
+std::string written(const RunPlan& plan, const RunRecord& record) {
+  std::string text;
+  for (const SinkKind& kind : plan.sinks) {
+    const std::string& path = plan.settings.output.path(kind.name);
+    const auto sink = std::ranges::find(record.sinks, std::string_view(kind.name), &SinkTimes::name);
+    if (path.empty() || path == kStandardOutput || sink == record.sinks.end()) continue;
+    const bool numbered = path.find('%') != std::string::npos;
+    text += numbered ? fmt::format("{}: {} frames", path, sink->frames) : path;
+    if (numbered && sink->left_out > 0) text += fmt::format(", {} left out to keep up", sink->left_out);
+    text += '\n';
+  }
+  return text;
+}
+
 // If the stream ended early, that error explains why it is too short.
 Result<void> first_cause(Result<void> worked, Result<void> ended) {
   const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
@@ -131,9 +147,9 @@ Result<void> first_cause(Result<void> worked, Result<void> ended) {
   return ended;
 }
 
-// The path of a frame.
-Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage,
-                         SharedProgress& progress) {
+// The path of a frame. where: a list of the outputs, for the user.
+Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
+                         std::string& where) {
   const Settings& settings = plan.settings;
   const CameraFacts& camera = source.camera();
   const RunPace pace = source.pace();
@@ -193,22 +209,15 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (worked && ended) worked = add_scores(plan, storage, record);
   record.sinks = sinks.times();
   if (const Result<void> concluded = sinks.conclude(record); worked && !concluded) worked = concluded;
+  where = written(plan, record);
   return first_cause(std::move(worked), ended);
 }
 
-}  // namespace
-
-Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
-  SharedProgress progress(source.frame_count());
-  std::future<Result<void>> work = std::async(std::launch::async, [&] {
-    if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
-    flush_denormals();
-    return frames_flow(plan, source, storage, progress);
-  });
-  if (plan.progress == nullptr) return work.get();
-
+// Rewrites the line that says how far the run is until the work is done.
+void show_progress(std::FILE* stream, FrameSource& source, const SharedProgress& progress,
+                   const std::future<Result<void>>& work) {
   constexpr auto kLook = std::chrono::milliseconds(20);
-  StatusLine line(plan.progress);
+  StatusLine line(stream);
   ProgressState shown;
   while (work.wait_for(kLook) != std::future_status::ready) {
     const ProgressState now = progress.now();
@@ -216,7 +225,24 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
     if (line.due()) line.show(source.status(shown = now));
   }
   if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));
-  return work.get();
+}
+
+}  // namespace
+
+Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
+  SharedProgress progress(source.frame_count());
+  std::string where;
+  std::future<Result<void>> work = std::async(std::launch::async, [&] {
+    if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
+    flush_denormals();
+    return frames_flow(plan, source, storage, progress, where);
+  });
+  if (plan.progress != nullptr) show_progress(plan.progress, source, progress, work);
+  Result<void> ended = work.get();
+  if (plan.progress == nullptr) return ended;
+  const bool taken = plan.settings.output.path("frames") == kStandardOutput;  // by the frames
+  (taken ? write_remark : write_result)(where);
+  return ended;
 }
 
 }  // namespace hdrcam

@@ -285,12 +285,18 @@ std::vector<SettingField> record_fields() {
   };
 }
 
+std::vector<SettingField> machine_fields() {
+  return {number<&Settings::machine, &Settings::Machine::memory_mib>(
+      "machine.memory_mib", "--memory", "most memory that the run may need, MiB, estimated before it starts",
+      {64, 1 << 24, 0}, "half of the machine's")};
+}
+
 std::vector<SettingField> all_fields() {
   const std::pair<SettingGroup, std::vector<SettingField>> groups[] = {
       {SettingGroup::Camera, camera_fields()}, {SettingGroup::Schedule, schedule_fields()},
       {SettingGroup::Sync, sync_fields()},     {SettingGroup::Fit, fit_fields()},
       {SettingGroup::Knobs, knob_fields()},    {SettingGroup::Output, output_fields()},
-      {SettingGroup::Record, record_fields()},
+      {SettingGroup::Record, record_fields()}, {SettingGroup::Machine, machine_fields()},
   };
   std::vector<SettingField> all;
   for (const auto& [group, fields] : groups)
@@ -324,6 +330,8 @@ const char* title(SettingGroup group) {
       return "Output";
     case SettingGroup::Record:
       return "Recording";
+    case SettingGroup::Machine:
+      return "Machine";
   }
   return "";
 }

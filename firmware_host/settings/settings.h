@@ -70,12 +70,15 @@ struct Settings {
     std::string file;      // the raw recording
     int memory_mib = 256;  // for frames that wait for the disk, 1..65536
   } record;
+  struct Machine {
+    int memory_mib = 0;  // of the whole run, estimated before it starts; 0: half of the machine's
+  } machine;
 };
 
 // The number of threads; by default one for each processor.
 int thread_count(const Settings::Fit& fit);
 
 // Which settings a verb takes.
-enum class SettingGroup { Camera, Schedule, Sync, Fit, Knobs, Output, Record };
+enum class SettingGroup { Camera, Schedule, Sync, Fit, Knobs, Output, Record, Machine };
 
 }  // namespace hdrcam

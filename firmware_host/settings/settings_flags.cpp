@@ -13,9 +13,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr const char* kPlainInAShell =
-    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
-
 const char* type_name(SettingType type) {
   switch (type) {  // as CLI11 calls them
     case SettingType::Whole:
@@ -117,6 +114,20 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   return settings;
 }
 
+std::string shell_word(std::string_view word) {
+  constexpr std::string_view kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string_view::npos) return std::string(word);
+  std::string quoted = "'";
+  for (const char c : word) {
+    if (c == '\'')
+      quoted += "'\\''";
+    else
+      quoted += c;
+  }
+  return quoted + "'";
+}
+
 bool SettingsFlags::print_config() const { return given_->print_config; }
 
 std::string SettingsFlags::printed(const Settings& settings) const {
@@ -133,11 +144,10 @@ std::string SettingsFlags::as_flags(const Settings& settings) const {
     const SettingValue value = given_->fields[i]->read(settings);
     if (value == given_->fields[i]->read(Settings{})) continue;
     const std::string word = to_text(value);
-    const bool plain = word.find_first_not_of(kPlainInAShell) == std::string::npos && !word.empty();
-    text += fmt::format(" {}={}", given_->options[i]->get_name(), plain ? word : '\'' + word + '\'');
+    text += fmt::format(" {}={}", given_->options[i]->get_name(), shell_word(word));
   }
   for (const auto& [name, value] : settings.fit.knobs)
-    if (!given_->knobs.empty()) text += fmt::format(" --set {}={}", name, value);
+    if (!given_->knobs.empty()) text += " --set " + shell_word(fmt::format("{}={}", name, value));
   return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware_host/settings/settings.h"
@@ -15,6 +16,9 @@ class App;
 }
 
 namespace hdrcam {
+
+// A word as a shell takes it: quoted where it must be.
+std::string shell_word(std::string_view word);
 
 class SettingsFlags {
  public:

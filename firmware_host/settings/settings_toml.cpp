@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "firmware_host/printable.h"
 #include "firmware_host/settings/setting_fields.h"
 #include "firmware_host/settings/suggestion.h"
 
@@ -39,20 +40,6 @@ std::vector<std::string> tables() {
   return names;
 }
 
-// For messages and for TOML: on one line, whatever the text holds.
-std::string escaped(std::string_view text, std::string_view also = "") {
-  std::string out;
-  for (const char c : text) {
-    const auto code = static_cast<unsigned char>(c);
-    if (also.find(c) != std::string_view::npos) out += '\\';
-    if (code < 0x20 || code == 0x7f)
-      out += fmt::format("\\u{:04X}", code);
-    else
-      out += c;
-  }
-  return out;
-}
-
 // The parser recurses for every part of a dotted key and limits only the brackets, so a limit of dots bounds
 // its stack.
 Result<void> check_size(std::string_view text, const std::string& name) {
@@ -64,7 +51,7 @@ Result<void> check_size(std::string_view text, const std::string& name) {
 }
 
 Error at_line(const std::string& name, std::uint32_t line, const Error& error) {
-  return {error.code, fmt::format("{}:{}: {}", name, line, escaped(error.message))};
+  return {error.code, fmt::format("{}:{}: {}", name, line, printable(error.message))};
 }
 
 // Refuses letters such as é outside of quotes and comments, on which toml++ 3.3 has undefined behaviour, and
@@ -188,7 +175,14 @@ Result<void> take(const Entry& entry, Settings& settings) {
   return set(*field, *value, entry.key, settings);
 }
 
-std::string quoted(const std::string& text) { return '"' + escaped(text, "\"\\") + '"'; }
+std::string quoted(const std::string& text) {
+  std::string masked;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') masked += '\\';
+    masked += c;
+  }
+  return '"' + printable(masked) + '"';
+}
 
 // Returns a line like "width = 640". A knob with the preset's value is in a comment, so that the file follows
 // the preset.

@@ -76,7 +76,8 @@ void AsyncSink::work() {
     const double ms = watch.lap_ms();
     {
       const std::lock_guard lock(mutex_);
-      ++times_.frames, times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
+      times_.frames += emitted.ok() ? 1 : 0;
+      times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
       begin_ = (begin_ + 1) % kSlots, --count_;
       if (!emitted) result_ = std::move(emitted), count_ = 0;  // drops the rest
       if (!result_) return changed_.notify_all();

@@ -5,17 +5,19 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/version.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr double kIsoOfUnitGain = 100;
 constexpr const char* kSinceStart = "hdrcam.secondsSinceStart";
 constexpr const char* kWhite = "hdrcam.white";
 
@@ -30,17 +32,38 @@ std::optional<double> number(const std::map<std::string, std::string>& texts, co
              : std::nullopt;
 }
 
+// What the samples of each layer are, for whoever opens a file without our documentation.
+void describe(const ExrLayers& layers, std::map<std::string, std::string>& texts) {
+  texts["hdrcam.unit.RGB"] = "scene-linear radiance; 1 saturates the reference exposure";
+  if (layers.depth) texts["hdrcam.unit.Z"] = "camera z in units of the field's near plane; 0 is unknown";
+  if (layers.flow)
+    texts["hdrcam.unit.backward"] = "pixels to the previous frame; u to the right, v down; 0 in the first";
+  if (layers.field_flow)
+    texts["hdrcam.unit.field"] = "pixels to the previous frame, of the field; u to the right, v down";
+  if (layers.confidence) {
+    texts["hdrcam.unit.sigma"] = "standard deviation of ln radiance";
+    texts["hdrcam.unit.confidence"] = "exp(-sigma), 0 to 1";
+  }
+  if (!layers.provenance) return;
+  std::string& legend = texts["hdrcam.unit.provenance"];
+  for (const ProvenanceLook& look : kProvenanceLooks)
+    legend +=
+        fmt::format("{}{} {}", legend.empty() ? "" : ", ", static_cast<int>(look.provenance), look.name);
+}
+
 ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& options, Instant start) {
   const FrameFacts& facts = frame.facts;
   ExrAttributes attributes;
   attributes.exposure_s = facts.exposure_s;
-  attributes.iso_speed = kIsoOfUnitGain * facts.analogue_gain * facts.digital_gain;
   attributes.framerate_hz = options.framerate_hz;
   attributes.white_cd_m2 = options.white_cd_m2;
   attributes.chromaticities = Chromaticities{};
-  if (options.framerate_hz) attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
+  if (options.framerate_hz && facts.timestamp >= start)  // a clock that was set back has none
+    attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
   attributes.T_world_camera = facts.T_world_camera;
   attributes.owner = options.owner;
+  describe(options.layers, attributes.texts);
+  attributes.texts["hdrcam.gain"] = fmt::format("{:.6g}", facts.analogue_gain * facts.digital_gain);
   attributes.texts["hdrcam.exposureSource"] = name(facts.exposure_source);
   if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
   if (facts.exposure_within_ev)
@@ -56,8 +79,11 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
 
 class ExrSequence : public FrameSink {
  public:
-  ExrSequence(Storage& storage, FramePattern pattern, ExrSequenceOptions options)
-      : storage_(storage), pattern_(std::move(pattern)), options_(std::move(options)) {}
+  ExrSequence(Storage& storage, FramePattern pattern, FrameLedger ledger, ExrSequenceOptions options)
+      : storage_(storage),
+        pattern_(std::move(pattern)),
+        ledger_(std::move(ledger)),
+        options_(std::move(options)) {}
 
   Result<void> emit(const EmittedFrame& emitted) override {
     const HdrFrame& frame = emitted.hdr;
@@ -69,7 +95,9 @@ class ExrSequence : public FrameSink {
     picture.attributes = attributes_of(frame, options_, *start_);
     picture.compression = options_.compression;
     const std::vector<std::byte> bytes = TRY(encode_exr(picture));
-    return write_whole(storage_, pattern_.path(frame.facts.sequence), bytes);
+    const std::string path = pattern_.path(frame.facts.sequence);
+    TRY(write_whole(storage_, path, bytes));
+    return ledger_.append(frame.facts, path.substr(path.rfind('/') + 1));
   }
 
  private:
@@ -107,6 +135,7 @@ class ExrSequence : public FrameSink {
 
   Storage& storage_;
   const FramePattern pattern_;
+  FrameLedger ledger_;
   const ExrSequenceOptions options_;
   std::optional<Instant> start_;
   std::vector<float> zeros_, confidence_, provenance_;  // planes of the frame being written
@@ -122,8 +151,9 @@ Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::st
                                                        ExrSequenceOptions options) {
   auto parsed = TRY(FramePattern::parse("--output", pattern, ".exr"));
   TRY(storage.make_directories(parsed.folder()));
+  FrameLedger ledger = TRY(FrameLedger::create(storage, parsed.folder()));
   return std::unique_ptr<FrameSink>(
-      std::make_unique<ExrSequence>(storage, std::move(parsed), std::move(options)));
+      std::make_unique<ExrSequence>(storage, std::move(parsed), std::move(ledger), std::move(options)));
 }
 
 }  // namespace hdrcam

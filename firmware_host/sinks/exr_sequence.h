@@ -1,5 +1,7 @@
 // HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written under a
 // temporary name and renamed when complete, so a reader that watches the folder never sees half a frame.
+// frames.csv in the same folder lists time and exposure of each frame (frame_ledger.h). An attribute of the
+// file states the unit of each layer.
 //   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
 //   Z                 depth, float, in units of the field's near plane; 0 where there is none
 //   backward.u/.v     motion to the previous frame, pixels; 0 for the first frame

@@ -1,11 +1,15 @@
 #include "firmware_host/sinks/output_guard.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 #include <vector>
+
+#include "firmware_host/sinks/output_folder.h"
 
 namespace hdrcam {
 namespace {
@@ -129,6 +133,21 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
     if (output.kind == OutputKind::Page) TRY(is_no_work_of_another_kind(place));
     if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(place, output.kind));
     taken.push_back(std::move(place));
+  }
+  return {};
+}
+
+Result<void> make_room_for(Storage& storage, std::span<const NamedOutput> outputs) {
+  for (const NamedOutput& output : outputs) {
+    if (output.path.empty()) continue;
+    TRY(make_folder_of(storage, output.path));
+    if (TRY(storage.look_at(output.path)).kind == FileKind::Other) continue;  // written through
+    const FileInMaking trial = TRY(FileInMaking::beside(storage, output.path));
+    if (const auto made = storage.create(trial.path(), Creation::New); !made)
+      return Error{
+          made.error().code,
+          fmt::format("{} '{}' cannot be written: {}", output.flag, output.path, made.error().message),
+          made.error().sys_errno};
   }
   return {};
 }

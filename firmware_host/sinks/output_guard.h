@@ -34,4 +34,8 @@ enum class Overwrite { Refuse, Force };
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 
+// Makes the folders of all outputs and finds out, before any work is done, whether files can be made in them.
+// Errors: Permission, NoSpace, Io.
+Result<void> make_room_for(Storage& storage, std::span<const NamedOutput> outputs);
+
 }  // namespace hdrcam

@@ -9,13 +9,14 @@
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/recording.h"
+#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLatestSeconds = 9e9;  // the largest time that 64-bit nanoseconds hold
+constexpr double kLatestSeconds = 4e9;  // differences of nanoseconds still fit 64 bits
 
 // Python writes NaN and Infinity, which JSON does not have. They become strings of the same length, so that
 // positions stay and the field is refused because it is not a number.
@@ -145,6 +146,8 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   if (clip.has("fx"))
     camera.intrinsics = Intrinsics{TRY(clip.number("fx")), TRY(clip.number("fy")), TRY(clip.number("cx")),
                                    TRY(clip.number("cy"))};
+  if (const auto objection = objection_to(camera))
+    return Error{ErrorCode::Invalid, fmt::format("{}: {}", clip.where(), *objection)};
   if (clip.has("response")) {
     const Json& rows = clip.at("response");
     if (!rows.is_array() || rows.size() != 3)
@@ -158,9 +161,14 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   return camera;
 }
 
-Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path, int bits) {
+// before: the frame before it, or null.
+Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::string& path, int bits,
+                           const ClipFrame* before) {
   ClipFrame frame;
-  frame.file = TRY(Fields(json, fmt::format("'{}': frame {}", path, index)).text("file"));
+  const Fields unnamed(json, fmt::format("'{}': frame {}", path, index));
+  frame.file = TRY(unnamed.text("file"));
+  if (frame.file.find('\0') != std::string::npos)
+    return unnamed.wrong("file", "no file has a name with a NUL in it");
   const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
   FrameFacts& facts = frame.facts;
   facts.exposure_s = TRY(fields.exposure_factor("exposure_s"));
@@ -194,6 +202,8 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
     const auto pose = TRY(fields.numbers("c2w", 12));
     std::copy(pose.begin(), pose.end(), facts.T_world_camera.emplace().begin());
   }
+  if (const auto objection = objection_to(facts, before != nullptr ? &before->facts : nullptr))
+    return Error{ErrorCode::Invalid, fmt::format("{}: {}", fields.where(), *objection)};
   return frame;
 }
 
@@ -245,7 +255,8 @@ Result<Clip> clip_from_json(std::string text, const std::string& path) {
                  fmt::format("'{}' has {} frame(s); at least two are needed", path, frames.size())};
   bool slots_are_named = false;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    clip.frames.push_back(TRY(frame_of(frames[i], i, path, clip.camera.bits)));
+    const ClipFrame* before = clip.frames.empty() ? nullptr : &clip.frames.back();
+    clip.frames.push_back(TRY(frame_of(frames[i], i, path, clip.camera.bits, before)));
     slots_are_named = slots_are_named || frames[i].contains("slot");
   }
   if (slots_are_named) return clip;

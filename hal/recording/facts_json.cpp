@@ -3,8 +3,11 @@
 #include <zlib.h>
 
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
 
 namespace hdrcam {
 namespace {
@@ -22,6 +25,16 @@ double number(const Json& value) {
   return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
 }
 
+// A whole number that T holds; the library would also convert 1e99.
+template <class T>
+T whole(const Json& value) {
+  if (value.is_number_unsigned() && std::in_range<T>(value.get<std::uint64_t>()))
+    return static_cast<T>(value.get<std::uint64_t>());
+  if (value.is_number_integer() && !value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
+    return static_cast<T>(value.get<std::int64_t>());
+  throw std::out_of_range(value.dump() + " where a whole number within its range is needed");
+}
+
 std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view text) {
   uLong crc = crc32_z(0, nullptr, 0);
   crc = crc32_z(crc, payload.data(), payload.size());
@@ -35,10 +48,10 @@ std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::er
 CameraFacts camera_of(const Json& json) {
   CameraFacts camera;
   camera.name = json.at("name").get<std::string>();
-  camera.width = json.at("width").get<int>();
-  camera.height = json.at("height").get<int>();
+  camera.width = whole<int>(json.at("width"));
+  camera.height = whole<int>(json.at("height"));
   camera.framerate_hz = number(json.at("framerate_hz"));
-  camera.bits = json.at("bits").get<int>();
+  camera.bits = whole<int>(json.at("bits"));
   camera.linear = json.at("linear").get<bool>();
   if (const auto lens = json.find("intrinsics"); lens != json.end())
     camera.intrinsics = Intrinsics{number(lens->at("fx_px")), number(lens->at("fy_px")),
@@ -53,17 +66,17 @@ CameraFacts camera_of(const Json& json) {
 
 FrameFacts facts_of(const Json& json, int bits) {
   FrameFacts facts;
-  facts.sequence = json.at("sequence").get<std::uint64_t>();
-  facts.timestamp.since_boot = Duration(json.at("timestamp_ns").get<Duration::rep>());
+  facts.sequence = whole<std::uint64_t>(json.at("sequence"));
+  facts.timestamp.since_boot = Duration(whole<Duration::rep>(json.at("timestamp_ns")));
   facts.exposure_s = number(json.at("exposure_s"));
   facts.analogue_gain = number(json.at("analogue_gain"));
   facts.digital_gain = number(json.at("digital_gain"));
-  facts.slot = json.at("slot").get<int>();
+  facts.slot = whole<int>(json.at("slot"));
   const double black = number(json.at("black_level"));
   if (black != 0 || json.contains("black_level_stated")) facts.black_level = BlackLevel::of_code(black, bits);
   if (const auto within = json.find("exposure_within_ev"); within != json.end())
     facts.exposure_within_ev = number(*within);
-  facts.flags = json.at("flags").get<std::uint32_t>();
+  facts.flags = whole<std::uint32_t>(json.at("flags"));
   if (const auto pose = json.find("T_world_camera"); pose != json.end()) {
     auto& T = facts.T_world_camera.emplace();
     for (std::size_t i = 0; i < T.size(); ++i) T[i] = number(pose->at(i));
@@ -110,7 +123,7 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
     const Json json = Json::parse(text);
     if (json.at("format") != kFormat)
       return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
-    if (const int version = json.at("version").get<int>(); version > kVersion)
+    if (const int version = whole<int>(json.at("version")); version > kVersion)
       return Error{ErrorCode::Unsupported,
                    fmt::format("the recording has format version {}, this program reads up to {}; update it",
                                version, kVersion)};
@@ -119,7 +132,7 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
     if (!layout) return Error{ErrorCode::Corrupt, "the camera facts name an unknown pixel layout"};
     camera.layout = *layout;
     return camera;
-  } catch (const Json::exception& e) {
+  } catch (const std::exception& e) {
     return Error{ErrorCode::Corrupt, fmt::format("the camera facts cannot be read: {}", e.what())};
   }
 }
@@ -127,8 +140,8 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
 Result<FactsRecord> record_from_json(std::string_view text, int bits) {
   try {
     const Json json = Json::parse(text);
-    if (json.contains("end")) return FactsRecord{true, json.at("frames").get<std::uint64_t>(), {}};
-    FactsRecord record{false, json.at("index").get<std::uint64_t>(), facts_of(json, bits)};
+    if (json.contains("end")) return FactsRecord{true, whole<std::uint64_t>(json.at("frames")), {}};
+    FactsRecord record{false, whole<std::uint64_t>(json.at("index")), facts_of(json, bits)};
     const auto source = exposure_source_named(json.at("exposure_source").get<std::string>());
     if (!source) return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown exposure source"};
     record.facts.exposure_source = *source;
@@ -138,7 +151,7 @@ Result<FactsRecord> record_from_json(std::string_view text, int bits) {
         return Error{ErrorCode::Corrupt, "the facts of a frame name an unknown verdict on its exposure"};
     }
     return record;
-  } catch (const Json::exception& e) {
+  } catch (const std::exception& e) {
     return Error{ErrorCode::Corrupt, fmt::format("the facts of a frame cannot be read: {}", e.what())};
   }
 }

@@ -30,13 +30,15 @@ void to_samples(Image<std::uint16_t>& codes, int bits) {
 
 }  // namespace
 
-Result<ImageSequence> ImageSequence::open(Storage& storage, const std::string& path) {
+Result<ImageSequence> ImageSequence::open(Storage& storage, const std::string& path, ClipReach reach) {
   const bool is_file = path.ends_with(".json");
   const std::filesystem::path file =
       is_file ? std::filesystem::path(path) : std::filesystem::path(path) / ImageSequence::kFile;
-  ImageSequence sequence(storage, file.parent_path().string());
+  ImageSequence sequence(storage, file.parent_path().string(), reach);
   std::string text = TRY(read_whole(storage, file.string()));
   sequence.clip_ = TRY(clip_from_json(std::move(text), file.string()));
+  const std::string folder = sequence.folder_.empty() ? "." : sequence.folder_;
+  sequence.real_folder_ = TRY(storage.look_at(folder)).real_path;
   if (!sequence.clip_.layout_is_named) {
     const PngImage first = TRY(sequence.load(0));
     sequence.clip_.camera.layout = first.samples.channels() == 3 ? PixelLayout::Rgb : PixelLayout::Mono;
@@ -48,8 +50,24 @@ std::string ImageSequence::path_of(int index) const {
   return (std::filesystem::path(folder_) / clip_.frames[static_cast<std::size_t>(index)].file).string();
 }
 
+// Somebody else's clip may name any file of this machine: neither is it shown to be there, nor is it waited
+// for.
+Result<void> ImageSequence::check_reach(const std::string& path) const {
+  const FileFacts there = TRY(storage_->look_at(path));
+  if (there.kind == FileKind::Other)
+    return Error{ErrorCode::Permission, fmt::format("'{}' is a device or a FIFO, not a PNG", path)};
+  const std::filesystem::path way = std::filesystem::path(there.real_path).lexically_relative(real_folder_);
+  if (reach_ == ClipReach::BelowFolder && (way.empty() || *way.begin() == ".."))
+    return Error{ErrorCode::Permission,
+                 fmt::format("'{}' is outside the clip's folder; --allow-outside reads it", path)};
+  return {};
+}
+
 Result<PngImage> ImageSequence::load(int index) const {
-  auto image = read_png(*storage_, path_of(index), clip_.camera.width, clip_.camera.height);
+  const std::string path = path_of(index);
+  const auto checked = check_reach(path);
+  auto image = checked ? read_png(*storage_, path, clip_.camera.width, clip_.camera.height)
+                       : Result<PngImage>(checked.error());
   if (image) return image;
   const Error& error = image.error();
   return Error{error.code, fmt::format("frame {}: {}", index, error.message), error.sys_errno};
@@ -93,9 +111,8 @@ class ClipReader : public RecordingReader {
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingReader>> open_clip(Storage& storage, const std::string& path) {
-  return std::unique_ptr<RecordingReader>(
-      std::make_unique<ClipReader>(TRY(ImageSequence::open(storage, path))));
+std::unique_ptr<RecordingReader> reader_of(ImageSequence clip) {
+  return std::make_unique<ClipReader>(std::move(clip));
 }
 
 Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const std::string& folder,

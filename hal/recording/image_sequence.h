@@ -15,34 +15,46 @@ namespace hdrcam {
 
 struct PngImage;
 
+// Which images a clip.json may name.
+enum class ClipReach {
+  BelowFolder,  // of the clip.json, symbolic links followed
+  Anywhere,
+};
+
 class ImageSequence {
  public:
   static constexpr const char* kFile = "clip.json";
 
   // path: of the clip.json, or of the folder that holds it. The storage outlives the sequence.
   // Errors: those of clip_from_json and, for the first image, of read.
-  static Result<ImageSequence> open(Storage& storage, const std::string& path);
+  static Result<ImageSequence> open(Storage& storage, const std::string& path,
+                                    ClipReach reach = ClipReach::BelowFolder);
 
   const CameraFacts& camera() const { return clip_.camera; }
   std::string path() const { return folder_.empty() ? kFile : folder_ + "/" + kFile; }
   std::string path_of(int index) const;  // of an image
   int frame_count() const { return static_cast<int>(clip_.frames.size()); }
   const FrameFacts& facts(int index) const { return clip_.frames[static_cast<std::size_t>(index)].facts; }
-  // Errors: NotFound, Permission; Corrupt (a damaged PNG); SizeChanged (another size, or grey among RGB);
-  // Invalid (a bit would be lost); Unsupported. Messages name the frame, the file and the value.
+  // Errors: NotFound, Permission (also for what is outside the reach, a device or a FIFO); Corrupt (a damaged
+  // PNG); SizeChanged (another size, or grey among RGB); Invalid (a bit would be lost); Unsupported. Messages
+  // name the frame, the file and the value.
   Result<RawFrame> read(int index) const;
 
  private:
-  ImageSequence(Storage& storage, std::string folder) : storage_(&storage), folder_(std::move(folder)) {}
+  ImageSequence(Storage& storage, std::string folder, ClipReach reach)
+      : storage_(&storage), folder_(std::move(folder)), reach_(reach) {}
   Result<PngImage> load(int index) const;
+  Result<void> check_reach(const std::string& path) const;
 
   Storage* storage_;
   std::string folder_;
+  ClipReach reach_;
+  std::string real_folder_;  // without symbolic links
   Clip clip_;
 };
 
-// A clip, read frame by frame like a recording. Errors: those of ImageSequence::open.
-Result<std::unique_ptr<RecordingReader>> open_clip(Storage& storage, const std::string& path);
+// A clip, read frame by frame like a recording.
+std::unique_ptr<RecordingReader> reader_of(ImageSequence clip);
 
 class ImageSequenceWriter {
  public:

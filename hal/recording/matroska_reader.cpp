@@ -1,14 +1,18 @@
 // Reads a recording: packets come in pairs, a picture and its facts, and are returned only when the checksum
-// over both is right. It holds one frame at a time.
+// over both is right. It holds one frame at a time. After damage libavformat may miss frames: if damage is
+// skipped, the reader then finds the clusters itself (cluster_scan.h).
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <climits>
 #include <cstring>
 
+#include "hal/recording/cluster_scan.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/ffv1.h"
 #include "hal/recording/matroska.h"
 #include "hal/recording/recording.h"
+#include "hal/recording/sound_facts.h"
 #include "hal/recording/storage_stream.h"
 
 namespace hdrcam {
@@ -93,6 +97,8 @@ Result<CameraFacts> camera_of(const Container& container, const std::string& pat
     if (auto recordable = check_recordable(*camera); !recordable) camera = recordable.error();
   }
   if (!camera) return Error{camera.error().code, fmt::format("'{}': {}", path, camera.error().message)};
+  if (const auto objection = objection_to(*camera))
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' cannot be of a camera: {}", path, *objection)};
   const auto tracks = container.tracks();
   if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_id != AV_CODEC_ID_FFV1 ||
       tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
@@ -123,18 +129,22 @@ std::optional<int> count_frames(Storage& storage, const std::string& path, const
 
 class MatroskaReader : public RecordingReader {
  public:
-  static Result<std::unique_ptr<RecordingReader>> open(Storage& storage, const std::string& path);
+  static Result<std::unique_ptr<RecordingReader>> open(Storage& storage, const std::string& path,
+                                                       Damage damage);
   const CameraFacts& camera() const override { return camera_; }
   std::optional<int> frame_count() const override { return count_; }
   Result<std::optional<RawFrame>> next() override;
-  Result<std::optional<FrameFacts>> next_facts() override;
+  Result<std::optional<FrameFacts>> next_facts() override { return advance(); }
+  const LeftOut& left_out() const override { return left_out_; }
 
  private:
   // A frame with a valid checksum whose picture is in picture_; nullopt at the end.
   using Advance = Result<std::optional<FrameFacts>>;
 
-  MatroskaReader(std::string path, Container container, CameraFacts camera, Ffv1Decoder decoder)
+  MatroskaReader(std::string path, Damage damage, Container container, CameraFacts camera,
+                 Ffv1Decoder decoder)
       : path_(std::move(path)),
+        damage_(damage),
         container_(std::move(container)),
         camera_(std::move(camera)),
         decoder_(std::move(decoder)) {}
@@ -142,29 +152,39 @@ class MatroskaReader : public RecordingReader {
   Advance advance();
   Advance read_pair();
   Advance prove(std::string_view text);
+  Advance search();
+  Advance prove_found(const FoundCluster& found);
   Error corrupt(const std::string& what) const;
   Error ended() const;
+  void leave_out(std::uint64_t first, std::uint64_t end, const std::string& reason);
 
   std::string path_;
+  const Damage damage_;
   Container container_;
   CameraFacts camera_;
   Ffv1Decoder decoder_;
   std::optional<int> count_;
   libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
-  bool has_picture_ = false;      // picture_ waits for its facts
-  std::optional<Advance> ahead_;  // the first frame: read when the file was opened
-  std::optional<Advance> last_;   // the end or the error; permanent
-  std::uint64_t frames_ = 0;
+  bool has_picture_ = false;          // picture_ waits for its facts
+  std::optional<Advance> ahead_;      // the first frame: read when the file was opened
+  std::optional<Advance> last_;       // the end or the error, which stays
+  std::uint64_t frames_ = 0;          // the place of the next frame
+  std::int64_t packet_at_ = 0;        // in the file, of the last proved facts
+  std::optional<FrameFacts> before_;  // of the last frame
+  std::optional<ClusterScan> scan_;   // once there was damage
+  bool scan_found_end_ = false;
+  LeftOut left_out_;
 };
 
-Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, const std::string& path) {
+Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, const std::string& path,
+                                                              Damage damage) {
   auto container = TRY(open_container(storage, path));
   auto camera = TRY(camera_of(container, path));
   auto decoder = Ffv1Decoder::open(camera, *container.tracks()[matroska::kPixelTrack]->codecpar);
   if (!decoder)
     return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
   std::unique_ptr<MatroskaReader> reader(
-      new MatroskaReader(path, std::move(container), std::move(camera), std::move(*decoder)));
+      new MatroskaReader(path, damage, std::move(container), std::move(camera), std::move(*decoder)));
   if (reader->container_.whole) reader->count_ = count_frames(storage, path, reader->camera_);
   auto first = reader->advance();
   if (!first && first.error().code == ErrorCode::Truncated)
@@ -180,7 +200,17 @@ Error MatroskaReader::corrupt(const std::string& what) const {
 // No packet is left, and there was no end record.
 Error MatroskaReader::ended() const {
   if (container_.whole) return corrupt("the rest of the file cannot be read");
-  return {ErrorCode::Truncated, fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_)};
+  return {ErrorCode::Truncated,
+          fmt::format("'{}' was cut after {} whole frame(s)", path_, frames_ - left_out_.count)};
+}
+
+// The frames of the places first .. end-1 are not to be had.
+void MatroskaReader::leave_out(std::uint64_t first, std::uint64_t end, const std::string& reason) {
+  if (end <= first) return;
+  if (left_out_.reason.empty()) left_out_.reason = reason;
+  left_out_.count += end - first;
+  for (; first < end && left_out_.places.size() < LeftOut::kPlaces; ++first)
+    left_out_.places.push_back(first);
 }
 
 MatroskaReader::Advance MatroskaReader::advance() {
@@ -190,7 +220,19 @@ MatroskaReader::Advance MatroskaReader::advance() {
     ahead_.reset();
     return first;
   }
-  Advance step = read_pair();
+  Advance step = scan_ ? search() : read_pair();
+  if (!step && step.error().code == ErrorCode::Corrupt && damage_ == Damage::IsSkipped && !scan_) {
+    const std::uint64_t frame_bytes =
+        std::uint64_t{2} * static_cast<std::uint64_t>(channels(camera_.layout)) *
+        static_cast<std::uint64_t>(camera_.width) * static_cast<std::uint64_t>(camera_.height);
+    constexpr std::uint64_t kFactsBytes = 1 << 20;
+    scan_.emplace(container_.stream->file(),
+                  static_cast<std::uint64_t>(std::max<std::int64_t>(0, packet_at_)),
+                  std::min<std::uint64_t>(2 * frame_bytes + kFactsBytes, INT_MAX));
+    const std::string what = step.error().message;
+    left_out_.reason = what.substr(std::min(what.size(), what.rfind(": ") + 2));
+    step = search();
+  }
   if (!step || !step.value()) last_ = step;
   return step;
 }
@@ -219,36 +261,84 @@ MatroskaReader::Advance MatroskaReader::prove(std::string_view text) {
   if (!seal_holds(text, pixels)) return corrupt("the checksum over its pixels and facts does not hold");
   auto record = record_from_json(text, camera_.bits);
   if (!record) return corrupt(record.error().message);
-  av_packet_unref(packet_.get());
   if (record->index != frames_)
     return corrupt(fmt::format("{} {} follows", record->is_end ? "the end record of a file of" : "frame",
                                record->index));
   if (record->is_end == has_picture_) return corrupt("a picture and its facts do not belong together");
   if (record->is_end) return std::optional<FrameFacts>();
+  if (const auto objection = objection_to(record->facts, before_ ? &*before_ : nullptr))
+    return corrupt(*objection);
+  packet_at_ = packet_->pos;
+  av_packet_unref(packet_.get());
   has_picture_ = false;
   ++frames_;
+  before_ = record->facts;
   return std::optional<FrameFacts>(record->facts);
 }
 
+// The next whole frame of a damaged file, whatever lies between.
+MatroskaReader::Advance MatroskaReader::search() {
+  for (;;) {
+    const auto found = TRY(scan_->next());
+    if (!found) break;
+    Advance frame = prove_found(*found);
+    if (!frame && frame.error().code != ErrorCode::Corrupt) return frame;
+    if (!frame) continue;
+    if (frame.value()) return frame;
+    if (scan_found_end_) return frame;
+  }
+  if (!container_.whole) return ended();
+  leave_out(frames_, static_cast<std::uint64_t>(std::max(0, count_.value_or(0))), left_out_.reason);
+  return std::optional<FrameFacts>();
+}
+
+// A frame; nullopt for one that came before and for the end record; Corrupt for what is neither.
+MatroskaReader::Advance MatroskaReader::prove_found(const FoundCluster& found) {
+  if (!seal_holds(found.facts, found.picture)) return corrupt("no checksum holds");
+  const auto record = record_from_json(found.facts, camera_.bits);
+  if (!record) return corrupt(record.error().message);
+  const FactsRecord& read = record.value();
+  scan_->accept();
+  leave_out(frames_, read.index, left_out_.reason);
+  if (read.is_end) return scan_found_end_ = true, std::optional<FrameFacts>();
+  if (read.index < frames_) return std::optional<FrameFacts>();
+  frames_ = read.index;
+  ++frames_;
+  if (const auto objection = objection_to(read.facts, before_ ? &*before_ : nullptr)) {
+    leave_out(read.index, frames_, *objection);
+    return std::optional<FrameFacts>();
+  }
+  av_packet_unref(picture_.get());
+  if (av_new_packet(picture_.get(), static_cast<int>(found.picture.size())) < 0)
+    return Error{ErrorCode::Io, fmt::format("no memory for frame {} of '{}'", read.index, path_)};
+  std::ranges::copy(found.picture, picture_->data);
+  before_ = read.facts;
+  return std::optional<FrameFacts>(read.facts);
+}
+
 Result<std::optional<RawFrame>> MatroskaReader::next() {
-  auto facts = TRY(advance());
-  if (!facts) return std::optional<RawFrame>();
-  RawFrame frame;
-  frame.facts = *facts;
-  if (auto decoded = decoder_.decode(*picture_, frame.codes); !decoded) {
+  for (;;) {
+    auto facts = TRY(advance());
+    if (!facts) return std::optional<RawFrame>();
+    RawFrame frame;
+    frame.facts = *facts;
+    const auto decoded = decoder_.decode(*picture_, frame.codes);
+    if (decoded) return std::optional<RawFrame>(std::move(frame));
+    if (damage_ == Damage::IsSkipped) {
+      leave_out(frames_ - 1, frames_, decoded.error().message);
+      continue;
+    }
     last_ = Advance(Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged at frame {}: {}", path_,
                                                           frames_ - 1, decoded.error().message)});
     return last_->error();
   }
-  return std::optional<RawFrame>(std::move(frame));
 }
-
-Result<std::optional<FrameFacts>> MatroskaReader::next_facts() { return advance(); }
 
 }  // namespace
 
-Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path) {
-  return MatroskaReader::open(storage, path);
+Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path,
+                                                        Damage damage) {
+  return MatroskaReader::open(storage, path, damage);
 }
 
 }  // namespace hdrcam

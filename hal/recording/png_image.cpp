@@ -135,6 +135,24 @@ void to_lines(const Image<std::uint16_t>& samples, int bits_per_sample, const st
   }
 }
 
+// What a file that is no PNG is, where its first bytes tell.
+Error no_png(const std::string& path, std::string_view file) {
+  using namespace std::string_view_literals;
+  constexpr std::pair<std::string_view, const char*> kOthers[] = {
+      {"\xff\xd8\xff"sv, "JPEG"},
+      {"II*\0"sv, "TIFF"},
+      {"MM\0*"sv, "TIFF"},
+      {"\x76\x2f\x31\x01"sv, "OpenEXR picture"},
+      {"BM"sv, "BMP"},
+      {"GIF8"sv, "GIF"},
+  };
+  for (const auto& [start, what] : kOthers)
+    if (file.starts_with(start))
+      return {ErrorCode::Unsupported,
+              fmt::format("'{}' is a {}; convert the frames to PNG of 8 or 16 bits", path, what)};
+  return {ErrorCode::Corrupt, fmt::format("'{}' is not a PNG", path)};
+}
+
 }  // namespace
 
 Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, int rows) {
@@ -142,7 +160,7 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
   if (png_sig_cmp(reinterpret_cast<png_const_bytep>(file.data()), 0, std::min<std::size_t>(file.size(), 8)) !=
           0 ||
       file.size() < 8)
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' is not a PNG", path)};
+    return no_png(path, file);
   Reading reading;
   reading.rest = std::as_bytes(std::span(file));
   reading.png =

@@ -1,6 +1,19 @@
 #include "hal/recording/recording.h"
 
+#include <fmt/ranges.h>
+
 namespace hdrcam {
+
+std::string LeftOut::sentence() const {
+  if (count == 0) return reason.empty() ? "" : fmt::format("damaged, but no frame is lost ({})", reason);
+  return fmt::format("{} damaged frame(s) left out: {}{} ({})", count, fmt::join(places, ", "),
+                     count > places.size() ? " .." : "", reason);
+}
+
+const LeftOut& RecordingReader::left_out() const {
+  static const LeftOut none;
+  return none;
+}
 
 Result<std::optional<FrameFacts>> RecordingReader::next_facts() {
   auto frame = TRY(next());

@@ -3,9 +3,11 @@
 // the storage outlives them.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
@@ -23,6 +25,21 @@ class RecordingWriter {
   virtual Result<void> finish() = 0;
 };
 
+// What a damaged frame means to whoever reads: the end with an error, or one frame less.
+enum class Damage { Ends, IsSkipped };
+
+// Frames of a damaged recording that could not be read.
+struct LeftOut {
+  static constexpr std::size_t kPlaces = 8;
+
+  std::uint64_t count = 0;
+  std::vector<std::uint64_t> places;  // the first of them: 0, 1, 2 .. in the file
+  std::string reason;                 // of the first; with a count of 0: why the file is damaged all the same
+
+  // "2 damaged frame(s) left out: 20, 21 (the checksum ..)"; empty for a sound file.
+  std::string sentence() const;
+};
+
 class RecordingReader {
  public:
   virtual ~RecordingReader() = default;
@@ -33,6 +50,8 @@ class RecordingReader {
   virtual Result<std::optional<RawFrame>> next() = 0;
   // Like next(), but the pixels are only checked, not decoded: for listing a recording.
   virtual Result<std::optional<FrameFacts>> next_facts();
+  // With Damage::IsSkipped, of the frames so far.
+  virtual const LeftOut& left_out() const;
 };
 
 constexpr int kMinSidePx = 2,
@@ -46,6 +65,7 @@ Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, cons
                                                           Creation how = Creation::New);
 // Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame),
 // Unsupported (a newer format).
-Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path);
+Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path,
+                                                        Damage damage = Damage::Ends);
 
 }  // namespace hdrcam

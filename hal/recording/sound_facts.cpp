@@ -9,6 +9,8 @@ constexpr double kLeastFocal_px = 1, kMostFocal_px = 1e6;
 constexpr double kMostPictures = 10;     // between the principal point and the picture, in widths or heights
 constexpr double kMostDistance_m = 1e7;  // from the world's origin
 constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotation from 0 or 1
+constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
+constexpr Duration kLatest{4'000'000'000'000'000'000};  // differences of two still fit 64 bits
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
 
@@ -49,7 +51,21 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
   return std::nullopt;
 }
 
+std::optional<std::string> objection_to(const CameraFacts& camera) {
+  if (!within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
+    return fmt::format("the frame rate is {:g}; {:g} to {:g} frames a second are possible",
+                       camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
+  if (camera.intrinsics) return objection_to(*camera.intrinsics, camera.width, camera.height);
+  return std::nullopt;
+}
+
 std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before) {
+  if (facts.black_level)
+    if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
+      return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);
+  if (facts.timestamp.since_boot > kLatest || facts.timestamp.since_boot < -kLatest)
+    return fmt::format("its time is {:g} s; a clock of seconds since its start is needed",
+                       facts.timestamp.seconds());
   if (facts.T_world_camera)
     if (auto objection = objection_to(*facts.T_world_camera)) return objection;
   if (before == nullptr) return std::nullopt;

@@ -40,8 +40,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-const std::vector<std::string> kVerbs{"replay", "live", "encode",   "compare",   "record", "import",
-                                      "export", "info", "simulate", "calibrate", "list"};
+const std::vector<std::string> kVerbs{"replay", "live", "encode", "compare",  "record",    "import",
+                                      "export", "info", "repair", "simulate", "calibrate", "list"};
 
 }  // namespace
 
@@ -117,6 +117,37 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"--verbos"}), Contains("'--verbos'") && Contains("hdrcam --help"));
   CHECK_THAT(refused({"replay", "walk.mkv", "--seed", "many"}), Contains("--seed") && Contains("many"));
   CHECK_THAT(refused({"info"}), Contains("hdrcam info --help"));
+}
+
+TEST_CASE("a number that cannot be is refused with the range that a person needs, NaN always") {
+  const auto refused = [](const std::vector<const char*>& args) {
+    const Run result = run(args);
+    CHECK(result.exit_code == kExitUsage);
+    return result.err;
+  };
+  CHECK_THAT(refused({"replay", "walk.mkv", "--frames", "0"}),
+             Contains("--frames") && Contains("1 to 1000000000") && Contains("'0'"));
+  CHECK_THAT(refused({"record", "--frames", "-3"}), Contains("1 to 1000000000"));
+  CHECK_THAT(refused({"record", "--timeout", "0"}), Contains("more than 0") && !Contains("e+308"));
+  for (const char* none : {"nan", "-nan", "inf"}) {
+    CHECK_THAT(refused({"record", "--timeout", none}), Contains("seconds"));
+    CHECK_THAT(refused({"replay", "walk.mkv", "-o", "%06d.exr", "--code-noise", none}),
+               Contains("--code-noise") && Contains("0..20"));
+    CHECK_THAT(refused({"live", "--framerate", none}), Contains("--framerate"));
+    CHECK_THAT(refused({"live", "--camera", "sim:still", "--shutter", none}), Contains(none));
+    CHECK_THAT(refused({"live", "--camera", "sim:still", "--gain", none}), Contains(none));
+    CHECK_THAT(refused({"replay", "walk.mkv", "-o", "%06d.exr", "--set",
+                        (std::string("state.blur_weight=") + none).c_str()}),
+               Contains("state.blur_weight"));
+    CHECK(run({"simulate", (std::string("walk?fps=") + none).c_str(), "-o", "x.mkv"}).exit_code ==
+          kExitUsage);
+  }
+}
+
+TEST_CASE("an error cannot move the cursor of a terminal") {
+  const Run missing = run({"info", "/no/\x1b[2Jsuch.mkv"});
+  CHECK(missing.err.find('\x1b') == std::string::npos);
+  CHECK_THAT(missing.err, Contains("/no/\\u001B[2Jsuch.mkv"));
 }
 
 TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {

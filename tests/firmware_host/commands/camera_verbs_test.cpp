@@ -278,8 +278,8 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
   check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
   check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
-  check_refused({"record", "--camera", sim, "-o", "/nonexistent/x.mkv"}, ErrorCode::Permission,
-                "/nonexistent");
+  check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
+                "/proc/nonexistent");
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
 }
 

@@ -23,6 +23,7 @@ Result<void> hdrcam_verb(const std::string& line, Storage& storage = posix_stora
   add_import(app, verb);
   add_export(app, verb);
   add_info(app, verb);
+  add_repair(app, verb);
   app.parse(line);
   const std::atomic<bool> stop = interrupted;
   Surroundings around{storage, stop};
@@ -129,8 +130,7 @@ TEST_CASE("a failed import leaves neither a new output nor a changed old one") {
   }
 }
 
-TEST_CASE(
-    "export gives the whole frames of a cut recording, refuses a damaged one and never mixes two clips") {
+TEST_CASE("export gives the whole frames of a cut or damaged recording and never mixes two clips") {
   const std::string folder = sample::scratch_folder("export");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
   const auto frames = sample::frames(camera, 5, 2);
@@ -147,8 +147,10 @@ TEST_CASE(
   }
   SECTION("damaged") {
     FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
-    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::Corrupt);
+    CHECK(sample::error_of(hdrcam_verb(line + " --strict", disk)).code == ErrorCode::Corrupt);
     CHECK(!std::filesystem::exists(folder + "/out/clip.json"));
+    REQUIRE(hdrcam_verb(line, disk).ok());
+    CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 4);
   }
   SECTION("twice") {
     REQUIRE(hdrcam_verb(line).ok());
@@ -156,6 +158,62 @@ TEST_CASE(
     CHECK(sample::error_of(again).code == ErrorCode::Invalid);
     CHECK(again.error().message.find(folder + "/out") != std::string::npos);
   }
+}
+
+TEST_CASE("repair writes the whole frames of a cut or damaged recording, each with its number") {
+  const std::string folder = sample::scratch_folder("repair");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 6, 2);
+  const std::string path = folder + "/x.mkv", repaired = folder + "/y.mkv";
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto bytes = std::filesystem::file_size(path);
+  const auto line = "repair " + path + " -o " + repaired;
+  SECTION("damaged") {
+    FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
+    CHECK(sample::error_of(hdrcam_verb("info " + path, disk)).code == ErrorCode::Corrupt);
+    REQUIRE(hdrcam_verb(line, disk).ok());
+    const auto whole = sample::replay(posix_storage(), repaired);
+    CHECK_FALSE(whole.error);
+    REQUIRE(whole.frames.size() == 5);
+    std::size_t place = 0;
+    for (const RawFrame& frame : whole.frames) {
+      const bool after_gap = frame.facts.sequence != frames[place].facts.sequence;
+      if (after_gap) ++place;
+      CHECK(frame.facts.sequence == frames[place].facts.sequence);
+      CHECK(sample::same(frame.codes, frames[place].codes));
+      if (after_gap) CHECK((frame.facts.flags & kFrameAfterDrop) != 0);
+      ++place;
+    }
+    CHECK(place == 6);
+  }
+  SECTION("cut") {
+    FaultyStorage disk(posix_storage(), {.cut_at_bytes = bytes * 3 / 5});
+    CHECK(sample::error_of(hdrcam_verb("info " + path, disk)).code == ErrorCode::Truncated);
+    REQUIRE(hdrcam_verb(line, disk).ok());
+    const auto whole = sample::replay(posix_storage(), repaired);
+    CHECK_FALSE(whole.error);
+    CHECK((whole.frames.size() > 1 && whole.is_start_of(frames)));
+  }
+  SECTION("onto itself") {
+    CHECK(sample::error_of(hdrcam_verb("repair --force " + path + " -o " + path)).code == ErrorCode::Invalid);
+    CHECK(sample::replay(posix_storage(), path).frames.size() == 6);
+  }
+  SECTION("without one whole frame") {
+    write_file(path, text_of(path).substr(0, 900));
+    CHECK_FALSE(hdrcam_verb(line).ok());
+    CHECK_FALSE(std::filesystem::exists(repaired));
+  }
+  CHECK(sample::unfinished_files_in(folder) == 0);
+}
+
+TEST_CASE("names in a recording cannot move the cursor of a terminal") {
+  const std::string path = sample::scratch_folder("escape") + "/x.mkv";
+  CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  camera.name = "\x1b[2Jgone\a";
+  REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 3, 2)).ok());
+  const std::string table = as_table(summarize(posix_storage(), path).value(), path);
+  CHECK(table.find('\x1b') == std::string::npos);
+  CHECK(table.find("\\u001B[2Jgone\\u0007") != std::string::npos);
 }
 
 TEST_CASE("info counts what is there and what is missing") {

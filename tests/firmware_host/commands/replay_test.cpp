@@ -1,12 +1,15 @@
 // The main job from outside: the program, a recording, and what it leaves on the disk.
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
+#include "firmware_host/exit_code.h"
 #include "firmware_host/program.h"
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/recording.h"
@@ -64,6 +67,77 @@ std::string bytes_of(const std::string& path) {
 }
 
 }  // namespace
+
+TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the ledger adds up") {
+  const std::string folder = sample::scratch_folder("replay_damaged");
+  const std::string path = write_clip(folder, 9);
+  FaultyStorage disk(posix_storage(), {.flipped_bits = {fs::file_size(path) * 8 * 7 / 10}});
+  const std::vector<std::string> words{"replay",
+                                       path,
+                                       "--preset",
+                                       "fast",
+                                       "--emit",
+                                       "state",
+                                       "--force",
+                                       "-o",
+                                       folder + "/out/%06d.exr",
+                                       "--stats",
+                                       folder + "/stats.json"};
+  const Outcome went_on = run(words, disk);
+  INFO(went_on.err);
+  REQUIRE(went_on.code == 0);
+  CHECK(files_in(folder + "/out", ".exr").size() == 8);
+  const auto stats = nlohmann::json::parse(read_whole(posix_storage(), folder + "/stats.json").value());
+  CHECK(stats["captured"] == 9);
+  CHECK(stats["emitted"] == 8);
+  CHECK(stats["dropped"] == 1);
+  CHECK(stats["counters"]["dropped.damaged"] == 1);
+  CHECK(stats["notes"].dump().find("1 damaged frame(s) left out: ") != std::string::npos);
+
+  std::vector<std::string> strict = words;
+  strict.push_back("--strict");
+  CHECK(run(strict, disk).code == exit_code_of(ErrorCode::Corrupt));
+}
+
+TEST_CASE("the command in the report is the whole command, as a shell takes it") {
+  const std::string folder = sample::scratch_folder("replay it's");
+  const std::string path = write_clip(folder, 7), stats = folder + "/stats.json";
+  REQUIRE(run({"replay", path, "--preset", "fast", "--emit", "state", "--frames", "7", "--strict", "--stats",
+               stats})
+              .code == 0);
+  const auto json = nlohmann::json::parse(read_whole(posix_storage(), stats).value());
+  const std::string command = json["command"];
+  INFO(command);
+  CHECK(command.find("/replay it'\\''s/clip.mkv'") != std::string::npos);
+  for (const char* word : {"--preset=fast", "--emit=state", "--frames 7", "--strict", "--stats='"})
+    CHECK(command.find(word) != std::string::npos);
+}
+
+TEST_CASE("a run that needs more memory than it may take is refused in one sentence before it starts") {
+  const std::string folder = sample::scratch_folder("replay_memory");
+  const std::string path = folder + "/claim.mkv";
+  // 16384x240 pixels in a small file
+  const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 16384, 240);
+  auto frames = sample::frames(camera, 7, 1);
+  for (RawFrame& frame : frames) std::ranges::fill(frame.codes.samples(), std::uint16_t{7});
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto begin = std::chrono::steady_clock::now();
+  const Outcome refused = run({"replay", path, "--memory", "2048", "-o", folder + "/%06d.exr"});
+  CHECK(refused.code == exit_code_of(ErrorCode::Unsupported));
+  for (const char* words :
+       {"the fit of pictures of 16384x240 needs about", "2048 MiB are allowed", "--memory"})
+    CHECK(refused.err.find(words) != std::string::npos);
+  CHECK(files_in(folder, ".exr").empty());
+  CHECK(run({"export", path, "--memory", "64", "-o", folder + "/clip"})
+            .err.find("a copy of frames of 16384x240") != std::string::npos);
+  const Outcome scene = run({"simulate", "walk?size=4096x4096", "--memory", "1024", "-o", folder + "/x.mkv"});
+  CHECK(scene.err.find("a scene of 4096x4096 needs about") != std::string::npos);
+  const Outcome stream = run({"live", "--camera", "sim:still", "--width", "20000", "--height", "20000",
+                              "--memory", "4096", "-o", folder + "/%06d.exr"});
+  CHECK(stream.code == exit_code_of(ErrorCode::Unsupported));
+  CHECK(stream.err.find("a stream of 20000x20000 with its fit needs about") != std::string::npos);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
+}
 
 TEST_CASE(
     "the demo recording becomes HDR frames brighter than any LDR level, a preview, statistics and a report") {

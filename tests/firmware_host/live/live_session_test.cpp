@@ -1,5 +1,7 @@
 #include "firmware_host/live/live_session.h"
 
+#include "firmware_host/live/live_report.h"
+
 #include <unistd.h>
 
 #include <filesystem>
@@ -158,6 +160,25 @@ TEST_CASE("a full disk ends the run with that error, and what was recorded befor
   require_error(session.finish(), ErrorCode::NoSpace);
   CHECK(stand.recorded().size() >= session.counters().recorded);
   CHECK(session.counters().recorded > 1);
+}
+
+TEST_CASE("the ledger of a recording adds up when the disk fills: what was not written counts as dropped") {
+  Stand stand("still?size=64x48&fps=200");
+  FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
+  LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
+  require_done(session.start());
+  CHECK_FALSE(session.next(kNeverStops, {}));
+  require_error(session.finish(), ErrorCode::NoSpace);
+  const LiveCounters counters = session.counters();
+  CHECK(counters.recorded > 1);
+  CHECK(counters.unwritten > 0);
+  CHECK(counters.to_record == 0);
+  CHECK(counters.captured() == counters.recorded + counters.not_recorded());
+  const std::string said = sentence_of(counters, false);
+  INFO(said);
+  CHECK(said.find(fmt::format("captured {} = recorded {} + dropped {}", counters.captured(),
+                              counters.recorded, counters.captured() - counters.recorded)) == 0);
+  CHECK(said.find("not written, the recording failed") != std::string::npos);
 }
 
 TEST_CASE("frames whose exposure is not proved are recorded, but kept out of the fit") {

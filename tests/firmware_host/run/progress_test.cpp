@@ -1,5 +1,8 @@
 #include "firmware_host/run/progress.h"
 
+#include <pty.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <memory>
 #include <string>
@@ -36,6 +39,23 @@ TEST_CASE("the line says how far, how fast, how well and how long still") {
   CHECK(progress_line({12, std::nullopt, 61.2, std::nullopt}) == "frame 12  61 ms/frame");
   CHECK(progress_line({0, 6000, 50, std::nullopt}) == "frame 0/6000  50 ms/frame  ETA 05:00");
   CHECK(progress_line({7, 5, 50, std::nullopt}) == "frame 7/5  50 ms/frame  ETA 00:00");
+}
+
+TEST_CASE("on a terminal the line is no wider than the terminal, and one line stays one line") {
+  int master = -1, slave = -1;
+  winsize size{24, 20, 0, 0};
+  REQUIRE(openpty(&master, &slave, nullptr, nullptr, &size) == 0);
+  {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> terminal(fdopen(slave, "w"), &std::fclose);
+    StatusLine line(terminal.get());
+    line.show("frame 12/48  61 ms/frame  loss 0.021  ETA 00:03");
+    line.show("short");
+  }
+  char shown[256] = {};
+  const ssize_t bytes = read(master, shown, sizeof shown - 1);
+  close(master);
+  REQUIRE(bytes > 0);
+  CHECK(std::string(shown) == "\rframe 12/48  61 ms/\rshort              \r\n");
 }
 
 TEST_CASE("away from a terminal there is one plain line a second and one for the last frame") {

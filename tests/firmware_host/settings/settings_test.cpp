@@ -26,7 +26,7 @@ namespace {
 
 const std::vector<SettingGroup> kAllGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                            SettingGroup::Fit,    SettingGroup::Knobs,    SettingGroup::Output,
-                                           SettingGroup::Record};
+                                           SettingGroup::Record, SettingGroup::Machine};
 
 std::string file_with(const std::string& text) {
   static const std::string folder = sample::scratch_folder("settings");
@@ -218,7 +218,7 @@ TEST_CASE("an unknown key names the file, the line and the setting that was mean
              Contains("'camera.perpendicular'; --print-config lists all settings"));
   CHECK(sentence(from_toml("\n[camra]\nwidth = 640\n")) ==
         "live.toml:2: there is no table [camra] (did you mean 'camera'?); "
-        "there are camera, schedule, sync, fit, knobs, output, video, record");
+        "there are camera, schedule, sync, fit, knobs, output, video, record, machine");
   CHECK(sentence(from_toml("camera = 3")) ==
         "live.toml:1: 'camera' is a table; write [camera] above its settings");
   CHECK_THAT(sentence(from_toml("[[camera]]\nwidth = 640\n")), Contains("'camera' is a table"));

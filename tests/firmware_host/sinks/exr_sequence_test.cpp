@@ -1,5 +1,6 @@
 #include "firmware_host/sinks/exr_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -47,7 +48,7 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
 
   const ExrAttributes& facts = image.attributes;
   CHECK(*facts.exposure_s == Approx(0.004));
-  CHECK(*facts.iso_speed == Approx(200));
+  CHECK(facts.texts.at("hdrcam.gain") == "2");
   CHECK(*facts.framerate_hz == Approx(25));
   CHECK(*facts.chromaticities == Chromaticities{});
   CHECK(*facts.time_code == TimeCode{0, 0, 0, 0});
@@ -76,6 +77,11 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
     CHECK(value_in(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
     CHECK(value_in(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
     CHECK(value_in(read.value(), "provenance", 0, 31) == 4);
+    const auto& units = read.value().attributes.texts;
+    for (const char* layer : {"RGB", "Z", "backward", "field", "sigma", "confidence", "provenance"})
+      CHECK(units.contains(std::string("hdrcam.unit.") + layer));
+    CHECK_THAT(units.at("hdrcam.unit.Z"), Contains("near plane"));
+    CHECK_THAT(units.at("hdrcam.unit.provenance"), Contains("0 own sample") && Contains("4 clipped bound"));
   }
 }
 
@@ -106,10 +112,41 @@ TEST_CASE("a full disk ends the sequence with an error and leaves only whole fil
   CHECK(written > 0);
   std::uint64_t whole = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.path().extension() != ".exr") continue;
     CHECK(read_exr(posix_storage(), entry.path().string()).ok());
     ++whole;
   }
   CHECK(whole == written);
+}
+
+TEST_CASE("frames.csv lists number, time, exposure and verdict of every frame that left, gaps and all") {
+  const std::string folder = scratch_folder("exr-ledger");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {});
+  REQUIRE(sink.ok());
+  for (const std::uint64_t sequence : {41U, 44U}) {
+    HdrFrame frame = example_frame(sequence);
+    frame.facts.timestamp = Instant::from_seconds(static_cast<double>(sequence));
+    frame.facts.verdict = Verdict::Proved;
+    REQUIRE(emit(*sink.value(), frame).ok());
+  }
+  // not only at the end: a run may be killed
+  const std::string text = read_whole(posix_storage(), folder + "/frames.csv").value();
+  CHECK_THAT(text, Catch::StartsWith("number,time_s,exposure_s,"));
+  CHECK_THAT(text, Contains("\n41,41.000000000,0.004,") && Contains("\n44,44.000000000,0.004,") &&
+                       Contains(",proved,0044.exr\n"));
+  CHECK(std::count(text.begin(), text.end(), '\n') == 3);
+}
+
+TEST_CASE("a clock that was set back costs the time code, not the run") {
+  const std::string folder = scratch_folder("exr-backwards");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {.framerate_hz = 25.0});
+  HdrFrame frame = example_frame(1);
+  frame.facts.timestamp = Instant::from_seconds(10);
+  REQUIRE(emit(*sink.value(), frame).ok());
+  frame = example_frame(2);
+  frame.facts.timestamp = Instant::from_seconds(9);
+  REQUIRE(emit(*sink.value(), frame).ok());
+  CHECK_FALSE(read_exr(posix_storage(), folder + "/0002.exr").value().attributes.time_code);
 }
 
 TEST_CASE("a folder that cannot be made is an error before the first frame") {

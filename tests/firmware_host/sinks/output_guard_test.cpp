@@ -47,6 +47,28 @@ TEST_CASE("no output may be the recording that is read, under any name, even wit
       }
 }
 
+TEST_CASE("the folder of every output is made, and one that takes no file is found before any work") {
+  const Desk desk("guard_room");
+  const auto room = [&](std::vector<NamedOutput> outputs) {
+    for (NamedOutput& output : outputs)
+      if (!output.path.starts_with('/')) output.path = desk.folder + "/" + output.path;
+    return make_room_for(posix_storage(), outputs);
+  };
+  require_done(room({{"--output", "a/%06d.exr", OutputKind::Frames},
+                     {"--record", "b/c/take.mkv", OutputKind::Recording},
+                     {"--report", "d/report.html"},
+                     {"--stats", "/dev/null"}}));
+  for (const char* folder : {"/a", "/b/c", "/d"}) {
+    CHECK(fs::is_directory(desk.folder + folder));
+    CHECK(fs::is_empty(desk.folder + folder));  // what tried them is gone
+  }
+  const Result<void> no_file = room({{"--report", "/proc/self/report.html"}});
+  REQUIRE_FALSE(no_file.ok());
+  CHECK(no_file.error().message.find("--report '/proc/self/report.html' cannot be written") == 0);
+  CHECK_FALSE(room({{"--report", "walk.mkv/report.html"}}).ok());  // below a file
+  CHECK_FALSE(room({{"--report", "a"}}).ok());                     // a folder
+}
+
 TEST_CASE("two outputs may not be one file, also before it exists") {
   const Desk desk("guard_outputs");
   require_error(desk.check({{"--stats", "out.json"}, {"--report", "./out.json"}}), ErrorCode::Invalid);

@@ -182,6 +182,109 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
   }
 }
 
+// Which frames of `whole` were read, by their places; a frame that is none of them fails the test.
+std::vector<std::size_t> places_of(const std::vector<RawFrame>& read, const std::vector<RawFrame>& whole) {
+  std::vector<std::size_t> places;
+  for (const RawFrame& frame : read) {
+    std::size_t place = 0;
+    while (place < whole.size() && !sample::same(frame, whole[place])) ++place;
+    REQUIRE(place < whole.size());
+    places.push_back(place);
+  }
+  return places;
+}
+
+TEST_CASE("behind a flipped bit all other frames are read, and the damaged one is named by its number") {
+  const Sample made = small_recording("salvage", PixelLayout::Mono);
+  std::uint64_t first_cluster = 0, behind_frames = 0;
+  {
+    const std::string bytes = read_whole(posix_storage(), made.path).value();
+    first_cluster = bytes.find("\x1f\x43\xb6\x75") + 4;  // its identifier ends the header
+    behind_frames = bytes.find("{\"end\"");
+  }
+  int salvaged = 0;
+  for (std::uint64_t bit = first_cluster * 8; bit < behind_frames * 8; ++bit) {
+    FaultyStorage disk(posix_storage(), {.flipped_bits = {bit}});
+    auto reader = open_recording(disk, made.path, Damage::IsSkipped);
+    INFO("bit " << bit << " of byte " << bit / 8 << ", the first frame at byte " << first_cluster);
+    REQUIRE(reader.ok());
+    std::vector<RawFrame> read;
+    for (;;) {
+      auto frame = reader.value()->next();
+      if (!frame) INFO(sample::error_of(frame).message);
+      REQUIRE(frame.ok());
+      if (!frame.value()) break;
+      read.push_back(std::move(**frame));
+    }
+    const auto places = places_of(read, made.frames);
+    REQUIRE(std::is_sorted(places.begin(), places.end()));
+    REQUIRE(places.size() + 1 >= made.frames.size());
+    const LeftOut& left_out = reader.value()->left_out();
+    REQUIRE(left_out.count == made.frames.size() - places.size());
+    if (left_out.count == 0) continue;
+    ++salvaged;
+    REQUIRE(left_out.places.size() == 1);
+    REQUIRE(std::find(places.begin(), places.end(), left_out.places[0]) == places.end());
+    REQUIRE(left_out.sentence().find(fmt::format("left out: {}", left_out.places[0])) != std::string::npos);
+  }
+  CHECK(salvaged > 1000);
+}
+
+TEST_CASE("a hole in a recording costs the frames that were in it") {
+  const Sample made = small_recording("hole");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  std::vector<std::size_t> clusters;
+  for (std::size_t at = 0; (at = bytes.find("\x1f\x43\xb6\x75", at)) != std::string::npos; ++at)
+    clusters.push_back(at);
+  REQUIRE(clusters.size() >= 5);
+  std::string holed = bytes;
+  const std::size_t begin = clusters[1] + 40, end = clusters[2] + 60;
+  SECTION("of zeros") { std::fill_n(holed.begin() + static_cast<long>(begin), end - begin, '\0'); }
+  SECTION("that closed") { holed.erase(begin, end - begin); }
+  write_file(made.path, holed);
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  std::vector<RawFrame> read;
+  for (;;) {
+    auto frame = reader.value()->next();
+    REQUIRE(frame.ok());
+    if (!frame.value()) break;
+    read.push_back(std::move(**frame));
+  }
+  CHECK(places_of(read, made.frames) == std::vector<std::size_t>{0, 3});
+  CHECK(reader.value()->left_out().count == 2);
+  CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
+}
+
+TEST_CASE("a frame whose number or time runs backwards is damage, proved checksum or not") {
+  Sample made = small_recording("backwards");
+  made.frames[2].facts.timestamp = made.frames[1].facts.timestamp + Duration(-1);
+  REQUIRE(sample::record(posix_storage(), made.path, made.camera, made.frames).ok());
+  const auto strict = sample::replay(posix_storage(), made.path);
+  CHECK(strict.ended_with(ErrorCode::Corrupt));
+  CHECK(strict.frames.size() == 2);
+  CHECK(strict.error->message.find("frame 2: its time") != std::string::npos);
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  int read = 0;
+  for (;; ++read) {
+    auto frame = reader.value()->next();
+    REQUIRE(frame.ok());
+    if (!frame.value()) break;
+  }
+  CHECK(read == 3);
+  CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{2});
+}
+
+TEST_CASE("a lens that cannot be is refused when the recording is opened") {
+  Sample made = small_recording("lens");
+  made.camera.intrinsics = Intrinsics{1e40, 300, 3, 2};
+  REQUIRE(sample::record(posix_storage(), made.path, made.camera, made.frames).ok());
+  const auto replayed = sample::replay(posix_storage(), made.path);
+  CHECK(replayed.ended_with(ErrorCode::Corrupt));
+  CHECK(replayed.error->message.find("'fx' is 1e+40") != std::string::npos);
+}
+
 TEST_CASE("a disk that refuses to sync or to read is reported") {
   const Sample made = small_recording("sync");
   {

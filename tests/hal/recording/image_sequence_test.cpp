@@ -1,5 +1,8 @@
 #include "hal/recording/image_sequence.h"
 
+#include <sys/stat.h>
+
+#include <filesystem>
 #include <fstream>
 
 #include "hal/fault/faulty_storage.h"
@@ -108,6 +111,65 @@ TEST_CASE("an exposure that is missing or cannot be is refused by its frame, fil
   refused(R"(,"exposure_s":"long")", "'exposure_s' is \"long\"");
   refused(R"(,"exposure_s":0.01,"gain":0)", "'gain' is 0");
   refused(R"(,"exposure_s":0.01,"gain":-1.5)", "'gain' is -1.5");
+}
+
+TEST_CASE("facts that cannot be a camera's are refused by their frame, file and value") {
+  const ClipFolder folder;
+  const auto refused = [&](const std::string& facts, std::initializer_list<const char*> words) {
+    const Error error = folder.error_of_frame_1(R"("file":"1.png","exposure_s":0.001)" + facts);
+    CHECK(error.code == ErrorCode::Invalid);
+    CHECK(says(error, words));
+  };
+  refused(R"(,"time_s":-0.1)", {"frame 1", "'1.png'", "time", "-0.1"});
+  refused(R"(,"time_s":0)", {"frame 1", "time"});
+  refused(R"(,"time_s":0.1,"sequence":0)", {"frame 1", "number 0"});
+  refused(R"(,"time_s":0.1,"black_level":255)", {"frame 1", "black level"});
+  refused(R"(,"time_s":0.1,"black_level":-3)", {"frame 1", "black level"});
+  refused(R"(,"time_s":0.1,"timestamp_ns":9223372036854775807)", {"frame 1", "time"});
+  refused(R"(,"time_s":0.1,"c2w":[1,0,0,1e300,0,1,0,0,0,0,1,0])", {"frame 1", "1e+300"});
+  refused(R"(,"time_s":0.1,"c2w":[0,0,0,0,0,0,0,0,0,0,0,0])", {"frame 1", "rotation"});
+  for (const char* lens : {R"("fx":1e40,"fy":5.5,"cx":3,"cy":2)", R"("fx":0,"fy":5.5,"cx":3,"cy":2)",
+                           R"("fx":-5,"fy":5.5,"cx":3,"cy":2)", R"("fx":5,"fy":5,"cx":1e9,"cy":2)"}) {
+    folder.write(
+        R"("width":6,"height":4,"fps":30,"bits":8,)" + std::string(lens),
+        {R"("file":"0.png","time_s":0,"exposure_s":1)", R"("file":"1.png","time_s":1,"exposure_s":1)"});
+    CHECK(folder.error().code == ErrorCode::Invalid);
+  }
+}
+
+TEST_CASE("a clip.json names images of its own folder, no device and no name that is none") {
+  const ClipFolder folder;
+  const std::string good = R"(,"time_s":0.1,"exposure_s":0.001)";
+  const std::string outside = sample::scratch_folder("outside") + "/secret.png";
+  write_picture(outside, 3, 4, 6, 8);
+  SECTION("a NUL") {
+    CHECK(says(folder.error_of_frame_1(R"("file":"1.png\u0000.txt")" + good), {"frame 1", "NUL"}));
+  }
+  SECTION("a FIFO, which nobody would ever write to") {
+    REQUIRE(mkfifo((folder.path + "/fifo.png").c_str(), 0600) == 0);
+    CHECK(says(folder.error_of_frame_1(R"("file":"fifo.png")" + good), {"frame 1", "fifo.png", "FIFO"}));
+  }
+  SECTION("a way out, by its name or by a symbolic link") {
+    std::filesystem::create_symlink(outside, folder.path + "/link.png");
+    for (const std::string& file : {std::string("../outside/secret.png"), outside, std::string("link.png")}) {
+      const Error error = folder.error_of_frame_1(R"("file":")" + file + '"' + good);
+      CHECK(error.code == ErrorCode::Permission);
+      CHECK(says(error, {"frame 1", "outside", "--allow-outside"}));
+      const auto allowed = ImageSequence::open(posix_storage(), folder.path, ClipReach::Anywhere);
+      REQUIRE(allowed.ok());
+      CHECK(allowed.value().read(1).ok());
+    }
+  }
+}
+
+TEST_CASE("what is no PNG is called by its name") {
+  const ClipFolder folder;
+  for (const auto& [bytes, what] : {std::pair{"\xff\xd8\xff\xe0 and so on", "JPEG"}, {"II*", "TIFF"}}) {
+    write_file(folder.path + "/x.png", std::string(bytes) + std::string(8, '\0'));
+    const Error error = folder.error_of_frame_1(R"("file":"x.png","time_s":0.1,"exposure_s":0.001)");
+    CHECK(error.code == ErrorCode::Unsupported);
+    CHECK(says(error, {"frame 1", "x.png", what, "PNG"}));
+  }
 }
 
 TEST_CASE("a clip of fewer than two frames is too short") {

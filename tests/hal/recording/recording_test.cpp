@@ -47,7 +47,7 @@ TEST_CASE("a recording gives back the camera facts and knows how many frames it 
   const std::string path = sample::scratch_folder("camera") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::BayerGrbg, 10, 37, 23);
   camera.linear = true;
-  camera.intrinsics = Intrinsics{0.1 + 0.2, 1.0 / 3.0, 18.5, 1e-300};
+  camera.intrinsics = Intrinsics{100.1 + 0.2, 100 + 1.0 / 3.0, 18.5, 1e-300};
   camera.response.assign(3, std::vector<double>(256));
   for (std::size_t c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 256; ++i) camera.response[c][i] = static_cast<double>(i * (c + 1)) / 765.1;
@@ -63,8 +63,8 @@ TEST_CASE("a recording gives back the camera facts and knows how many frames it 
   CHECK(read.linear);
   CHECK(sample::same_bits(read.framerate_hz, camera.framerate_hz));
   REQUIRE(read.intrinsics);
-  CHECK(sample::same_bits(read.intrinsics->fx_px, 0.1 + 0.2));
-  CHECK(sample::same_bits(read.intrinsics->fy_px, 1.0 / 3.0));
+  CHECK(sample::same_bits(read.intrinsics->fx_px, camera.intrinsics->fx_px));
+  CHECK(sample::same_bits(read.intrinsics->fy_px, camera.intrinsics->fy_px));
   CHECK(sample::same_bits(read.intrinsics->cx_px, 18.5));
   CHECK(sample::same_bits(read.intrinsics->cy_px, 1e-300));
   CHECK(read.response == camera.response);
@@ -94,12 +94,11 @@ TEST_CASE("facts that are odd come back as they were") {
   auto frames = sample::frames(camera, 5, 5);
   frames[0].facts.exposure_s = -0.0;
   frames[1].facts.exposure_s = 5e-324;
-  frames[1].facts.timestamp.since_boot =
-      frames[0].facts.timestamp.since_boot - std::chrono::hours(1);  // runs backwards
-  frames[2].facts.sequence = ~std::uint64_t{0};
+  frames[1].facts.timestamp.since_boot = frames[0].facts.timestamp.since_boot + Duration(1);
   frames[2].facts.slot = -1;
-  frames[3].facts.timestamp.since_boot = frames[2].facts.timestamp.since_boot;
+  frames[3].facts.timestamp.since_boot = frames[2].facts.timestamp.since_boot + Duration(1);
   frames[3].facts.flags = ~0u;
+  frames[4].facts.sequence = ~std::uint64_t{0};
   frames[4].facts.timestamp.since_boot += std::chrono::hours(24 * 40);  // a gap of weeks
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
   const auto replayed = sample::replay(posix_storage(), path);

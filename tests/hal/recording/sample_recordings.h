@@ -73,8 +73,10 @@ inline FrameFacts facts(int index, std::mt19937& random) {
   if (index % 4 == 0) facts.exposure_within_ev = unit(random);
   facts.exposure_source = static_cast<ExposureSource>(index % 6);
   facts.flags = static_cast<std::uint32_t>(index % 8);
-  if (index % 2 == 1)
-    for (double& value : facts.T_world_camera.emplace()) value = unit(random) - 0.5;
+  if (index % 2 == 1) {
+    const double angle = unit(random), c = std::cos(angle), s = std::sin(angle);
+    facts.T_world_camera = {c, 0, s, unit(random) - 0.5, 0, 1, 0, unit(random), -s, 0, c, unit(random)};
+  }
   return facts;
 }
 

@@ -52,5 +52,41 @@ TEST_CASE("frames come in the order of their numbers and of their times") {
   CHECK(objection_to(same_number, &one)->find("4") != std::string::npos);
 }
 
+TEST_CASE("a time is one of a clock, so that the difference of two fits 64 bits") {
+  FrameFacts facts;
+  for (const Duration far : {Duration::max(), Duration::min(), Duration(4'000'000'000'000'000'001)}) {
+    facts.timestamp.since_boot = far;
+    CHECK(objection_to(facts, nullptr));
+  }
+  facts.timestamp = Instant::from_seconds(1.76e9);  // today, since 1970
+  CHECK_FALSE(objection_to(facts, nullptr));
+}
+
+TEST_CASE("a black level is below the largest code, and a number") {
+  FrameFacts facts;
+  for (const double black : {kNan, HUGE_VAL, -0.5, 255., 4000.}) {
+    facts.black_level = BlackLevel(black);
+    INFO(black);
+    CHECK(objection_to(facts, nullptr)->find("black level") != std::string::npos);
+  }
+  for (const double black : {0., 16., 254.}) {
+    facts.black_level = BlackLevel(black);
+    CHECK_FALSE(objection_to(facts, nullptr));
+  }
+}
+
+TEST_CASE("a frame rate is one that a camera can have") {
+  CameraFacts camera;
+  camera.width = 320, camera.height = 240;
+  for (const double rate_hz : {0., -30., 1e-300, 1e300, kNan, HUGE_VAL}) {
+    camera.framerate_hz = rate_hz;
+    CHECK(objection_to(camera)->find("frame rate") != std::string::npos);
+  }
+  camera.framerate_hz = 1000;
+  CHECK_FALSE(objection_to(camera));
+  camera.intrinsics = Intrinsics{1e40, 300, 160, 120};
+  CHECK(objection_to(camera)->find("fx") != std::string::npos);
+}
+
 }  // namespace
 }  // namespace hdrcam

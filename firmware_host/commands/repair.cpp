@@ -1,0 +1,80 @@
+// hdrcam repair in.mkv -o out.mkv: the whole frames of a recording that was cut or damaged, as a recording
+// that is complete.
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
+#include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/terminal.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+namespace {
+
+struct RepairOptions {
+  std::string recording, output;
+  KeptWork kept;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+struct Saved {
+  int frames = 0;
+  std::string cut;  // why nothing comes after them; empty at a proper end
+};
+
+// A frame keeps its number, so that what is missing before it stays visible, and says so.
+Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, const std::string& path) {
+  auto writer = TRY(create_recording(around.storage, path, from.camera(), Creation::New));
+  Saved saved;
+  std::uint64_t left_out = 0;
+  for (;; ++saved.frames) {
+    if (around.stop)
+      return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", saved.frames)};
+    auto frame = from.next();
+    if (!frame && frame.error().code != ErrorCode::Truncated) return frame.error();
+    if (!frame) saved.cut = frame.error().message;
+    if (!frame || !frame.value()) break;
+    if (from.left_out().count > left_out) (*frame)->facts.flags |= kFrameAfterDrop;
+    left_out = from.left_out().count;
+    TRY(writer->append(**frame));
+  }
+  TRY(writer->finish());
+  return saved;
+}
+
+Result<void> repair(Surroundings& around, const RepairOptions& options) {
+  const Settings settings = TRY(options.settings->read(around.storage));
+  if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+  TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
+                         {{"--output", options.output, OutputKind::Recording}}));
+  const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));
+  TRY(admit_copy(settings, reader->camera()));
+  FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
+  const Saved saved = TRY(copy_whole_frames(around, *reader, making.path()));
+  if (saved.frames == 0)
+    return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
+  TRY(making.commit());
+  if (!saved.cut.empty()) remark("warning: {}\n", saved.cut);
+  if (const std::string damage = reader->left_out().sentence(); !damage.empty())
+    remark("warning: {}\n", damage);
+  say("{}: {} frames\n", options.output, saved.frames);
+  return {};
+}
+
+}  // namespace
+
+void add_repair(CLI::App& app, Verb& chosen) {
+  auto options = std::make_shared<RepairOptions>();
+  CLI::App* verb =
+      app.add_subcommand("repair", "write the whole frames of a cut or damaged recording as a complete one");
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
+  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
+  options->kept.add_to(*verb);
+  options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
+  verb->callback(
+      [options, &chosen] { chosen = [options](Surroundings& around) { return repair(around, *options); }; });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,61 @@
+#include "firmware_host/run/memory_need.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "capture/recorded_labels.h"
+#include "firmware_host/sinks/async_sink.h"
+
+namespace hdrcam {
+namespace {
+
+// Bytes for each pixel of the stream.
+constexpr std::uint64_t kFit = 1900;        // presets balanced and best; fast takes 1650
+constexpr std::uint64_t kQueuedFrame = 50;  // of a sink's copy of an HDR frame with its layers
+constexpr std::uint64_t kSimulator = 200;
+constexpr std::uint64_t kCodec = 24;  // packets and pictures of FFV1
+
+std::uint64_t pixels(int width, int height) {
+  return static_cast<std::uint64_t>(std::max(0, width)) * static_cast<std::uint64_t>(std::max(0, height));
+}
+
+}  // namespace
+
+std::uint64_t recording_bytes(const CameraFacts& camera) {
+  const std::uint64_t frame = sizeof(std::uint16_t) * static_cast<std::uint64_t>(channels(camera.layout));
+  return kProgramBytes + pixels(camera.width, camera.height) *
+                             (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
+}
+
+std::uint64_t fit_bytes(int width, int height, const Settings& settings) {
+  std::uint64_t per_pixel = kFit;
+  for (const auto& [sink, path] : settings.output.paths)
+    if (!path.empty()) per_pixel += kQueuedFrame * (AsyncSink::kDepth + 1);
+  return kProgramBytes + per_pixel * pixels(width, height);
+}
+
+std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {
+  constexpr std::uint64_t kBytes = 3 * sizeof(std::uint16_t);  // of a pixel, at most
+  const std::uint64_t frame = kBytes * pixels(width, height);
+  const std::uint64_t waiting = std::max(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
+                                         frame * static_cast<std::uint64_t>(fewest_waiting));
+  return kProgramBytes + waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
+         kCodec * pixels(width, height);
+}
+
+std::uint64_t simulator_bytes(int width, int height) {
+  return kProgramBytes + kSimulator * pixels(width, height);
+}
+
+Result<void> admit_copy(const Settings& settings, const CameraFacts& camera) {
+  return memory_limit(settings).admit(fmt::format("a copy of frames of {}x{}", camera.width, camera.height),
+                                      2 * recording_bytes(camera));
+}
+
+MemoryLimit memory_limit(const Settings& settings) {
+  const int mib = settings.machine.memory_mib;
+  return mib > 0 ? MemoryLimit(static_cast<std::uint64_t>(mib) << 20) : MemoryLimit::share_of_machine();
+}
+
+}  // namespace hdrcam

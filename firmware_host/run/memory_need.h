@@ -1,0 +1,31 @@
+// What the parts of a run need of memory, from the size of the pictures, for MemoryLimit: measured on
+// simulated clips of 320x240 to 1280x960 and rounded up. Reentrant.
+#pragma once
+
+#include <cstdint>
+
+#include "firmware_host/settings/settings.h"
+#include "hal/core/frame.h"
+#include "hal/core/memory_limit.h"
+
+namespace hdrcam {
+
+// The program itself, its threads and libraries.
+constexpr std::uint64_t kProgramBytes = 100ULL << 20;
+
+// Reading or writing a recording or a clip: some frames that wait, the codec's own.
+std::uint64_t recording_bytes(const CameraFacts& camera);
+// The method and the sinks behind it.
+std::uint64_t fit_bytes(int width, int height, const Settings& settings);
+// A camera's buffers, and the frames that wait for the disk, at least so many.
+std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting);
+// The simulated sensor with its scene.
+std::uint64_t simulator_bytes(int width, int height);
+
+// Whether frames of this camera may be read and written one by one.
+Result<void> admit_copy(const Settings& settings, const CameraFacts& camera);
+
+// As the settings say, or a share of the machine.
+MemoryLimit memory_limit(const Settings& settings);
+
+}  // namespace hdrcam

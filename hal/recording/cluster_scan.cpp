@@ -1,0 +1,110 @@
+#include "hal/recording/cluster_scan.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+
+#include "hal/recording/matroska.h"
+
+namespace hdrcam {
+namespace {
+
+// Matroska's identifiers, with their length markers.
+constexpr std::array kCluster{std::byte{0x1f}, std::byte{0x43}, std::byte{0xb6}, std::byte{0x75}};
+constexpr std::uint64_t kClusterHead[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7};  // before the blocks
+constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
+constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
+
+std::uint64_t number(std::span<const std::byte> bytes) {
+  std::uint64_t value = 0;
+  for (const std::byte byte : bytes) value = value << 8 | std::to_integer<std::uint64_t>(byte);
+  return value;
+}
+
+}  // namespace
+
+// An identifier and a size, both with a length in leading zeros; nullopt for what cannot be one that ends by
+// `end`.
+Result<std::optional<ClusterScan::Element>> ClusterScan::element_at(std::uint64_t at, std::uint64_t end) {
+  std::array<std::byte, 12> head{};
+  const std::size_t known = TRY(file_.read_at(at, head));
+  const auto length_at = [&](std::size_t i) {
+    return i < known ? static_cast<std::size_t>(std::countl_zero(std::to_integer<std::uint8_t>(head[i]))) + 1
+                     : std::size_t{9};
+  };
+  const std::size_t id_length = length_at(0);
+  if (id_length > 4) return std::optional<Element>();
+  const std::size_t size_length = length_at(id_length);
+  if (size_length > 8 || id_length + size_length > known) return std::optional<Element>();
+  Element element;
+  element.id = number(std::span(head).first(id_length));
+  element.size =
+      number(std::span(head).subspan(id_length, size_length)) & ((std::uint64_t{1} << (7 * size_length)) - 1);
+  element.content = at + id_length + size_length;
+  if (element.content > end || element.size > end - element.content) return std::optional<Element>();
+  return std::optional(element);
+}
+
+Result<std::optional<std::uint64_t>> ClusterScan::find_identifier() {
+  constexpr std::size_t kOverlap = kCluster.size() - 1;
+  std::vector<std::byte> part(64 << 10);
+  for (std::uint64_t at = at_;; at += part.size() - kOverlap) {
+    const std::size_t known = TRY(file_.read_at(at, part));
+    const auto end = part.begin() + static_cast<std::ptrdiff_t>(known);
+    const auto found = std::search(part.begin(), end, kCluster.begin(), kCluster.end());
+    if (found != end) return std::optional(at + static_cast<std::uint64_t>(found - part.begin()));
+    if (known < part.size()) return std::optional<std::uint64_t>();
+  }
+}
+
+// Whether the block is one of our two tracks and of a picture before its facts.
+Result<bool> ClusterScan::take_block(const Element& block, FoundCluster& found) {
+  if (block.size < kBlockHead || block.size > most_bytes_) return false;
+  std::vector<std::byte> bytes(block.size);
+  if (TRY(file_.read_at(block.content, bytes)) != bytes.size()) return false;
+  const auto track = std::to_integer<int>(bytes[0]) - 0x81;  // numbered from 1; 0x80 marks the length
+  const auto content = std::span(bytes).subspan(kBlockHead);
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(content.data());
+  if (track == matroska::kPixelTrack && found.picture.empty())
+    return found.picture.assign(begin, begin + content.size()), true;
+  if (track == matroska::kFactsTrack) return found.facts.assign(begin, begin + content.size()), true;
+  return false;
+}
+
+Result<std::optional<FoundCluster>> ClusterScan::blocks_from(std::uint64_t at, std::uint64_t end) {
+  FoundCluster found;
+  while (found.facts.empty()) {
+    std::optional<Element> element = TRY(element_at(at, end));
+    if (!element) return std::optional<FoundCluster>();
+    at = element->content + element->size;
+    if (std::ranges::find(kClusterHead, element->id) != std::end(kClusterHead)) continue;
+    if (element->id == kBlockGroup) {
+      element = TRY(element_at(element->content, at));
+      if (!element || element->id != kBlock) return std::optional<FoundCluster>();
+    } else if (element->id != kSimpleBlock) {
+      return std::optional<FoundCluster>();
+    }
+    if (!TRY(take_block(*element, found))) return std::optional<FoundCluster>();
+    behind_ = element->content + element->size;  // of the block: the size of its group may be damaged
+  }
+  return std::optional(std::move(found));
+}
+
+Result<std::optional<FoundCluster>> ClusterScan::next() {
+  const std::uint64_t end = TRY(file_.size());
+  for (;;) {
+    const auto identifier = TRY(find_identifier());
+    if (!identifier) return std::optional<FoundCluster>();
+    at_ = *identifier + kCluster.size();
+    // Behind the cluster's own size, in one to eight bytes; what it says is not needed.
+    std::array<std::byte, 1> first{};
+    if (TRY(file_.read_at(at_, first)) == 0) return std::optional<FoundCluster>();
+    const auto length =
+        static_cast<std::uint64_t>(std::countl_zero(std::to_integer<std::uint8_t>(first[0]))) + 1;
+    if (length > 8) continue;
+    if (auto found = TRY(blocks_from(at_ + length, end))) return found;
+  }
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,50 @@
+// What can be found of a damaged recording: clusters, by their identifier, wherever in the file they begin
+// and whatever the sizes say that enclose them. Nothing is proved here: the checksum over picture and facts
+// does that (facts_json.h). Thread-bound.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// The two blocks of a cluster.
+struct FoundCluster {
+  std::vector<std::uint8_t> picture;  // the packet; empty in the cluster of the end record
+  std::string facts;
+};
+
+class ClusterScan {
+ public:
+  // from: the byte of the file where the search begins; most_bytes: of a block, more is damage. The file
+  // outlives the scan.
+  ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes)
+      : file_(file), most_bytes_(most_bytes), at_(from) {}
+
+  // The next cluster that holds facts; nullopt at the end of the file. The search goes on right behind its
+  // identifier, as it may be none, unless it was accepted. Errors: those of the storage.
+  Result<std::optional<FoundCluster>> next();
+  // The one found last is what it seems: the search goes on behind it.
+  void accept() { at_ = behind_; }
+
+ private:
+  struct Element {
+    std::uint64_t id = 0, size = 0;
+    std::uint64_t content = 0;  // where it begins
+  };
+  Result<std::optional<std::uint64_t>> find_identifier();
+  Result<std::optional<Element>> element_at(std::uint64_t at, std::uint64_t end);
+  Result<std::optional<FoundCluster>> blocks_from(std::uint64_t at, std::uint64_t end);
+  Result<bool> take_block(const Element& block, FoundCluster& found);
+
+  StorageFile& file_;
+  const std::uint64_t most_bytes_;
+  std::uint64_t at_, behind_ = 0;
+};
+
+}  // namespace hdrcam
