@@ -66,7 +66,8 @@ std::vector<NamedInput> files_of(const FootageRequest& footage) {
 // is complete.
 Result<void> write_recording(Surroundings& around, const ImportOptions& options,
                              std::unique_ptr<RecordingReader> reader) {
-  TRY(admit_copy(TRY(options.settings->read(around.storage)), reader->camera()));
+  const Settings settings = TRY(options.settings->read(around.storage));
+  TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
