@@ -51,11 +51,12 @@ TEST_CASE("on a terminal the line is no wider than the terminal, and one line st
     line.show("frame 12/48  61 ms/frame  loss 0.021  ETA 00:03");
     line.show("short");
   }
-  char shown[256] = {};
-  const ssize_t bytes = read(master, shown, sizeof shown - 1);
+  std::string shown;
+  char part[64];
+  for (ssize_t bytes = 0; (bytes = read(master, part, sizeof part)) > 0;)  // ends with EIO: nobody writes
+    shown.append(part, static_cast<std::size_t>(bytes));
   close(master);
-  REQUIRE(bytes > 0);
-  CHECK(std::string(shown) == "\rframe 12/48  61 ms/\rshort              \r\n");
+  CHECK(shown == "\rframe 12/48  61 ms/\rshort              \r\n");
 }
 
 TEST_CASE("away from a terminal there is one plain line a second and one for the last frame") {
