@@ -1,66 +1,184 @@
 #include "online/priors/motion/dense_flow.h"
 
-#include <opencv2/core.hpp>
-#include <opencv2/video/tracking.hpp>
+#include <algorithm>
 
 namespace hdrcam {
+namespace {
 
-struct DenseFlow::Engine {
-  cv::Ptr<cv::DISOpticalFlow> dis;
-  cv::Mat interleaved;
-
-  explicit Engine(FlowQuality quality) {
-    dis = cv::DISOpticalFlow::create(quality == FlowQuality::Fast ? cv::DISOpticalFlow::PRESET_FAST
-                                                                  : cv::DISOpticalFlow::PRESET_MEDIUM);
-    if (quality == FlowQuality::Fine) {
-      // the finest scale helps where motion changes; from a good start half the steps suffice
-      constexpr int kDescentSteps = 12;
-      dis->setFinestScale(0);
-      dis->setGradientDescentIterations(kDescentSteps);
-    }
-  }
-
-  void compute(const FlowRequest& request) {
-    const int rows = request.from->rows(), cols = request.from->cols();
-    request.flow->reshape(2, rows, cols);
-    if (rows < kMinSize || cols < kMinSize) {
-      request.flow->fill(0);
-      return;
-    }
-    const auto view = [&](const Image<std::uint8_t>& image) {
-      return cv::Mat(rows, cols, CV_8U, const_cast<std::uint8_t*>(image.plane(0)));
-    };
-    // Its content is the start of DIS. It is always given, because without it DIS starts from the previous
-    // estimate.
-    interleaved.create(rows, cols, CV_32FC2);
-    interleaved.setTo(0);
-    if (request.start != nullptr) {
-      for (int y = 0; y < rows; ++y) {
-        auto* out = interleaved.ptr<cv::Vec2f>(y);
-        const float *dx = request.start->row(0, y), *dy = request.start->row(1, y);
-        for (int x = 0; x < cols; ++x) out[x] = {dx[x], dy[x]};
-      }
-    }
-    dis->calc(view(*request.from), view(*request.to), interleaved);
-    for (int y = 0; y < rows; ++y) {
-      const auto* in = interleaved.ptr<cv::Vec2f>(y);
-      float *dx = request.flow->row(0, y), *dy = request.flow->row(1, y);
-      for (int x = 0; x < cols; ++x) dx[x] = in[x][0], dy[x] = in[x][1];
-    }
-  }
-};
-
-DenseFlow::DenseFlow(WorkerPool& pool) : pool_(pool) {
-  cv::setNumThreads(1);  // OpenCV's partition of the work would depend on the number of threads
+// The scale whose shorter side is about two patches long.
+int coarsest_scale(int rows, int cols) {
+  constexpr int kLeast = 14;  // pixels
+  int scale = 0;
+  while (std::min(rows, cols) >> (scale + 1) >= kLeast) ++scale;
+  return scale;
 }
 
-DenseFlow::~DenseFlow() = default;
+PatchGrid grid_of(const FlowPicture& picture, int stride) {
+  const auto places = [&](int size) { return 1 + (size - kPatchSize + stride - 1) / stride; };
+  return {places(picture.rows), places(picture.cols), stride};
+}
 
-void DenseFlow::compute(FlowQuality quality, std::initializer_list<FlowRequest> requests) {
-  auto& engines = engines_[static_cast<std::size_t>(quality)];
-  while (engines.size() < requests.size()) engines.push_back(std::make_unique<Engine>(quality));
-  pool_.for_each(static_cast<int>(requests.size()),
-                 [&](int i) { engines[static_cast<std::size_t>(i)]->compute(requests.begin()[i]); });
+FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.plane(1)}; }
+
+}  // namespace
+
+struct DenseFlow::Effort {
+  int finest_scale;    // 0: full size
+  int stride;          // pixels between patches
+  int steps;           // of descent, in each of the two sweeps
+  int rounds, sweeps;  // of the refinement
+};
+
+DenseFlow::Effort DenseFlow::effort_of(FlowQuality quality) {
+  switch (quality) {
+    case FlowQuality::Fast:
+      return {1, 4, 3, 2, 3};
+    case FlowQuality::Medium:
+      return {0, 4, 3, 2, 3};
+    case FlowQuality::Fine:
+      break;
+  }
+  return {0, 4, 4, 5, 5};
+}
+
+void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
+  const int rows = request.a->rows(), cols = request.a->cols();
+  for (Image<float>* flow : {request.a_to_b, request.b_to_a}) flow->reshape(2, rows, cols);
+  if (rows < kMinSize || cols < kMinSize) {
+    request.a_to_b->fill(0), request.b_to_a->fill(0);
+    return;
+  }
+  const Effort effort = effort_of(quality);
+  const int coarsest = coarsest_scale(rows, cols), finest = std::min(effort.finest_scale, coarsest);
+  auto& [pyramid_a, pyramid_b] = pyramids_;
+  auto& [there, back] = directions_;
+  there.from = &pyramid_a, there.to = &pyramid_b;
+  there.start = request.start_a_to_b, there.answer = request.a_to_b;
+  back.from = &pyramid_b, back.to = &pyramid_a;
+  back.start = request.start_b_to_a, back.answer = request.b_to_a;
+
+  pool_.for_each(2, [&](int i) {
+    if (i == 0)
+      build(*request.a, coarsest + 1, pyramid_a);
+    else
+      build(*request.b, coarsest + 1, pyramid_b);
+  });
+  for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
+  pool_.for_each(2, [&](int i) {
+    Direction& direction = directions_[static_cast<std::size_t>(i)];
+    enlarge(direction.flow, finest, *direction.answer);
+  });
+}
+
+void DenseFlow::build(const Image<float>& picture, int levels, Pyramid& pyramid) {
+  pyramid.resize(static_cast<std::size_t>(levels));
+  for (int scale = 0; scale < levels; ++scale) {
+    Level& level = pyramid[static_cast<std::size_t>(scale)];
+    const int rows = picture.rows() >> scale, cols = picture.cols() >> scale;
+    level.planes.reshape(3, rows + 2 * kFlowBorder, cols + 2 * kFlowBorder);
+    const auto origin = [&](int plane) { return level.planes.row(plane, kFlowBorder) + kFlowBorder; };
+    float *gray = origin(0), *dx = origin(1), *dy = origin(2);
+    const std::ptrdiff_t pitch = level.planes.cols();
+    if (scale == 0) {
+      for (int y = 0; y < rows; ++y) std::copy_n(picture.row(0, y), cols, gray + y * pitch);
+    } else {
+      const FlowPicture& finer = pyramid[static_cast<std::size_t>(scale - 1)].picture;
+      kernels_.halve(finer.gray, finer.pitch, rows, cols, gray, pitch);
+    }
+    kernels_.extend(gray, pitch, rows, cols);
+    kernels_.derive(gray, pitch, rows, cols, dx, dy);
+    level.picture = {gray, dx, dy, pitch, rows, cols};
+  }
+}
+
+// Both directions at one scale: the patches, the flow that they spread, its refinement.
+void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
+  constexpr int kStrip = 8;  // rows of patches that share one sweep
+  std::array<PatchSearch, 2> searches;
+  pool_.for_each(2, [&](int i) {
+    const auto d = static_cast<std::size_t>(i);
+    searches[d] = prepare(directions_[d], scale, coarsest, effort);
+  });
+  const int patch_rows = searches[0].grid.rows, rows = searches[0].from.rows;
+  const int strips = (patch_rows + kStrip - 1) / kStrip;
+  pool_.for_each(2 * strips, [&](int i) {
+    const int first = i / 2 * kStrip;
+    kernels_.search(searches[static_cast<std::size_t>(i % 2)], first, std::min(first + kStrip, patch_rows));
+  });
+  for (std::size_t d = 0; d < 2; ++d)
+    pool_.for_rows(rows, [&](int y0, int y1) {
+      kernels_.spread(searches[d], y0, y1, planes_of(directions_[d].flow), directions_[d].weight.plane(0));
+    });
+  pool_.for_each(2, [&](int i) { refine(directions_[static_cast<std::size_t>(i)], scale, effort); });
+}
+
+// The guesses of this scale's patches: what the coarser scale found, and what is given.
+PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
+  const auto at = static_cast<std::size_t>(scale);
+  const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
+  const PatchGrid grid = grid_of(from, effort.stride);
+  const bool guided = d.start != nullptr, begins = scale == coarsest;
+  d.patches.reshape(2, grid.rows, grid.cols);
+  if (guided) d.starts.reshape_like(d.patches);
+  const float shrink = 1 / static_cast<float>(1 << scale);
+  for (int row = 0; row < grid.rows; ++row)
+    for (int col = 0; col < grid.cols; ++col) {
+      const int y = std::min(row * grid.stride, from.rows - kPatchSize) + kPatchSize / 2;
+      const int x = std::min(col * grid.stride, from.cols - kPatchSize) + kPatchSize / 2;
+      for (int c = 0; c < 2; ++c) {
+        const float given = guided ? shrink * d.start->at(c, y << scale, x << scale) : 0;
+        if (guided) d.starts.at(c, row, col) = given;
+        d.patches.at(c, row, col) =
+            begins ? given
+                   : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
+      }
+    }
+  d.flow.reshape(2, from.rows, from.cols);
+  d.weight.reshape(1, from.rows, from.cols);
+  const bool second_guess = guided && !begins;
+  return {from,
+          to,
+          grid,
+          planes_of(d.patches),
+          second_guess ? d.starts.plane(0) : nullptr,
+          second_guess ? d.starts.plane(1) : nullptr,
+          effort.steps};
+}
+
+void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
+  constexpr float kPictures = 0.5f;  // against smoothness
+  constexpr float kSmallest = 0.1f;  // pixels
+  const auto at = static_cast<std::size_t>(scale);
+  d.scratch.reshape(kRefinementPlanes, d.flow.rows() + kRefinementRows, d.flow.cols());
+  kernels_.refine({(*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), d.scratch.plane(0),
+                   kPictures, kSmallest, effort.rounds, effort.sweeps});
+}
+
+void DenseFlow::enlarge(const Image<float>& flow, int scale, Image<float>& answer) {
+  if (scale == 0) {
+    answer.copy_from(flow);
+    return;
+  }
+  const float grow = static_cast<float>(1 << scale), shrink = 1 / grow;
+  const auto place = [&](int at, int size) {
+    return std::clamp((static_cast<float>(at) + 0.5f) * shrink - 0.5f, 0.f, static_cast<float>(size - 1));
+  };
+  for (int c = 0; c < 2; ++c)
+    for (int y = 0; y < answer.rows(); ++y) {
+      const float py = place(y, flow.rows());
+      const int iy = std::min(static_cast<int>(py), flow.rows() - 2);
+      const float fy = py - static_cast<float>(iy);
+      const float *above = flow.row(c, iy), *below = flow.row(c, iy + 1);
+      float* out = answer.row(c, y);
+      for (int x = 0; x < answer.cols(); ++x) {
+        const float px = place(x, flow.cols());
+        const int ix = std::min(static_cast<int>(px), flow.cols() - 2);
+        const float fx = px - static_cast<float>(ix);
+        const float top = above[ix] + fx * (above[ix + 1] - above[ix]);
+        const float bottom = below[ix] + fx * (below[ix + 1] - below[ix]);
+        out[x] = grow * (top + fy * (bottom - top));
+      }
+    }
 }
 
 }  // namespace hdrcam

@@ -1,38 +1,61 @@
-// Dense optical flow between two 8-bit pictures: DIS (Kroeger et al., ECCV 2016; OpenCV). Deterministic for
-// any number of threads: each call runs on one thread, several calls in parallel. Thread-bound.
+// Dense optical flow between two pictures, both ways: inverse search of patches from coarse to fine (DIS,
+// Kroeger et al., ECCV 2016), and at each scale a robust smoothing where the pictures allow it (Brox et al.,
+// ECCV 2004), on this program's own kernels (flow_kernels.h). The work is cut into strips that do not depend
+// on the number of threads, so neither does the answer. Thread-bound.
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
+#include "online/priors/motion/flow_kernels.h"
 #include "online/priors/motion/motion_prior.h"
 
 namespace hdrcam {
 
+// Pictures [1, rows, cols] of codes, 0..255, and the vectors [dx dy, rows, cols], pixels, that lead from each
+// pixel of the one to where it is in the other.
 struct FlowRequest {
-  const Image<std::uint8_t>* from;      // [1, rows, cols]
-  const Image<std::uint8_t>* to;        // [1, rows, cols]
-  Image<float>* flow;                   // [dx dy, rows, cols] pixels: where each pixel of `from` is in `to`
-  const Image<float>* start = nullptr;  // an initial estimate, or null
+  const Image<float>*a, *b;
+  Image<float>*a_to_b, *b_to_a;
+  const Image<float>*start_a_to_b = nullptr, *start_b_to_a = nullptr;  // guesses, or null
 };
 
 class DenseFlow {
  public:
-  static constexpr int kMinSize = 16;  // pixels: for a smaller picture the flow is zero
+  static constexpr int kMinSize = 16;  // pixels: a smaller picture has no flow to find, the answer is zero
 
-  explicit DenseFlow(WorkerPool& pool);
-  ~DenseFlow();
+  explicit DenseFlow(WorkerPool& pool) : pool_(pool), kernels_(flow_kernels()) {}
 
-  void compute(FlowQuality quality, std::initializer_list<FlowRequest> requests);
+  void compute(FlowQuality quality, const FlowRequest& request);
 
  private:
-  struct Engine;
+  struct Level {
+    Image<float> planes;  // [gray dx dy, rows, cols] with a border
+    FlowPicture picture{};
+  };
+  using Pyramid = std::vector<Level>;
+  struct Direction {
+    const Pyramid *from, *to;
+    const Image<float>* start;
+    Image<float>* answer;
+    Image<float> patches, starts;        // [dx dy, rows, cols] of the patches
+    Image<float> flow, weight, scratch;  // [dx dy, ...], [1, ...] and the refinement's, of the scale
+  };
+  struct Effort;
+
+  static Effort effort_of(FlowQuality quality);
+  void build(const Image<float>& picture, int levels, Pyramid& pyramid);
+  void match(int scale, int coarsest, const Effort& effort);
+  PatchSearch prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
+  void refine(Direction& direction, int scale, const Effort& effort);
+  void enlarge(const Image<float>& flow, int scale, Image<float>& answer);
+
   WorkerPool& pool_;
-  std::array<std::vector<std::unique_ptr<Engine>>, 3> engines_;  // by quality, created on first use
+  const FlowKernels& kernels_;
+  std::array<Pyramid, 2> pyramids_;
+  std::array<Direction, 2> directions_{};
 };
 
 }  // namespace hdrcam

@@ -13,11 +13,9 @@ namespace {
 
 constexpr float kRed = 0.299f, kGreen = 0.587f, kBlue = 0.114f;
 
-std::uint8_t to_gray(float r, float g, float b) {
-  return static_cast<std::uint8_t>(std::clamp(kRed * r + kGreen * g + kBlue * b + 0.5f, 0.f, 255.f));
-}
+float to_gray(float r, float g, float b) { return kRed * r + kGreen * g + kBlue * b; }
 
-void gray_of_frame(const ExposedFrame& frame, Image<std::uint8_t>& gray, WorkerPool& pool) {
+void gray_of_frame(const ExposedFrame& frame, Image<float>& gray, WorkerPool& pool) {
   const auto& codes = frame.codes;
   gray.reshape(1, codes.rows(), codes.cols());
   pool.for_rows(codes.rows(), [&](int y0, int y1) {
@@ -28,7 +26,7 @@ void gray_of_frame(const ExposedFrame& frame, Image<std::uint8_t>& gray, WorkerP
 }
 
 // the state as the camera would have recorded it at this exposure
-void gray_of_state(const Image<float>& radiance, const ExposureTables& tables, Image<std::uint8_t>& gray,
+void gray_of_state(const Image<float>& radiance, const ExposureTables& tables, Image<float>& gray,
                    WorkerPool& pool) {
   gray.reshape(1, radiance.rows(), radiance.cols());
   pool.for_rows(radiance.rows(), [&](int y0, int y1) {
@@ -86,8 +84,8 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
   gray_of_frame(frame, frame_gray_, pool_);
   if (last_.empty()) {
     gray_of_state(state.radiance, tables, state_gray_, pool_);
-    flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors},
-                            {&state_gray_, &frame_gray_, &motion.from_previous.vectors}});
+    flow_.compute(quality,
+                  {&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors});
   } else {
     // constant velocity, at the state's pixels and at the frame's
     const double interval_s = to_seconds(frame.facts.timestamp - last_time_);
@@ -102,8 +100,8 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
     for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
     gray_of_state(blur_, tables, state_gray_, pool_);
-    flow_.compute(quality, {{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &start_to_},
-                            {&state_gray_, &frame_gray_, &motion.from_previous.vectors, &start_from_}});
+    flow_.compute(quality, {&frame_gray_, &state_gray_, &motion.to_previous.vectors,
+                            &motion.from_previous.vectors, &start_to_, &start_from_});
   }
   rate(nullptr, motion);
 }
@@ -132,8 +130,7 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
     if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
       gray_of_frame(*after, frame_gray_, pool_);
       gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
-      flow_.compute(quality, {{&frame_gray_, &state_gray_, &after_to_state_},
-                              {&state_gray_, &frame_gray_, &state_to_after_}});
+      flow_.compute(quality, {&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_});
       bridge(after_ratio, motion);
     }
   }

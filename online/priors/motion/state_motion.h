@@ -29,7 +29,7 @@ class MotionEstimator final : public MotionPrior {
   int rows_, cols_;
   WorkerPool& pool_;
   DenseFlow flow_;
-  Image<std::uint8_t> frame_gray_, state_gray_;
+  Image<float> frame_gray_, state_gray_;
   Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Instant last_time_;  // where that step ended

@@ -1,0 +1,73 @@
+// The hot loops of dense flow on raw pointers: one table of functions per instruction set, picked at start by
+// flow_kernels(). Pictures are planes of float with a border on all sides that repeats the edge, so that a
+// patch that leaves the picture needs no test. Reentrant. Declarations only: the kernels' file may include
+// nothing with inline code (CMakeLists.txt).
+#pragma once
+
+#include <cstddef>
+
+namespace hdrcam {
+
+constexpr int kFlowBorder = 24;  // pixels around each plane; a patch may leave the picture by 16
+constexpr int kPatchSize = 8;    // pixels; one row of a patch is one register of eight lanes
+
+// One scale of a pyramid. The pointers stand at pixel (0, 0); a row is `pitch` floats long.
+struct FlowPicture {
+  const float* gray;  // codes, 0..255
+  const float* dx;    // derivative, codes per pixel
+  const float* dy;
+  std::ptrdiff_t pitch;
+  int rows, cols;
+};
+
+// The places of the patches: every `stride` pixels, the last ones flush with the right and lower edge.
+struct PatchGrid {
+  int rows, cols;  // patches
+  int stride;      // pixels
+};
+
+// Vectors of one scale, two planes without border.
+struct FlowPlanes {
+  float *u, *v;
+};
+
+struct PatchSearch {
+  FlowPicture from, to;
+  PatchGrid grid;
+  FlowPlanes patches;              // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
+  const float *start_u, *start_v;  // [grid.rows, grid.cols], a second guess; or null
+  int steps;                       // of descent, in each of the two sweeps
+};
+
+// Smooths a flow where the pictures allow it: robust brightness constancy against robust (total) variation.
+struct FlowRefinement {
+  FlowPicture from, to;
+  FlowPlanes flow;  // [rows, cols], refined in place
+  float* scratch;   // kRefinementPlanes planes of rows + kRefinementRows rows
+  float data;       // weight of the pictures against that of smoothness
+  float smallest;   // pixels: differences of the flow below it cost as their square
+  int rounds;       // in which the weights are found anew
+  int sweeps;       // of the solver, in each round
+};
+constexpr int kRefinementPlanes = 11, kRefinementRows = 1;
+
+struct FlowKernels {
+  // half-size picture: means of 2 x 2. Sizes are of `half`; a last odd row or column is left out.
+  void (*halve)(const float* whole, std::ptrdiff_t pitch, int rows, int cols, float* half,
+                std::ptrdiff_t half_pitch);
+  // repeats the edge of a plane into its border
+  void (*extend)(float* plane, std::ptrdiff_t pitch, int rows, int cols);
+  // Sobel derivatives of a plane with its border filled; writes the picture only
+  void (*derive)(const float* plane, std::ptrdiff_t pitch, int rows, int cols, float* dx, float* dy);
+  // The inverse search of the patch rows [first, last): a sweep forward, which takes over neighbours' answers
+  // from the left and above, and one back. Rows outside are neither read nor written.
+  void (*search)(const PatchSearch&, int first, int last);
+  // Pixel rows [y0, y1) of the dense flow: the mean of the patches over each pixel, by how well each explains
+  // it; `weight` is a plane for the sums
+  void (*spread)(const PatchSearch&, int y0, int y1, FlowPlanes flow, float* weight);
+  void (*refine)(const FlowRefinement&);
+};
+
+const FlowKernels& flow_kernels();
+
+}  // namespace hdrcam
