@@ -4,7 +4,6 @@
 // the output only: nothing here feeds back. Thread-bound.
 #pragma once
 
-#include <array>
 #include <memory>
 
 #include "hal/core/image.h"
@@ -27,7 +26,6 @@ class Shrinkage {
 
  private:
   void apply_here(Image<float>& radiance, const Image<float>& variance, float offset);
-  void shrink_tile_row(int channel, int y0);
   void give_up(const Error& why);
 
   WorkerPool& pool_;

@@ -1,0 +1,182 @@
+// Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
+// A row of a tile is one vector of eight floats: a register of AVX2, two of SSE or NEON.
+#include "render/shrinkage_kernels.h"
+
+namespace hdrcam::HDRCAM_TARGET {
+namespace {
+
+typedef float Row __attribute__((vector_size(32), aligned(4), may_alias));
+inline Row load(const float* p) { return *reinterpret_cast<const Row*>(p); }
+inline void store(float* p, Row v) { *reinterpret_cast<Row*>(p) = v; }
+inline float total(Row v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+inline Row positive(Row v) { return v > 0 ? v : Row{}; }
+
+// Natural logarithm and exponential of ordinary numbers, to 2 units in the last place (the polynomials of
+// Moshier's Cephes); plain arithmetic, which the compiler vectorises.
+inline float log_of(float a) {
+  const int bits = __builtin_bit_cast(int, a);
+  const int exponent = (bits - 0x3f3504f3) >> 23;
+  const float f = __builtin_bit_cast(float, bits - exponent * (1 << 23)) - 1,
+              e = static_cast<float>(exponent);
+  float p = 7.0376836292e-2f;
+  p = p * f - 1.1514610310e-1f, p = p * f + 1.1676998740e-1f, p = p * f - 1.2420140846e-1f;
+  p = p * f + 1.4249322787e-1f, p = p * f - 1.6668057665e-1f, p = p * f + 2.0000714765e-1f;
+  p = p * f - 2.4999993993e-1f, p = p * f + 3.3333331174e-1f;
+  return f + (p * f * f * f - 0.5f * f * f - 2.12194440e-4f * e) + 0.693359375f * e;
+}
+inline float exp_of(float x) {
+  constexpr float kMost = 87;  // beyond it a float overflows
+  x = x > -kMost ? (x < kMost ? x : kMost) : -kMost;
+  const int n = static_cast<int>(x * 1.44269504f + (x < 0 ? -0.5f : 0.5f));
+  const float r = x - static_cast<float>(n) * 0.693359375f + static_cast<float>(n) * 2.12194440e-4f;
+  float p = 1.9875691500e-4f;
+  p = p * r + 1.3981999507e-3f, p = p * r + 8.3334519073e-3f, p = p * r + 4.1665795894e-2f;
+  p = p * r + 1.6666665459e-1f, p = p * r + 5.0000001201e-1f;
+  return (p * r * r + r + 1) * __builtin_bit_cast(float, (n + 127) * (1 << 23));
+}
+
+// orthonormal: luminance, red - blue, green against both
+constexpr float kOpponent[3][3] = {
+    {0.57735f, 0.57735f, 0.57735f}, {-0.70711f, 0, 0.70711f}, {0.40825f, -0.81650f, 0.40825f}};
+
+void to_opponent(const float* const radiance[3], const float* const variance[3], float offset, int n,
+                 float* const opponent[3], float* const noise[3], float* const sum[3],
+                 float* const weight[3]) {
+  constexpr float kMaxLogVariance = 0.25f;
+  constexpr int kBlock = 64;
+  float logs[3][kBlock], variances[3][kBlock];
+  for (int x0 = 0; x0 < n; x0 += kBlock) {
+    const int count = n - x0 < kBlock ? n - x0 : kBlock;
+    for (int c = 0; c < 3; ++c) {
+      const float *in = radiance[c] + x0, *v = variance[c] + x0;
+      for (int x = 0; x < count; ++x) {
+        const float a = (in[x] > 0 ? in[x] : 0) + offset, relative = v[x] / (a * a);
+        logs[c][x] = log_of(a);
+        variances[c][x] = relative < kMaxLogVariance ? relative : kMaxLogVariance;
+      }
+    }
+    for (int c = 0; c < 3; ++c) {
+      const float* t = kOpponent[c];
+      const float t0 = t[0] * t[0], t1 = t[1] * t[1], t2 = t[2] * t[2];
+      float *o = opponent[c] + x0, *s = noise[c] + x0;
+      for (int x = 0; x < count; ++x) o[x] = t[0] * logs[0][x] + t[1] * logs[1][x] + t[2] * logs[2][x];
+      for (int x = 0; x < count; ++x)
+        s[x] = t0 * variances[0][x] + t1 * variances[1][x] + t2 * variances[2][x];
+      __builtin_memset(sum[c] + x0, 0, sizeof(float) * static_cast<std::size_t>(count));
+      __builtin_memset(weight[c] + x0, 0, sizeof(float) * static_cast<std::size_t>(count));
+    }
+  }
+}
+
+void to_radiance(const float* const sum[3], const float* const weight[3], float offset, int n,
+                 float* const radiance[3]) {
+  constexpr int kBlock = 64;
+  float o[3][kBlock];
+  for (int x0 = 0; x0 < n; x0 += kBlock) {
+    const int count = n - x0 < kBlock ? n - x0 : kBlock;
+    for (int c = 0; c < 3; ++c)
+      for (int x = 0; x < count; ++x) o[c][x] = sum[c][x0 + x] / weight[c][x0 + x];
+    for (int c = 0; c < 3; ++c) {
+      float* out = radiance[c] + x0;
+      for (int x = 0; x < count; ++x) {
+        const float value =
+            exp_of(kOpponent[0][c] * o[0][x] + kOpponent[1][c] * o[1][x] + kOpponent[2][c] * o[2][x]) -
+            offset;
+        out[x] = value > 0 ? value : 0;
+      }
+    }
+  }
+}
+
+// Rows are the cosines of one frequency: sqrt(2 / 8) cos((2 n + 1) k pi / 16), the first over sqrt(2).
+constexpr float c1 = 0.49039264f, c2 = 0.46193977f, c3 = 0.41573481f, c4 = 0.35355339f, c5 = 0.27778512f,
+                c6 = 0.19134172f, c7 = 0.09754516f;
+constexpr float kDct[8][8] = {{c4, c4, c4, c4, c4, c4, c4, c4},     {c1, c3, c5, c7, -c7, -c5, -c3, -c1},
+                              {c2, c6, -c6, -c2, -c2, -c6, c6, c2}, {c3, -c7, -c1, -c5, c5, c1, c7, -c3},
+                              {c4, -c4, -c4, c4, c4, -c4, -c4, c4}, {c5, -c1, c7, c3, -c3, -c7, c1, -c5},
+                              {c6, -c2, c2, -c6, -c6, c2, -c2, c6}, {c7, -c5, c3, -c1, c1, -c3, c5, -c7}};
+
+struct Tile {
+  Row row[8];
+};
+// The transform of the columns; all eight at once, a lane each.
+inline Tile forward(const Tile& a) {
+  Tile out;
+  // even frequencies see the sums of mirrored rows, odd ones the differences
+  Row sums[4], differences[4];
+  for (int k = 0; k < 4; ++k) sums[k] = a.row[k] + a.row[7 - k], differences[k] = a.row[k] - a.row[7 - k];
+  for (int k = 0; k < 8; ++k) {
+    const Row* part = k % 2 == 0 ? sums : differences;
+    out.row[k] = kDct[k][0] * part[0] + kDct[k][1] * part[1] + kDct[k][2] * part[2] + kDct[k][3] * part[3];
+  }
+  return out;
+}
+inline Tile backward(const Tile& a) {
+  Tile out;
+  for (int n = 0; n < 4; ++n) {
+    const Row even =
+        kDct[0][n] * a.row[0] + kDct[2][n] * a.row[2] + kDct[4][n] * a.row[4] + kDct[6][n] * a.row[6];
+    const Row odd =
+        kDct[1][n] * a.row[1] + kDct[3][n] * a.row[3] + kDct[5][n] * a.row[5] + kDct[7][n] * a.row[7];
+    out.row[n] = even + odd, out.row[7 - n] = even - odd;
+  }
+  return out;
+}
+inline Tile transposed(const Tile& a) {
+  Row s[8], t[8];
+  for (int k = 0; k < 4; ++k) {
+    s[2 * k] = __builtin_shufflevector(a.row[2 * k], a.row[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
+    s[2 * k + 1] = __builtin_shufflevector(a.row[2 * k], a.row[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  for (int k = 0; k < 8; k += 4)
+    for (int j = 0; j < 2; ++j) {
+      t[k + j] = __builtin_shufflevector(s[k + j], s[k + 2 + j], 0, 1, 8, 9, 4, 5, 12, 13);
+      t[k + 2 + j] = __builtin_shufflevector(s[k + j], s[k + 2 + j], 2, 3, 10, 11, 6, 7, 14, 15);
+    }
+  Tile out;
+  for (int j = 0; j < 4; ++j) {
+    out.row[j] = __builtin_shufflevector(t[j], t[4 + j], 0, 1, 2, 3, 8, 9, 10, 11);
+    out.row[4 + j] = __builtin_shufflevector(t[j], t[4 + j], 4, 5, 6, 7, 12, 13, 14, 15);
+  }
+  return out;
+}
+
+void shrink(const float* opponent, const float* noise, int cols, float* sum, float* weight) {
+  for (int x0 = 0;;) {
+    Tile pixels;
+    Row noises{};
+    for (int i = 0; i < 8; ++i) {
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(i) * cols + x0;
+      pixels.row[i] = load(opponent + at);
+      noises += load(noise + at);
+    }
+    const float mean_noise = total(noises) / 64;
+    Tile spectrum = forward(transposed(forward(pixels)));  // stands transposed
+    const float mean = spectrum.row[0][0];                 // is kept whole
+    spectrum.row[0][0] = 0;
+    Row energies{};  // of the gains
+    for (int i = 0; i < 8; ++i) {
+      const Row power = spectrum.row[i] * spectrum.row[i];
+      const Row gain = positive((power - 1.5f * mean_noise) / (power + 1e-12f));
+      spectrum.row[i] *= gain;
+      energies += gain * gain;
+    }
+    spectrum.row[0][0] = mean;
+    const float share = 1 / ((1 + total(energies)) * (mean_noise + 1e-6f));
+    const Tile smooth = backward(transposed(backward(spectrum)));
+    for (int i = 0; i < 8; ++i) {
+      const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(i) * cols + x0;
+      store(sum + at, load(sum + at) + share * smooth.row[i]);
+      store(weight + at, load(weight + at) + share);
+    }
+    if (x0 == cols - kShrinkageTile) break;
+    x0 = x0 + kShrinkageStep < cols - kShrinkageTile ? x0 + kShrinkageStep : cols - kShrinkageTile;
+  }
+}
+
+}  // namespace
+
+extern const ShrinkageKernels kShrinkageKernels;
+const ShrinkageKernels kShrinkageKernels{&to_opponent, &shrink, &to_radiance};
+
+}  // namespace hdrcam::HDRCAM_TARGET
