@@ -25,6 +25,7 @@ struct Knobs {
   FrameBudget budget;
   int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
+  int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
   StateOptions state;
   PoseKind pose = PoseKind::Given;

@@ -7,30 +7,36 @@
 namespace hdrcam {
 namespace {
 
-// Bilinear, pixel centres at +0.5: in at every `step`-th pixel -> out at all.
+// Where a full-size pixel reads, bilinearly, a picture of every `step`-th pixel along one axis.
+struct Reading {
+  int low, high;
+  float share;  // of `high`
+};
+Reading reading(int at, int step, int size) {
+  const float place = std::clamp((static_cast<float>(at) + 0.5f) / static_cast<float>(step) - 0.5f, 0.f,
+                                 static_cast<float>(size - 1));
+  const int low = std::min(static_cast<int>(place), size - 1);
+  return {low, std::min(low + 1, size - 1), place - static_cast<float>(low)};
+}
+float read(const Image<float>& in, int channel, const Reading& y, const Reading& x) {
+  const float *a = in.row(channel, y.low), *b = in.row(channel, y.high);
+  const float top = a[x.low] + x.share * (a[x.high] - a[x.low]);
+  const float bottom = b[x.low] + x.share * (b[x.high] - b[x.low]);
+  return top + y.share * (bottom - top);
+}
+
 void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>& out, WorkerPool& pool) {
   out.reshape(in.channels(), rows, cols);
   if (step == 1) {
     out.copy_from(in);
     return;
   }
-  const float scale = 1 / static_cast<float>(step);
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const float sy =
-          std::clamp((static_cast<float>(y) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.rows() - 1));
-      const int ya = std::min(static_cast<int>(sy), in.rows() - 1), yb = std::min(ya + 1, in.rows() - 1);
-      const float fy = sy - static_cast<float>(ya);
+      const Reading from_y = reading(y, step, in.rows());
       for (int x = 0; x < cols; ++x) {
-        const float sx =
-            std::clamp((static_cast<float>(x) + 0.5f) * scale - 0.5f, 0.f, static_cast<float>(in.cols() - 1));
-        const int xa = std::min(static_cast<int>(sx), in.cols() - 1), xb = std::min(xa + 1, in.cols() - 1);
-        const float fx = sx - static_cast<float>(xa);
-        for (int c = 0; c < in.channels(); ++c) {
-          const float top = in.at(c, ya, xa) + fx * (in.at(c, ya, xb) - in.at(c, ya, xa));
-          const float bottom = in.at(c, yb, xa) + fx * (in.at(c, yb, xb) - in.at(c, yb, xa));
-          out.at(c, y, x) = top + fy * (bottom - top);
-        }
+        const Reading from_x = reading(x, step, in.cols());
+        for (int c = 0; c < in.channels(); ++c) out.at(c, y, x) = read(in, c, from_y, from_x);
       }
     }
   });
@@ -48,49 +54,86 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.field_flow.reshape(0, 0, 0);
   lap("emission");
   if (!estimate.field || options_.layer == EmitLayer::State) return;
-  look_into_field(estimate, frame);
   if (options_.layer == EmitLayer::Field)
-    take_all(frame);
+    take_all(estimate, frame);
   else
     fill_unseen(estimate, frame);
   lap("field render");
 }
 
-void RenderStage::look_into_field(const FrameEstimate& estimate, HdrFrame& frame) {
-  // alone, the field is rendered at full size; to fill unseen pixels a coarser view suffices
-  const int step = options_.layer == EmitLayer::Field ? 1 : estimate.budget.render_step;
+// The view of the frame at one pixel in step x step; its depth and flow as layers.
+void RenderStage::look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame) {
   estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
-  enlarge(view_.radiance, step, rows, cols, radiance_, pool_);
-  enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
+  if (options_.depth != DepthLayer::None) enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
   if (!options_.shows_field_flow) return;
   enlarge(view_.flow[static_cast<int>(Neighbour::Previous)], step, rows, cols, frame.field_flow, pool_);
   for (float& px : frame.field_flow.samples())
     px *= static_cast<float>(step);  // in pixels of the full-size picture
 }
 
-void RenderStage::take_all(HdrFrame& frame) {
-  frame.radiance.copy_from(radiance_);
+void RenderStage::take_all(const FrameEstimate& estimate, HdrFrame& frame) {
+  look_at_all(estimate, 1, frame);
+  frame.radiance.copy_from(view_.radiance);
   frame.provenance.fill(static_cast<std::uint8_t>(Provenance::Field));
 }
 
-// Where no frame saw a channel unclipped the state holds a lower bound; the field may raise it.
+// The pixels of a reduced view that unseen pixels read; false where every pixel was seen.
+bool RenderStage::mark_unseen(const FrameEstimate& estimate, int step) {
+  const float known = known_limit(estimate.white);
+  const Image<float>& variance = estimate.state.variance;
+  const SceneView view = reduced(estimate.view, step);
+  unseen_.reshape(1, view.rows, view.cols);
+  unseen_.fill(0);
+  bool any = false;
+  for (int y = 0; y < variance.rows(); ++y) {
+    const Reading from_y = reading(y, step, view.rows);
+    for (int x = 0; x < variance.cols(); ++x) {
+      if (std::max({variance.at(0, y, x), variance.at(1, y, x), variance.at(2, y, x)}) < known) continue;
+      const Reading from_x = reading(x, step, view.cols);
+      for (const int v : {from_y.low, from_y.high})
+        for (const int u : {from_x.low, from_x.high}) unseen_.at(0, v, u) = 1;
+      any = true;
+    }
+  }
+  return any;
+}
+
+// Where no frame saw a channel unclipped the state holds a lower bound; the field may raise it. It is
+// rendered there, and elsewhere only where another of its layers is asked for.
 void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
+  constexpr int kGlanceStep = 8;
+  const int step = estimate.budget.render_step;
+  const bool whole = options_.depth == DepthLayer::Whole || options_.shows_field_flow;
+  if (options_.depth == DepthLayer::Glance && !whole)
+    look_at_all(estimate, std::max(step, kGlanceStep), frame);
+  if (whole) look_at_all(estimate, step, frame);
+  if (!mark_unseen(estimate, step)) return;
+  if (!whole) {
+    SceneView view = reduced(estimate.view, step);
+    view.wanted = &unseen_;
+    estimate.field->look(view, pool_, view_);
+  }
+
   const float known = known_limit(estimate.white);
   const int cols = frame.radiance.cols();
   const Image<float>& variance = estimate.state.variance;
   pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
+    for (int y = y0; y < y1; ++y) {
+      const Reading from_y = reading(y, step, view_.radiance.rows());
       for (int x = 0; x < cols; ++x) {
         bool answered = false;
         for (int c = 0; c < 3; ++c) {
           if (variance.at(c, y, x) < known) continue;
+          const Reading from_x = reading(x, step, view_.radiance.cols());
           float& bound = frame.radiance.at(c, y, x);
-          const float answer = std::min(radiance_.at(c, y, x), options_.largest_answer * bound);
+          const float answer =
+              std::min(read(view_.radiance, c, from_y, from_x), options_.largest_answer * bound);
           if (answer > bound) bound = answer, answered = true;
         }
         if (answered) frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(Provenance::Field);
       }
+    }
   });
 }
 

@@ -14,8 +14,16 @@ enum class EmitLayer {
   Field,   // the field alone
 };
 
+// How much of the scene's depth is rendered for each frame (HdrFrame::depth).
+enum class DepthLayer {
+  None,
+  Glance,  // from few rays: enough to look at
+  Whole,   // as finely as the field is rendered (FrameBudget::render_step)
+};
+
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
+  DepthLayer depth = DepthLayer::None;
   bool shows_field_flow = false;  // HdrFrame::field_flow
   // factor on the lower bound, > 1: how far the field may exceed the bound of clipped pixels
   float largest_answer = 4;
@@ -33,15 +41,16 @@ class RenderStage {
   void render(const FrameEstimate& estimate, HdrFrame& frame);
 
  private:
-  void look_into_field(const FrameEstimate& estimate, HdrFrame& frame);
-  void take_all(HdrFrame& frame);
+  void look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame);
+  void take_all(const FrameEstimate& estimate, HdrFrame& frame);
+  bool mark_unseen(const FrameEstimate& estimate, int step);
   void fill_unseen(const FrameEstimate& estimate, HdrFrame& frame);
 
   RenderOptions options_;
   WorkerPool& pool_;
   Emission emission_;
   FieldPicture view_;
-  Image<float> radiance_;  // of the view, at full size
+  Image<std::uint8_t> unseen_;  // of the view: pixels from which an unseen one is filled
   Timing timing_;
 };
 

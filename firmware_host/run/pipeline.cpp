@@ -31,20 +31,31 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   options.knobs = knobs_of(preset);
   options.render.layer = layer;
   if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
+  if (layer == EmitLayer::Field) options.knobs.budget.fit.steps = options.knobs.view_steps;
   return options;
 }
 
-PipelineOptions options_of(const Settings& settings) {
+PipelineOptions options_of(const Settings& settings, FieldUse use) {
   const Settings::Fit& fit = settings.fit;
   PipelineOptions options = options_of(fit.preset, fit.emit);
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
   options.knobs.look_ahead = fit.lookahead;
   options.knobs.code_noise = static_cast<float>(fit.code_noise);
-  options.render.shows_field_flow = settings.output.layers.field_flow;
+  const ExrLayers& layers = settings.output.layers;
+  options.render.shows_field_flow = layers.field_flow;
+  if (layers.depth)
+    options.render.depth = DepthLayer::Whole;
+  else if (!settings.output.path("sheet").empty())
+    options.render.depth = DepthLayer::Glance;
+  const bool seen =
+      use == FieldUse::Seen || fit.emit == EmitLayer::Field || layers.depth || layers.field_flow;
+  bool steps_told = false;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
+    steps_told |= name == "steps";
   }
+  if (seen && !steps_told) options.knobs.budget.fit.steps = options.knobs.view_steps;
   return options;
 }
 

@@ -20,9 +20,11 @@ struct PipelineOptions {
   Knobs knobs;
   RenderOptions render;
 };
+// What the field is for: to fill what no frame saw, or to be seen itself, which takes more steps of the fit.
+enum class FieldUse { Fills, Seen };
 // The knobs of a preset for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
-PipelineOptions options_of(const Settings& settings);
+PipelineOptions options_of(const Settings& settings, FieldUse use);
 
 class Pipeline {
  public:

@@ -155,7 +155,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   const RunPace pace = source.pace();
 
   // The method and the sinks.
-  const PipelineOptions options = options_of(settings);
+  const PipelineOptions options = options_of(settings, plan.truth.empty() ? FieldUse::Fills : FieldUse::Seen);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   const Backend backend = open_backend(settings.fit.backend);

@@ -8,6 +8,7 @@ SceneView reduced(const SceneView& view, int step) {
   small.rows = (view.rows + step - 1) / step, small.cols = (view.cols + step - 1) / step;
   small.lens = {view.lens.fx_px / step, view.lens.fy_px / step, view.lens.cx_px / step,
                 view.lens.cy_px / step};
+  small.wanted = nullptr;  // of the whole view's pixels
   return small;
 }
 

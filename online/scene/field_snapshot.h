@@ -22,6 +22,8 @@ struct SceneView {
   double exposure_s = 0;  // the picture is the mean over this interval around time_s; 0: an instant
   Intrinsics lens;
   int rows = 0, cols = 0;  // 1..
+  // [1, rows, cols]: pixels of value 0 are not asked for, a field may leave them 0; null: all are asked for
+  const Image<std::uint8_t>* wanted = nullptr;
 };
 
 // The same view with one pixel per step x step pixels.

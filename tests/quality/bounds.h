@@ -72,8 +72,8 @@ inline constexpr PartWorth kPartWorths[] = {
     {"blur variance", kPan, no_blur_variance, 0.35, 0.001},
 };
 
-// Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
-inline constexpr double kFinerFlow_db = 0.2, kNotWorse_db = -0.05;
+// Each preset over the one below it, which has a coarser flow.
+inline constexpr double kFinerFlow_db = 0.02;
 
 // The field's radiance of unseen pixels: at least so many samples on kShortWalk, and their error (mean
 // |log2|) at most this share of the lower bound's that the state holds there.

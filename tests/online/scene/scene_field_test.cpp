@@ -1,6 +1,7 @@
 // The seam of the field: a snapshot stays as it was, and a field that is nothing like hash grids fits it too.
 #include "online/scene/scene_field.h"
 
+#include <algorithm>
 #include <cstring>
 #include <thread>
 
@@ -13,6 +14,8 @@
 using namespace hdrcam;
 
 namespace {
+
+int wanted = 0;  // pixels that any view of OneColour was asked for
 
 // One colour, the mean of what the state knows, one metre in front of every camera.
 class OneColour final : public SceneField {
@@ -48,6 +51,9 @@ class OneColour final : public SceneField {
   struct Snapshot final : FieldSnapshot {
     float colour[3] = {0, 0, 0};
     void look(const SceneView& view, WorkerPool&, FieldPicture& picture) const override {
+      wanted += view.wanted == nullptr
+                    ? view.rows * view.cols
+                    : static_cast<int>(std::ranges::count(view.wanted->samples(), std::uint8_t{1}));
       picture.radiance.reshape(3, view.rows, view.cols);
       for (int c = 0; c < 3; ++c)
         std::fill_n(picture.radiance.plane(c), picture.radiance.plane_size(), colour[c]);
@@ -214,6 +220,60 @@ TEST_CASE("a view with half the pixels sees what lies between, a longer exposure
   held->look(told.view(2), pool, half);
   CHECK(half.radiance.cols() == told.scene.cols / 2);
   CHECK(half.radiance.rows() == told.scene.rows / 2);
+}
+
+TEST_CASE("a view of the pixels that are wanted shows them as the whole view does", "[field]") {
+  WorkerPool pool(2);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  for (int i = 0; i < 4; ++i) told.take(*field, i), field->fit({5, 32, 4, 4});
+  SceneView view = told.view();
+  FieldPicture whole, part;
+  field->snapshot()->look(view, pool, whole);
+  Image<std::uint8_t> wanted(1, view.rows, view.cols);
+  for (std::size_t i = 0; i < wanted.size(); ++i) wanted.samples()[i] = i % 7 == 3 || i % 40 < 4;
+  view.wanted = &wanted;
+  field->snapshot()->look(view, pool, part);
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    REQUIRE(part.radiance.samples()[i] == (wanted.samples()[i] != 0 ? whole.radiance.samples()[i] : 0));
+    REQUIRE(part.depth.samples()[i] == (wanted.samples()[i] != 0 ? whole.depth.samples()[i] : 0));
+  }
+}
+
+TEST_CASE("merged asks the field for unseen pixels only, and for all where depth is wanted", "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  OneColour field;
+  told.take(field, 0);
+  FitReport fit = field.fit({1, 32, 1, 1});
+  FrameBudget budget;
+  budget.render_step = 2;
+  HdrFrame frame;
+  const auto asked = [&](DepthLayer depth) {
+    wanted = 0;
+    RenderStage({.layer = EmitLayer::Merged, .depth = depth}, pool)
+        .render({.frame = told.frame,
+                 .state = told.state,
+                 .to_previous = nullptr,
+                 .field = field.snapshot(),
+                 .view = told.view(),
+                 .fit = &fit,
+                 .budget = budget,
+                 .white = 4,
+                 .reference_exposure = 1},
+                frame);
+    return wanted;
+  };
+  told.state.variance.fill(1e-4f);
+  CHECK(asked(DepthLayer::None) == 0);
+  CHECK(frame.depth.empty());
+  told.state.variance.at(1, 10, 11) = kUnseenVariance;
+  CHECK(asked(DepthLayer::None) == 4);  // that the bilinear value there is made of
+  const int quarter = (told.scene.rows / 2) * (told.scene.cols / 2);
+  CHECK(asked(DepthLayer::Whole) == quarter);
+  CHECK(frame.depth.rows() == told.scene.rows);
+  CHECK(asked(DepthLayer::Glance) < quarter / 4);
+  CHECK(frame.depth.cols() == told.scene.cols);
 }
 
 TEST_CASE("a field that is nothing like hash grids is emitted through the same seam", "[field]") {

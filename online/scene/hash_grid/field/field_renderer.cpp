@@ -120,6 +120,12 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
   const ProbeView from = probe_view(field.window, view.T_world_camera, time_s);
   const PixelMap map(field.window.frustum().camera, view.lens);
   splat_surface(field, from);
+  if (view.wanted != nullptr) {
+    CHECK(view.wanted->rows() == rows && view.wanted->cols() == cols);
+    for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share,
+                                &picture.confidence, &picture.flow[0], &picture.flow[1]})
+      plane->fill(0);
+  }
 
   const auto store = [&](int y, int x, const ProbeAnswer& answer) {
     for (int c = 0; c < 3; ++c) picture.radiance.at(c, y, x) = presentable(answer.radiance[c]);
@@ -137,22 +143,20 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
     const int gy = std::clamp(static_cast<int>(py) / kSplat, 0, guide_.rows() - 1);
     return guide_.at(0, gy, gx);
   };
-  const auto n = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
-  rays_.resize(n), answers_.resize(n);
-  const auto at = [cols](int y, int x) {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x);
-  };
-  pool.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) {
-        const float px = map.map(0, x), py = map.map(1, y);
-        rays_[at(y, x)] = {{px, py}, guide_at(px, py)};
-      }
-  });
+  rays_.clear(), pixels_.clear();
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < cols; ++x) {
+      if (view.wanted != nullptr && view.wanted->at(0, y, x) == 0) continue;
+      const float px = map.map(0, x), py = map.map(1, y);
+      rays_.push_back({{px, py}, guide_at(px, py)});
+      pixels_.push_back({y, x});
+    }
+  answers_.resize(rays_.size());
+  if (rays_.empty()) return;
   look(field, from, pool);
-  pool.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) store(y, x, answers_[at(y, x)]);
+  pool.for_rows(static_cast<int>(answers_.size()), [&](int first, int last) {
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i)
+      store(pixels_[i].y, pixels_[i].x, answers_[i]);
   });
 }
 

@@ -34,7 +34,11 @@ class FieldRenderer final : public LookRoom {
 
   std::vector<FieldProbe> probes_;
   std::unique_ptr<VulkanProbe> gpu_probe_;
-  std::vector<ProbeRay> rays_;  // of the whole view, row by row
+  struct Pixel {
+    int y, x;
+  };
+  std::vector<Pixel> pixels_;  // that are asked for, row by row; with them, their rays and answers
+  std::vector<ProbeRay> rays_;
   std::vector<ProbeAnswer> answers_;
   Image<float> guide_;  // [1, rows / kSplat, cols / kSplat] inverse depth of the frame's surface, as the view
                         // sees it, in pixels of the window's camera
