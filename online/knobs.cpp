@@ -77,8 +77,8 @@ void add_frame_budget(std::vector<Knob>& table) {
   using K = Knobs;
   using B = FrameBudget;
   table.push_back(choice<&K::budget, &B::flow>(
-      "flow", kPerFrame, {"fast", "medium", "fine", "finest"},
-      {"", "time of the one or two flow calls of a frame; finest takes about four times fast",
+      "flow", kPerFrame, {"fast", "medium", "fine"},
+      {"", "time of the one or two flow calls of a frame; fine takes twice as long as fast",
        "finer motion: fewer pixels lose their history"}));
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::steps>(
       "steps", kPerFrame, 0, 1000,
@@ -247,7 +247,7 @@ Knobs knobs_of(Preset preset) {
       fit.steps = 2;
       break;
     case Preset::Best:
-      knobs.budget.flow = FlowQuality::Finest;
+      knobs.budget.flow = FlowQuality::Fine;
       knobs.budget.render_step = 1;
       fit.steps = 4;
       knobs.view_steps = 100;

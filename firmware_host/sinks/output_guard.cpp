@@ -69,9 +69,12 @@ bool meet(const Place& a, const Place& b) {
 }
 
 Result<Place> place_of(Storage& storage, const NamedOutput& output) {
+  Place place{output.flag, output.path, {}, std::nullopt};
   if (output.kind == OutputKind::Frames)
-    return Place{output.flag, output.path, {}, TRY(names_of(storage, output.path))};
-  return Place{output.flag, output.path, TRY(storage.look_at(output.path)), std::nullopt};
+    place.names = TRY(names_of(storage, output.path));
+  else
+    place.facts = TRY(storage.look_at(output.path));
+  return place;
 }
 
 // The number of files with these names, and one of them.

@@ -36,11 +36,9 @@ DenseFlow::Effort DenseFlow::effort_of(FlowQuality quality) {
     case FlowQuality::Medium:
       return {0, 4, 3, 2, 3};
     case FlowQuality::Fine:
-      return {0, 4, 4, 5, 5};
-    case FlowQuality::Finest:
       break;
   }
-  return {0, 3, 6, 10, 6};
+  return {0, 4, 4, 5, 5};
 }
 
 void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {

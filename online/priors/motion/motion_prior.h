@@ -14,7 +14,7 @@
 
 namespace hdrcam {
 
-enum class FlowQuality { Fast, Medium, Fine, Finest };
+enum class FlowQuality { Fast, Medium, Fine };
 
 // The steps before and after the interval that is completed. Ratios of intervals: (t_i - t_i-1) over (t_i-1 -
 // t_i-2), and over (t_i+1 - t_i-1).

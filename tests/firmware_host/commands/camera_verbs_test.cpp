@@ -285,7 +285,7 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
 
 // The program as a process of its own, silent.
 pid_t started(std::vector<std::string> words) {
-  words.insert(words.begin(), HDRCAM_BINARY);
+  words.emplace(words.begin(), HDRCAM_BINARY);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);

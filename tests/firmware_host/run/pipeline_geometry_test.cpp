@@ -31,7 +31,10 @@ struct Emitted {
 
 Emitted emitted_by(const test::MovingScene& scene, EmitLayer layer) {
   WorkerPool pool(2);
-  Pipeline pipeline(options_of(Preset::Fast, layer), scene.camera(), pool);
+  PipelineOptions options = options_of(Preset::Fast, layer);
+  options.render.depth = DepthLayer::Whole;
+  if (layer != EmitLayer::State) options.knobs.budget.fit.steps = options.knobs.view_steps;
+  Pipeline pipeline(options, scene.camera(), pool);
   Emitted emitted;
   const Pipeline::Deliver deliver = [&](const HdrFrame& frame, const FrameEstimate&,
                                         const FrameRecord& record) -> Result<void> {

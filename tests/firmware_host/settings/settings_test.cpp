@@ -362,7 +362,7 @@ TEST_CASE("the printed configuration shows each knob as the preset has it, in a 
   Settings settings;
   settings.fit.preset = Preset::Best;
   const std::string text = to_toml(settings, kAllGroups);
-  CHECK_THAT(text, Contains("\n[knobs]\n") && Contains("\n#steps = \"100\"\n"));
+  CHECK_THAT(text, Contains("\n[knobs]\n") && Contains("\n#view_steps = \"100\"\n"));
   settings.fit.knobs["steps"] = "7";
   CHECK_THAT(to_toml(settings, kAllGroups), Contains("\nsteps = \"7\"\n"));
 }

@@ -40,7 +40,7 @@ HdrFrame wedge(int i) {
   return frame;
 }
 
-double time_of(int i) { return (wedge(i).facts.timestamp - wedge(0).facts.timestamp).count() * 1e-9; }
+double time_of(int i) { return to_seconds(wedge(i).facts.timestamp - wedge(0).facts.timestamp); }
 
 int at_patch(const Image<std::uint16_t>& luma, int patch) {
   return luma.at(0, luma.rows() / 2, patch * kPatch_px + kPatch_px / 2);

@@ -71,7 +71,7 @@ TEST_CASE("what cannot be is refused in a sentence that says what can") {
   require_sentence("walk?delay=1,2,3", ErrorCode::Invalid, "2,1");
   require_sentence("walk?with=sparkle", ErrorCode::Invalid, "motion-blur");
   require_sentence("walk?with=mosaic", ErrorCode::Invalid, "Bayer");
-  require_sentence("walk?without=quantisation", ErrorCode::Invalid, "no sensor");
+  require_sentence("walk?without=quantisation", ErrorCode::Invalid, "every sensor has it");
   require_sentence("walk?camera=fly", ErrorCode::Invalid, "handheld");
   require_sentence("walk?rays=2", ErrorCode::Invalid, "1 or 4");
   require_sentence("", ErrorCode::NotFound, "scenes are");

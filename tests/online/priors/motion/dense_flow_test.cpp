@@ -120,7 +120,7 @@ TEST_CASE("an offset between the pictures, as a wrong response leaves it, is not
             [](float, float) {
               return Vector{2, 0};
             },
-            inside) < 0.15);
+            inside) < 0.2);
 }
 
 TEST_CASE("dense flow keeps an object apart from the background that it moves over", "[isa]") {
@@ -155,7 +155,8 @@ TEST_CASE("dense flow is the same for any number of threads, and for a flat pict
   CHECK(std::equal(one.there.samples().begin(), one.there.samples().end(), three.there.samples().begin()));
   CHECK(std::equal(one.back.samples().begin(), one.back.samples().end(), three.back.samples().begin()));
   const auto flat = picture(kRows, kCols, [](float, float) { return 255.f; });
-  for (const float v : flows(flat, flat).there.samples()) REQUIRE(v == 0);
+  const Flows nothing = flows(flat, flat);
+  for (const float v : nothing.there.samples()) REQUIRE(v == 0);
 }
 
 TEST_CASE("each quality of dense flow is nearer the truth than the one below it", "[isa]") {
