@@ -109,7 +109,16 @@ Result<void> import_any(Surroundings& around, const ImportOptions& options) {
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
-  return is_clip(options.footage.files) ? import_clip(around, options) : import_footage(around, options);
+  const FootageRequest& footage = options.footage;
+  const bool clip = is_clip(footage.files);
+  if (clip && !(footage.shutter.empty() && footage.gain.empty() && footage.framerate_hz == 0))
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' says exposures and times itself; leave out --shutter, --gain and --framerate",
+                    footage.files.front())};
+  if (!footage.gain.empty() && (footage.shutter.empty() || footage.shutter == kAutoShutter))
+    return Error{ErrorCode::Invalid, "--gain goes with the exposure times of --shutter; give both"};
+  return clip ? import_clip(around, options) : import_footage(around, options);
 }
 
 }  // namespace

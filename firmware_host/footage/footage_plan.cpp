@@ -13,7 +13,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr const char* kAuto = "auto";
 constexpr std::size_t kLags = ExposureSchedule::kMaxSlots;
 
 // What one look at all frames leaves: their facts, and how the pictures compare.
@@ -142,7 +141,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
     take_stated(seen, plan);
     return plan;
   }
-  const bool estimate = request.shutter == kAuto;
+  const bool estimate = request.shutter == kAutoShutter;
   plan.origin = estimate ? ExposureOrigin::Estimated : ExposureOrigin::Cycle;
   plan.cycle =
       estimate ? TRY(estimate_cycle(seen.steps)) : TRY(parse_exposures(request.shutter, request.gain));

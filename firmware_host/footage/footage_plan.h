@@ -15,6 +15,8 @@
 
 namespace hdrcam {
 
+inline constexpr const char* kAutoShutter = "auto";
+
 struct FootageRequest {
   std::vector<std::string> files;
   std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "firmware_host/commands/command.h"
 #include "hal/recording/png_image.h"
@@ -129,6 +130,18 @@ TEST_CASE("footage that does not say its exposures is not guessed at") {
   const auto wrong = import_verb(path + " -o " + path + ".mkv --shutter 16ms,1ms");
   CHECK(sample::error_of(wrong).code == ErrorCode::BadExposure);
   CHECK_FALSE(std::filesystem::exists(path + ".mkv"));
+}
+
+TEST_CASE("flags that would not be heeded are refused") {
+  const std::string folder = sample::scratch_folder("import_flags"), path = folder + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(filmed(0, 12, {}))).ok());
+  CHECK(sample::error_of(import_verb(path + " --gain 2 --list")).code == ErrorCode::Invalid);
+  CHECK(sample::error_of(import_verb(path + " --gain 1,2,4 --shutter auto --list")).code ==
+        ErrorCode::Invalid);
+  std::ofstream(folder + "/clip.json") << "{}";
+  const auto clip = import_verb(folder + " --shutter 1ms,4ms,16ms -o " + folder + "/y.mkv");
+  CHECK(sample::error_of(clip).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(clip).message, Contains("leave out --shutter"));
 }
 
 TEST_CASE("--list writes nothing, and an import never takes the place of its footage") {
