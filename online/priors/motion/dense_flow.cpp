@@ -146,12 +146,13 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
 }
 
 void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
-  constexpr float kPictures = 0.5f;  // against smoothness
-  constexpr float kSmallest = 0.1f;  // pixels
+  constexpr float kPictures = 0.5f;   // against smoothness
+  constexpr float kLeastSlope2 = 10;  // (codes per pixel)^2
+  constexpr float kSmallest = 0.1f;   // pixels
   const auto at = static_cast<std::size_t>(scale);
   d.scratch.reshape(kRefinementPlanes, d.flow.rows() + kRefinementRows, d.flow.cols());
   kernels_.refine({(*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), d.scratch.plane(0),
-                   kPictures, kSmallest, effort.rounds, effort.sweeps});
+                   kPictures, kLeastSlope2, kSmallest, effort.rounds, effort.sweeps});
 }
 
 void DenseFlow::enlarge(const Image<float>& flow, int scale, Image<float>& answer) {

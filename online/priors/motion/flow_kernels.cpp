@@ -308,7 +308,6 @@ void tie(const FlowRefinement& r, const Equations& e, int y) {
 }
 
 void weigh(const FlowRefinement& r, const Equations& e, int y) {
-  constexpr float kLeastSlope2 = 10;        // (codes per pixel)^2: below it a difference says less
   constexpr float kLeastDistance2 = 1e-2f;  // pixels^2
   const int cols = r.from.cols;
   const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * cols;
@@ -323,7 +322,7 @@ void weigh(const FlowRefinement& r, const Equations& e, int y) {
     const V gx = get<V>(dx + x), gy = get<V>(dy + x);
     const V rest =
         get<V>(dt + x) + gx * (get<V>(u + x) - get<V>(u0 + x)) + gy * (get<V>(v + x) - get<V>(v0 + x));
-    const V size = gx * gx + gy * gy + kLeastSlope2;
+    const V size = gx * gx + gy * gy + r.slope2;
     put<V>(robust + x, size * (rest * rest + kLeastDistance2 * size));
   };
   across(0, cols, slope);

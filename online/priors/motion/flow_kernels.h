@@ -45,6 +45,7 @@ struct FlowRefinement {
   FlowPlanes flow;  // [rows, cols], refined in place
   float* scratch;   // kRefinementPlanes planes of rows + kRefinementRows rows
   float data;       // weight of the pictures against that of smoothness
+  float slope2;     // (codes per pixel)^2 below which a difference says little of the motion
   float smallest;   // pixels: differences of the flow below it cost as their square
   int rounds;       // in which the weights are found anew
   int sweeps;       // of the solver, in each round
