@@ -100,8 +100,8 @@ TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
   const Run run = run_simulate("'night?size=64x48' --explain");
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
-  for (const char* words : {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains",
-                            "the scene does not need it", "CPU ms"})
+  for (const char* words :
+       {"motion-blur", "clock-jitter", "street lamps on 50 Hz mains", "the scene does not need it", "CPU ms"})
     CHECK(run.output.find(words) != std::string::npos);
 }
 

@@ -43,7 +43,7 @@ TEST_CASE("a frame whose exposure is not proved changes nothing that is emitted"
   CHECK(three == 3);
 }
 
-TEST_CASE("the fit allocates nothing per frame once it is warm, but for OpenCV inside its flow") {
+TEST_CASE("the fit allocates nothing per frame once it is warm") {
   const test::MovingScene scene;
   for (const EmitLayer layer : {EmitLayer::State, EmitLayer::Merged}) {
     WorkerPool pool(2);
