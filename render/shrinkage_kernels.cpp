@@ -1,15 +1,14 @@
 // Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
-// A row of a tile is one vector of eight floats: a register of AVX2, two of SSE or NEON.
+// A row of a tile is one vector of eight floats.
 #include "render/shrinkage_kernels.h"
+
+#include "hal/core/lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
-typedef float Row __attribute__((vector_size(32), aligned(4), may_alias));
-inline Row load(const float* p) { return *reinterpret_cast<const Row*>(p); }
-inline void store(float* p, Row v) { *reinterpret_cast<Row*>(p) = v; }
-inline float total(Row v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
-inline Row positive(Row v) { return v > 0 ? v : Row{}; }
+inline float total(Lanes v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+inline Lanes positive(Lanes v) { return v > 0 ? v : Lanes{}; }
 
 // Natural logarithm and exponential of ordinary numbers, to 2 units in the last place (the polynomials of
 // Moshier's Cephes); plain arithmetic, which the compiler vectorises.
@@ -97,16 +96,16 @@ constexpr float kDct[8][8] = {{c4, c4, c4, c4, c4, c4, c4, c4},     {c1, c3, c5,
                               {c6, -c2, c2, -c6, -c6, c2, -c2, c6}, {c7, -c5, c3, -c1, c1, -c3, c5, -c7}};
 
 struct Tile {
-  Row row[8];
+  Lanes row[8];
 };
 // The transform of the columns; all eight at once, a lane each.
 inline Tile forward(const Tile& a) {
   Tile out;
   // even frequencies see the sums of mirrored rows, odd ones the differences
-  Row sums[4], differences[4];
+  Lanes sums[4], differences[4];
   for (int k = 0; k < 4; ++k) sums[k] = a.row[k] + a.row[7 - k], differences[k] = a.row[k] - a.row[7 - k];
   for (int k = 0; k < 8; ++k) {
-    const Row* part = k % 2 == 0 ? sums : differences;
+    const Lanes* part = k % 2 == 0 ? sums : differences;
     out.row[k] = kDct[k][0] * part[0] + kDct[k][1] * part[1] + kDct[k][2] * part[2] + kDct[k][3] * part[3];
   }
   return out;
@@ -114,16 +113,16 @@ inline Tile forward(const Tile& a) {
 inline Tile backward(const Tile& a) {
   Tile out;
   for (int n = 0; n < 4; ++n) {
-    const Row even =
+    const Lanes even =
         kDct[0][n] * a.row[0] + kDct[2][n] * a.row[2] + kDct[4][n] * a.row[4] + kDct[6][n] * a.row[6];
-    const Row odd =
+    const Lanes odd =
         kDct[1][n] * a.row[1] + kDct[3][n] * a.row[3] + kDct[5][n] * a.row[5] + kDct[7][n] * a.row[7];
     out.row[n] = even + odd, out.row[7 - n] = even - odd;
   }
   return out;
 }
 inline Tile transposed(const Tile& a) {
-  Row s[8], t[8];
+  Lanes s[8], t[8];
   for (int k = 0; k < 4; ++k) {
     s[2 * k] = __builtin_shufflevector(a.row[2 * k], a.row[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14);
     s[2 * k + 1] = __builtin_shufflevector(a.row[2 * k], a.row[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
@@ -144,7 +143,7 @@ inline Tile transposed(const Tile& a) {
 void shrink(const float* opponent, const float* noise, int cols, float* sum, float* weight) {
   for (int x0 = 0;;) {
     Tile pixels;
-    Row noises{};
+    Lanes noises{};
     for (int i = 0; i < 8; ++i) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(i) * cols + x0;
       pixels.row[i] = load(opponent + at);
@@ -154,10 +153,10 @@ void shrink(const float* opponent, const float* noise, int cols, float* sum, flo
     Tile spectrum = forward(transposed(forward(pixels)));  // stands transposed
     const float mean = spectrum.row[0][0];                 // is kept whole
     spectrum.row[0][0] = 0;
-    Row energies{};  // of the gains
+    Lanes energies{};  // of the gains
     for (int i = 0; i < 8; ++i) {
-      const Row power = spectrum.row[i] * spectrum.row[i];
-      const Row gain = positive((power - 1.5f * mean_noise) / (power + 1e-12f));
+      const Lanes power = spectrum.row[i] * spectrum.row[i];
+      const Lanes gain = positive((power - 1.5f * mean_noise) / (power + 1e-12f));
       spectrum.row[i] *= gain;
       energies += gain * gain;
     }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "online/priors/motion/refinement_kernels.h"
+
 namespace hdrcam {
 namespace {
 
@@ -151,8 +153,9 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
   constexpr float kSmallest = 0.1f;   // pixels
   const auto at = static_cast<std::size_t>(scale);
   d.scratch.reshape(kRefinementPlanes, d.flow.rows() + kRefinementRows, d.flow.cols());
-  kernels_.refine({(*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), d.scratch.plane(0),
-                   kPictures, kLeastSlope2, kSmallest, effort.rounds, effort.sweeps});
+  refinement_kernels().refine({(*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow),
+                               d.scratch.plane(0), kPictures, kLeastSlope2, kSmallest, effort.rounds,
+                               effort.sweeps});
 }
 
 void DenseFlow::enlarge(const Image<float>& flow, int scale, Image<float>& answer) {

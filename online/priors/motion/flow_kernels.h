@@ -39,19 +39,6 @@ struct PatchSearch {
   int steps;                       // of descent, in each of the two sweeps
 };
 
-// Smooths a flow where the pictures allow it: robust brightness constancy against robust (total) variation.
-struct FlowRefinement {
-  FlowPicture from, to;
-  FlowPlanes flow;  // [rows, cols], refined in place
-  float* scratch;   // kRefinementPlanes planes of rows + kRefinementRows rows
-  float data;       // weight of the pictures against that of smoothness
-  float slope2;     // (codes per pixel)^2 below which a difference says little of the motion
-  float smallest;   // pixels: differences of the flow below it cost as their square
-  int rounds;       // in which the weights are found anew
-  int sweeps;       // of the solver, in each round
-};
-constexpr int kRefinementPlanes = 11, kRefinementRows = 1;
-
 struct FlowKernels {
   // half-size picture: means of 2 x 2. Sizes are of `half`; a last odd row or column is left out.
   void (*halve)(const float* whole, std::ptrdiff_t pitch, int rows, int cols, float* half,
@@ -66,7 +53,6 @@ struct FlowKernels {
   // Pixel rows [y0, y1) of the dense flow: the mean of the patches over each pixel, by how well each explains
   // it; `weight` is a plane for the sums
   void (*spread)(const PatchSearch&, int y0, int y1, FlowPlanes flow, float* weight);
-  void (*refine)(const FlowRefinement&);
 };
 
 const FlowKernels& flow_kernels();

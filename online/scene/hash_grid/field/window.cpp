@@ -1,5 +1,6 @@
 #include "online/scene/hash_grid/field/window.h"
 
+#include <atomic>
 #include <cmath>
 
 namespace hdrcam {
@@ -109,7 +110,7 @@ void Window::release(WindowFrames& held) {
   held.order_.clear();
 }
 
-Result<void> Window::advance(const FieldObservation& seen) {
+Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
   const int rows = frustum_.rows, cols = frustum_.cols;
   if (!has_shape(seen.codes, 3, rows, cols) || !has_shape(seen.radiance, 3, rows, cols) ||
       !has_shape(seen.variance, 3, rows, cols))
@@ -137,37 +138,39 @@ Result<void> Window::advance(const FieldObservation& seen) {
                                                         : RigidTransform();
   if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
   frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
-  take_base(seen, frame);
+  take_base(seen, frame, pool);
   if (previous != nullptr && usable(seen.to_previous, rows, cols))
     carry_guide(*previous, *seen.to_previous, frame);
   else
     frame.guide.fill(options_.default_inverse_depth);
   guide_by_prior(frame);
-  take_surface(frame);
+  take_surface(frame, pool);
   if (previous != nullptr) {
     if (usable(seen.to_previous, rows, cols))
-      take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous);
+      take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous, pool);
     if (usable(seen.from_previous, rows, cols))
-      take_flow(*seen.from_previous, writable(size() - 2), frame, Neighbour::Next);
+      take_flow(*seen.from_previous, writable(size() - 2), frame, Neighbour::Next, pool);
   }
   return {};
 }
 
-void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
+void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const {
   const int rows = frustum_.rows, cols = frustum_.cols;
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < cols; ++x) {
-      BasePixel& base = frame.base.at(0, y, x);
-      base.fill(0);
-      for (int c = 0; c < 3; ++c) {
-        const float code = seen.codes->at(c, y, x), radiance = seen.radiance->at(c, y, x);
-        frame.values.at(c, y, x) =
-            std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
-        base[static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance(radiance);
-        base[static_cast<std::size_t>(kBaseGate + c)] =
-            gate(radiance, seen.variance->at(c, y, x), options_.trusted_sigma);
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        BasePixel& base = frame.base.at(0, y, x);
+        base.fill(0);
+        for (int c = 0; c < 3; ++c) {
+          const float code = seen.codes->at(c, y, x), radiance = seen.radiance->at(c, y, x);
+          frame.values.at(c, y, x) =
+              std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
+          base[static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance(radiance);
+          base[static_cast<std::size_t>(kBaseGate + c)] =
+              gate(radiance, seen.variance->at(c, y, x), options_.trusted_sigma);
+        }
       }
-    }
+  });
   frame.has_flow[0] = frame.has_flow[1] = false;
   frame.moving_share = 0;
   frame.depth_prior.reshape(0, 0, 0);
@@ -176,13 +179,14 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame) const {
 
 // Lifts a flow of pixels to a displacement in window space, with the best known depth at both ends. The
 // reverse flow starts as its opposite until it is measured: motion is nearly uniform over two frames.
-void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to,
-                       Neighbour which) const {
+void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
+                       WorkerPool& pool) const {
   const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
-  int moving = 0;
-  for (int y = 0; y < frustum_.rows; ++y)
+  std::atomic<int> moving = 0;
+  const auto lift = [&](int y) {
+    int moving_here = 0;
     for (int x = 0; x < frustum_.cols; ++x) {
       float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x), sure = flow.confidence.at(0, y, x);
       if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(sure)) dx = dy = sure = 0;
@@ -201,10 +205,15 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
       }
       base[kBaseConfidence + k] = std::clamp(sure, 0.f, 1.f);
       if (std::abs(base[kBaseFlow + 2 * k]) > kStill_px || std::abs(base[kBaseFlow + 2 * k + 1]) > kStill_px)
-        ++moving;
+        ++moving_here;
     }
+    moving += moving_here;
+  };
+  pool.for_rows(frustum_.rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y) lift(y);
+  });
   from.moving_share =
-      std::max(from.moving_share, static_cast<float>(moving) / static_cast<float>(from.base.size()));
+      std::max(from.moving_share, static_cast<float>(moving.load()) / static_cast<float>(from.base.size()));
   from.has_flow[k] = true;
 }
 
@@ -244,12 +253,14 @@ void Window::guide_by_prior(WindowFrame& frame) const {
 }
 
 // The prior where it is known, the guide elsewhere.
-void Window::take_surface(WindowFrame& frame) const {
-  for (int y = 0; y < frustum_.rows; ++y)
-    for (int x = 0; x < frustum_.cols; ++x) {
-      const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
-      frame.base.at(0, y, x)[kBaseSurface] = prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
-    }
+void Window::take_surface(WindowFrame& frame, WorkerPool& pool) const {
+  pool.for_rows(frustum_.rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < frustum_.cols; ++x) {
+        const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
+        frame.base.at(0, y, x)[kBaseSurface] = prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
+      }
+  });
 }
 
 RigidTransform Window::move_anchor() {

@@ -13,6 +13,7 @@
 
 #include "hal/core/image.h"
 #include "hal/core/result.h"
+#include "hal/core/worker_pool.h"
 #include "online/pictures/flow_field.h"
 #include "online/scene/hash_grid/field/view_geometry.h"
 #include "online/state/radiance_state.h"
@@ -103,7 +104,7 @@ class Window : public WindowFrames {
 
   // Adds the frame and drops the oldest. Invalid for a picture of another size or a missing one; BadExposure
   // for an exposure that is not a positive number.
-  Result<void> advance(const FieldObservation& seen);
+  Result<void> advance(const FieldObservation& seen, WorkerPool& pool);
   // Makes the newest frame the anchor and recomputes the bases. Returns T_new_old of the anchors.
   RigidTransform move_anchor();
   void clear() { order_.clear(); }
@@ -121,11 +122,12 @@ class Window : public WindowFrames {
  private:
   WindowFrame& spare();
   std::unique_ptr<WindowFrame> make_frame() const;
-  void take_base(const FieldObservation& seen, WindowFrame& frame) const;
-  void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which) const;
+  void take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const;
+  void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
+                 WorkerPool& pool) const;
   void carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const;
   void guide_by_prior(WindowFrame& frame) const;
-  void take_surface(WindowFrame& frame) const;
+  void take_surface(WindowFrame& frame, WorkerPool& pool) const;
 
   WindowOptions options_;
   std::vector<std::unique_ptr<WindowFrame>>

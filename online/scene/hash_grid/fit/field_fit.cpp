@@ -120,7 +120,7 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   Window& window = window_;
   refresh_guide();
   const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
-  TRY(window.advance(seen));
+  TRY(window.advance(seen, pool_));
   if (!options_.fits_response || !response_started_) response_.start_from(response);
   response_started_ = true;
 

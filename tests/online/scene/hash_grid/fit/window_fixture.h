@@ -23,7 +23,8 @@ struct WindowFixture {
         frames(frames_),
         window(frustum(rows_, cols_), WindowOptions{.frames = frames_}) {
     Pcg32 random(11);
-    for (int i = 0; i < frames; ++i) CHECK_OK(window.advance(observe(i, poses, random)));
+    WorkerPool pool(1);
+    for (int i = 0; i < frames; ++i) CHECK_OK(window.advance(observe(i, poses, random), pool));
   }
 
   static WindowFrustum frustum(int rows, int cols) {

@@ -1,0 +1,16 @@
+// Eight floats as one value, for the kernels that are compiled once per instruction set (*_kernels.cpp, see
+// hdrcam_kernels() in CMakeLists.txt): a register of AVX2, half one of AVX-512, two of SSE or NEON.
+// Everything here has internal linkage, so that no instruction of one object can leak into another.
+#pragma once
+
+namespace hdrcam::HDRCAM_TARGET {
+namespace {
+
+constexpr int kLanes = 8;
+typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float)), aligned(sizeof(float)), may_alias));
+
+[[maybe_unused]] inline Lanes load(const float* p) { return *reinterpret_cast<const Lanes*>(p); }
+[[maybe_unused]] inline void store(float* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
+
+}  // namespace
+}  // namespace hdrcam::HDRCAM_TARGET

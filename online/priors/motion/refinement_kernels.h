@@ -1,0 +1,29 @@
+// The refinement of a flow on raw pointers: one table of functions per instruction set, picked at start by
+// refinement_kernels(). Reentrant. Declarations only: the kernels' file may include nothing with inline code
+// that another object might share (CMakeLists.txt).
+#pragma once
+
+#include "online/priors/motion/flow_kernels.h"
+
+namespace hdrcam {
+
+// Smooths a flow where the pictures allow it: robust brightness constancy against robust (total) variation.
+struct FlowRefinement {
+  FlowPicture from, to;
+  FlowPlanes flow;  // [rows, cols], refined in place
+  float* scratch;   // kRefinementPlanes planes of rows + kRefinementRows rows
+  float data;       // weight of the pictures against that of smoothness
+  float slope2;     // (codes per pixel)^2 below which a difference says little of the motion
+  float smallest;   // pixels: differences of the flow below it cost as their square
+  int rounds;       // in which the weights are found anew
+  int sweeps;       // of the solver, in each round
+};
+constexpr int kRefinementPlanes = 11, kRefinementRows = 1;
+
+struct RefinementKernels {
+  void (*refine)(const FlowRefinement&);
+};
+
+const RefinementKernels& refinement_kernels();
+
+}  // namespace hdrcam
