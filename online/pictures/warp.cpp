@@ -5,31 +5,24 @@
 namespace hdrcam {
 namespace {
 
-WarpBand whole(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out) {
+void warp(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out, WorkerPool& pool,
+          void (*kernel)(const WarpBand&)) {
   out.reshape_like(in);
-  return {in.plane(0), out.plane(0), flow.plane(0), flow.plane(1), in.channels(), in.rows(), in.cols(),
-          0,           in.rows(),    limit};
+  pool.for_rows(in.rows(), [&](int y0, int y1) {
+    kernel({in.plane(0), out.plane(0), flow.plane(0), flow.plane(1), in.channels(), in.rows(), in.cols(), y0,
+            y1, limit});
+  });
 }
 
 }  // namespace
 
 void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
                 WorkerPool& pool) {
-  const WarpBand picture = whole(in, flow, limit, out);
-  pool.for_rows(in.rows(), [&](int y0, int y1) {
-    WarpBand band = picture;
-    band.y0 = y0, band.y1 = y1;
-    picture_kernels().warp_cubic(band);
-  });
+  warp(in, flow, limit, out, pool, picture_kernels().warp_cubic);
 }
 
 void warp_linear(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool) {
-  const WarpBand picture = whole(in, flow, 0, out);
-  pool.for_rows(in.rows(), [&](int y0, int y1) {
-    WarpBand band = picture;
-    band.y0 = y0, band.y1 = y1;
-    picture_kernels().warp_linear(band);
-  });
+  warp(in, flow, 0, out, pool, picture_kernels().warp_linear);
 }
 
 }  // namespace hdrcam

@@ -4,6 +4,8 @@
 
 #include <cstdlib>
 
+#include "hal/recording/recording.h"
+#include "hal/storage.h"
 #include "tests/contracts/expect.h"
 #include "tests/hil/usb_camera/picture_stamp.h"
 

@@ -5,9 +5,8 @@
 
 #include "hal/fault/faulty_gpu.h"
 #include "render/shrinkage.h"
-#include "tests/support/gpu.h"
 
-#include "tests/contracts/expect.h"
+#include "tests/support/checked_gpu.h"
 
 using namespace hdrcam;
 
@@ -72,21 +71,9 @@ TEST_CASE("a graphics device that is full or lost leaves shrinkage to the proces
 }
 
 TEST_CASE("the checks of Vulkan find nothing wrong with shrinkage", "[gpu]") {
-  if (test::open_test_gpu() == nullptr) {
-    WARN("not tested: no graphics device here");
-    return;
-  }
-  std::vector<std::string> complaints;
-  GpuOptions options = test::gpu_options();
-  options.complaints = &complaints;
-  auto gpu = open_gpu(options);
-  if (!gpu && gpu.error().code == ErrorCode::Unsupported) {
-    WARN("not tested: " << gpu.error().message);
-    return;
-  }
-  REQUIRE(gpu.ok());
+  test::CheckedGpu checked;
+  if (checked.gpu == nullptr) return;
   Noisy noisy(30, 41);
-  require_done(value_of(VulkanShrinkage::make(**gpu))->apply(noisy.radiance, noisy.variance, kOffset));
-  gpu->reset();
-  for (const std::string& complaint : complaints) FAIL_CHECK(complaint);
+  require_done(value_of(VulkanShrinkage::make(*checked.gpu))->apply(noisy.radiance, noisy.variance, kOffset));
+  checked.expect_no_complaints();
 }

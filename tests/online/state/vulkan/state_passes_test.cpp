@@ -11,10 +11,9 @@
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 #include "online/state/vulkan/vulkan_state.h"
-#include "tests/support/gpu.h"
 #include "tests/support/moving_scene.h"
 
-#include "tests/contracts/expect.h"
+#include "tests/support/checked_gpu.h"
 
 using namespace hdrcam;
 
@@ -390,29 +389,17 @@ TEST_CASE("a graphics device lost at any moment loses no frame: the processor go
 }
 
 TEST_CASE("the checks of Vulkan find nothing wrong with the state's passes", "[gpu]") {
-  if (test::open_test_gpu() == nullptr) {
-    WARN("not tested: no graphics device here");
-    return;
-  }
-  std::vector<std::string> complaints;
-  GpuOptions options = test::gpu_options();
-  options.complaints = &complaints;
-  auto gpu = open_gpu(options);
-  if (!gpu && gpu.error().code == ErrorCode::Unsupported) {
-    WARN("not tested: " << gpu.error().message);
-    return;
-  }
-  REQUIRE(gpu.ok());
+  test::CheckedGpu checked;
+  if (checked.gpu == nullptr) return;
   {
-    TwoLayers both(**gpu);
+    TwoLayers both(*checked.gpu);
     for (int i = 0; i < 5; ++i) {
       both.take(i);
       both.join_after(i, 2);
     }
     CHECK(both.there.trouble().empty());
   }
-  gpu->reset();
-  for (const std::string& complaint : complaints) FAIL_CHECK(complaint);
+  checked.expect_no_complaints();
 }
 
 TEST_CASE("the state's kernels are compiled and have run once within three seconds of processor time",

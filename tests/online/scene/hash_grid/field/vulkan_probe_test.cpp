@@ -9,9 +9,8 @@
 #include "hal/fault/faulty_gpu.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "tests/online/scene/hash_grid/fit/window_fixture.h"
-#include "tests/support/gpu.h"
 
-#include "tests/contracts/expect.h"
+#include "tests/support/checked_gpu.h"
 
 using namespace hdrcam;
 
@@ -155,29 +154,17 @@ TEST_CASE("a graphics device that is full or lost leaves views to the processor"
 }
 
 TEST_CASE("the checks of Vulkan find nothing wrong with views of the field", "[gpu]") {
-  if (test::open_test_gpu() == nullptr) {
-    WARN("not tested: no graphics device here");
-    return;
-  }
-  std::vector<std::string> complaints;
-  GpuOptions options = test::gpu_options();
-  options.complaints = &complaints;
-  auto gpu = open_gpu(options);
-  if (!gpu && gpu.error().code == ErrorCode::Unsupported) {
-    WARN("not tested: " << gpu.error().message);
-    return;
-  }
-  REQUIRE(gpu.ok());
+  test::CheckedGpu checked;
+  if (checked.gpu == nullptr) return;
   {
-    const auto probe = value_of(VulkanProbe::make(**gpu));
+    const auto probe = value_of(VulkanProbe::make(*checked.gpu));
     const Scene scene;
     const std::vector<ProbeRay> rays = scene.rays();
     std::vector<ProbeAnswer> answers(rays.size());
     require_done(probe->look(scene.field(), scene.view(1, 0.2f), rays, answers));
     require_done(probe->look(scene.field(), scene.view(2, 0), rays, answers));
   }
-  gpu->reset();
-  for (const std::string& complaint : complaints) FAIL_CHECK(complaint);
+  checked.expect_no_complaints();
 }
 
 TEST_CASE("the field's kernels are compiled and have run once within three seconds of processor time",
