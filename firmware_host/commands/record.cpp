@@ -8,7 +8,9 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/live/camera_source.h"
+#include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
+#include "firmware_host/run/recording_source.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
@@ -24,12 +26,37 @@ struct RecordFlags {
 const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                         SettingGroup::Record, SettingGroup::Machine};
 
+// A recording in place of the camera: every frame once more, with what is known of the camera, as fast as the
+// disk takes them.
+Result<void> record_again(const RecordFlags& flags, const Settings& settings, Surroundings& around) {
+  RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
+                                 .timeout = flags.limits.options(false).timeout,
+                                 .copy_to = settings.record.file};
+  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
+  const auto source =
+      TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));
+  Result<void> failed;
+  for (;;) {
+    const auto frame = source->next();
+    if (!frame) failed = frame.error();
+    if (!frame || frame.value() == nullptr) break;
+  }
+  RunRecord record;
+  const Result<void> ended = source->finish(record);
+  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  say("{} frames; {}\n{}\n", source->counters().emitted, proof_of(source->counters()), settings.record.file);
+  TRY(failed);
+  return ended;
+}
+
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
+  if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
+    return record_again(flags, settings, around);
   const auto camera =
       TRY(CameraSource::open(settings, flags.limits.options(false), around.storage, around.stop));
   LiveSession& session = camera->session();

@@ -157,7 +157,8 @@ std::vector<SettingField> camera_fields() {
           {"limited", "full"}),
       choice<kGroup, &C::pace, ReplayPace::AsFastAsAsked, ReplayPace::AsRecorded>(
           "camera.pace", "--pace",
-          "pace of replay:FILE: as fast as the fit takes its frames, or in real time, as from a camera",
+          "pace of replay:FILE: as fast as the fit or the recording takes its frames, or in real time, as "
+          "from a camera",
           {"fit", "realtime"}),
   };
 }

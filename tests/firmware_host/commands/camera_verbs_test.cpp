@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -119,6 +120,29 @@ TEST_CASE(
   const auto original = frames_in(folder + "/walk.mkv"), copy = frames_in(folder + "/copy.mkv");
   REQUIRE(copy.size() == original.size());
   for (std::size_t i = 0; i < copy.size(); ++i) CHECK(sample::same(copy[i], original[i]));
+}
+
+TEST_CASE("a recording recorded again is the same one, and does not take as long as it lasts") {
+  const std::string folder = sample::scratch_folder("record_again");
+  require_success({"simulate", "walk?size=64x48&fps=1", "--shutter", "1ms,4ms", "--frames", "40", "--truth",
+                   folder + "/clip"});
+  require_success({"import", folder + "/clip", "-o", folder + "/walk.mkv"});
+  const auto begin = std::chrono::steady_clock::now();
+  require_success({"record", "--camera", "replay:" + folder + "/walk.mkv", "-o", folder + "/copy.mkv"});
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
+  const auto original = frames_in(folder + "/walk.mkv"), copy = frames_in(folder + "/copy.mkv");
+  REQUIRE(original.size() == 40);
+  REQUIRE(copy.size() == original.size());
+  for (std::size_t i = 0; i < copy.size(); ++i) CHECK(sample::same(copy[i], original[i]));
+  const auto lens_of = [](const std::string& file) {
+    return value_of(open_recording(posix_storage(), file))->camera().intrinsics.has_value();
+  };
+  CHECK(lens_of(folder + "/walk.mkv"));
+  CHECK(lens_of(folder + "/copy.mkv"));
+
+  require_success(
+      {"record", "--camera", "replay:" + folder + "/walk.mkv", "--frames", "5", "-o", folder + "/first.mkv"});
+  CHECK(frames_in(folder + "/first.mkv").size() == 5);
 }
 
 TEST_CASE("wrong exposures of a clip are put right by import, replay and live, or are an error") {
