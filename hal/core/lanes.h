@@ -12,5 +12,26 @@ typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float)), aligned(
 [[maybe_unused]] inline Lanes load(const float* p) { return *reinterpret_cast<const Lanes*>(p); }
 [[maybe_unused]] inline void store(float* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
 
+// For loops that are written once for vectors and for what is over at a row's end: V is Lanes or float.
+template <class V>
+inline V get(const float* p) {
+  if constexpr (sizeof(V) == sizeof(Lanes))
+    return load(p);
+  else
+    return *p;
+}
+template <class V>
+inline void put(float* p, V value) {
+  if constexpr (sizeof(V) == sizeof(Lanes))
+    store(p, value);
+  else
+    *p = value;
+}
+// V{} + value in every lane.
+template <class V>
+inline V all(float value) {
+  return V{} + value;
+}
+
 }  // namespace
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -9,8 +9,8 @@
 
 namespace hdrcam {
 
-// B(S) - S: the change of the picture S by the exposure's blur. radiance, difference: [n, rows, cols]; flow:
-// [dx dy, rows, cols]. Zero where the motion is below a third of a pixel.
+// B(S) - S: the change of the picture S by the exposure's blur. radiance, difference: [rgb or fewer, rows,
+// cols]; flow: [dx dy, rows, cols]. Zero where the motion is below a third of a pixel.
 void blur_difference(const Image<float>& radiance, const Image<float>& flow, float fraction,
                      Image<float>& difference, WorkerPool& pool);
 

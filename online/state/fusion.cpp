@@ -1,16 +1,15 @@
 #include "online/state/fusion.h"
 
-#include <cmath>
-
-#include "capture/clip_policy.h"
-#include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
 #include "online/state/exposure_blur.h"
+#include "online/state/fusion_kernels.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr float kTiny = 1e-20f;
+SampleVariances noise_of(const ExposureTables& tables, int channel) {
+  return {tables.variances(channel).data(), tables.exposure()};
+}
 
 }  // namespace
 
@@ -25,22 +24,13 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
   for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
     image->reshape_like(codes);
   samples.blur.fill(0);
-  const int cols = codes.cols();
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y) {
-        const float *z = codes.row(c, y), *top = brightest.row(c, y);
-        float *radiance = samples.radiance.row(c, y), *weight = samples.weight.row(c, y);
-        float* comparable = samples.comparable.row(c, y);
-        for (int x = 0; x < cols; ++x) {
-          const float brighter = std::max(z[x], top[x]);
-          radiance[x] = tables.radiance(c, z[x]);
-          weight[x] = 1 - smooth_step(clip_policy::kFadeBegin, clip_policy::kFadeEnd, brighter);
-          comparable[x] =
-              (1 - smooth_step(clip_policy::kCompareFadeBegin, clip_policy::kCompareFadeEnd, brighter)) *
-              smooth_step(clip_policy::kCompareDarkBegin, clip_policy::kCompareDarkEnd, z[x]);
-        }
-      }
+      for (int y = y0; y < y1; ++y)
+        fusion_kernels().sample(
+            {codes.row(c, y), brightest.row(c, y), tables.radiances(c).data(), samples.radiance.row(c, y),
+             samples.weight.row(c, y), samples.comparable.row(c, y)},
+            codes.cols());
   });
 }
 
@@ -74,19 +64,12 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
       float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y);
       std::fill_n(chi2, cols, 0.f);
       std::fill_n(covered, cols, 0.f);
-      for (int c = 0; c < 3; ++c) {
-        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y);
-        const float *r = samples.radiance.row(c, y), *m = samples.comparable.row(c, y);
-        const float *mean = mean_.row(c, y), *contrast = contrast_.row(c, y), *blur = samples.blur.row(c, y);
-        for (int x = 0; x < cols; ++x) {
-          const float mask = v[x] < known ? m[x] : 0;
-          const float d = s[x] + blur[x] - r[x], average = 0.5f * (s[x] + r[x]);
-          const float allowed = v[x] + tables.variance(c, mean[x]) + relative2 * average * average +
-                                texture2 * contrast[x] + o.blur_tolerance * blur[x] * blur[x] + kTiny;
-          chi2[x] += mask * d * d / allowed;
-          covered[x] += mask;
-        }
-      }
+      for (int c = 0; c < 3; ++c)
+        fusion_kernels().compare(
+            {state.radiance.row(c, y), state.variance.row(c, y), mean_.row(c, y), contrast_.row(c, y),
+             samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur.row(c, y),
+             noise_of(tables, c), known, relative2, texture2, o.blur_tolerance, chi2, covered},
+            cols);
     }
   });
   box_mean(disagreement_, 2, disagreement_mean_, pool_);
@@ -95,25 +78,21 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   gate.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const float *chi2 = disagreement_mean_.row(0, y), *covered = coverage_mean_.row(0, y);
-      const float* trust = confidence.row(0, y);
-      float* g = gate.row(0, y);
-      for (int x = 0; x < cols; ++x) {
-        const float excess = std::max(0.f, chi2[x] / (covered[x] + 0.05f) - o.chi2_tolerance);
-        const float agreement =
-            1 - std::min(1.f, covered[x]) * (1 - o.gate_floor) * (1 - std::exp(-excess / o.chi2_scale));
-        // a clipped sample is a lower bound; a darker state does not show the same surface
-        float bound = 1;
-        for (int c = 0; c < 3; ++c) {
-          if (samples.weight.at(c, y, x) >= 0.05f) continue;
-          const float ratio = state.radiance.at(c, y, x) / (0.9f * samples.radiance.at(c, y, x) + kTiny);
-          if (ratio < 1) {
-            const float below = (1 - ratio) / 0.15f;
-            bound = std::min(bound, std::exp(-below * below));
-          }
-        }
-        g[x] = trust[x] * agreement * (o.gate_floor + (1 - o.gate_floor) * bound);
+      GatedRow row{.chi2 = disagreement_mean_.row(0, y),
+                   .covered = coverage_mean_.row(0, y),
+                   .trust = confidence.row(0, y),
+                   .state = {},
+                   .sample = {},
+                   .weight = {},
+                   .tolerance = o.chi2_tolerance,
+                   .scale = o.chi2_scale,
+                   .floor = o.gate_floor,
+                   .gate = gate.row(0, y)};
+      for (int c = 0; c < 3; ++c) {
+        row.state[c] = state.radiance.row(c, y);
+        row.sample[c] = samples.radiance.row(c, y), row.weight[c] = samples.weight.row(c, y);
       }
+      fusion_kernels().gate(row, cols);
     }
   });
 }
@@ -139,36 +118,23 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
   share.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      float* shared = share.row(0, y);
-      std::fill_n(shared, cols, 0.f);
-      const float* g = gate != nullptr ? gate->row(0, y) : nullptr;
-      for (int c = 0; c < 3; ++c) {
-        float *s = state.radiance.row(c, y), *v = state.variance.row(c, y);
-        const float *r = samples.radiance.row(c, y), *usable = samples.weight.row(c, y);
-        const float *mean = mean_.row(c, y), *blur = samples.blur.row(c, y);
-        const float* extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr;
-        for (int x = 0; x < cols; ++x) {
-          float variance = tables.variance(c, mean[x]) + relative2 * mean[x] * mean[x];
-          const float blur2 = blur[x] * blur[x];
-          float sample = r[x];
-          if (v[x] < known) {
-            sample = std::max(0.f, sample - blur[x] * blur2 / (blur2 + v[x] + kTiny));
-            variance += o.blur_variance * blur2;
-          } else {
-            variance += o.unknown_blur_variance * blur2;
-          }
-          if (extra != nullptr) variance += extra[x];
-          const float weight = usable[x] * (g != nullptr ? g[x] : 1.f) / (variance + kTiny);
-          const float before = 1 / (v[x] + kTiny);
-          if (weight > 1e-5f / (mean[x] * mean[x] + kTiny) || v[x] < known) {
-            s[x] = (s[x] * before + sample * weight) / (before + weight);
-            v[x] = 1 / (before + weight);
-            shared[x] += weight / (before + weight) * (1 / 3.f);
-          } else {
-            s[x] = std::max(r[x], s[x]);
-          }
-        }
-      }
+      std::fill_n(share.row(0, y), cols, 0.f);
+      for (int c = 0; c < 3; ++c)
+        fusion_kernels().update({.state = state.radiance.row(c, y),
+                                 .variance = state.variance.row(c, y),
+                                 .sample = samples.radiance.row(c, y),
+                                 .weight = samples.weight.row(c, y),
+                                 .mean = mean_.row(c, y),
+                                 .blur = samples.blur.row(c, y),
+                                 .gate = gate != nullptr ? gate->row(0, y) : nullptr,
+                                 .extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr,
+                                 .noise = noise_of(tables, c),
+                                 .known = known,
+                                 .relative2 = relative2,
+                                 .blur_variance = o.blur_variance,
+                                 .unknown_blur_variance = o.unknown_blur_variance,
+                                 .share = share.row(0, y)},
+                                cols);
     }
   });
 }
@@ -176,18 +142,11 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
 void Fusion::warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance) {
   const float scale = options_.misalignment * options_.misalignment;
   variance.reshape_like(contrast);
-  const int cols = contrast.cols();
   pool_.for_rows(contrast.rows(), [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      const float *u = flow.row(0, y), *v = flow.row(1, y);
-      for (int x = 0; x < cols; ++x) {
-        const float fx = u[x] - std::floor(u[x]), fy = v[x] - std::floor(v[x]);
-        const float between = 2 * (fx * (1 - fx) + fy * (1 - fy));
-        const float moving = std::min(1.f, std::sqrt(u[x] * u[x] + v[x] * v[x]));
-        const float factor = scale * (0.3f * moving + 0.7f * between);
-        for (int c = 0; c < contrast.channels(); ++c) variance.at(c, y, x) = factor * contrast.at(c, y, x);
-      }
-    }
+    for (int c = 0; c < contrast.channels(); ++c)
+      for (int y = y0; y < y1; ++y)
+        fusion_kernels().warp_variance(
+            {flow.row(0, y), flow.row(1, y), contrast.row(c, y), scale, variance.row(c, y)}, contrast.cols());
   });
 }
 

@@ -33,29 +33,37 @@ int SampleResiduals::slot_of(float exposure) {
 }
 
 void SampleResiduals::observe(const RadianceState& predicted, const Samples& samples,
-                              const Image<float>& confidence, const ExposureTables& tables, float white) {
-  const float known = known_limit(white), exposure2 = tables.exposure() * tables.exposure();
-  constexpr ResidualSampling how = kResidualSampling;
+                              const Image<float>& confidence, const ExposureTables& tables, float white,
+                              WorkerPool& pool) {
   begin();
-  for (int c = 0; c < 3; ++c)
-    for (int y = 1; y < predicted.radiance.rows() - 1; y += how.stride_px) {
-      const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
-      const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
-      const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
-      const float* trust = confidence.row(0, y);
-      for (int x = 1; x < predicted.radiance.cols() - 1; x += how.stride_px) {
-        if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
-        const float variance = tables.variance(c, s[x]) + v[x];
-        const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
-        const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);
-        if (misplaced > variance + how.relative * how.relative * s[x] * s[x]) continue;
-        const float x_seen = s[x] * tables.exposure();
-        const auto bin = static_cast<int>(std::lround(VarianceExcess::place_of(x_seen)));
-        take(c, bin, (r[x] - s[x] - b[x]) * tables.exposure(),
-             variance * exposure2 - tables.excess().at(static_cast<std::size_t>(c), x_seen));
-      }
+  VarianceExcess& slot = excess_[slot_of(tables.exposure())];
+  pool.for_each(3, [&](int channel) {
+    take_all(channel, predicted, samples, confidence, tables, known_limit(white));
+    learn(static_cast<std::size_t>(channel), slot);
+  });
+}
+
+void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samples& samples,
+                               const Image<float>& confidence, const ExposureTables& tables, float known) {
+  constexpr ResidualSampling how = kResidualSampling;
+  const float exposure2 = tables.exposure() * tables.exposure();
+  for (int y = 1; y < predicted.radiance.rows() - 1; y += how.stride_px) {
+    const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
+    const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
+    const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
+    const float* trust = confidence.row(0, y);
+    for (int x = 1; x < predicted.radiance.cols() - 1; x += how.stride_px) {
+      if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
+      const float variance = tables.variance(c, s[x]) + v[x];
+      const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
+      const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);
+      if (misplaced > variance + how.relative * how.relative * s[x] * s[x]) continue;
+      const float x_seen = s[x] * tables.exposure();
+      const auto bin = static_cast<int>(std::lround(VarianceExcess::place_of(x_seen)));
+      take(c, bin, (r[x] - s[x] - b[x]) * tables.exposure(),
+           variance * exposure2 - tables.excess().at(static_cast<std::size_t>(c), x_seen));
     }
-  learn(tables.exposure());
+  }
 }
 
 void SampleResiduals::begin() {
@@ -65,17 +73,20 @@ void SampleResiduals::begin() {
 
 void SampleResiduals::learn(float exposure) {
   VarianceExcess& slot = excess_[slot_of(exposure)];
-  for (std::size_t c = 0; c < 3; ++c)
-    for (std::size_t k = 0; k < VarianceExcess::kBins; ++k) {
-      Bin& bin = bins_[c][k];
-      if (bin.residuals.size() < kEnough) continue;
-      const auto middle = bin.predicted.begin() + static_cast<std::ptrdiff_t>(bin.predicted.size() / 2);
-      std::nth_element(bin.predicted.begin(), middle, bin.predicted.end());
-      const Spread spread = robust_spread(bin.residuals);
-      const double seen = spread.centre * spread.centre + spread.variance;
-      const auto excess = static_cast<float>(std::max(0.0, seen - static_cast<double>(*middle)));
-      slot.bins[c][k] += kLearning * (excess - slot.bins[c][k]);
-    }
+  for (std::size_t c = 0; c < 3; ++c) learn(c, slot);
+}
+
+void SampleResiduals::learn(std::size_t channel, VarianceExcess& slot) {
+  for (std::size_t k = 0; k < VarianceExcess::kBins; ++k) {
+    Bin& bin = bins_[channel][k];
+    if (bin.residuals.size() < kEnough) continue;
+    const auto middle = bin.predicted.begin() + static_cast<std::ptrdiff_t>(bin.predicted.size() / 2);
+    std::nth_element(bin.predicted.begin(), middle, bin.predicted.end());
+    const Spread spread = robust_spread(bin.residuals);
+    const double seen = spread.centre * spread.centre + spread.variance;
+    const auto excess = static_cast<float>(std::max(0.0, seen - static_cast<double>(*middle)));
+    slot.bins[channel][k] += kLearning * (excess - slot.bins[channel][k]);
+  }
 }
 
 const VarianceExcess& SampleResiduals::excess(float exposure) const {

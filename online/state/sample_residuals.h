@@ -30,7 +30,7 @@ class SampleResiduals {
   // predicted: the state carried to the frame, before its samples are fused. white: as for
   // known_limit().
   void observe(const RadianceState& predicted, const Samples& samples, const Image<float>& confidence,
-               const ExposureTables& tables, float white);
+               const ExposureTables& tables, float white, WorkerPool& pool);
 
   // The same in three steps, for callers that select the pixels themselves (kResidualSampling): start a
   // frame, add each selected pixel in a fixed order, learn the frame's excess.
@@ -45,6 +45,9 @@ class SampleResiduals {
 
  private:
   static int slot_of(float exposure);
+  void take_all(int channel, const RadianceState& predicted, const Samples& samples,
+                const Image<float>& confidence, const ExposureTables& tables, float known);
+  void learn(std::size_t channel, VarianceExcess& slot);
 
   // From the current frame: at most kCapacity of its pixels, picked evenly.
   struct Bin {

@@ -25,7 +25,7 @@ void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& table
                           const FlowField& to_previous) {
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(to_previous, frame.blur_fraction, tables);
-  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white());
+  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
   std::swap(state_, predicted_);
   fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
 }

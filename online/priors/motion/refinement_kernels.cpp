@@ -76,20 +76,6 @@ inline void across(int before, int cols, Body&& body) {
   for (; x + kLanes <= cols - 1; x += kLanes) body(x, Lanes{});
   for (; x < cols - 1; ++x) body(x, 0.f);
 }
-template <class V>
-inline V get(const float* p) {
-  if constexpr (sizeof(V) == sizeof(Lanes))
-    return load(p);
-  else
-    return *p;
-}
-template <class V>
-inline void put(float* p, V value) {
-  if constexpr (sizeof(V) == sizeof(Lanes))
-    store(p, value);
-  else
-    *p = value;
-}
 
 // What ties the pixels of row y to their right and lower neighbours: less where the flow changes.
 void tie(const FlowRefinement& r, const Equations& e, int y) {
@@ -147,39 +133,46 @@ void weigh(const FlowRefinement& r, const Equations& e, int y) {
   at(cols - 1, own[cols - 2] + above[cols - 1] + below[cols - 1]);
 }
 
-// The rows of one parity: neighbours in the row as they were, those above and below as they have become.
-void sweep(const FlowRefinement& r, const Equations& e, int parity) {
+// One row: neighbours in the row as they were, those above and below as they are now.
+void relax(const FlowRefinement& r, const Equations& e, int y) {
   constexpr float kRelaxed = 1.3f;
   const int rows = r.from.rows, cols = r.from.cols;
-  for (int y = parity; y < rows; y += 2) {
-    const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * cols;
-    const std::ptrdiff_t up = y > 0 ? -cols : 0, down = y + 1 < rows ? cols : 0;
-    float *u = r.flow.u + line, *v = r.flow.v + line;
-    const float *own = e.link + line, *above = y > 0 ? own - cols : e.none,
-                *below = y + 1 < rows ? own : e.none;
-    const auto solve = [&](int x, int left, int right, auto to_left, auto to_right) {
-      using V = decltype(to_left);
-      const std::ptrdiff_t i = line + x;
-      const V above_x = get<V>(above + x), below_x = get<V>(below + x), a12 = get<V>(e.a12 + i);
-      const V old_u = get<V>(u + x), old_v = get<V>(v + x);
-      const V su = to_left * get<V>(u + left) + to_right * get<V>(u + right) + above_x * get<V>(u + x + up) +
-                   below_x * get<V>(u + x + down);
-      const V sv = to_left * get<V>(v + left) + to_right * get<V>(v + right) + above_x * get<V>(v + x + up) +
-                   below_x * get<V>(v + x + down);
-      const V new_u = (su + get<V>(e.c1 + i) - a12 * old_v) * get<V>(e.inverse_u + i);
-      const V new_v = (sv + get<V>(e.c2 + i) - a12 * new_u) * get<V>(e.inverse_v + i);
-      put<V>(e.fresh_u + x, old_u + kRelaxed * (new_u - old_u));
-      put<V>(e.fresh_v + x, old_v + kRelaxed * (new_v - old_v));
-    };
-    solve(0, 0, 1, 0.f, own[0]);
-    across(1, cols, [&](int x, auto lane) {
-      using V = decltype(lane);
-      solve(x, x - 1, x + 1, get<V>(own + x - 1), get<V>(own + x));
-    });
-    solve(cols - 1, cols - 2, cols - 1, own[cols - 2], 0.f);
-    __builtin_memcpy(u, e.fresh_u, sizeof(float) * static_cast<std::size_t>(cols));
-    __builtin_memcpy(v, e.fresh_v, sizeof(float) * static_cast<std::size_t>(cols));
-  }
+  const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * cols;
+  const std::ptrdiff_t up = y > 0 ? -cols : 0, down = y + 1 < rows ? cols : 0;
+  float *u = r.flow.u + line, *v = r.flow.v + line;
+  const float *own = e.link + line, *above = y > 0 ? own - cols : e.none,
+              *below = y + 1 < rows ? own : e.none;
+  const auto solve = [&](int x, int left, int right, auto to_left, auto to_right) {
+    using V = decltype(to_left);
+    const std::ptrdiff_t i = line + x;
+    const V above_x = get<V>(above + x), below_x = get<V>(below + x), a12 = get<V>(e.a12 + i);
+    const V old_u = get<V>(u + x), old_v = get<V>(v + x);
+    const V su = to_left * get<V>(u + left) + to_right * get<V>(u + right) + above_x * get<V>(u + x + up) +
+                 below_x * get<V>(u + x + down);
+    const V sv = to_left * get<V>(v + left) + to_right * get<V>(v + right) + above_x * get<V>(v + x + up) +
+                 below_x * get<V>(v + x + down);
+    const V new_u = (su + get<V>(e.c1 + i) - a12 * old_v) * get<V>(e.inverse_u + i);
+    const V new_v = (sv + get<V>(e.c2 + i) - a12 * new_u) * get<V>(e.inverse_v + i);
+    put<V>(e.fresh_u + x, old_u + kRelaxed * (new_u - old_u));
+    put<V>(e.fresh_v + x, old_v + kRelaxed * (new_v - old_v));
+  };
+  solve(0, 0, 1, 0.f, own[0]);
+  across(1, cols, [&](int x, auto lane) {
+    using V = decltype(lane);
+    solve(x, x - 1, x + 1, get<V>(own + x - 1), get<V>(own + x));
+  });
+  solve(cols - 1, cols - 2, cols - 1, own[cols - 2], 0.f);
+  __builtin_memcpy(u, e.fresh_u, sizeof(float) * static_cast<std::size_t>(cols));
+  __builtin_memcpy(v, e.fresh_v, sizeof(float) * static_cast<std::size_t>(cols));
+}
+
+// All sweeps, each over the even rows and then over the odd ones. A half sweep follows the one before it one
+// row behind, so that the rows between them stay in the cache; the result is that of one after the other.
+void sweep(const FlowRefinement& r, const Equations& e) {
+  const int rows = r.from.rows, halves = 2 * r.sweeps;
+  for (int front = 0; front < rows + halves; front += 2)
+    for (int half = 0; half < halves && half <= front; ++half)
+      if (front - half < rows) relax(r, e, front - half);
 }
 
 void refine(const FlowRefinement& r) {
@@ -188,9 +181,8 @@ void refine(const FlowRefinement& r) {
   for (int x = 0; x < r.from.cols; ++x) equations.none[x] = 0;
   linearise(r, equations);
   for (int round = 0; round < r.rounds; ++round) {
-    for (int y = 0; y < rows; ++y) tie(r, equations, y);
-    for (int y = 0; y < rows; ++y) weigh(r, equations, y);
-    for (int i = 0; i < r.sweeps; ++i) sweep(r, equations, 0), sweep(r, equations, 1);
+    for (int y = 0; y < rows; ++y) tie(r, equations, y), weigh(r, equations, y);
+    sweep(r, equations);
   }
 }
 

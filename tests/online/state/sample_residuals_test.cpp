@@ -22,13 +22,14 @@ TEST_CASE(
     *image = Image<float>(3, kRows, kCols);
   samples.weight.fill(1);
 
+  WorkerPool pool(2);
   SampleResiduals residuals;
   ExposureTables tables(response, noise, 1);
   const float at_first = tables.variance(0, kRadiance), elsewhere = tables.variance(0, 0.5f);
   const auto see = [&](float offset, int frames) {
     samples.radiance.fill(kRadiance + offset);
     for (int i = 0; i < frames; ++i) {
-      residuals.observe(predicted, samples, confidence, tables, kWhite);
+      residuals.observe(predicted, samples, confidence, tables, kWhite, pool);
       tables.rebuild(response, noise, residuals.excess(1));
     }
   };

@@ -1,0 +1,188 @@
+// Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
+// fusion.h says what the passes mean.
+#include "online/state/fusion_kernels.h"
+
+#include "capture/clip_policy.h"
+#include "hal/core/lane_functions.h"
+#include "hal/core/lanes.h"
+
+namespace hdrcam::HDRCAM_TARGET {
+namespace {
+
+constexpr float kTiny = 1e-20f;
+constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
+
+// V is Lanes, or float for what is over at the end of a row.
+template <class V>
+inline V least(V a, V b) {
+  return a < b ? a : b;
+}
+template <class V>
+inline V most(V a, V b) {
+  return a > b ? a : b;
+}
+template <class V>
+inline V clamped(V v, float low, float high) {
+  return least(most(v, all<V>(low)), all<V>(high));
+}
+template <class V>
+inline V step(float begin, float end, V x) {
+  const V t = clamped((x - begin) * (1 / (end - begin)), 0, 1);
+  return t * t * (3 - 2 * t);
+}
+
+// Calls body(first, count) for one block of a row after the other.
+template <class Body>
+inline void in_blocks(int n, Body&& body) {
+  for (int x0 = 0; x0 < n; x0 += kBlock) body(x0, n - x0 < kBlock ? n - x0 : kBlock);
+}
+// Calls body(x, V{}) for all n pixels.
+template <class Body>
+inline void across(int n, Body&& body) {
+  int x = 0;
+  for (; x + kLanes <= n; x += kLanes) body(x, Lanes{});
+  for (; x < n; ++x) body(x, 0.f);
+}
+
+// For a block of pixels of this radiance.
+inline void variances_of(const SampleVariances& noise, const float* __restrict radiance, int n,
+                         float* __restrict variance) {
+  constexpr float kSegments = 2048;  // uniform in the root of the relative exposure
+  alignas(64) int place[kBlock];
+  for (int i = 0; i < n; ++i)
+    place[i] = static_cast<int>(__builtin_sqrtf(clamped(radiance[i] * noise.exposure, 0, 1)) * kSegments);
+  for (int i = 0; i < n; ++i) variance[i] = noise.table[place[i]];
+}
+
+void sample(const SampledRow& row, int n) {
+  using namespace clip_policy;
+  in_blocks(n, [&](int x0, int count) {
+    const float *codes = row.codes + x0, *brightest = row.brightest + x0;
+    alignas(64) float place[kBlock];
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const V code = get<V>(codes + i), bright = most(code, get<V>(brightest + i));
+      put(place + i, clamped(code, 0, 255));
+      put<V>(row.weight + x0 + i, 1 - step(kFadeBegin, kFadeEnd, bright));
+      put<V>(row.comparable + x0 + i, (1 - step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
+                                          step(kCompareDarkBegin, kCompareDarkEnd, code));
+    });
+    float* __restrict radiance = row.radiance + x0;
+    for (int i = 0; i < count; ++i) {
+      const int z = static_cast<int>(place[i]);
+      const float low = row.radiances[z], high = row.radiances[z + 1];
+      radiance[i] = low + (high - low) * (place[i] - static_cast<float>(z));
+    }
+  });
+}
+
+void compare(const ComparedRow& row, int n) {
+  in_blocks(n, [&](int x0, int count) {
+    alignas(64) float noise[kBlock];
+    variances_of(row.noise, row.mean + x0, count, noise);
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const int x = x0 + i;
+      const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
+      const V blur = get<V>(row.blur + x);
+      const V mask = v < row.known ? get<V>(row.comparable + x) : V{};
+      const V off = s + blur - r, average = 0.5f * (s + r);
+      const V allowed = v + get<V>(noise + i) + row.relative2 * average * average +
+                        row.texture2 * get<V>(row.contrast + x) + row.blur_tolerance * blur * blur + kTiny;
+      put(row.chi2 + x, get<V>(row.chi2 + x) + mask * off * off / allowed);
+      put(row.covered + x, get<V>(row.covered + x) + mask);
+    });
+  });
+}
+
+void gate(const GatedRow& row, int n) {
+  const float scale = 1 / row.scale, open = 1 - row.floor;
+  in_blocks(n, [&](int x0, int count) {
+    alignas(64) float agrees[kBlock], bounded[kBlock];  // logarithms
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const int x = x0 + i;
+      const V excess = get<V>(row.chi2 + x) / (get<V>(row.covered + x) + 0.05f) - row.tolerance;
+      put(agrees + i, -scale * most(excess, V{}));
+      // a clipped sample is a lower bound; a darker state does not show the same surface
+      V below{};
+      for (int c = 0; c < 3; ++c) {
+        const V ratio = get<V>(row.state[c] + x) / (0.9f * get<V>(row.sample[c] + x) + kTiny);
+        const V under = (1 - ratio) / 0.15f;
+        below = most(get<V>(row.weight[c] + x) < 0.05f ? under : V{}, below);
+      }
+      put(bounded + i, -below * below);
+    });
+    for (int i = 0; i < count; ++i) agrees[i] = exp_of(agrees[i]);
+    for (int i = 0; i < count; ++i) bounded[i] = exp_of(bounded[i]);
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const int x = x0 + i;
+      const V agreement = 1 - least(all<V>(1), get<V>(row.covered + x)) * open * (1 - get<V>(agrees + i));
+      put(row.gate + x, get<V>(row.trust + x) * agreement * (row.floor + open * get<V>(bounded + i)));
+    });
+  });
+}
+
+void update(const UpdatedRow& row, int n) {
+  in_blocks(n, [&](int x0, int count) {
+    alignas(64) float noise[kBlock];
+    variances_of(row.noise, row.mean + x0, count, noise);
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const int x = x0 + i;
+      const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
+      const V mean = get<V>(row.mean + x), mean2 = mean * mean;
+      const V blur = get<V>(row.blur + x), blur2 = blur * blur;
+      const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
+      const V taken = v < row.known ? sharp : r;
+      const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
+      V doubt = get<V>(noise + i) + row.relative2 * mean2 + blur_doubt * blur2;
+      if (row.extra != nullptr) doubt += get<V>(row.extra + x);
+      V weight = get<V>(row.weight + x) / (doubt + kTiny);
+      if (row.gate != nullptr) weight *= get<V>(row.gate + x);
+      const V before = 1 / (v + kTiny), both = 1 / (before + weight);
+      // what no frame saw unclipped keeps the larger of the bounds
+      const V limit = v < row.known ? all<V>(-1) : 1e-5f / (mean2 + kTiny);
+      put<V>(row.state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
+      put<V>(row.variance + x, weight > limit ? both : v);
+      put<V>(row.share + x, get<V>(row.share + x) + (weight > limit ? weight * both * (1 / 3.f) : V{}));
+    });
+  });
+}
+
+// The fraction of a pixel, of an ordinary number.
+inline float beyond(float v) {
+  const float f = v - static_cast<float>(static_cast<int>(v));
+  return f + (f < 0 ? 1 : 0);
+}
+inline Lanes beyond(Lanes v) {
+  typedef int Whole __attribute__((vector_size(sizeof(Lanes))));
+  const Lanes f = v - __builtin_convertvector(__builtin_convertvector(v, Whole), Lanes);
+  return f < 0 ? f + 1 : f;
+}
+
+void warp_variance(const WarpedRow& row, int n) {
+  constexpr float kFar = 1e6f;  // pixels
+  in_blocks(n, [&](int x0, int count) {
+    alignas(64) float length[kBlock];
+    const float* __restrict dx = row.dx + x0, * __restrict dy = row.dy + x0;
+    for (int i = 0; i < count; ++i) length[i] = __builtin_sqrtf(dx[i] * dx[i] + dy[i] * dy[i]);
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const V fx = beyond(clamped(get<V>(dx + i), -kFar, kFar));
+      const V fy = beyond(clamped(get<V>(dy + i), -kFar, kFar));
+      const V between = 2 * (fx * (1 - fx) + fy * (1 - fy));
+      const V moving = least(all<V>(1), get<V>(length + i));
+      put<V>(row.variance + x0 + i,
+             row.scale * (0.3f * moving + 0.7f * between) * get<V>(row.contrast + x0 + i));
+    });
+  });
+}
+
+}  // namespace
+
+extern const FusionKernels kFusionKernels;
+const FusionKernels kFusionKernels{&sample, &compare, &gate, &update, &warp_variance};
+
+}  // namespace hdrcam::HDRCAM_TARGET

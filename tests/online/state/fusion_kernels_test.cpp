@@ -1,0 +1,222 @@
+#include "online/state/fusion_kernels.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "capture/clip_policy.h"
+#include "hal/core/interpolate.h"
+#include "online/state/exposure_blur_kernels.h"
+#include "online/state/exposure_tables.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+using Row = std::vector<float>;
+constexpr std::array<int, 6> kSizes{1, 7, 8, 63, 64, 331};  // around a vector and around a block
+constexpr float kTiny = 1e-20f;
+
+class Numbers {
+ public:
+  Row between(float low, float high, int n) {
+    Row row(static_cast<std::size_t>(n));
+    for (float& v : row) v = std::uniform_real_distribution<float>(low, high)(engine_);
+    return row;
+  }
+
+ private:
+  std::mt19937 engine_{5};
+};
+
+void require_near(const Row& found, const Row& expected, float relative) {
+  for (std::size_t x = 0; x < expected.size(); ++x) {
+    INFO("pixel " << x << " of " << expected.size());
+    REQUIRE(found[x] == Approx(expected[x]).epsilon(relative).margin(1e-7));
+  }
+}
+
+const ExposureTables& tables() {
+  static const ExposureTables kTables(Response::gamma(2.2f), {}, 0.5f);
+  return kTables;
+}
+SampleVariances noise() { return {tables().variances(1).data(), tables().exposure()}; }
+
+}  // namespace
+
+TEST_CASE("samples are read from the tables, and fade where fusion.h says", "[isa]") {
+  Numbers numbers;
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    Row codes = numbers.between(-3, 258, n), brightest = numbers.between(0, 255, n);
+    codes[0] = 255;
+    Row radiance(size), weight(size), comparable(size);
+    fusion_kernels().sample({codes.data(), brightest.data(), tables().radiances(1).data(), radiance.data(),
+                             weight.data(), comparable.data()},
+                            n);
+    Row as_read(size), as_weighed(size), as_compared(size);
+    for (std::size_t x = 0; x < size; ++x) {
+      using namespace clip_policy;
+      const float bright = std::max(codes[x], brightest[x]);
+      as_read[x] = tables().radiance(1, codes[x]);
+      as_weighed[x] = 1 - smooth_step(kFadeBegin, kFadeEnd, bright);
+      as_compared[x] = (1 - smooth_step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
+                       smooth_step(kCompareDarkBegin, kCompareDarkEnd, codes[x]);
+    }
+    require_near(radiance, as_read, 1e-5f);
+    require_near(weight, as_weighed, 1e-4f);
+    require_near(comparable, as_compared, 1e-4f);
+  }
+}
+
+TEST_CASE("the gate compares what both know, and takes clipped samples for bounds", "[isa]") {
+  Numbers numbers;
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    constexpr float kKnown = 1, kRelative2 = 0.01f, kTexture2 = 0.06f, kBlur = 0.1f;
+    const Row state = numbers.between(0, 1, n), variance = numbers.between(0, 2, n);
+    const Row mean = numbers.between(0, 1, n), contrast = numbers.between(0, 0.1f, n);
+    const Row sample = numbers.between(0, 1, n), comparable = numbers.between(0, 1, n);
+    const Row blur = numbers.between(-0.1f, 0.1f, n);
+    Row chi2(size, 0.5f), covered(size, 0.25f), as_chi2 = chi2, as_covered = covered;
+    fusion_kernels().compare(
+        {state.data(), variance.data(), mean.data(), contrast.data(), sample.data(), comparable.data(),
+         blur.data(), noise(), kKnown, kRelative2, kTexture2, kBlur, chi2.data(), covered.data()},
+        n);
+    for (std::size_t x = 0; x < size; ++x) {
+      const float mask = variance[x] < kKnown ? comparable[x] : 0;
+      const float off = state[x] + blur[x] - sample[x], average = 0.5f * (state[x] + sample[x]);
+      as_chi2[x] += mask * off * off /
+                    (variance[x] + tables().variance(1, mean[x]) + kRelative2 * average * average +
+                     kTexture2 * contrast[x] + kBlur * blur[x] * blur[x] + kTiny);
+      as_covered[x] += mask;
+    }
+    require_near(chi2, as_chi2, 1e-4f);
+    require_near(covered, as_covered, 1e-5f);
+
+    const Row trust = numbers.between(0, 1, n), bright = numbers.between(0.5f, 3, n);
+    const Row weight = numbers.between(0, 0.1f, n);
+    Row gate(size), as_gated(size);
+    GatedRow row{chi2.data(), covered.data(), trust.data(), {}, {}, {}, 1.5f, 1.5f, 0.002f, gate.data()};
+    for (int c = 0; c < 3; ++c)
+      row.state[c] = state.data(), row.sample[c] = c == 1 ? bright.data() : sample.data(),
+      row.weight[c] = weight.data();
+    fusion_kernels().gate(row, n);
+    for (std::size_t x = 0; x < size; ++x) {
+      const float excess = std::max(0.f, chi2[x] / (covered[x] + 0.05f) - 1.5f);
+      float bound = 1;
+      for (const float r : {sample[x], bright[x]}) {
+        const float below = std::max(0.f, 1 - state[x] / (0.9f * r + kTiny)) / 0.15f;
+        if (weight[x] < 0.05f) bound = std::min(bound, std::exp(-below * below));
+      }
+      const float agreement = 1 - std::min(1.f, covered[x]) * 0.998f * (1 - std::exp(-excess / 1.5f));
+      as_gated[x] = trust[x] * agreement * (0.002f + 0.998f * bound);
+    }
+    require_near(gate, as_gated, 1e-4f);
+  }
+}
+
+TEST_CASE("the update is the inverse-variance mean, or the larger bound of what nobody knows", "[isa]") {
+  Numbers numbers;
+  for (const int n : kSizes)
+    for (const bool whole : {false, true}) {
+      const auto size = static_cast<std::size_t>(n);
+      constexpr float kKnown = 1, kRelative2 = 4e-4f, kBlur = 1, kUnknownBlur = 8;
+      Row state = numbers.between(0, 1, n), variance = numbers.between(0, 2, n);
+      const Row sample = numbers.between(0, 1, n), mean = numbers.between(0.01f, 1, n);
+      const Row blur = numbers.between(-0.1f, 0.1f, n), gate = numbers.between(0, 1, n);
+      const Row extra = numbers.between(0, 0.1f, n);
+      Row weight = numbers.between(-1, 1, n), share(size, 0.1f);
+      for (float& w : weight) w = std::max(0.f, w);
+      Row as_state = state, as_variance = variance, as_shared = share;
+      fusion_kernels().update({state.data(), variance.data(), sample.data(), weight.data(), mean.data(),
+                               blur.data(), whole ? nullptr : gate.data(), whole ? nullptr : extra.data(),
+                               noise(), kKnown, kRelative2, kBlur, kUnknownBlur, share.data()},
+                              n);
+      for (std::size_t x = 0; x < size; ++x) {
+        float &s = as_state[x], &v = as_variance[x];
+        const float blur2 = blur[x] * blur[x];
+        float doubt = tables().variance(1, mean[x]) + kRelative2 * mean[x] * mean[x], taken = sample[x];
+        if (v < kKnown) {
+          taken = std::max(0.f, taken - blur[x] * blur2 / (blur2 + v + kTiny));
+          doubt += kBlur * blur2;
+        } else {
+          doubt += kUnknownBlur * blur2;
+        }
+        if (!whole) doubt += extra[x];
+        const float w = weight[x] * (whole ? 1 : gate[x]) / (doubt + kTiny), before = 1 / (v + kTiny);
+        if (v < kKnown || w > 1e-5f / (mean[x] * mean[x] + kTiny)) {
+          s = (s * before + taken * w) / (before + w);
+          v = 1 / (before + w);
+          as_shared[x] += w / (before + w) / 3;
+        } else {
+          s = std::max(s, sample[x]);
+        }
+      }
+      require_near(state, as_state, 1e-4f);
+      require_near(variance, as_variance, 1e-4f);
+      require_near(share, as_shared, 1e-4f);
+    }
+}
+
+TEST_CASE("a warp adds variance by its length and by its fraction of a pixel", "[isa]") {
+  Numbers numbers;
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    Row dx = numbers.between(-5, 5, n);
+    const Row dy = numbers.between(-0.5f, 0.5f, n), contrast = numbers.between(0, 1, n);
+    dx[0] = -2;
+    Row variance(size), expected(size);
+    fusion_kernels().warp_variance({dx.data(), dy.data(), contrast.data(), 0.16f, variance.data()}, n);
+    for (std::size_t x = 0; x < size; ++x) {
+      const float fx = dx[x] - std::floor(dx[x]), fy = dy[x] - std::floor(dy[x]);
+      const float between = 2 * (fx * (1 - fx) + fy * (1 - fy));
+      expected[x] = 0.16f * (0.3f * std::min(1.f, std::hypot(dx[x], dy[x])) + 0.7f * between) * contrast[x];
+    }
+    require_near(variance, expected, 1e-3f);
+  }
+}
+
+TEST_CASE("the blur of an exposure is the mean over its instants, a third of a pixel and less is none",
+          "[isa]") {
+  Numbers numbers;
+  constexpr int kRows = 9, kCols = 75;
+  constexpr float kFraction = 0.7f;
+  const Row picture = numbers.between(0, 1, 3 * kRows * kCols);
+  // one motion everywhere, so that the place where it is seen does not matter
+  for (const auto& [dx, dy] : {std::pair{0.4f, 0.f}, {2.3f, -1.2f}, {-30.f, 4.f}, {200.f, 0.f}}) {
+    const Row u(kRows * kCols, dx), v(kRows * kCols, dy);
+    Row difference(picture.size(), 7), expected(picture.size());
+    exposure_blur_kernels().blur(
+        {picture.data(), u.data(), v.data(), kFraction, difference.data(), 3, kRows, kCols, 0, kRows});
+    const float length = std::hypot(dx, dy) * kFraction;
+    const int count =
+        length < 0.3f ? 0 : std::clamp(static_cast<int>(std::ceil(std::min(length, 64.f))) + 1, 3, 9);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) {
+          const float* plane = picture.data() + c * kRows * kCols;
+          const auto at = static_cast<std::size_t>((c * kRows + y) * kCols + x);
+          float sum = 0;
+          for (int k = 0; k < count; ++k) {
+            const float instant =
+                kFraction * ((static_cast<float>(k) + 0.5f) / static_cast<float>(count) - 0.5f);
+            const float sx = std::clamp(static_cast<float>(x) + instant * dx, 0.f, kCols - 1.f);
+            const float sy = std::clamp(static_cast<float>(y) + instant * dy, 0.f, kRows - 1.f);
+            const int ix = std::min(static_cast<int>(sx), kCols - 2),
+                      iy = std::min(static_cast<int>(sy), kRows - 2);
+            const float fx = sx - static_cast<float>(ix), fy = sy - static_cast<float>(iy);
+            const float* p = plane + iy * kCols + ix;
+            sum += (1 - fy) * ((1 - fx) * p[0] + fx * p[1]) + fy * ((1 - fx) * p[kCols] + fx * p[kCols + 1]);
+          }
+          expected[at] = count == 0 ? 0 : sum / static_cast<float>(count) - picture[at];
+        }
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      INFO("motion " << dx << ", " << dy << "; sample " << i);
+      REQUIRE(difference[i] == Approx(expected[i]).margin(2e-5));
+    }
+  }
+}
