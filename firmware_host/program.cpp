@@ -33,6 +33,7 @@ constexpr ListedVerb kVerbs[] = {
     {"HDR", "live", add_live, "hdrcam live --camera sim:walk --frames 90 -o out/%06d.exr"},
     {"HDR", "encode", add_encode, "hdrcam encode out/%06d.exr -o walk.mp4"},
     {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
+    {"HDR", "bench", add_bench, "hdrcam bench pareto clips/walk -o cost"},
     {"Recordings", "record", add_record, "hdrcam record --shutter 1ms,4ms,16ms --frames 300 -o walk.mkv"},
     {"Recordings", "import", add_import, "hdrcam import clips/walk -o walk.mkv"},
     {"Recordings", "export", add_export, "hdrcam export walk.mkv -o frames"},

@@ -36,5 +36,6 @@ void add_record(CLI::App& app, Verb& chosen);
 void add_calibrate(CLI::App& app, Verb& chosen);
 void add_list(CLI::App& app, Verb& chosen);
 void add_simulate(CLI::App& app, Verb& chosen);
+void add_bench(CLI::App& app, Verb& chosen);
 
 }  // namespace hdrcam

@@ -18,6 +18,13 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage,
       new RecordingSource(std::move(recording), std::move(copy), options, stop));
 }
 
+std::unique_ptr<RecordingSource> RecordingSource::of(std::unique_ptr<RecordingReader> frames,
+                                                     const RecordingSourceOptions& options,
+                                                     const std::atomic<bool>& stop) {
+  auto recording = std::make_unique<RecordingStage>(std::move(frames), options.contradiction);
+  return std::unique_ptr<RecordingSource>(new RecordingSource(std::move(recording), nullptr, options, stop));
+}
+
 std::optional<int> RecordingSource::frame_count() const {
   const std::optional<int> all = recording_->frame_count();
   if (options_.frames == 0) return all;

@@ -33,6 +33,11 @@ class RecordingSource : public FrameSource {
                                                        const RecordingSourceOptions& options,
                                                        const std::atomic<bool>& stop);
 
+  // The same of frames from elsewhere, such as a clip of images.
+  static std::unique_ptr<RecordingSource> of(std::unique_ptr<RecordingReader> frames,
+                                             const RecordingSourceOptions& options,
+                                             const std::atomic<bool>& stop);
+
   const CameraFacts& camera() const override { return recording_->camera(); }
   RunPace pace() const override { return RunPace::Clip; }
   std::optional<int> frame_count() const override;

@@ -194,6 +194,27 @@ std::string line_chart(const Chart& chart) {
   return svg + limit_line(chart, frame) + closed(chart);
 }
 
+std::string marked_points(const Chart& chart, const std::vector<std::string>& names) {
+  constexpr double kAir = 0.08;  // of the range, to the left and right of the marks
+  std::vector<double> values;
+  for (const ChartSeries& series : chart.series)
+    values.insert(values.end(), series.y.begin(), series.y.end());
+  Range across = range_of(chart.x, false);
+  const double air = kAir * (across.most - across.least);
+  across.least -= air, across.most += air;
+  const Frame frame{across, vertical_range(chart, values), chart.logarithmic_y};
+  std::string svg = opened(chart) + axes(chart, frame);
+  auto out = std::back_inserter(svg);
+  for (const ChartSeries& series : chart.series)
+    for (std::size_t i = 0; i < series.y.size(); ++i) {
+      if (!shown(series.y[i], chart.logarithmic_y)) continue;
+      const double x = frame.right_of(chart.x[i]), y = frame.height_of(series.y[i]);
+      fmt::format_to(out, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4\" fill=\"{}\"/>", x, y, series.colour);
+      fmt::format_to(out, "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n", x + 6, y - 5, escaped(names[i]));
+    }
+  return svg + closed(chart);
+}
+
 std::string stacked_bars(const Chart& chart) {
   std::vector<double> totals(chart.x.size(), 0.0);
   for (const ChartSeries& series : chart.series)

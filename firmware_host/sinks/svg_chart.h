@@ -29,7 +29,7 @@ struct ChartLimit {  // a horizontal line to compare with
 struct Chart {
   std::string label;  // the chart's text for screen readers
   std::string x_label, y_label;
-  std::vector<double> x;  // increasing
+  std::vector<double> x;  // increasing, except for marked_points()
   std::vector<ChartSeries> series;
   std::optional<ChartLimit> limit;
   bool logarithmic_y = false;             // powers of ten; values <= 0 are gaps
@@ -39,6 +39,9 @@ struct Chart {
 std::string line_chart(const Chart& chart);
 // One bar per x, the series on top of each other in their order. Ignores logarithmic_y.
 std::string stacked_bars(const Chart& chart);
+
+// A mark for each value, with names[i] beside the marks at x[i]; no lines.
+std::string marked_points(const Chart& chart, const std::vector<std::string>& names);
 
 // Round values that divide [least, most] into about `wanted` steps of 1, 2 or 5 times a power of ten.
 std::vector<double> round_ticks(double least, double most, int wanted);

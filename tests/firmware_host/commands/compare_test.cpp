@@ -1,35 +1,19 @@
 // The verb `compare` as a user meets it: the program, a clip on disk, what it prints and how it ends.
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "hal/storage.h"
-#include "tests/places.h"
 #include "tests/render/scores/synthetic_clip.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/ran.h"
 
 namespace hdrcam {
 namespace {
 
-struct Run {
-  int exit_code = -1;
-  std::string output;  // both streams
-};
+using test::Ran;
 
-Run run_compare(const std::string& arguments) {
-  FILE* pipe = popen((std::string(HDRCAM_BINARY) + " compare " + arguments + " 2>&1").c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Run run;
-  char buffer[512];
-  while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) run.output.append(buffer, n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
-  return run;
-}
+Ran run_compare(const std::string& arguments) { return test::ran("compare " + arguments); }
 
 }  // namespace
 
@@ -42,7 +26,7 @@ TEST_CASE("hdrcam compare prints a table with units and writes the same figures 
       synthetic_clip::write_estimate(clip / fmt::format("out/{:06d}.exr", i), i,
                                      synthetic_clip::Geometry::With);
 
-  const Run run = run_compare(fmt::format("{0} {0}/out/ --label mine --json {0}/scores.json", clip.path()));
+  const Ran run = run_compare(fmt::format("{0} {0}/out/ --label mine --json {0}/scores.json", clip.path()));
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
   for (const char* word :
@@ -58,12 +42,12 @@ TEST_CASE("hdrcam compare prints a table with units and writes the same figures 
 TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is nothing to compare") {
   synthetic_clip::TemporaryFolder clip;
   synthetic_clip::write_clip(clip.path());
-  const Run no_frames = run_compare(fmt::format("{0} {0}/gt", clip.path()));
+  const Ran no_frames = run_compare(fmt::format("{0} {0}/gt", clip.path()));
   REQUIRE(no_frames.exit_code != 0);
   REQUIRE(no_frames.output.find("no HDR frames") != std::string::npos);
 
   std::filesystem::remove_all(clip / "gt");
-  const Run no_truth = run_compare(fmt::format("{0} {0}", clip.path()));
+  const Ran no_truth = run_compare(fmt::format("{0} {0}", clip.path()));
   REQUIRE(no_truth.exit_code != 0);
   REQUIRE(no_truth.output.find("no ground truth") != std::string::npos);
 }

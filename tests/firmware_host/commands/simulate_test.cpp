@@ -1,8 +1,5 @@
 // The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is
 // explained.
-#include <sys/wait.h>
-
-#include <cstdio>
 #include <string>
 
 #include "hal/recording/image_sequence.h"
@@ -10,30 +7,18 @@
 #include "render/scores/scores.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/places.h"
+
+#include "tests/support/ran.h"
 
 using namespace hdrcam;
+using test::Ran;
 
 namespace {
 
-struct Run {
-  int exit_code = -1;
-  std::string output;  // both streams
-};
-
-Run run_simulate(const std::string& arguments) {
-  FILE* pipe = popen((std::string(HDRCAM_BINARY) + " simulate " + arguments + " 2>&1").c_str(), "r");
-  REQUIRE(pipe != nullptr);
-  Run run;
-  char buffer[512];
-  while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) run.output.append(buffer, n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
-  return run;
-}
+Ran run_simulate(const std::string& arguments) { return test::ran("simulate " + arguments); }
 
 void require_success(const std::string& arguments) {
-  const Run run = run_simulate(arguments);
+  const Ran run = run_simulate(arguments);
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
 }
@@ -97,7 +82,7 @@ TEST_CASE("dropped frames are gaps in the recording, flagged behind the gap") {
 }
 
 TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
-  const Run run = run_simulate("'night?size=64x48' --explain");
+  const Ran run = run_simulate("'night?size=64x48' --explain");
   INFO(run.output);
   REQUIRE(run.exit_code == 0);
   for (const char* words :

@@ -1,0 +1,106 @@
+// hdrcam bench pareto CLIP..: what accuracy costs in time, on this machine.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "firmware_host/bench/cost_page.h"
+#include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/run_limits.h"
+#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/terminal.h"
+
+namespace hdrcam {
+namespace {
+
+struct BenchFlags {
+  CostWalk walk;
+  std::vector<std::string> points;
+  std::string output;
+  KeptWork kept;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+// The points that were asked for by name, or all.
+Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
+                                             const std::vector<std::string>& names) {
+  if (names.empty()) return all;
+  std::vector<CostPoint> points;
+  for (const std::string& wanted : names) {
+    const auto found = std::ranges::find(all, wanted, &CostPoint::name);
+    if (found == all.end()) {
+      std::vector<std::string> known;
+      for (const CostPoint& point : all) known.push_back(point.name);
+      return Error{ErrorCode::Invalid,
+                   fmt::format("there is no point '{}'; there are {}", wanted, fmt::join(known, ", "))};
+    }
+    points.push_back(*found);
+  }
+  return points;
+}
+
+Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
+  const Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  CostWalk plan = flags.walk;
+  plan.points = TRY(chosen_points(cost_points(settings.fit), flags.points));
+  const auto page = [&](const char* name) { return flags.output + "/" + name; };
+  std::vector<NamedInput> inputs;
+  for (const std::string& clip : plan.clips) inputs.push_back({"a clip that is read", clip + "/clip.json"});
+  TRY(flags.kept.check(around.storage, inputs,
+                       {{"--output", page("pareto.json")},
+                        {"--output", page("pareto.html")},
+                        {"--output", page("pareto.md")}}));
+  const std::string scratch = page("frames");
+  if (std::filesystem::exists(scratch))
+    return Error{ErrorCode::Exists, fmt::format("'{}' is in the way of the frames to be scored; name another "
+                                                "folder with --output, or remove it",
+                                                scratch)};
+  const std::vector<PointCost> costs = TRY(walk(plan, settings, scratch, around.storage, around.stop));
+
+  std::string command = "hdrcam bench pareto";
+  for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
+  if (plan.frames > 0) command += fmt::format(" --frames {}", plan.frames);
+  if (plan.repeats > 1) command += fmt::format(" --repeats {}", plan.repeats);
+  command += flags.settings->as_flags(settings);
+  const int threads = thread_count(settings.fit);
+  const std::string table = cost_table(costs);
+  const auto write = [&](const char* name, const std::string& text) {
+    return write_whole(around.storage, page(name), std::as_bytes(std::span(text)));
+  };
+  TRY(write("pareto.md", table));
+  TRY(write("pareto.json", cost_json(costs, command, threads)));
+  TRY(write("pareto.html", cost_page(costs, command, threads)));
+  say("{}{}/pareto.html: the charts; pareto.json and pareto.md: the figures\n", table, flags.output);
+  return {};
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<BenchFlags>();
+  CLI::App* bench = app.add_subcommand("bench", "measure what accuracy costs in time on this machine");
+  bench->require_subcommand(1);
+  CLI::App* verb = bench->add_subcommand(
+      "pareto", "walk the knobs over clips with ground truth: time, quality and flicker of each point");
+  verb->add_option("CLIP", flags->walk.clips, "folders with clip.json and gt/, as compare reads them")
+      ->required();
+  verb->add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
+      ->required();
+  verb->add_option("--point", flags->points,
+                   "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");
+  verb->add_option("--frames", flags->walk.frames, "frames to take of each clip [all]")
+      ->check(counts_frames());
+  verb->add_option("--repeats", flags->walk.repeats, "runs of each point; the fastest counts")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  flags->kept.add_to(*verb);
+  flags->settings = std::make_unique<SettingsFlags>(
+      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine});
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_pareto(around, *flags); }; });
+}
+
+}  // namespace hdrcam

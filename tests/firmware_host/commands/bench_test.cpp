@@ -1,0 +1,84 @@
+// The verb `bench` as a user meets it, on a small clip that the simulator films.
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firmware_host/bench/cost_page.h"
+#include "hal/storage.h"
+#include "tests/render/scores/synthetic_clip.h"
+
+#include "tests/support/ran.h"
+
+using hdrcam::test::Ran;
+using hdrcam::test::ran;
+
+namespace hdrcam {
+namespace {
+
+PointCost point(const char* name, double ms, double db) {
+  PointCost cost;
+  cost.point = name, cost.group = "preset", cost.clip = "walk";
+  cost.mean_ms = ms, cost.psnr_mu_db = db;
+  return cost;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "hdrcam bench pareto measures every point on every clip, and leaves figures, charts and no frames") {
+  synthetic_clip::TemporaryFolder work;
+  const Ran filmed = ran(
+      {"simulate", "walk?size=96x64", "--frames", "10", "-o", work / "walk.mkv", "--truth", work / "walk"});
+  INFO(filmed.output);
+  REQUIRE(filmed.exit_code == 0);
+  const Ran bench = ran({"bench", "pareto", work / "walk", "-o", work / "cost", "--point", "fast", "--point",
+                         "look-ahead 0", "--point", "balanced"});
+  INFO(bench.output);
+  REQUIRE(bench.exit_code == 0);
+  const auto json = nlohmann::json::parse(read_whole(posix_storage(), work / "cost/pareto.json").value());
+  REQUIRE(json.at("points").size() == 3);
+  for (const auto& point : json.at("points")) {
+    CHECK(point.at("clip") == "walk");
+    CHECK(point.at("frames") == 10);
+    CHECK(point.at("ms_per_frame") > 0);
+    CHECK(point.at("psnr_mu") > 10);
+  }
+  // another knob is another picture, and the look-ahead is worth its time
+  const auto db = [&](int i) { return json.at("points").at(i).at("psnr_mu").get<double>(); };
+  CHECK(db(1) < db(2));
+  const std::string page = read_whole(posix_storage(), work / "cost/pareto.html").value();
+  CHECK(page.find("look-ahead 0</text>") != std::string::npos);
+  CHECK(bench.output.find("| balanced |") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(work / "cost/frames"));
+}
+
+TEST_CASE("hdrcam bench pareto names what it cannot measure") {
+  synthetic_clip::TemporaryFolder work;
+  const Ran unknown = ran({"bench", "pareto", work.path(), "-o", work / "cost", "--point", "swift"});
+  CHECK(unknown.exit_code != 0);
+  CHECK(unknown.output.find("there is no point 'swift'; there are fast, balanced") != std::string::npos);
+  const Ran nothing = ran({"bench", "pareto", work / "none", "-o", work / "cost", "--point", "fast"});
+  CHECK(nothing.exit_code != 0);
+  CHECK(nothing.output.find("none") != std::string::npos);
+}
+
+TEST_CASE("the front holds the points that no other undercuts at the same quality") {
+  const std::vector<PointCost> points{point("a", 10, 30), point("b", 20, 29), point("c", 30, 31),
+                                      point("d", 5, 20)};
+  CHECK(on_the_front(points) == std::vector<bool>{true, false, true, true});
+}
+
+TEST_CASE("a point's mean is over its clips, and the table is in the order of time") {
+  std::vector<PointCost> costs{point("slow", 40, 30), point("quick", 10, 28), point("slow", 20, 34),
+                               point("quick", 20, 26)};
+  costs[2].clip = costs[3].clip = "night";
+  const std::vector<PointCost> means = means_of(costs);
+  REQUIRE(means.size() == 2);
+  CHECK(means[0].mean_ms == Approx(30));
+  CHECK(means[0].psnr_mu_db == Approx(32));
+  CHECK(means[1].mean_ms == Approx(15));
+  const std::string table = cost_table(costs);
+  CHECK(table.find("| quick |") < table.find("| slow |"));
+}
+
+}  // namespace hdrcam
