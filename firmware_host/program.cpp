@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware_host/commands/render.h"
 #include "firmware_host/exit_code.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -31,6 +32,7 @@ struct ListedVerb {
 constexpr ListedVerb kVerbs[] = {
     {"HDR", "replay", add_replay, "hdrcam replay walk.mkv -o out/%06d.exr --report out/report.html"},
     {"HDR", "live", add_live, "hdrcam live --camera sim:walk --frames 90 -o out/%06d.exr"},
+    {"HDR", "render", add_render, "hdrcam render walk.mkv --view 0.1,0,0 --speed 0.25 -o slow.mp4"},
     {"HDR", "encode", add_encode, "hdrcam encode out/%06d.exr -o walk.mp4"},
     {"HDR", "compare", add_compare, "hdrcam compare clips/walk out"},
     {"HDR", "bench", add_bench, "hdrcam bench pareto clips/walk -o cost"},

@@ -45,6 +45,8 @@ class OnlineStage {
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
   double reference_exposure() const { return settings_.reference_exposure; }
+  // Of the field's depth (FieldPicture::depth), in the poses' unit of length; 1 without a field.
+  float depth_unit() const { return poses_ ? poses_->near() : 1; }
 
  private:
   struct Step;  // one frame in progress

@@ -19,7 +19,7 @@ Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_fo
   return views;
 }
 
-Result<void> NovelViews::render(const FrameEstimate& estimate) {
+Result<void> NovelViews::render(const FrameEstimate& estimate, float depth_unit) {
   const auto found = frames_.find(estimate.frame.facts.sequence);
   if (found == frames_.end() || !estimate.field) return {};
   const int frame = found->second;
@@ -28,14 +28,14 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
   if (depth.empty()) return {};
 
   estimate.field->look(estimate.view, *pool_, own_);
-  std::vector<float> metres_per_unit;
+  std::vector<float> metres_per_unit;  // of the field's depth
   collect_depth_ratios(depth, own_.depth, metres_per_unit);
   if (metres_per_unit.empty()) return {};
 
   const PosePair& cameras = *truth_.novel_camera(frame);
   RigidTransform T_own_novel =
       from_matrix(cameras.T_world_own).inverse() * from_matrix(cameras.T_world_novel);
-  T_own_novel.t /= static_cast<double>(median(metres_per_unit));
+  T_own_novel.t *= static_cast<double>(depth_unit) / static_cast<double>(median(metres_per_unit));
   SceneView view = estimate.view;
   view.T_world_camera = view.T_world_camera * T_own_novel;
   estimate.field->look(view, *pool_, novel_);

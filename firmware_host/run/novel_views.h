@@ -1,7 +1,7 @@
 // Renders novel views of the field for scoring: for each frame whose truth has another camera (`novel_c2w` in
 // gt/gt.json) and its picture (gt/novel), it writes that view as OUT/novel/NNNN.exr, which `hdrcam compare`
-// scores. The truth gives the transform between the two cameras; the field's unit of length is the median of
-// true depth over its own depth. Thread-bound.
+// scores. The truth gives the transform between the two cameras; the poses' unit of length is the median of
+// true depth over the field's. Thread-bound.
 #pragma once
 
 #include <map>
@@ -21,8 +21,9 @@ class NovelViews {
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
                                  WorkerPool& pool);
 
-  // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
-  Result<void> render(const FrameEstimate& estimate);
+  // Does nothing for a frame without such truth or without a field. depth_unit: of the field's depth, in the
+  // poses' unit of length. Errors: those of the disk.
+  Result<void> render(const FrameEstimate& estimate, float depth_unit);
 
  private:
   NovelViews(Storage& storage, GroundTruth truth, std::string folder, WorkerPool& pool)

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <utility>
 
+#include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/backend.h"
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/pipeline.h"
@@ -155,28 +156,40 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   const RunPace pace = source.pace();
 
   // The method and the sinks.
-  const PipelineOptions options = options_of(settings, plan.truth.empty() ? FieldUse::Fills : FieldUse::Seen);
+  const bool field_is_seen = !plan.truth.empty() || plan.film != nullptr;
+  const PipelineOptions options = options_of(settings, field_is_seen ? FieldUse::Seen : FieldUse::Fills);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   const Backend backend = open_backend(settings.fit.backend);
   Pipeline pipeline(options, camera, pool, backend.gpu.get());
+  CameraFacts filming = camera;  // the camera that the sinks see
+  if (plan.film != nullptr) filming.framerate_hz = plan.film->framerate_hz;
   SinkSet sinks = TRY(SinkSet::open(
       plan.sinks, settings.output.paths,
-      {"", camera, settings.output.layers, settings.output.compression, settings.video, storage}, pace));
+      {"", filming, settings.output.layers, settings.output.compression, settings.video, storage}, pace));
   std::optional<NovelViews> novel_views;
   if (!plan.truth.empty())
     novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));
+  std::optional<VirtualCamera> film;
+  if (plan.film != nullptr) film.emplace(*plan.film, pool);
   RunRecord record = opened_record(plan, camera, pace, pool.threads());
   Stopwatch wall;
 
   // Output: each HDR frame goes to the sinks, and its record is kept.
   bool response_told = camera.linear;
+  const VirtualCamera::Show show = [&](const HdrFrame& hdr, const ExposedFrame& input,
+                                       const FrameRecord& made) {
+    return sinks.emit({hdr, input, made});
+  };
   const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
     FrameRecord& kept = keep(made, pace, record);
     source.emitted(kept);
     Stopwatch watch;
-    TRY(sinks.emit({hdr, estimate.frame, kept}));
+    if (film)
+      TRY(film->take(hdr, estimate, pipeline.online(), show));
+    else
+      TRY(sinks.emit({hdr, estimate.frame, kept}));
     if (!sinks.empty()) {
       const double ms = watch.lap_ms();
       kept.stages_ms.push_back({"sinks", ms});
@@ -184,7 +197,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     }
     if (!std::exchange(response_told, true))
       source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
-    if (novel_views) TRY(novel_views->render(estimate));
+    if (novel_views) TRY(novel_views->render(estimate, pipeline.online().depth_unit()));
     progress.frame_done(kept);
     return {};
   };
@@ -192,11 +205,13 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   // Input: frame by frame, until the source ends.
   TRY(source.start());
   const auto take_all = [&]() -> Result<void> {
-    while (const RawFrame* frame = TRY(source.next())) {
+    const RawFrame* frame = nullptr;
+    while (!(film && film->done()) && (frame = TRY(source.next())) != nullptr) {
       ++record.captured;
       TRY(pipeline.take(*frame, deliver));
     }
-    return pipeline.finish(deliver);
+    TRY(pipeline.finish(deliver));
+    return film ? film->finish(show) : Result<void>{};
   };
   Result<void> worked = take_all();
 
@@ -204,6 +219,9 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
   if (!backend.note.empty()) record.notes.push_back(backend.note);
   add_findings(pipeline, record);
+  if (film)
+    record.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",
+                                       film->shown(), 100 * film->filled_share()));
   close_record(pace, wall.lap_ms() / 1e3, record);
   const Result<void> ended = source.finish(record);
   if (worked && ended) worked = add_scores(plan, storage, record);

@@ -12,11 +12,14 @@
 
 namespace hdrcam {
 
+struct FilmPlan;
+
 struct RunPlan {
   Settings settings = {};
-  std::string title = {};    // of the report
-  std::string command = {};  // to type it again
-  std::string truth = {};    // a clip with ground truth, to score the HDR frames against; "" for none
+  std::string title = {};          // of the report
+  std::string command = {};        // to type it again
+  const FilmPlan* film = nullptr;  // what a virtual camera films of the frames; null: the frames as they are
+  std::string truth = {};          // a clip with ground truth, to score the HDR frames against; "" for none
   std::span<const SinkKind> sinks = sink_kinds();
   const std::atomic<bool>* stop = nullptr;  // ends the scoring
   std::FILE* progress = stderr;             // stream of the progress line; null for none

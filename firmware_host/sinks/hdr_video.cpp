@@ -11,6 +11,7 @@
 #include "hal/video/picture_converter.h"
 #include "render/display_light.h"
 #include "render/tone_curve.h"
+#include "render/views/re_exposure.h"
 
 namespace hdrcam {
 namespace {
@@ -55,12 +56,15 @@ Result<void> check(const VideoOptions& options) {
   return {};
 }
 
+// What the frames hold.
+enum class FrameLight { Radiance, Display };
+
 // The frames as the planes of a video, whatever becomes of them.
 class HdrVideo : public FrameSink {
  public:
   HdrVideo(std::unique_ptr<StorageFile> file, StorageStream::Direction direction, VideoFormat format,
-           const VideoOptions& options)
-      : file_(std::move(file)), direction_(direction), format_(format), options_(options) {
+           const VideoOptions& options, FrameLight holds = FrameLight::Radiance)
+      : file_(std::move(file)), direction_(direction), format_(format), options_(options), holds_(holds) {
     format_.tags = tags_of(options.transfer);
     format_.crf = options.crf;
     if (options.transfer == VideoTransfer::Pq) format_.mastering.emplace().peak_nits = options.peak_nits;
@@ -118,11 +122,16 @@ class HdrVideo : public FrameSink {
       largest_.mean_nits = std::max(largest_.mean_nits, light.mean_nits);
       return;
     }
+    if (holds_ == FrameLight::Display) return show_by(srgb_level, radiance);
     const ToneCurve& curve = tone_.follow(radiance);
+    show_by([&curve](float value) { return curve.level(value) / 255; }, radiance);
+  }
+
+  template <class Level>
+  void show_by(const Level& level, const Image<float>& radiance) {
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < radiance.rows(); ++y)
-        std::transform(radiance.row(c, y), radiance.row(c, y) + radiance.cols(), light_.row(c, y),
-                       [&curve](float value) { return curve.level(value) / 255; });
+        std::transform(radiance.row(c, y), radiance.row(c, y) + radiance.cols(), light_.row(c, y), level);
   }
 
   // A video has even sides.
@@ -139,6 +148,7 @@ class HdrVideo : public FrameSink {
   const StorageStream::Direction direction_;
   VideoFormat format_;
   const VideoOptions options_;
+  const FrameLight holds_;
   std::unique_ptr<VideoWriter> writer_;
   std::optional<PictureConverter> converter_;
   std::optional<DisplayLight> display_;  // of HDR
@@ -150,8 +160,11 @@ class HdrVideo : public FrameSink {
 
 }  // namespace
 
-Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
-                                                    double framerate_hz, const VideoOptions& options) {
+namespace {
+
+Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::string& path,
+                                                double framerate_hz, const VideoOptions& options,
+                                                FrameLight holds) {
   TRY(check(options));
   const auto container = video_container_of(path);
   if (!container)
@@ -163,7 +176,20 @@ Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std:
   format.bits = format.codec == VideoCodec::H264 ? 8 : 10;
   return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(
       std::move(file), pipe ? StorageStream::Direction::Pipe : StorageStream::Direction::Write, format,
-      options));
+      options, holds));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
+                                                    double framerate_hz, const VideoOptions& options) {
+  return create_video(storage, path, framerate_hz, options, FrameLight::Radiance);
+}
+
+Result<std::unique_ptr<FrameSink>> create_display_video(Storage& storage, const std::string& path,
+                                                        double framerate_hz, VideoOptions options) {
+  options.transfer = VideoTransfer::Sdr;
+  return create_video(storage, path, framerate_hz, options, FrameLight::Display);
 }
 
 Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile> pipe, double framerate_hz,

@@ -19,6 +19,10 @@ namespace hdrcam {
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options);
 
+// Of frames that hold display light, 0..1 (render/views/re_exposure.h): SDR, shown as it is.
+Result<std::unique_ptr<FrameSink>> create_display_video(Storage& storage, const std::string& path,
+                                                        double framerate_hz, VideoOptions options);
+
 // Uncompressed into a pipe, Nut or Y4m: 10 bits, of SDR 8.
 Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile> pipe, double framerate_hz,
                                                      const VideoOptions& options);

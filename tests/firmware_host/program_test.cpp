@@ -40,9 +40,8 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-const std::vector<std::string> kVerbs{"replay",    "live",   "encode", "compare", "record",
-                                      "import",    "export", "info",   "repair",  "simulate",
-                                      "calibrate", "list",   "bench"};
+const std::vector<std::string> kVerbs{"replay", "live", "render", "encode",   "compare",   "record", "import",
+                                      "export", "info", "repair", "simulate", "calibrate", "list",   "bench"};
 
 }  // namespace
 

@@ -1,0 +1,164 @@
+// hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording from another view, at
+// another time, with another shutter or exposure.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/render.h"
+#include "firmware_host/film/film_plan.h"
+#include "firmware_host/run/memory_need.h"
+#include "firmware_host/run/recording_source.h"
+#include "firmware_host/run/run.h"
+#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/sinks/ldr_frames.h"
+#include "firmware_host/terminal.h"
+#include "hal/video/video_writer.h"
+
+namespace hdrcam {
+namespace {
+
+struct RenderFlags {
+  std::string recording;
+  FilmWish wish;
+  KeptWork kept;
+  std::unique_ptr<SettingsFlags> settings;
+};
+
+bool is_png(const std::string& path) { return path.ends_with(".png"); }
+
+// 8-bit pictures go where 8-bit pictures can go.
+Result<void> check_pictures(const FilmPlan& plan, const Settings& settings) {
+  const std::string& frames = settings.output.path("frames");
+  if (!plan.exposure) {
+    if (is_png(frames))
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{}' holds 8-bit pictures, which need an exposure; give --exposure 4ms or --ldr, or "
+                      "name out/%06d.exr for HDR frames",
+                      frames)};
+    return {};
+  }
+  if (!is_png(frames) && !video_container_of(frames) && !frames.empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--exposure and --ldr make 8-bit pictures, which '{}' does not hold; give "
+                             "-o out/%06d.png or out.mp4",
+                             frames)};
+  return {};
+}
+
+Result<void> admit(const Settings& settings, const FilmedRecording& recording, const CameraFacts& camera,
+                   const FilmPlan& plan) {
+  const std::uint64_t need = recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings) +
+                             film_bytes(plan, recording);
+  return memory_limit(settings).admit(fmt::format("a film of {}x{} from pictures of {}x{}", plan.width,
+                                                  plan.height, camera.width, camera.height),
+                                      need);
+}
+
+std::string as_flags(const FilmWish& wish) {
+  const FilmWish usual;
+  std::string text;
+  const auto add = [&](const char* flag, const auto& value, const auto& unset) {
+    if (value != unset) text += fmt::format(" {}={}", flag, shell_word(fmt::format("{}", value)));
+  };
+  add("--view", wish.view, usual.view), add("--path", wish.path, usual.path);
+  add("--time", wish.time, usual.time), add("--speed", wish.speed, usual.speed);
+  add("--framerate", wish.framerate_hz, usual.framerate_hz);
+  add("--shutter-angle", wish.shutter_deg, usual.shutter_deg);
+  add("--exposure", wish.exposure, usual.exposure);
+  add("--size", wish.size, usual.size), add("--stereo", wish.stereo, usual.stereo);
+  if (wish.ldr) text += " --ldr";
+  if (wish.stabilize) text += " --stabilize";
+  return text;
+}
+
+Result<void> render(const RenderFlags& flags, Surroundings& around) {
+  const Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  if (flags.recording.empty())
+    return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam render --help'"};
+  if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
+    return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
+  const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
+  const FilmPlan plan = TRY(plan_film(around.storage, flags.wish, settings.fit, recording));
+  TRY(check_pictures(plan, settings));
+  std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
+  if (!flags.wish.path.empty()) inputs.push_back({"the path of the view", flags.wish.path});
+  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "")));
+  const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
+  TRY(admit(settings, recording, source->camera(), plan));
+  const std::string& clip = source->camera().name;
+  const RunPlan run_plan{
+      .settings = settings,
+      .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
+      .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.wish) +
+                 flags.settings->as_flags(settings),
+      .film = &plan,
+      .sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds(),
+      .stop = &around.stop};
+  const Result<void> ended = run(run_plan, *source, around.storage);
+  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  return ended;
+}
+
+void add_view_flags(CLI::App& verb, FilmWish& wish) {
+  constexpr const char* kGroup = "View";
+  verb.add_option(
+          "--view", wish.view,
+          "where the camera stands, as the recorded one sees it: dx,dy,dz to the right, down and forward "
+          "(in metres where the recording has poses, else 1 is the median depth of its first frame), then "
+          "perhaps yaw,pitch,roll in degrees, to the right, up and clockwise: 0.1,0,0 or 0.1,0,0,-5,0,0")
+      ->group(kGroup);
+  verb.add_option(
+          "--path", wish.path,
+          "a file that moves the camera: CSV or JSON with time_s,dx,dy,dz,yaw,pitch,roll, time_s of the film")
+      ->group(kGroup);
+  verb.add_option("--time", wish.time,
+                  "freeze this moment, seconds from the first frame: 0.5; or show this part: 0.2..0.8")
+      ->group(kGroup);
+  verb.add_option("--speed", wish.speed,
+                  "seconds of the recording in a second of the film: 0.25 is slow motion [1]")
+      ->group(kGroup);
+  verb.add_option("--framerate", wish.framerate_hz, "frames per second of the film [the recording's]")
+      ->group(kGroup);
+  verb.add_option("--shutter-angle", wish.shutter_deg,
+                  "motion blur put back: the exposure, in degrees of 360 of a film frame's time [0: sharp]")
+      ->group(kGroup);
+  verb.add_flag("--ldr", wish.ldr,
+                "8-bit pictures as the camera would have taken them, by its estimated response")
+      ->group(kGroup);
+  verb.add_option("--exposure", wish.exposure,
+                  "of the 8-bit pictures, at a gain of 1: 4ms, 1/250; sets --ldr [the reference exposure]")
+      ->group(kGroup);
+  verb.add_option("--size", wish.size, "pixels: 1280x720; the scene is cropped to fill it [the recording's]")
+      ->group(kGroup);
+  verb.add_option("--stereo", wish.stereo,
+                  "two pictures side by side, left and right, this far apart: 63mm where the recording has "
+                  "poses, else "
+                  "0.02")
+      ->group(kGroup);
+  verb.add_flag("--stabilize", wish.stabilize, "take the shake out of the recorded camera's path")
+      ->group(kGroup);
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, Verb& chosen) {
+  auto flags = std::make_shared<RenderFlags>();
+  CLI::App* verb =
+      app.add_subcommand("render", "show a recording's scene from any view, at any time and exposure");
+  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
+  add_view_flags(*verb, flags->wish);
+  flags->kept.add_to(*verb);
+  flags->settings = std::make_unique<SettingsFlags>(
+      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                       SettingGroup::Machine});
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return render(*flags, around); }; });
+}
+
+}  // namespace hdrcam

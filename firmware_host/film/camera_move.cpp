@@ -1,0 +1,250 @@
+#include "firmware_host/film/camera_move.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <span>
+
+#include "firmware_host/settings/setting_field.h"
+#include "firmware_host/settings/suggestion.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kMostLength = 1e6;      // of any unit; beyond it a digit too many was typed
+constexpr double kMostAngle_deg = 3600;  // ten turns
+constexpr std::size_t kMostPoses = 100000;
+constexpr std::array<const char*, 7> kColumns{"time_s", "dx", "dy", "dz", "yaw", "pitch", "roll"};
+
+std::optional<double> number_of(std::string_view text) {
+  double value = 0;
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && std::isfinite(value)
+             ? std::optional(value)
+             : std::nullopt;
+}
+
+std::string trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r\n\"";
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return std::string(text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin));
+}
+
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells;
+  for (;;) {
+    const std::size_t comma = line.find(',');
+    cells.push_back(trimmed(line.substr(0, comma)));
+    if (comma == std::string_view::npos) return cells;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::size_t column_of(std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::find(kColumns, name) - kColumns.begin());
+}
+
+Error unknown_column(const std::string& where, const std::string& name) {
+  const std::vector<std::string> known(kColumns.begin(), kColumns.end());
+  return {ErrorCode::Invalid,
+          fmt::format("{}: unknown name '{}'{}; a pose has time_s,dx,dy,dz,yaw,pitch,roll", where, name,
+                      did_you_mean(name, known))};
+}
+
+using Row = std::array<double, 7>;  // as kColumns
+
+Result<void> check(const std::string& where, const Row& row) {
+  for (std::size_t i = 0; i < row.size(); ++i)
+    if (!(std::abs(row[i]) <= (i < 4 ? kMostLength : kMostAngle_deg)) || (i == 0 && row[i] < 0))
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{}: {} cannot be {:g}; it is {}", where, kColumns[i], row[i],
+                               i == 0  ? "a time from 0 on, in seconds"
+                               : i < 4 ? "a length of the scene up to 1e6"
+                                       : "an angle in degrees up to ten turns")};
+  return {};
+}
+
+ViewOffset offset_of(const Row& row) { return {{row[1], row[2], row[3]}, {row[4], row[5], row[6]}}; }
+
+Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view text) {
+  std::vector<Row> rows;
+  std::vector<std::size_t> columns;
+  for (int line_number = 1; !text.empty(); ++line_number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+    const std::string where = fmt::format("{}:{}", path, line_number);
+    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+    const std::vector<std::string> cells = cells_of(line);
+    if (columns.empty()) {
+      for (const std::string& name : cells) {
+        columns.push_back(column_of(name));
+        if (columns.back() == kColumns.size()) return unknown_column(where, name);
+      }
+      continue;
+    }
+    if (cells.size() != columns.size())
+      return Error{ErrorCode::Invalid, fmt::format("{}: {} values, but the first line names {}", where,
+                                                   cells.size(), columns.size())};
+    Row row{};
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const auto value = number_of(cells[i]);
+      if (!value)
+        return Error{ErrorCode::Invalid,
+                     fmt::format("{}: '{}' is no number for {}", where, cells[i], kColumns[columns[i]])};
+      row[columns[i]] = *value;
+    }
+    TRY(check(where, row));
+    rows.push_back(row);
+    if (rows.size() > kMostPoses) break;
+  }
+  return rows;
+}
+
+Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_array())
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' is no JSON array of poses, such as [{{\"time_s\": 0, \"dx\": 0.1}}]", path)};
+  std::vector<Row> rows;
+  for (const auto& entry : json) {
+    const std::string where = fmt::format("{}, pose {}", path, rows.size());
+    if (!entry.is_object()) return Error{ErrorCode::Invalid, where + ": is no object with time_s, dx, .."};
+    Row row{};
+    for (const auto& [name, value] : entry.items()) {
+      const std::size_t column = column_of(name);
+      if (column == kColumns.size()) return unknown_column(where, name);
+      if (!value.is_number())
+        return Error{ErrorCode::Invalid,
+                     fmt::format("{}: '{}' is no number for {}", where, value.dump(), name)};
+      row[column] = value.get<double>();
+    }
+    TRY(check(where, row));
+    rows.push_back(row);
+    if (rows.size() > kMostPoses) break;
+  }
+  return rows;
+}
+
+// Hermite's cubic between two values with slopes per second.
+double hermite(double a, double b, double slope_a, double slope_b, double length_s, double at) {
+  const double a2 = at * at, a3 = a2 * at;
+  return (2 * a3 - 3 * a2 + 1) * a + (a3 - 2 * a2 + at) * length_s * slope_a + (3 * a2 - 2 * a3) * b +
+         (a3 - a2) * length_s * slope_b;
+}
+
+}  // namespace
+
+Result<SceneLength> parse_length(std::string_view flag, std::string_view text) {
+  SceneLength length;
+  std::string_view digits = text;
+  double metres = 1;
+  for (const auto& [unit, size] : {std::pair("mm", 1e-3), {"cm", 1e-2}, {"m", 1.0}})
+    if (!length.in_metres && digits.ends_with(unit)) {
+      digits.remove_suffix(std::string_view(unit).size());
+      length.in_metres = true, metres = size;
+    }
+  const auto value = number_of(digits);
+  if (!value || std::abs(*value) > kMostLength)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} takes a length, such as 63mm or 0.02 (units of the scene), "
+                             "not '{}'",
+                             flag, text)};
+  length.value = *value * metres;
+  return length;
+}
+
+RigidTransform ViewOffset::T_recorded_view() const {
+  const Eigen::Vector3d turn = turn_deg * (std::numbers::pi / 180);
+  return {rotation(Eigen::Vector3d::UnitY() * turn[0]) * rotation(Eigen::Vector3d::UnitX() * turn[1]) *
+              rotation(Eigen::Vector3d::UnitZ() * turn[2]),
+          shift};
+}
+
+Result<CameraMove> CameraMove::parse_view(std::string_view text) {
+  CameraMove move;
+  const std::vector<std::string> parts = parts_of(text);
+  if (parts.empty()) return move;
+  if (parts.size() != 3 && parts.size() != 6)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("--view takes dx,dy,dz (right, down, forward) and perhaps yaw,pitch,roll in degrees, "
+                    "such as 0.1,0,0 or 0.1,0,0,-5,0,0, not '{}'",
+                    text)};
+  Row row{};
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i < 3) {
+      const SceneLength length = TRY(parse_length("--view", parts[i]));
+      row[i + 1] = length.value, move.in_metres_ |= length.in_metres;
+      continue;
+    }
+    const auto angle = number_of(parts[i]);
+    if (!angle)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("--view: '{}' is no angle in degrees for {}", parts[i], kColumns[i + 1])};
+    row[i + 1] = *angle;
+  }
+  TRY(check("--view", row));
+  move.poses_.front().offset = offset_of(row);
+  return move;
+}
+
+Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& path) {
+  const std::string content = TRY(read_whole(storage, path));
+  const std::string_view text = content;
+  const bool json = trimmed(text.substr(0, 64)).starts_with('[') || path.ends_with(".json");
+  const std::vector<Row> rows = TRY(json ? rows_of_json(path, text) : rows_of_csv(path, text));
+  if (rows.size() > kMostPoses)
+    return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} poses", path, kMostPoses)};
+  std::vector<Pose> poses;
+  for (const Row& row : rows) poses.push_back({row[0], offset_of(row)});
+  return of(std::move(poses), path);
+}
+
+Result<CameraMove> CameraMove::of(std::vector<Pose> poses, const std::string& path) {
+  if (poses.empty()) return Error{ErrorCode::Invalid, fmt::format("'{}' has no poses", path)};
+  for (std::size_t i = 1; i < poses.size(); ++i)
+    if (poses[i].time_s <= poses[i - 1].time_s)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}': the poses are not in the order of their times: {:g} s follows {:g} s",
+                               path, poses[i].time_s, poses[i - 1].time_s)};
+  CameraMove move;
+  move.poses_ = std::move(poses);
+  return move;
+}
+
+ViewOffset CameraMove::at(double playback_s) const {
+  if (playback_s <= poses_.front().time_s) return poses_.front().offset;
+  if (playback_s >= poses_.back().time_s) return poses_.back().offset;
+  const auto after = std::ranges::upper_bound(poses_, playback_s, {}, &Pose::time_s);
+  const auto i = static_cast<std::size_t>(after - poses_.begin());
+  const Pose &a = poses_[i - 1], &b = poses_[i];
+  const Pose &before = poses_[i > 1 ? i - 2 : 0], &later = poses_[std::min(i + 1, poses_.size() - 1)];
+  const double length_s = b.time_s - a.time_s;
+  const auto curve = [&](Eigen::Vector3d ViewOffset::*part) {
+    Eigen::Vector3d value;
+    for (int k = 0; k < 3; ++k) {
+      const auto slope = [&](const Pose& from, const Pose& to) {
+        return ((to.offset.*part)[k] - (from.offset.*part)[k]) / (to.time_s - from.time_s);
+      };
+      value[k] = hermite((a.offset.*part)[k], (b.offset.*part)[k], slope(before, b), slope(a, later),
+                         length_s, (playback_s - a.time_s) / length_s);
+    }
+    return value;
+  };
+  return {curve(&ViewOffset::shift), curve(&ViewOffset::turn_deg)};
+}
+
+bool CameraMove::in_place() const {
+  return std::ranges::all_of(poses_, [](const Pose& pose) { return pose.offset.in_place(); });
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,188 @@
+#include "firmware_host/film/film_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include <charconv>
+#include <cmath>
+
+#include "capture/exposure.h"
+#include "firmware_host/film/steady_path.h"
+#include "hal/recording/recording.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kMostFrames = 1000000, kLeastSide_px = 16, kMostSide_px = 16384;
+constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanoseconds
+
+std::optional<double> seconds_of(std::string_view text) {
+  if (text.ends_with('s')) text.remove_suffix(1);
+  double value = 0;
+  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
+  return !text.empty() && parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() &&
+                 std::isfinite(value)
+             ? std::optional(value)
+             : std::nullopt;
+}
+
+Result<void> check_number(const char* flag, double value, double least, double most) {
+  if (value >= least && value <= most) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} takes a number, {:g}..{:g}, not {:g}", flag, least, most, value)};
+}
+
+Result<void> check_inside(double time_s, double duration_s) {
+  if (time_s >= 0 && time_s <= duration_s + kNearlyWhole) return {};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("--time {:g} is outside the recording, which spans 0 to {:.6g} s", time_s, duration_s)};
+}
+
+// "0.5" freezes that moment; "0.2..0.8" is a part of the recording.
+Result<void> plan_time(const std::string& text, double duration_s, FilmPlan& plan) {
+  plan.begin_s = 0, plan.end_s = duration_s;
+  if (text.empty()) return {};
+  const std::size_t dots = text.find("..");
+  plan.frozen = dots == std::string::npos;
+  const auto from = seconds_of(std::string_view(text).substr(0, dots));
+  const auto to = plan.frozen ? from : seconds_of(std::string_view(text).substr(dots + 2));
+  if (!from || !to)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("--time takes a moment in seconds, such as 0.5, or a part, such as 0.2..0.8, not '{}'",
+                    text)};
+  if (*from > *to)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--time {} ends before it begins; give the earlier moment first", text)};
+  TRY(check_inside(*from, duration_s));
+  TRY(check_inside(*to, duration_s));
+  plan.begin_s = *from, plan.end_s = *to;
+  return {};
+}
+
+Result<void> plan_size(const std::string& text, const FilmedRecording& recording, FilmPlan& plan) {
+  plan.width = recording.width, plan.height = recording.height;
+  if (text.empty()) return {};
+  const std::size_t by = text.find('x');
+  int sides[2] = {0, 0};
+  bool good = by != std::string::npos;
+  for (int i = 0; i < 2 && good; ++i) {
+    const std::string_view part =
+        i == 0 ? std::string_view(text).substr(0, by) : std::string_view(text).substr(by + 1);
+    const auto parsed = std::from_chars(part.data(), part.data() + part.size(), sides[i]);
+    good = parsed.ec == std::errc() && parsed.ptr == part.data() + part.size() && sides[i] >= kLeastSide_px &&
+           sides[i] <= kMostSide_px;
+  }
+  if (!good)
+    return Error{ErrorCode::Invalid, fmt::format("--size takes WIDTHxHEIGHT in pixels, each {}..{}, such as "
+                                                 "1280x720, not '{}'",
+                                                 kLeastSide_px, kMostSide_px, text)};
+  plan.width = sides[0], plan.height = sides[1];
+  return {};
+}
+
+Result<void> plan_exposure(const FilmWish& wish, FilmPlan& plan) {
+  if (wish.ldr) plan.exposure = 0;
+  if (wish.exposure.empty()) return {};
+  const auto exposure = parse_duration(wish.exposure);
+  if (!exposure)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--exposure takes a time, such as 4ms or 1/250, not '{}'", wish.exposure)};
+  plan.exposure = to_seconds(exposure.value());
+  return {};
+}
+
+Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording& recording, bool tracked) {
+  if (!in_metres || (recording.has_poses && !tracked)) return {};
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("{} is in metres, but the poses are tracked and have no metres; give it in units of the "
+                  "scene, where 1 is the median depth of the first frame, such as 0.02",
+                  flag)};
+}
+
+Result<void> plan_geometry(Storage& storage, const FilmWish& wish, const Settings::Fit& fit,
+                           const FilmedRecording& recording, FilmPlan& plan) {
+  if (!wish.view.empty() && !wish.path.empty())
+    return Error{ErrorCode::Invalid, "--view holds one pose and --path moves it; give one of them"};
+  plan.move = wish.path.empty() ? TRY(CameraMove::parse_view(wish.view))
+                                : TRY(CameraMove::read_path(storage, wish.path));
+  SceneLength baseline;
+  if (!wish.stereo.empty()) baseline = TRY(parse_length("--stereo", wish.stereo));
+  if (!wish.stereo.empty() && !(baseline.value > 0))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", wish.stereo)};
+  plan.baseline = baseline.value;
+  const auto pose = fit.knobs.find("pose");
+  const bool tracked = pose != fit.knobs.end() && pose->second != "given";
+  TRY(check_unit("--view", plan.move.in_metres(), recording, tracked));
+  TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
+  const auto field = fit.knobs.find("field");
+  const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || wish.stabilize;
+  if (needs_depth && field != fit.knobs.end() && field->second == "none")
+    return Error{ErrorCode::Invalid,
+                 "another view needs the depth that the field knows; leave out --set field=none"};
+  return {};
+}
+
+}  // namespace
+
+Result<FilmedRecording> look_through(Storage& storage, const std::string& path) {
+  const auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
+  const CameraFacts& camera = reader->camera();
+  FilmedRecording recording{
+      .framerate_hz = camera.framerate_hz, .width = camera.width, .height = camera.height};
+  std::optional<Instant> first;
+  for (;;) {
+    auto facts = reader->next_facts();
+    if (!facts && facts.error().code == ErrorCode::Truncated && first) return recording;
+    if (!facts) return facts.error();
+    if (!facts.value()) return recording;
+    const FrameFacts& frame = **facts;
+    if (!first) first = frame.timestamp, recording.has_poses = frame.T_world_camera.has_value();
+    recording.duration_s = std::max(recording.duration_s, to_seconds(frame.timestamp - *first));
+  }
+}
+
+Result<FilmPlan> plan_film(Storage& storage, const FilmWish& wish, const Settings::Fit& fit,
+                           const FilmedRecording& recording) {
+  FilmPlan plan;
+  TRY(plan_geometry(storage, wish, fit, recording, plan));
+  TRY(plan_time(wish.time, recording.duration_s, plan));
+  TRY(plan_size(wish.size, recording, plan));
+  TRY(plan_exposure(wish, plan));
+  plan.stabilize = wish.stabilize;
+  TRY(check_number("--speed", wish.speed, 0.001, 1000));
+  TRY(check_number("--framerate", wish.framerate_hz, wish.framerate_hz == 0 ? 0 : 0.1, 1000));
+  TRY(check_number("--shutter-angle", wish.shutter_deg, 0, 360));
+  plan.speed = wish.speed;
+  plan.framerate_hz = wish.framerate_hz > 0 ? wish.framerate_hz : recording.framerate_hz;
+  plan.shutter_s = wish.shutter_deg / 360 * plan.speed / plan.framerate_hz;
+  const double length_s =
+      plan.frozen ? (plan.move.is_path() ? plan.move.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
+  const double frames = std::floor(length_s * plan.framerate_hz + kNearlyWhole) + 1;
+  if (frames > kMostFrames)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("the film would have {:.0f} frames, more than {}; raise --speed "
+                             "or lower --framerate",
+                             frames, kMostFrames)};
+  plan.frames = static_cast<int>(frames);
+  return plan;
+}
+
+std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording) {
+  // bytes of a pixel
+  constexpr std::uint64_t kKeyframe = 90;  // with its depth and both motions
+  constexpr std::uint64_t kView = 400;     // meshes, what they show, the field's view, both eyes
+  const auto pixels = [](int width, int height) {
+    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+  };
+  const double kept_s = plan.shutter_s + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0);
+  const auto keyframes = static_cast<std::uint64_t>(kept_s * recording.framerate_hz) + 4;
+  return kKeyframe * keyframes * pixels(recording.width, recording.height) +
+         kView * pixels(plan.width, plan.height);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,35 @@
+#include "firmware_host/film/steady_path.h"
+
+#include <cmath>
+
+#include "hal/core/check.h"
+
+namespace hdrcam {
+
+void SteadyPath::add(double time_s, const RigidTransform& T_world_camera) {
+  poses_.push_back({time_s, T_world_camera});
+}
+
+RigidTransform SteadyPath::at(double time_s) const {
+  CHECK(!poses_.empty());
+  constexpr double kSigma_s = kReach_s / 2;
+  const Pose* nearest = &poses_.front();
+  for (const Pose& pose : poses_)
+    if (std::abs(pose.time_s - time_s) < std::abs(nearest->time_s - time_s)) nearest = &pose;
+  const Eigen::Quaterniond middle(nearest->T_world_camera.R);
+  Eigen::Vector3d place = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
+  double sum = 0;
+  for (const Pose& pose : poses_) {
+    const double away = (pose.time_s - time_s) / kSigma_s;
+    if (std::abs(away) > kReach_s / kSigma_s && &pose != nearest) continue;
+    const double weight = std::exp(-0.5 * away * away) + 1e-12;
+    const Eigen::AngleAxisd difference(
+        Eigen::Quaterniond(middle.conjugate() * Eigen::Quaterniond(pose.T_world_camera.R)));
+    place += weight * pose.T_world_camera.t;
+    turn += weight * difference.angle() * difference.axis();
+    sum += weight;
+  }
+  return {orthonormal(middle.toRotationMatrix() * rotation(turn / sum)), place / sum};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,199 @@
+#include "firmware_host/film/virtual_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/views/re_exposure.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kSameTime_s = 1e-7;
+
+// The recorded lens for another size: the picture is covered, and cropped where its shape differs.
+Intrinsics lens_for(const Intrinsics& lens, int rows, int cols, int new_rows, int new_cols) {
+  const double scale = std::max(static_cast<double>(new_cols) / cols, static_cast<double>(new_rows) / rows);
+  return {lens.fx_px * scale, lens.fy_px * scale, (lens.cx_px - 0.5 * cols) * scale + 0.5 * new_cols,
+          (lens.cy_px - 0.5 * rows) * scale + 0.5 * new_rows};
+}
+
+template <class T>
+void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
+  both.reshape(left.channels(), left.rows(), 2 * left.cols());
+  for (int c = 0; c < left.channels(); ++c)
+    for (int y = 0; y < left.rows(); ++y) {
+      std::copy_n(left.row(c, y), left.cols(), both.row(c, y));
+      std::copy_n(right.row(c, y), left.cols(), both.row(c, y) + left.cols());
+    }
+}
+
+void copy_input(const ExposedFrame& from, ExposedFrame& to) {
+  to.facts = from.facts;
+  to.index = from.index, to.exposure = from.exposure, to.blur_fraction = from.blur_fraction;
+  to.codes.copy_from(from.codes);
+}
+
+}  // namespace
+
+VirtualCamera::VirtualCamera(const FilmPlan& plan, WorkerPool& pool)
+    : plan_(plan), pool_(pool), motion_(pool), renderer_(pool) {}
+
+Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
+                                 const OnlineStage& online, const Show& show) {
+  if (!first_s_) first_s_ = estimate.view.time_s;
+  std::unique_ptr<Keyframe> key;
+  if (spare_.empty())
+    key = std::make_unique<Keyframe>();
+  else
+    key = std::move(spare_.back()), spare_.pop_back();
+  take_keyframe(frame, estimate, online.depth_unit(), pool_, own_view_, *key);
+  if (!keys_.empty()) motion_.match(*keys_.back(), *key);
+  steady_.add(key->time_s, key->T_world_camera);
+  keys_.push_back(std::move(key));
+  field_ = estimate.field;
+  response_ = online.response();
+  copy_input(estimate.frame, input_);
+  while (!done() && ready(shown_)) TRY(film(show));
+  drop_old();
+  return {};
+}
+
+Result<void> VirtualCamera::finish(const Show& show) {
+  while (!done() && !keys_.empty()) TRY(film(show));
+  return {};
+}
+
+VirtualCamera::Reading VirtualCamera::reading(int frame) const {
+  const double centre_s = *first_s_ + plan_.scene_s(frame);
+  return {centre_s - 0.5 * plan_.shutter_s, centre_s + 0.5 * plan_.shutter_s};
+}
+
+bool VirtualCamera::ready(int frame) const {
+  const double later_s = plan_.stabilize ? SteadyPath::kReach_s : 0;
+  return keys_.back()->time_s + kSameTime_s >= reading(frame).to_s + later_s;
+}
+
+// The frames before the next film frame's exposure are no longer needed, but the one that it begins after.
+void VirtualCamera::drop_old() {
+  const double needed_s = done() ? keys_.back()->time_s : reading(shown_).from_s;
+  while (keys_.size() > 2 && keys_[1]->time_s <= needed_s + kSameTime_s) {
+    spare_.push_back(std::move(keys_.front()));
+    keys_.pop_front();
+  }
+}
+
+Moment VirtualCamera::moment_at(double time_s) const {
+  const auto after = std::ranges::lower_bound(keys_, time_s - kSameTime_s, {}, &Keyframe::time_s);
+  if (after == keys_.begin()) return {nullptr, keys_.front().get(), 1};
+  if (after == keys_.end()) return {keys_.back().get(), nullptr, 0};
+  const Keyframe &a = **(after - 1), &b = **after;
+  const double share = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
+  return {&a, &b, share > 1 - 1e-5 ? 1 : share};
+}
+
+// eye: -1 left, 1 right, 0 between them.
+RigidTransform VirtualCamera::T_world_view(const Moment& moment, double playback_s, double eye) const {
+  const RigidTransform T_world_recorded =
+      plan_.stabilize ? steady_.at(moment.time_s()) : moment.T_world_camera();
+  RigidTransform T_view_eye;
+  T_view_eye.t.x() = 0.5 * eye * plan_.baseline;
+  return T_world_recorded * plan_.move.at(playback_s).T_recorded_view() * T_view_eye;
+}
+
+// Enough that nothing moves more than a pixel and a half from one instant to the next.
+int VirtualCamera::instants(const Reading& reading) const {
+  constexpr double kStep_px = 1.5;
+  constexpr int kLeast = 3, kMost = 33;
+  const Moment moment = moment_at(0.5 * (reading.from_s + reading.to_s));
+  if (moment.before == nullptr || moment.after == nullptr) return kLeast;
+  const Image<float>& flow = moment.after->to_previous.vectors;
+  if (flow.empty()) return kLeast;
+  std::vector<float> lengths;
+  for (std::size_t i = 0; i < flow.plane_size(); i += 7)
+    lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
+  const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
+  std::nth_element(lengths.begin(), high, lengths.end());
+  const double way_px = static_cast<double>(*high) * (reading.to_s - reading.from_s) /
+                        (moment.after->time_s - moment.before->time_s) * plan_.width /
+                        moment.after->inverse_depth.cols();
+  return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
+}
+
+// One eye's frame: the mean of the instants of its exposure; everything but the radiance is the centre's.
+void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
+  const Reading open = reading(frame);
+  const Keyframe& newest = *keys_.back();
+  const double playback_s = plan_.playback_s(frame);
+  SceneView view;
+  view.rows = plan_.height, view.cols = plan_.width;
+  view.lens =
+      lens_for(newest.lens, newest.inverse_depth.rows(), newest.inverse_depth.cols(), view.rows, view.cols);
+  const auto show_at = [&](double time_s, HdrFrame& picture) {
+    const Moment moment = moment_at(time_s);
+    view.T_world_camera = T_world_view(moment, playback_s, eye);
+    renderer_.render(moment, view, field_, picture);
+  };
+  const double centre_s = 0.5 * (open.from_s + open.to_s);
+  show_at(centre_s, out);
+  if (!(plan_.shutter_s > 0)) return;
+  const int count = instants(open);
+  sum_.copy_from(out.radiance);
+  for (int i = 0; i < count; ++i) {
+    if (i == count / 2) continue;  // the centre
+    show_at(open.from_s + (i + 0.5) / count * (open.to_s - open.from_s), instant_);
+    for (std::size_t p = 0; p < sum_.size(); ++p) sum_.samples()[p] += instant_.radiance.samples()[p];
+  }
+  for (std::size_t p = 0; p < sum_.size(); ++p)
+    out.radiance.samples()[p] = sum_.samples()[p] / static_cast<float>(count);
+}
+
+void VirtualCamera::join_eyes() {
+  side_by_side(left_.radiance, instant_.radiance, frame_.radiance);
+  side_by_side(left_.sigma, instant_.sigma, frame_.sigma);
+  side_by_side(left_.depth, instant_.depth, frame_.depth);
+  side_by_side(left_.provenance, instant_.provenance, frame_.provenance);
+  frame_.flow.reshape(0, 0, 0), frame_.field_flow.reshape(0, 0, 0);
+}
+
+Result<void> VirtualCamera::film(const Show& show) {
+  if (plan_.baseline > 0) {
+    expose(shown_, -1, left_);
+    expose(shown_, 1, frame_);
+    std::swap(instant_, frame_);
+    join_eyes();
+  } else {
+    expose(shown_, 0, frame_);
+  }
+  label(shown_);
+  FrameRecord record;
+  record.sequence = frame_.facts.sequence;
+  record.time_s = plan_.playback_s(shown_);
+  record.exposure = static_cast<double>(frame_.exposure);
+  for (const std::uint8_t from : frame_.provenance.samples()) record.provenance_share[from] += 1;
+  for (float& share : record.provenance_share) share /= static_cast<float>(frame_.provenance.size());
+  const auto pixels = static_cast<double>(frame_.provenance.size());
+  pixels_ += pixels;
+  filled_ +=
+      pixels * static_cast<double>(record.provenance_share[static_cast<std::size_t>(Provenance::Field)]);
+  ++shown_;
+  return show(frame_, input_, record);
+}
+
+// The film has its own numbers and times; exposure and white are those of the nearest frame.
+void VirtualCamera::label(int frame) {
+  const Moment moment = moment_at(*first_s_ + plan_.scene_s(frame));
+  const HdrFrame& nearest = moment.nearest().frame;
+  frame_.facts = nearest.facts;
+  frame_.facts.sequence = static_cast<std::uint64_t>(frame);
+  frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
+  frame_.facts.flags = 0;
+  frame_.facts.T_world_camera = to_matrix(T_world_view(moment, plan_.playback_s(frame), 0));
+  frame_.exposure = nearest.exposure;
+  frame_.reference_exposure = nearest.reference_exposure;
+  frame_.white = nearest.white;
+  if (!plan_.exposure) return;
+  const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
+  expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);
+}
+
+}  // namespace hdrcam

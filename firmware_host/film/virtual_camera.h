@@ -1,0 +1,74 @@
+// A virtual camera in the scene of a recording: it takes the run's HDR frames as they are emitted and films
+// them anew as planned, from its own place, at its own moments, with its own shutter and size
+// (render/views/). It keeps the frames that its next moments lie between, and renders each film frame as soon
+// as they are there. Thread-bound.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "firmware_host/film/film_plan.h"
+#include "firmware_host/film/steady_path.h"
+#include "firmware_host/sinks/run_record.h"
+#include "online/online_stage.h"
+#include "render/views/keyframe_motion.h"
+#include "render/views/view_renderer.h"
+
+namespace hdrcam {
+
+class VirtualCamera {
+ public:
+  // A film frame with the newest input at that time. Valid during the call.
+  using Show = std::function<Result<void>(const HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
+
+  // The pool outlives the camera.
+  VirtualCamera(const FilmPlan& plan, WorkerPool& pool);
+
+  // Errors: those of show.
+  Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const OnlineStage& online,
+                    const Show& show);
+  // Films the remaining moments from the last frames. Errors: those of show.
+  Result<void> finish(const Show& show);
+
+  // Whether all frames of the film were shown.
+  bool done() const { return shown_ == plan_.frames; }
+  int shown() const { return shown_; }
+  // The share of all pixels shown that came from the field.
+  double filled_share() const { return pixels_ > 0 ? filled_ / pixels_ : 0; }
+
+ private:
+  struct Reading {  // of the frame's exposure, or of its one instant
+    double from_s, to_s;
+  };
+  Reading reading(int frame) const;
+  bool ready(int frame) const;
+  Result<void> film(const Show& show);
+  Moment moment_at(double time_s) const;
+  RigidTransform T_world_view(const Moment& moment, double playback_s, double eye) const;
+  int instants(const Reading& reading) const;
+  void expose(int frame, double eye, HdrFrame& out);
+  void join_eyes();
+  void label(int frame);
+  void drop_old();
+
+  const FilmPlan plan_;
+  WorkerPool& pool_;
+  KeyframeMotion motion_;
+  ViewRenderer renderer_;
+  SteadyPath steady_;
+  std::deque<std::unique_ptr<Keyframe>> keys_;
+  std::vector<std::unique_ptr<Keyframe>> spare_;
+  SnapshotHold field_;  // the newest
+  std::optional<Response> response_;
+  ExposedFrame input_;
+  FieldPicture own_view_;
+  HdrFrame frame_, instant_, left_;
+  Image<float> sum_;
+  std::optional<double> first_s_;
+  int shown_ = 0;
+  double pixels_ = 0, filled_ = 0;
+};
+
+}  // namespace hdrcam

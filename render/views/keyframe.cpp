@@ -1,0 +1,44 @@
+#include "render/views/keyframe.h"
+
+namespace hdrcam {
+namespace {
+
+void copy_frame(const HdrFrame& from, HdrFrame& to) {
+  to.facts = from.facts;
+  to.exposure = from.exposure;
+  to.reference_exposure = from.reference_exposure;
+  to.white = from.white;
+  to.radiance.copy_from(from.radiance);
+  to.sigma.copy_from(from.sigma);
+  to.provenance.copy_from(from.provenance);
+  to.flow.copy_from(from.flow);
+}
+
+}  // namespace
+
+void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float depth_unit, WorkerPool& pool,
+                   FieldPicture& picture, Keyframe& key) {
+  copy_frame(frame, key.frame);
+  for (FlowField* flow : {&key.to_previous, &key.from_previous})
+    flow->vectors.reshape(0, 0, 0), flow->confidence.reshape(0, 0, 0);
+  key.time_s = estimate.view.time_s;
+  key.T_world_camera = estimate.view.T_world_camera;
+  key.lens = estimate.view.lens;
+  key.depth_unit = depth_unit;
+  key.inverse_depth.reshape(1, frame.radiance.rows(), frame.radiance.cols());
+  if (!estimate.field) {
+    key.inverse_depth.fill(1);
+    return;
+  }
+  estimate.field->look(estimate.view, pool, picture);
+  for (std::size_t i = 0; i < key.inverse_depth.size(); ++i)
+    key.inverse_depth.samples()[i] = 1 / (picture.depth.samples()[i] * depth_unit);
+}
+
+RigidTransform between(const RigidTransform& T_world_a, const RigidTransform& T_world_b, double share) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(T_world_a.R.transpose() * T_world_b.R));
+  return {T_world_a.R * rotation(turn.axis() * (turn.angle() * share)),
+          T_world_a.t + share * (T_world_b.t - T_world_a.t)};
+}
+
+}  // namespace hdrcam

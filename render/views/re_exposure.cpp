@@ -1,0 +1,38 @@
+#include "render/views/re_exposure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace hdrcam {
+
+void expose_again(double exposure, const Response& response, Image<float>& picture) {
+  std::array<float, Response::kCodes> light{};
+  for (std::size_t code = 0; code < light.size(); ++code)
+    light[code] = srgb_light(static_cast<float>(code) / (Response::kCodes - 1));
+  const auto factor = static_cast<float>(exposure);
+  for (int c = 0; c < picture.channels(); ++c)
+    std::transform(
+        picture.plane(c), picture.plane(c) + picture.plane_size(), picture.plane(c), [&](float radiance) {
+          return light[static_cast<std::size_t>(std::lround(response.code_of(c, radiance * factor)))];
+        });
+}
+
+Image<std::uint8_t> codes_of_light(const Image<float>& light) {
+  Image<std::uint8_t> codes(light.channels(), light.rows(), light.cols());
+  std::ranges::transform(light.samples(), codes.samples().begin(), [](float value) {
+    return static_cast<std::uint8_t>(std::lround(255 * srgb_level(value)));
+  });
+  return codes;
+}
+
+float srgb_level(float light) {
+  const float l = std::clamp(light, 0.f, 1.f);
+  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
+}
+
+float srgb_light(float level) {
+  return level <= 0.04045f ? level / 12.92f : std::pow((level + 0.055f) / 1.055f, 2.4f);
+}
+
+}  // namespace hdrcam

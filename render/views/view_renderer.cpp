@@ -1,0 +1,205 @@
+#include "render/views/view_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+// Catmull-Rom at a fractional place (pixel centres at +0.5), kept near the bilinear value, so that edges of
+// lamps do not ring.
+class Interpolation {
+ public:
+  Interpolation(const Image<float>& in, float x, float y) : in_(in) {
+    cut(x - 0.5f, in.cols(), cols_, fx_);
+    cut(y - 0.5f, in.rows(), rows_, fy_);
+    cubic(fx_, wx_), cubic(fy_, wy_);
+  }
+
+  float cubic_value(int channel) const {
+    constexpr float kLimit = 0.3f;
+    float sum = 0;
+    for (std::size_t j = 0; j < 4; ++j) {
+      const float* row = in_.row(channel, rows_[j]);
+      sum += wy_[j] * (wx_[0] * row[cols_[0]] + wx_[1] * row[cols_[1]] + wx_[2] * row[cols_[2]] +
+                       wx_[3] * row[cols_[3]]);
+    }
+    const float flat = linear_value(channel);
+    return std::clamp(sum, (1 - kLimit) * flat, (1 + kLimit) * flat);
+  }
+  float linear_value(int channel) const {
+    const float *a = in_.row(channel, rows_[1]), *b = in_.row(channel, rows_[2]);
+    const float top = a[cols_[1]] + fx_ * (a[cols_[2]] - a[cols_[1]]);
+    const float bottom = b[cols_[1]] + fx_ * (b[cols_[2]] - b[cols_[1]]);
+    return top + fy_ * (bottom - top);
+  }
+  int nearest_row() const { return fy_ < 0.5f ? rows_[1] : rows_[2]; }
+  int nearest_col() const { return fx_ < 0.5f ? cols_[1] : cols_[2]; }
+
+ private:
+  static void cut(float at, int size, std::array<int, 4>& taps, float& part) {
+    // positions are rounded to 1/32 pixel: what does not move is copied, not interpolated
+    const float place = std::round(std::clamp(at, 0.f, static_cast<float>(size - 1)) * 32) / 32;
+    const int low = static_cast<int>(place);
+    part = place - static_cast<float>(low);
+    for (int k = 0; k < 4; ++k) taps[static_cast<std::size_t>(k)] = std::clamp(low + k - 1, 0, size - 1);
+  }
+  static void cubic(float t, std::array<float, 4>& w) {
+    w[0] = t * (-0.5f + t * (1 - 0.5f * t));
+    w[1] = 1 + t * t * (-2.5f + 1.5f * t);
+    w[2] = t * (0.5f + t * (2 - 1.5f * t));
+    w[3] = t * t * (-0.5f + 0.5f * t);
+  }
+
+  const Image<float>& in_;
+  std::array<int, 4> cols_{}, rows_{};
+  float fx_ = 0, fy_ = 0;
+  std::array<float, 4> wx_{}, wy_{};
+};
+
+// What one source shows at a pixel of the view, and how much it counts.
+struct Sight {
+  const Keyframe* key;
+  float x, y, rank, weight;
+};
+
+}  // namespace
+
+double Moment::time_s() const {
+  if (after == nullptr) return before->time_s;
+  if (before == nullptr) return after->time_s;
+  return before->time_s + share * (after->time_s - before->time_s);
+}
+
+RigidTransform Moment::T_world_camera() const {
+  if (after == nullptr) return before->T_world_camera;
+  if (before == nullptr) return after->T_world_camera;
+  return between(before->T_world_camera, after->T_world_camera, share);
+}
+
+void ViewRenderer::render(const Moment& moment, const SceneView& view, const SnapshotHold& field,
+                          HdrFrame& frame) {
+  CHECK(moment.before != nullptr || moment.after != nullptr);
+  static const FlowField kNoMotion;
+  const RigidTransform T_view_moment = view.T_world_camera.inverse() * moment.T_world_camera();
+  const auto share = static_cast<float>(moment.share);
+  sources_[0].key = moment.before, sources_[1].key = moment.after;
+  if (moment.before != nullptr)
+    draw(*moment.before, moment.after != nullptr ? moment.after->from_previous : kNoMotion, share,
+         T_view_moment, view, sources_[0]);
+  if (moment.after != nullptr)
+    draw(*moment.after, moment.before != nullptr ? moment.after->to_previous : kNoMotion, 1 - share,
+         T_view_moment, view, sources_[1]);
+  frame.radiance.reshape(3, view.rows, view.cols);
+  for (Image<float>* plane : {&frame.sigma, &frame.depth}) plane->reshape(1, view.rows, view.cols);
+  frame.provenance.reshape(1, view.rows, view.cols);
+  frame.flow.reshape(0, 0, 0), frame.field_flow.reshape(0, 0, 0);
+  frame.white = moment.nearest().frame.white;
+  blend(moment, frame);
+  SceneView place = view;
+  place.time_s = moment.time_s();
+  fill(place, field, frame);
+}
+
+// A source's pixels where the view sees them: `share` of the way along their motion, then along their depth.
+void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float share,
+                        const RigidTransform& T_view_moment, const SceneView& view, Source& source) {
+  constexpr float kTie = 0.15f;  // of ln depth: surfaces closer than this are ordered by their motion's trust
+  constexpr float kNearest = 1e-3f;
+  const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
+  source.vertices.reshape(rows, cols);
+  MeshVertices& out = source.vertices;
+  const auto scale = static_cast<float>(view.lens.fx_px / key.lens.fx_px);
+  const Eigen::Matrix3f R = T_view_moment.R.cast<float>();
+  const Eigen::Vector3f t = T_view_moment.t.cast<float>();
+  const auto fx = static_cast<float>(key.lens.fx_px), fy = static_cast<float>(key.lens.fy_px);
+  const auto cx = static_cast<float>(key.lens.cx_px), cy = static_cast<float>(key.lens.cy_px);
+  const bool moves = share > 0 && !toward.empty();
+  pool_.for_rows(rows + 2, [&](int r0, int r1) {
+    for (int row = r0; row < r1; ++row)
+      for (int col = 0; col < cols + 2; ++col) {
+        const int y = std::clamp(row - 1, 0, rows - 1), x = std::clamp(col - 1, 0, cols - 1);
+        float px = MeshVertices::source(col, cols), py = MeshVertices::source(row, rows), trust = 1;
+        if (moves) {
+          px += share * toward.vectors.at(0, y, x), py += share * toward.vectors.at(1, y, x);
+          trust = toward.confidence.at(0, y, x);
+        }
+        const float q = key.inverse_depth.at(0, y, x);
+        const Eigen::Vector3f seen = R * Eigen::Vector3f((px - cx) / fx, (py - cy) / fy, 1) + t * q;
+        const float z = std::max(seen.z(), kNearest);
+        out.place.at(0, row, col) =
+            static_cast<float>(view.lens.fx_px) * seen.x() / z + static_cast<float>(view.lens.cx_px);
+        out.place.at(1, row, col) =
+            static_cast<float>(view.lens.fy_px) * seen.y() / z + static_cast<float>(view.lens.cy_px);
+        out.inverse.at(0, row, col) = seen.z() > kNearest ? q / z : 0;
+        out.rank.at(0, row, col) = std::log(q / z) + kTie * trust;
+        out.size.at(0, row, col) = scale / z;
+      }
+  });
+  draw_mesh(out, {}, view.rows, view.cols, pool_, source.answer);
+}
+
+void ViewRenderer::blend(const Moment& moment, HdrFrame& frame) {
+  constexpr float kSameSurface = 0.3f;  // of rank: beyond it the nearer one covers the other
+  constexpr float kLeast = 1e-3f;       // weight of a frame that is only needed where the other shows nothing
+  const float shares[2] = {1 - static_cast<float>(moment.share), static_cast<float>(moment.share)};
+  const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
+  holes_.reshape(1, rows, cols);
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x) {
+        std::array<Sight, 2> sights{};
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < 2; ++i) {
+          const Source& source = sources_[i];
+          if (source.key == nullptr || !(source.answer.inverse.at(0, y, x) > 0)) continue;
+          sights[count++] = {source.key, source.answer.source.at(0, y, x), source.answer.source.at(1, y, x),
+                             source.answer.rank.at(0, y, x), shares[i]};
+          frame.depth.at(0, y, x) = 1 / (source.answer.inverse.at(0, y, x) * source.key->depth_unit);
+        }
+        holes_.at(0, y, x) = count == 0;
+        if (count == 0) continue;
+        // a frame that does not count at this moment only fills what the other does not show
+        if (count == 2 && sights[0].weight < kLeast) sights[0] = sights[1], count = 1;
+        if (count == 2 && sights[1].weight < kLeast) count = 1;
+        if (count == 2) {
+          if (sights[0].rank > sights[1].rank + kSameSurface) count = 1;
+          if (sights[1].rank > sights[0].rank + kSameSurface) sights[0] = sights[1], count = 1;
+        }
+        float sum = 0;
+        for (std::size_t i = 0; i < count; ++i) sum += sights[i].weight = std::max(sights[i].weight, kLeast);
+        float radiance[3] = {0, 0, 0}, sigma = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+          const Sight& sight = sights[i];
+          const Interpolation at(sight.key->frame.radiance, sight.x, sight.y);
+          const float weight = sight.weight / sum;
+          for (int c = 0; c < 3; ++c) radiance[c] += weight * at.cubic_value(c);
+          sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
+        }
+        const Sight& most = sights[count == 2 && sights[1].weight > sights[0].weight ? 1 : 0];
+        const Interpolation at(most.key->frame.radiance, most.x, most.y);
+        for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
+        frame.sigma.at(0, y, x) = sigma;
+        frame.provenance.at(0, y, x) = most.key->frame.provenance.at(0, at.nearest_row(), at.nearest_col());
+      }
+  });
+}
+
+void ViewRenderer::fill(const SceneView& view, const SnapshotHold& field, HdrFrame& frame) {
+  constexpr float kFieldSigma = 1;  // of ln radiance: nobody saw it
+  if (std::ranges::none_of(holes_.samples(), [](std::uint8_t hole) { return hole != 0; })) return;
+  if (field) {
+    SceneView wanted = view;
+    wanted.wanted = &holes_;
+    field->look(wanted, pool_, picture_);
+  }
+  for (std::size_t i = 0; i < holes_.size(); ++i) {
+    if (holes_.samples()[i] == 0) continue;
+    for (int c = 0; c < 3; ++c) frame.radiance.plane(c)[i] = field ? picture_.radiance.plane(c)[i] : 0;
+    frame.depth.samples()[i] = field ? picture_.depth.samples()[i] : 0;
+    frame.sigma.samples()[i] = kFieldSigma;
+    frame.provenance.samples()[i] = static_cast<std::uint8_t>(Provenance::Field);
+  }
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,56 @@
+// The scene from any view at any moment between two emitted frames: their full-size pictures are moved along
+// their motion to the moment and along their depth to the view, nearer surfaces cover farther ones, and what
+// neither shows is filled from the field and marked so (Provenance::Field). With the frame's own view and
+// time the picture is the frame's own. Thread-bound; deterministic for any number of threads.
+#pragma once
+
+#include <array>
+
+#include "render/views/keyframe.h"
+#include "render/views/warp_mesh.h"
+
+namespace hdrcam {
+
+// A moment between two neighbouring keyframes: 0 is `before`, 1 is `after`. One of them may be null where
+// there is no such frame; the share is then 1 or 0.
+struct Moment {
+  const Keyframe* before = nullptr;
+  const Keyframe* after = nullptr;
+  double share = 0;
+
+  // The keyframe nearer in time.
+  const Keyframe& nearest() const {
+    return after == nullptr || (before != nullptr && share < 0.5) ? *before : *after;
+  }
+  double time_s() const;
+  // The recorded camera at the moment.
+  RigidTransform T_world_camera() const;
+};
+
+class ViewRenderer {
+ public:
+  explicit ViewRenderer(WorkerPool& pool) : pool_(pool) {}
+
+  // view: pose, lens and size; its time is the moment's. field: fills holes; where it is empty they stay
+  // black. Sets radiance, sigma, provenance, depth and white of `frame`.
+  void render(const Moment& moment, const SceneView& view, const SnapshotHold& field, HdrFrame& frame);
+
+ private:
+  struct Source {
+    const Keyframe* key = nullptr;
+    MeshVertices vertices;
+    MeshAnswer answer;
+  };
+
+  void draw(const Keyframe& key, const FlowField& toward, float share, const RigidTransform& T_view_moment,
+            const SceneView& view, Source& source);
+  void blend(const Moment& moment, HdrFrame& frame);
+  void fill(const SceneView& view, const SnapshotHold& field, HdrFrame& frame);
+
+  WorkerPool& pool_;
+  std::array<Source, 2> sources_;  // before, after
+  Image<std::uint8_t> holes_;      // [1, rows, cols] of the view
+  FieldPicture picture_;
+};
+
+}  // namespace hdrcam

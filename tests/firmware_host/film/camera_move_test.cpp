@@ -1,0 +1,124 @@
+#include "firmware_host/film/camera_move.h"
+
+#include <cmath>
+#include <span>
+
+#include "firmware_host/film/steady_path.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+std::string file_with(const std::string& name, const std::string& text) {
+  static const std::string folder = sample::scratch_folder("paths");
+  const std::string path = folder + "/" + name;
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(text))).ok());
+  return path;
+}
+
+std::string refusal(const Result<CameraMove>& move) {
+  REQUIRE_FALSE(move.ok());
+  CHECK(move.error().code == ErrorCode::Invalid);
+  return move.error().message;
+}
+
+}  // namespace
+
+TEST_CASE("a view is a shift to the right, down and forward, and a turn to the right, up and clockwise",
+          "[film]") {
+  const RigidTransform T = CameraMove::parse_view("0.1,-0.2,3").value().at(0).T_recorded_view();
+  CHECK((T.t - Eigen::Vector3d(0.1, -0.2, 3)).norm() < 1e-12);
+  CHECK(T.R.isIdentity());
+  const auto forward = [](const char* text) {
+    return Eigen::Vector3d(CameraMove::parse_view(text).value().at(0).T_recorded_view().R.col(2));
+  };
+  CHECK(forward("0,0,0,90,0,0").isApprox(Eigen::Vector3d(1, 0, 0), 1e-9));
+  CHECK(forward("0,0,0,0,90,0").isApprox(Eigen::Vector3d(0, -1, 0), 1e-9));
+  const Eigen::Matrix3d rolled = CameraMove::parse_view("0,0,0,0,0,90").value().at(0).T_recorded_view().R;
+  CHECK(rolled.col(0).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));
+}
+
+TEST_CASE("a length with a unit is in metres and says so", "[film]") {
+  CHECK(parse_length("--stereo", "63mm").value().value == Approx(0.063));
+  CHECK(parse_length("--stereo", "6.3cm").value().value == Approx(0.063));
+  CHECK(parse_length("--stereo", "2m").value().value == Approx(2));
+  CHECK(parse_length("--stereo", "63mm").value().in_metres);
+  CHECK_FALSE(parse_length("--stereo", "0.02").value().in_metres);
+  CHECK(CameraMove::parse_view("0.1,0,5cm").value().in_metres());
+  const auto wrong = parse_length("--stereo", "63km");
+  REQUIRE_FALSE(wrong.ok());
+  CHECK(wrong.error().message ==
+        "--stereo takes a length, such as 63mm or 0.02 (units of the scene), not '63km'");
+}
+
+TEST_CASE("a view that is none is refused with what one looks like", "[film]") {
+  CHECK_THAT(refusal(CameraMove::parse_view("left")),
+             Contains("--view takes dx,dy,dz") && Contains("not 'left'"));
+  CHECK_THAT(refusal(CameraMove::parse_view("1,2")), Contains("0.1,0,0,-5,0,0"));
+  CHECK_THAT(refusal(CameraMove::parse_view("1,2,x")), Contains("'x'"));
+  CHECK_THAT(refusal(CameraMove::parse_view("1,2,nan")), Contains("'nan'"));
+  CHECK_THAT(refusal(CameraMove::parse_view("0,0,0,ten,0,0")),
+             Contains("'ten' is no angle in degrees for yaw"));
+  CHECK_THAT(refusal(CameraMove::parse_view("1e9,0,0")), Contains("--view"));
+}
+
+TEST_CASE("a path passes through its poses, holds at its ends, and reads the same as CSV and as JSON",
+          "[film]") {
+  const std::string csv =
+      file_with("move.csv", "time_s, dx, yaw\n# a note\n0, 0, 0\n1, 0.5, 10\n2, 0.4, -10\n");
+  const std::string json = file_with(
+      "move.json", R"([{"time_s":0},{"time_s":1,"dx":0.5,"yaw":10},{"time_s":2,"dx":0.4,"yaw":-10}])");
+  for (const std::string& path : {csv, json}) {
+    const CameraMove move = CameraMove::read_path(posix_storage(), path).value();
+    CHECK(move.is_path());
+    CHECK(move.end_s() == 2);
+    CHECK(move.at(-1).shift.x() == 0);
+    CHECK(move.at(1).shift.x() == Approx(0.5));
+    CHECK(move.at(1).turn_deg.x() == Approx(10));
+    CHECK(move.at(9).turn_deg.x() == -10);
+    const double middle = move.at(0.5).shift.x();
+    CHECK((middle > 0.2 && middle < 0.35));
+    // smooth: the speed before a pose is the speed after it
+    const double before = (move.at(1).shift.x() - move.at(1 - 1e-4).shift.x()) / 1e-4;
+    const double after = (move.at(1 + 1e-4).shift.x() - move.at(1).shift.x()) / 1e-4;
+    CHECK(before == Approx(after).margin(1e-3));
+  }
+}
+
+TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
+  const auto read = [](const char* name, const char* text) {
+    return refusal(CameraMove::read_path(posix_storage(), file_with(name, text)));
+  };
+  CHECK_THAT(read("a.csv", "time_s,dx\n0,1\n1,two\n"), Contains("a.csv:3: 'two' is no number for dx"));
+  CHECK_THAT(read("b.csv", "time_s,yau\n0,1\n"),
+             Contains("b.csv:1: unknown name 'yau' (did you mean 'yaw'?)"));
+  CHECK_THAT(read("c.csv", "time_s,dx\n0,1,2\n"), Contains("c.csv:2: 3 values, but the first line names 2"));
+  CHECK_THAT(read("d.csv", "time_s,dx\n1,1\n0,1\n"), Contains("not in the order of their times"));
+  CHECK_THAT(read("e.csv", ""), Contains("has no poses"));
+  CHECK_THAT(read("f.json", "{\"time_s\": 0}"), Contains("is no JSON array of poses"));
+  CHECK_THAT(read("g.json", "[{\"time_s\": 0, \"dx\": \"1\"}]"), Contains("pose 0"));
+  CHECK_THAT(read("h.csv", "time_s,dx\n-1,1\n"), Contains("a time from 0 on"));
+  CHECK(CameraMove::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
+}
+
+TEST_CASE("a steady path loses the shake of the recorded one and keeps its way", "[film]") {
+  SteadyPath path;
+  constexpr int kFrames = 90;
+  const auto shaken = [](int i) { return 0.02 * (i % 2 == 0 ? 1 : -1); };
+  for (int i = 0; i < kFrames; ++i) {
+    RigidTransform T;
+    T.t.x() = 0.01 * i + shaken(i);
+    T.R = rotation(Eigen::Vector3d(0, 0.005 * i + shaken(i), 0));
+    path.add(i / 30.0, T);
+  }
+  for (int i = 20; i < kFrames - 20; ++i) {
+    const RigidTransform T = path.at(i / 30.0);
+    CHECK(T.t.x() == Approx(0.01 * i).margin(0.002));
+    CHECK((T.R - rotation(Eigen::Vector3d(0, 0.005 * i, 0))).norm() < 0.003);
+    CHECK(T.is_rigid());
+  }
+}

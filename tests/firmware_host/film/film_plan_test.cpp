@@ -1,0 +1,95 @@
+#include "firmware_host/film/film_plan.h"
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+constexpr FilmedRecording kWalk{.duration_s = 2, .framerate_hz = 30, .width = 320, .height = 240};
+
+Result<FilmPlan> planned(const FilmWish& wish, const FilmedRecording& recording = kWalk,
+                         const Settings::Fit& fit = {}) {
+  return plan_film(posix_storage(), wish, fit, recording);
+}
+
+std::string refusal(const FilmWish& wish, const FilmedRecording& recording = kWalk,
+                    const Settings::Fit& fit = {}) {
+  const auto plan = planned(wish, recording, fit);
+  REQUIRE_FALSE(plan.ok());
+  CHECK(plan.error().code == ErrorCode::Invalid);
+  return plan.error().message;
+}
+
+}  // namespace
+
+TEST_CASE("a film of everything as it is has the recording's frames, rate and size", "[film]") {
+  const FilmPlan plan = planned({}).value();
+  CHECK(plan.frames == 61);
+  CHECK(plan.framerate_hz == 30);
+  CHECK(plan.width == 320);
+  CHECK(plan.scene_s(60) == Approx(2));
+  CHECK(plan.shutter_s == 0);
+}
+
+TEST_CASE("slow motion has more frames, each a part of a frame later; a higher rate likewise", "[film]") {
+  const FilmPlan slow = planned({.speed = 0.25}).value();
+  CHECK(slow.frames == 241);
+  CHECK(slow.scene_s(1) == Approx(1 / 120.0));
+  CHECK(slow.playback_s(1) == Approx(1 / 30.0));
+  const FilmPlan fluent = planned({.framerate_hz = 120}).value();
+  CHECK(fluent.frames == 241);
+  CHECK(fluent.scene_s(1) == Approx(1 / 120.0));
+  CHECK(fluent.playback_s(1) == Approx(1 / 120.0));
+}
+
+TEST_CASE("a moment is one frame, a part has its own beginning and end", "[film]") {
+  const FilmPlan still = planned({.time = "0.5"}).value();
+  CHECK(still.frames == 1);
+  CHECK(still.frozen);
+  CHECK(still.scene_s(0) == 0.5);
+  const FilmPlan part = planned({.time = "0.5s..1.5s"}).value();
+  CHECK(part.frames == 31);
+  CHECK(part.scene_s(0) == 0.5);
+  CHECK_FALSE(part.frozen);
+}
+
+TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]") {
+  const FilmPlan plan = planned({.speed = 0.5, .shutter_deg = 180}).value();
+  CHECK(plan.shutter_s == Approx(0.5 * 0.5 / 30));
+}
+
+TEST_CASE("an exposure makes 8-bit pictures, at the reference exposure where none is named", "[film]") {
+  CHECK_FALSE(planned({}).value().exposure);
+  CHECK(planned({.ldr = true}).value().exposure == 0.0);
+  CHECK(*planned({.exposure = "1/250"}).value().exposure == Approx(0.004));
+}
+
+TEST_CASE("what cannot be filmed is refused in a sentence that names the flag and what it takes", "[film]") {
+  CHECK(refusal({.time = "9.5"}) == "--time 9.5 is outside the recording, which spans 0 to 2 s");
+  CHECK_THAT(refusal({.time = "0.5..3"}), Contains("--time 3 is outside"));
+  CHECK_THAT(refusal({.time = "-1"}), Contains("--time -1 is outside"));
+  CHECK_THAT(refusal({.time = "noon"}), Contains("not 'noon'"));
+  CHECK_THAT(refusal({.time = "1..0.5"}), Contains("ends before it begins"));
+  CHECK_THAT(refusal({.size = "640"}), Contains("--size takes WIDTHxHEIGHT"));
+  CHECK_THAT(refusal({.size = "4x4"}), Contains("not '4x4'"));
+  CHECK_THAT(refusal({.exposure = "bright"}), Contains("--exposure takes a time"));
+  CHECK_THAT(refusal({.stereo = "0"}), Contains("above 0"));
+  CHECK_THAT(refusal({.view = "0,0,0", .path = "x.csv"}), Contains("give one of them"));
+  CHECK_THAT(refusal({.speed = 0.001, .framerate_hz = 1000}), Contains("raise --speed"));
+}
+
+TEST_CASE("a length in metres needs a recording that has poses, and a view needs the field", "[film]") {
+  FilmedRecording posed = kWalk;
+  posed.has_poses = true;
+  Settings::Fit tracked, blind;
+  tracked.knobs["pose"] = "tracked", blind.knobs["field"] = "none";
+  CHECK(planned({.stereo = "63mm"}, posed).value().baseline == Approx(0.063));
+  CHECK_THAT(refusal({.stereo = "63mm"}), Contains("--stereo is in metres, but the poses are tracked"));
+  CHECK_THAT(refusal({.stereo = "63mm"}, posed, tracked), Contains("--stereo is in metres"));
+  CHECK_THAT(refusal({.view = "0.1,0,0"}, kWalk, blind), Contains("--set field=none"));
+  CHECK(planned({}, kWalk, blind).ok());
+}

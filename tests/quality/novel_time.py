@@ -1,0 +1,97 @@
+#!/usr/bin/python3
+"""novel_time.py HDRCAM CLIP [--keep FOLDER] [-- FLAGS..]: how good the pictures between the frames are.
+
+Every second frame of a clip with ground truth (clip.json, ldr/, gt/) is left out. `hdrcam render --speed 0.5`
+makes the film of the others with the missing moments between them, and `hdrcam compare` scores the frames that
+were left out. Beside it, from the HDR frames that `hdrcam replay` makes of the same half of the clip: the mean of the two
+neighbours, and the two neighbours warped half way along OpenCV's DIS flow between them and blended.
+FLAGS go to render and replay. Needs python3-opencv. Prints one line of PSNR-mu in dB, mean over the frames left out."""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+import cv2
+import numpy as np
+
+
+def run(*words):
+    subprocess.run([str(word) for word in words], check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+def half_of(clip, folder):
+    facts = json.loads((clip / "clip.json").read_text())
+    facts["frames"] = facts["frames"][::2]
+    facts["fps"] = facts["fps"] / 2
+    folder.mkdir()
+    (folder / "ldr").symlink_to((clip / "ldr").resolve())
+    (folder / "clip.json").write_text(json.dumps(facts))
+
+
+def score(hdrcam, clip, folder, missing):
+    """PSNR-mu of the frames of `missing`; the clip's gain is that of all frames in the folder."""
+    out = folder / "scores.json"
+    run(hdrcam, "compare", clip, folder, "--json", out)
+    values = {frame["frame"]: frame["psnr_mu"] for frame in json.loads(out.read_text())["per_frame"]}
+    return np.mean([values[frame] for frame in missing if frame in values])
+
+
+def read(path):
+    return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)[..., :3].astype(np.float32)
+
+
+def codes(picture, white):
+    luminance = picture @ np.float32([0.25, 0.5, 0.25])
+    return (255 * np.log1p(500 * np.clip(luminance / white, 0, 1)) / np.log(501)).astype(np.uint8)
+
+
+def warped_half_way(a, b, white):
+    dis = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    dis.setFinestScale(0)
+    rows, cols = a.shape[:2]
+    x, y = np.meshgrid(np.arange(cols, dtype=np.float32), np.arange(rows, dtype=np.float32))
+
+    def half(near, far):
+        flow = dis.calc(codes(near, white), codes(far, white), None)
+        # the picture half way shows at p what `near` shows at p - flow / 2
+        return cv2.remap(near, x - flow[..., 0] / 2, y - flow[..., 1] / 2, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+    return np.maximum(0, (half(a, b) + half(b, a)) / 2)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("hdrcam")
+    parser.add_argument("clip", type=pathlib.Path)
+    parser.add_argument("--keep", type=pathlib.Path, help="a folder for all pictures")
+    cut = sys.argv.index("--") if "--" in sys.argv else len(sys.argv)
+    given, flags = parser.parse_args(sys.argv[1:cut]), sys.argv[cut + 1:]
+    with tempfile.TemporaryDirectory() as scratch:
+        place = given.keep or pathlib.Path(scratch)
+        place.mkdir(parents=True, exist_ok=True)
+        half_of(given.clip, place / "half")
+        run(given.hdrcam, "import", place / "half" / "clip.json", "--allow-outside", "-o", place / "half.mkv")
+        run(given.hdrcam, "render", place / "half.mkv", "--speed", 0.5, "-o", place / "film" / "%06d.exr", *flags)
+        run(given.hdrcam, "replay", place / "half.mkv", "-o", place / "replay" / "%06d.exr", *flags)
+        film = sorted((place / "film").glob("*.exr"))
+        missing = range(1, len(film), 2)
+        kept = [read(path) for path in sorted((place / "replay").glob("*.exr"))]
+        white = float(np.percentile(np.stack(kept), 99.9))
+        scores = {"render": score(given.hdrcam, given.clip, place / "film", missing)}
+        peers = {"mean": lambda a, b: (a + b) / 2, "warped": lambda a, b: warped_half_way(a, b, white)}
+        for name, between in peers.items():
+            (place / name).mkdir()
+            for i, picture in enumerate(kept):
+                cv2.imwrite(str(place / name / f"{2 * i:06d}.exr"), picture)
+                if i + 1 < len(kept):
+                    cv2.imwrite(str(place / name / f"{2 * i + 1:06d}.exr"), between(picture, kept[i + 1]))
+            scores[name] = score(given.hdrcam, given.clip, place / name, missing)
+    print(given.clip.name, " ".join(f"{name} {value:.2f}" for name, value in scores.items()))
+
+
+if __name__ == "__main__":
+    main()
