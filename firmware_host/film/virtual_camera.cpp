@@ -36,7 +36,7 @@ void copy_input(const ExposedFrame& from, ExposedFrame& to) {
 }  // namespace
 
 VirtualCamera::VirtualCamera(const FilmPlan& plan, WorkerPool& pool)
-    : plan_(plan), pool_(pool), motion_(pool), renderer_(pool) {}
+    : plan_(plan), pool_(pool), edges_(pool), motion_(pool), renderer_(pool) {}
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
                                  const OnlineStage& online, const Show& show) {
@@ -47,6 +47,8 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   else
     key = std::move(spare_.back()), spare_.pop_back();
   take_keyframe(frame, estimate, online.depth_unit(), pool_, own_view_, *key);
+  constexpr float kDark = 1 / 5000.f;  // of white: differences below it are noise
+  edges_.follow(key->frame.radiance, kDark * key->frame.white, {}, key->inverse_depth);
   if (!keys_.empty()) motion_.match(*keys_.back(), *key);
   steady_.add(key->time_s, key->T_world_camera);
   keys_.push_back(std::move(key));

@@ -13,6 +13,7 @@
 #include "firmware_host/film/steady_path.h"
 #include "firmware_host/sinks/run_record.h"
 #include "online/online_stage.h"
+#include "render/views/depth_edges.h"
 #include "render/views/keyframe_motion.h"
 #include "render/views/view_renderer.h"
 
@@ -55,6 +56,7 @@ class VirtualCamera {
 
   const FilmPlan plan_;
   WorkerPool& pool_;
+  DepthEdges edges_;
   KeyframeMotion motion_;
   ViewRenderer renderer_;
   SteadyPath steady_;
