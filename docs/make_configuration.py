@@ -37,7 +37,7 @@ def knob_row(name, about, presets):
 
 
 def tables():
-    presets = [knobs_of(preset) for preset in ("fast", "balanced", "best")]
+    presets = [knobs_of(preset) for preset in ("realtime", "fast", "balanced", "best")]
     text, table, about = "", "", ""
     for line in printed().splitlines():
         if line.startswith("["):
@@ -45,7 +45,7 @@ def tables():
             text += f"{'' if not text else chr(10)}## {titles[table]}\n\n"
             if table == "knobs":
                 text += ("The knobs for `--set NAME=VALUE` and `[knobs]` (`online/knobs.h`), with each preset's values.\n\n"
-                         "| name | fast | balanced | best | takes | gives | costs |\n|---|---|---|---|---|---|---|\n")
+                         "| name | realtime | fast | balanced | best | takes | gives | costs |\n|---|---|---|---|---|---|---|---|\n")
             else:
                 text += "| key | flag | default | meaning |\n|---|---|---|---|\n"
         elif line.startswith("# "):

@@ -12,6 +12,9 @@ struct FrameBudget {
   FitBudget fit;
   int render_step = 2;  // 1..8: the field fills what nobody saw from every n-th pixel
   bool shrinks = true;  // the emitted picture by its known variance (render/shrinkage.h)
+  // No pose, depth, fit or view of the field for this frame; the field starts anew when its rest ends.
+  bool field_rests = false;
+  bool emits = true;  // the frame that becomes ready; otherwise it only takes part in the state
 };
 
 }  // namespace hdrcam

@@ -221,6 +221,8 @@ Result<const Knob*> find_knob(std::string_view name) {
 
 const char* name(Preset preset) {
   switch (preset) {
+    case Preset::Realtime:
+      return "realtime";
     case Preset::Fast:
       return "fast";
     case Preset::Balanced:
@@ -235,6 +237,11 @@ Knobs knobs_of(Preset preset) {
   Knobs knobs;
   FitBudget& fit = knobs.budget.fit;
   switch (preset) {
+    case Preset::Realtime:
+      knobs = knobs_of(Preset::Fast);
+      knobs.budget.flow = FlowQuality::Fast;
+      knobs.field = FieldKind::None;
+      break;
     case Preset::Fast:
       knobs.budget.render_step = 4;
       fit.steps = 1, fit.samples_per_ray = 6, fit.samples_without_parallax = 1;

@@ -18,7 +18,7 @@
 namespace hdrcam {
 
 // Points on the measured Pareto front of quality and time (docs/decisions.md).
-enum class Preset { Fast, Balanced, Best };
+enum class Preset { Realtime, Fast, Balanced, Best };
 const char* name(Preset preset);
 
 struct Knobs {

@@ -33,6 +33,7 @@ struct OnlineStage::Step {
   RigidTransform T_world_camera;
   FitReport fit;
   bool advanced = false, emitted = false;
+  bool in_field = false;
 };
 
 OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
@@ -68,12 +69,14 @@ Result<void> OnlineStage::ingest(const RawFrame& raw, const FrameBudget& budget,
   }
   const double interval_s = to_seconds(raw.facts.timestamp - last_time_);
   last_time_ = raw.facts.timestamp;
+  Stopwatch watch;
   auto step = spare_step();
   if (auto unpacked = unpack_into(raw, arrived_, interval_s, settings_, step->frame); !unpacked) {
     spare_.push_back(std::move(step));
     return unpacked;
   }
   ++arrived_;
+  if (timing_) timing_("unpack", watch.lap_ms());
   return take(std::move(step), emit);
 }
 
@@ -175,23 +178,33 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
 }
 
 Result<void> OnlineStage::fit(Step& step) {
-  if (knobs_.field == FieldKind::None) return {};
+  step.in_field = knobs_.field != FieldKind::None && !budget_.field_rests;
+  if (!step.in_field) {
+    field_rested_ = true;
+    return {};
+  }
   Stopwatch watch;
-  if (!field_) make_second_layer(step.frame);
-  const SeenFrame seen{step.frame, state_->state(), step.motion};
+  const bool starts = !field_ || field_rested_;
+  if (starts) start_second_layer(step.frame);
+  const StateMotion none;  // the frame before is not in the field
+  const StateMotion& motion = starts ? none : step.motion;
+  const SeenFrame seen{step.frame, state_->state(), motion};
   const CameraPose& pose = poses_->estimate(seen);
   const DepthMap& depth = depth_->estimate(seen, pose);
   step.T_world_camera = pose.T_world_camera;
   if (timing_) timing_("pose", watch.lap_ms());
-  TRY(field_->observe({step.frame, state_->state(), white_, step.motion, pose, depth, response_}));
+  TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, response_}));
   step.fit = field_->fit(budget_.fit);
   if (timing_) timing_("fit", watch.lap_ms());
   return {};
 }
 
-void OnlineStage::make_second_layer(const ExposedFrame& first) {
+// Pose, depth and field begin, or begin anew after a rest: what they knew is of another time.
+void OnlineStage::start_second_layer(const ExposedFrame& first) {
+  field_rested_ = false;
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
   depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
+  if (field_) return field_->restart();
   field_ = make_scene_field(knobs_.field, knobs_.hash_grid,
                             {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
 }
@@ -202,7 +215,12 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
     const std::size_t ahead = std::min(static_cast<std::size_t>(knobs_.look_ahead), steps_.size() - 1 - i);
     if (step.emitted) continue;
     if (!step.advanced || (!all && static_cast<int>(ahead) < knobs_.look_ahead)) break;
-    TRY(emit_step(i, ahead, emit));
+    if (budget_.emits || all) {
+      TRY(emit_step(i, ahead, emit));
+    } else {
+      step.emitted = true;
+      if (left_out_) left_out_();
+    }
   }
   // the motion before the oldest frame not yet emitted is still needed to extrapolate
   while (steps_.size() > 3 && steps_[0]->emitted && steps_[1]->emitted && steps_[2]->emitted) {
@@ -231,9 +249,9 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .frame = step.frame,
       .state = joined_,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
-      .field = field_ ? field_->snapshot() : SnapshotHold(),
+      .field = step.in_field ? field_->snapshot() : SnapshotHold(),
       .view = view,
-      .fit = field_ ? &step.fit : nullptr,
+      .fit = step.in_field ? &step.fit : nullptr,
       .budget = budget_,
       .white = white_,
       .reference_exposure = settings_.reference_exposure};

@@ -25,6 +25,7 @@ class OnlineStage {
  public:
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using Timing = std::function<void(const char* stage, double ms)>;
+  using LeftOut = std::function<void()>;
 
   // response: none where it is unknown and must be estimated. gpu: runs the state and renders the field; null
   // for the processor; outlives the stage.
@@ -39,6 +40,8 @@ class OnlineStage {
   Result<void> finish(const Emit& emit);
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
+  // Called for each frame that became ready and is not emitted, because the budget said so.
+  void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const Response& response() const { return response_; }
   const NoiseModel& noise() const { return noise_; }
   const BlackLevel& black_level() const { return settings_.black_level; }
@@ -56,7 +59,7 @@ class OnlineStage {
   Result<void> take(std::unique_ptr<Step> step, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
   Result<void> fit(Step& step);
-  void make_second_layer(const ExposedFrame& first);
+  void start_second_layer(const ExposedFrame& first);
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(float exposure);
@@ -83,13 +86,15 @@ class OnlineStage {
   std::unique_ptr<StateLayer> state_;
   float white_ = 1;  // radiance that saturates the shortest exposure so far
   JoinedState joined_;
-  // created with the first frame, where there is a field
+  // created with the first frame that the field takes part in
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;
   std::unique_ptr<SceneField> field_;
+  bool field_rested_ = false;                 // since its last frame
   std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and the one before them
   std::vector<std::unique_ptr<Step>> spare_;  // for reuse
   Timing timing_;
+  LeftOut left_out_;
 };
 
 }  // namespace hdrcam

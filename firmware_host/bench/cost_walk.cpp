@@ -113,7 +113,7 @@ CostPoint with_knob(const Settings::Fit& base, const std::string& group, const c
 
 std::vector<CostPoint> cost_points(const Settings::Fit& base) {
   std::vector<CostPoint> points;
-  for (const Preset preset : {Preset::Fast, Preset::Balanced, Preset::Best}) {
+  for (const Preset preset : {Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best}) {
     points.push_back({name(preset), "preset", base});
     points.back().fit.preset = preset;
   }

@@ -25,6 +25,7 @@ class CameraSource : public FrameSource {
   Result<void> start() override { return session_->start(); }
   Result<const RawFrame*> next() override;
   void emitted(FrameRecord& record) override;
+  void left_out() override { session_->left_out(); }
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;
   // Errors: those that ended the camera or the recording. The end of a replayed recording is not an error.
   Result<void> finish(RunRecord& record) override;

@@ -28,6 +28,7 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   const std::pair<std::uint64_t, const char*> reasons[] = {
       {fits ? 0 : counters.unwritten, "not written, the recording failed"},
       {counters.shed, "shed, the fit was busy"},
+      {counters.left_out, "left out to hold the deadline"},
       {counters.unproved, "exposure not proved"},
       {counters.no_room, "no room, the disk was busy"},
       {counters.camera.damaged, "damaged"},
@@ -55,6 +56,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"recorded", counters.recorded},
       {"dropped", counters.dropped()},
       {"dropped.shed", counters.shed},
+      {"dropped.deadline", counters.left_out},
       {"dropped.unproved", counters.unproved},
       {"dropped.no_room", counters.no_room},
       {"dropped.damaged", camera.damaged},
@@ -75,6 +77,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
   };
   std::vector<NamedValue> list;
   for (const auto& [name, value] : values) list.push_back({name, static_cast<double>(value)});
+  list.push_back({"first_frame_ms", to_seconds(counters.first_frame) * 1e3});
   list.push_back({"longest_latency_ms", to_seconds(counters.longest_latency) * 1e3});
   return list;
 }

@@ -79,6 +79,7 @@ void LiveSession::hand_on(FrameShare frame) {
   {
     const std::lock_guard lock(mutex_);
     count_camera();
+    if (!first_arrival_) first_arrival_ = frame->arrived;
     if (fits)
       ++counters_.under_way;
     else if (options_.fits)
@@ -132,6 +133,7 @@ std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop)
 Duration LiveSession::emitted(std::uint64_t sequence) {
   const Instant now = posix_clock().now();
   const std::lock_guard lock(mutex_);
+  if (counters_.emitted == 0 && first_arrival_) counters_.first_frame = now - *first_arrival_;
   ++counters_.emitted, --counters_.under_way;
   for (const Arrival& arrival : arrivals_)
     if (arrival.sequence == sequence && arrival.at.since_boot > Duration::zero()) {
@@ -140,6 +142,11 @@ Duration LiveSession::emitted(std::uint64_t sequence) {
       return counters_.latency;
     }
   return Duration::zero();
+}
+
+void LiveSession::left_out() {
+  const std::lock_guard lock(mutex_);
+  ++counters_.left_out, --counters_.under_way;
 }
 
 Result<LiveEnd> LiveSession::finish() {

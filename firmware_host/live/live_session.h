@@ -41,16 +41,20 @@ struct LiveCounters {
   std::uint64_t no_room = 0;     // dropped: the pool was full
   std::uint64_t shed = 0;        // dropped: the fit was slower than the camera
   std::uint64_t unproved = 0;    // dropped: kept out of the fit, because its exposure is not certain
+  std::uint64_t left_out = 0;    // dropped: in the state, and not emitted, to hold the deadline
   std::uint64_t unfinished = 0;  // dropped: the run ended with an error before the frame was emitted
   std::uint64_t emitted = 0;     // became an HDR frame
   std::uint64_t under_way = 0;   // queued for the fit, or in it
   std::uint64_t recorded = 0, to_record = 0;
   std::uint64_t unwritten = 0;  // not recorded: the recording had failed
   Duration latency{0},
-      longest_latency{0};  // from a frame's arrival to its emission: the last one, the longest
+      longest_latency{0};   // from a frame's arrival to its emission: the last one, the longest
+  Duration first_frame{0};  // from the arrival of the first captured frame to the first emission
 
   std::uint64_t captured() const { return camera.captured; }
-  std::uint64_t dropped() const { return camera.dropped() + no_room + shed + unproved + unfinished; }
+  std::uint64_t dropped() const {
+    return camera.dropped() + no_room + shed + unproved + left_out + unfinished;
+  }
   std::uint64_t not_recorded() const { return camera.dropped() + no_room + unwritten; }
 };
 
@@ -71,6 +75,8 @@ class LiveSession {
   FrameShare next(const std::atomic<bool>& stop, const std::function<void()>& tick);
   // Records that a frame became an HDR frame. Returns its latency since its arrival.
   Duration emitted(std::uint64_t sequence);
+  // Records that a frame that the fit took does not become one.
+  void left_out();
   // Stops the camera, if it still runs, and completes the recording. Errors: those of the camera (Unplugged,
   // Timeout...) or of the recording that ended the run; frames captured before are recorded even then.
   Result<LiveEnd> finish();
@@ -117,6 +123,7 @@ class LiveSession {
   LiveCounters counters_;
   std::array<Arrival, 64> arrivals_{};  // of the frames in the fit, the latest last
   std::size_t arrival_count_ = 0;
+  std::optional<Instant> first_arrival_;
   std::optional<LearnedResponse> learned_;
 };
 

@@ -30,6 +30,8 @@ class FrameSource {
   virtual Result<const RawFrame*> next() = 0;
   // Called for each emitted HDR frame: adds the source's values to its record.
   virtual void emitted(FrameRecord&) {}
+  // Called for each frame that is not emitted, to hold the deadline.
+  virtual void left_out() {}
   // Takes the fit's estimates of the camera: codes 0..255 to relative exposure, and the black level.
   virtual void learn_response(const Response::Curve&, const BlackLevel&) {}
   // Ends the run and adds the source's counters to its record. Errors: why it ended early, if not yet

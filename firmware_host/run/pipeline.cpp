@@ -1,5 +1,7 @@
 #include "firmware_host/run/pipeline.h"
 
+#include "hal/core/stopwatch.h"
+
 namespace hdrcam {
 namespace {
 
@@ -22,6 +24,14 @@ void add_to(FrameValues& values, const char* stage, double ms) {
       return;
     }
   values.push_back({stage, ms});
+}
+
+// The stages that cost the same on every rung of the ladder.
+bool is_steady(std::string_view stage) { return stage == "unpack" || stage == "noise" || stage == "state"; }
+
+bool shows_field(const Settings& settings, FieldUse use) {
+  const ExrLayers& layers = settings.output.layers;
+  return use == FieldUse::Seen || settings.fit.emit == EmitLayer::Field || layers.depth || layers.field_flow;
 }
 
 }  // namespace
@@ -47,16 +57,21 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     options.render.depth = DepthLayer::Whole;
   else if (!settings.output.path("sheet").empty())
     options.render.depth = DepthLayer::Glance;
-  const bool seen =
-      use == FieldUse::Seen || fit.emit == EmitLayer::Field || layers.depth || layers.field_flow;
+  // a field that is to be seen is there, whatever the preset
+  if (shows_field(settings, use) && fit.emit != EmitLayer::State) options.knobs.field = Knobs().field;
   bool steps_told = false;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
     steps_told |= name == "steps";
   }
-  if (seen && !steps_told) options.knobs.budget.fit.steps = options.knobs.view_steps;
+  if (shows_field(settings, use) && !steps_told) options.knobs.budget.fit.steps = options.knobs.view_steps;
   return options;
+}
+
+FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {
+  if (options.knobs.field == FieldKind::None) return FieldUse::None;
+  return shows_field(settings, use) ? FieldUse::Seen : FieldUse::Fills;
 }
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
@@ -65,12 +80,21 @@ Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, Wo
       budget_(options.knobs.budget),
       online_(options.knobs, camera, known_response(camera), pool, gpu),
       render_(options.render, pool, gpu) {
-  const auto time = [this](const char* stage, double ms) { add_to(record_.stages_ms, stage, ms); };
+  const auto time = [this](const char* stage, double ms) {
+    add_to(record_.stages_ms, stage, ms);
+    if (is_steady(stage)) work_.steady_ms += ms;
+  };
   online_.set_timing(time);
   render_.set_timing(time);
+  online_.set_left_out([this] {
+    ++work_.frames;
+    if (left_out_) left_out_();
+  });
 }
 
-Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
+Result<void> Pipeline::take(const RawFrame& raw, const FrameBudget& budget, const Deliver& deliver) {
+  work_ = {};
+  record_.stages_ms.clear();  // of a frame that was not emitted
   if (raw.codes.rows() != camera_.height || raw.codes.cols() != camera_.width)
     return Error{
         ErrorCode::SizeChanged,
@@ -81,8 +105,11 @@ Result<void> Pipeline::take(const RawFrame& raw, const Deliver& deliver) {
     return {};
   }
   if (!first_time_) first_time_ = raw.facts.timestamp;
-  return online_.ingest(raw, budget_,
-                        [&](const FrameEstimate& estimate) { return render(estimate, deliver); });
+  Stopwatch watch;
+  const auto emit = [&](const FrameEstimate& estimate) { return render(estimate, deliver); };
+  TRY(online_.ingest(raw, budget, emit));
+  work_.total_ms = watch.lap_ms();
+  return {};
 }
 
 Result<void> Pipeline::finish(const Deliver& deliver) {
@@ -90,6 +117,7 @@ Result<void> Pipeline::finish(const Deliver& deliver) {
 }
 
 Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deliver) {
+  ++work_.frames;
   render_.render(estimate, frame_);
   if (estimate.fit != nullptr) {
     record_.fit_steps = estimate.fit->steps;

@@ -6,6 +6,8 @@
 #include <functional>
 #include <optional>
 
+#include "firmware_host/run/budget_ladder.h"
+#include "firmware_host/run/governor.h"
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"
@@ -20,28 +22,36 @@ struct PipelineOptions {
   Knobs knobs;
   RenderOptions render;
 };
-// What the field is for: to fill what no frame saw, or to be seen itself, which takes more steps of the fit.
-enum class FieldUse { Fills, Seen };
 // The knobs of a preset for one layer: the state alone needs no field.
 PipelineOptions options_of(Preset preset, EmitLayer layer);
+// use: Fills or Seen, beside what the settings show of the field. A field that is seen takes more steps.
 PipelineOptions options_of(const Settings& settings, FieldUse use);
+// What a run with these settings and options has the field for.
+FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use);
 
 class Pipeline {
  public:
   // An emitted frame with its estimate. Valid during the call.
   using Deliver = std::function<Result<void>(const HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
+  // A frame that is not emitted, because its budget said so.
+  using LeftOut = std::function<void()>;
 
   // gpu: what computes beside the processor, or null; it outlives the pipeline.
   Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
            GpuDevice* gpu = nullptr);
 
-  // Takes the next frame. It leaves out a frame whose exposure is not proved or whose pixels are damaged.
-  // Errors: BadExposure, SizeChanged, and those of `deliver`.
-  Result<void> take(const RawFrame& raw, const Deliver& deliver);
+  // Takes the next frame. It keeps out a frame whose exposure is not proved or whose pixels are damaged.
+  // budget: of this call; without it, that of the options. Errors: BadExposure, SizeChanged, and those of
+  // `deliver`.
+  Result<void> take(const RawFrame& raw, const FrameBudget& budget, const Deliver& deliver);
+  Result<void> take(const RawFrame& raw, const Deliver& deliver) { return take(raw, budget_, deliver); }
   // Delivers the remaining frames. TooShort for a clip of one frame.
   Result<void> finish(const Deliver& deliver);
 
+  void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const OnlineStage& online() const { return online_; }
+  // Of the last call of take().
+  const FrameWork& work() const { return work_; }
   int kept_out() const { return kept_out_; }  // frames
 
  private:
@@ -53,6 +63,8 @@ class Pipeline {
   RenderStage render_;
   HdrFrame frame_;
   FrameRecord record_;  // of the frame in progress; stages add to it
+  FrameWork work_;
+  LeftOut left_out_;
   std::optional<Instant> first_time_;
   int kept_out_ = 0;
 };

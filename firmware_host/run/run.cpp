@@ -12,6 +12,7 @@
 
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/backend.h"
+#include "firmware_host/run/deadline.h"
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/terminal.h"
@@ -70,6 +71,21 @@ FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
   ++record.emitted;
   kept = frame;
   return kept;
+}
+
+// The governor of a run that has a deadline. A film is made without one: all frames of its window count.
+std::optional<Governor> governor_of(const RunPlan& plan, const PipelineOptions& options, FieldUse use,
+                                    const CameraFacts& camera, RunPace pace, PreviewUse previews) {
+  const std::optional<Duration> deadline = deadline_of(plan.settings.fit, camera, pace);
+  if (!deadline || plan.film != nullptr) return std::nullopt;
+  return Governor(budget_ladder(options.knobs.budget, field_use(plan.settings, options, use), previews),
+                  *deadline);
+}
+
+void add_deadline(const Governor& governor, RunRecord& record) {
+  record.late = governor.late();
+  for (std::size_t r = 0; r < governor.ladder().size(); ++r)
+    record.rungs.push_back({governor.ladder()[r].name, governor.frames_at()[r]});
 }
 
 // The camera parameters that the method estimated.
@@ -157,7 +173,8 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
 
   // The method and the sinks.
   const bool field_is_seen = !plan.truth.empty() || plan.film != nullptr;
-  const PipelineOptions options = options_of(settings, field_is_seen ? FieldUse::Seen : FieldUse::Fills);
+  const FieldUse use = field_is_seen ? FieldUse::Seen : FieldUse::Fills;
+  const PipelineOptions options = options_of(settings, use);
   WorkerPool pool(thread_count(settings.fit),
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   const Backend backend = open_backend(settings.fit.backend);
@@ -172,7 +189,10 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));
   std::optional<VirtualCamera> film;
   if (plan.film != nullptr) film.emplace(*plan.film, pool);
+  std::optional<Governor> governor = governor_of(plan, options, use, camera, pace,
+                                                 sinks.has_previews() ? PreviewUse::Some : PreviewUse::None);
   RunRecord record = opened_record(plan, camera, pace, pool.threads());
+  if (governor) record.deadline_ms = governor->deadline_ms();
   Stopwatch wall;
 
   // Output: each HDR frame goes to the sinks, and its record is kept.
@@ -184,12 +204,14 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
     FrameRecord& kept = keep(made, pace, record);
+    if (governor) kept.rung = governor->rung();
     source.emitted(kept);
     Stopwatch watch;
+    const bool previews = !governor || governor->previews();
     if (film)
       TRY(film->take(hdr, estimate, pipeline.online(), show));
     else
-      TRY(sinks.emit({hdr, estimate.frame, kept}));
+      TRY(sinks.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
     if (!sinks.empty()) {
       const double ms = watch.lap_ms();
       kept.stages_ms.push_back({"sinks", ms});
@@ -202,13 +224,16 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     return {};
   };
 
-  // Input: frame by frame, until the source ends.
+  pipeline.set_left_out([&] { ++record.left_out, source.left_out(); });
+
+  // Input: frame by frame, until the source ends. The time of a frame decides on the budget of the next.
   TRY(source.start());
   const auto take_all = [&]() -> Result<void> {
     const RawFrame* frame = nullptr;
     while (!(film && film->done()) && (frame = TRY(source.next())) != nullptr) {
       ++record.captured;
-      TRY(pipeline.take(*frame, deliver));
+      TRY(pipeline.take(*frame, governor ? governor->next() : options.knobs.budget, deliver));
+      if (governor) governor->done(pipeline.work());
     }
     TRY(pipeline.finish(deliver));
     return film ? film->finish(show) : Result<void>{};
@@ -218,6 +243,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   // The end: completes the files, then writes the outputs about the whole run.
   if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
   if (!backend.note.empty()) record.notes.push_back(backend.note);
+  if (governor) add_deadline(*governor, record);
   add_findings(pipeline, record);
   if (film)
     record.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",

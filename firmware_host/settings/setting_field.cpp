@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 
+#include "capture/exposure.h"
 #include "firmware_host/settings/suggestion.h"
 
 namespace hdrcam {
@@ -86,6 +87,10 @@ bool allowed(const SettingField& field, const SettingValue& value) {
     const auto& text = std::get<std::string>(value);
     return text.empty() || set_knob(knobs, field.knob->name, text).ok();
   }
+  if (field.type == SettingType::TimeOrOff) {
+    const auto& text = std::get<std::string>(value);
+    return text.empty() || text == kOff || parse_duration(text).ok();
+  }
   if (const auto* text = std::get_if<std::string>(&value)) return !stranger(field, *text);
   if (const auto* whole = std::get_if<int>(&value)) return in_range(field.range, *whole);
   if (const auto* real = std::get_if<double>(&value)) return in_range(field.range, *real);
@@ -108,6 +113,7 @@ std::vector<std::string> parts_of(std::string_view text) {
 std::string describe(const SettingField& field) {
   std::vector<std::string> notes;
   if (field.type == SettingType::Knob) notes.push_back(accepted_values(*field.knob));
+  if (field.type == SettingType::TimeOrOff) notes.push_back(accepted(field));
   if (!field.choices.empty()) notes.push_back(words_of(field));
   if (is_number(field) && field.range.most < kMostInt)
     notes.push_back(fmt::format("{}..{}", field.range.least, field.range.most));
@@ -120,6 +126,7 @@ std::string describe(const SettingField& field) {
 std::string accepted(const SettingField& field) {
   if (field.type == SettingType::Knob) return accepted_values(*field.knob);
   if (!field.choices.empty()) return words_of(field);
+  if (field.type == SettingType::TimeOrOff) return fmt::format("a time such as 33ms, or {}", kOff);
   if (is_switch(field)) return "true or false";
   if (!is_number(field)) return field.list ? "a text or a list" : "a text";
   const std::string range =

@@ -196,6 +196,15 @@ std::vector<SettingField> sync_fields() {
   };
 }
 
+SettingField deadline_field() {
+  SettingField field = any<&Settings::fit, &Settings::Fit::deadline>(
+      "fit.deadline", "--deadline",
+      "time for the work on a frame; to hold it, quality is shed, then HDR frames, never captured ones",
+      "the frame interval of a camera, none of a recording");
+  field.type = SettingType::TimeOrOff;
+  return field;
+}
+
 SettingField backend_field() {
   SettingField field = any<&Settings::fit, &Settings::Fit::backend>(
       "fit.backend", "--backend",
@@ -209,11 +218,13 @@ std::vector<SettingField> fit_fields() {
   using F = Settings::Fit;
   constexpr auto kGroup = &Settings::fit;
   return {
-      choice<kGroup, &F::preset, Preset::Fast, Preset::Balanced, Preset::Best>(
-          "fit.preset", "--preset", "quality against time", {"fast", "balanced", "best"}),
+      choice<kGroup, &F::preset, Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best>(
+          "fit.preset", "--preset", "quality against time; realtime has no field",
+          {"realtime", "fast", "balanced", "best"}),
       choice<kGroup, &F::emit, EmitLayer::Merged, EmitLayer::State, EmitLayer::Field>(
           "fit.emit", "--emit", "HDR frames from both layers, or from one alone",
           {"merged", "state", "field"}),
+      deadline_field(),
       number<&Settings::fit, &F::lookahead>("fit.lookahead", "--lookahead",
                                             "later frames that an HDR frame waits for", {0, 2, {}}),
       number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},

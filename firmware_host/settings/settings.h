@@ -21,6 +21,9 @@ namespace hdrcam {
 // What a driver's timestamp marks.
 enum class StampMeaning { AsDriverSays, ExposureBegin, ExposureEnd };
 
+// The word for a time that is not wanted.
+inline constexpr std::string_view kOff = "off";
+
 struct Settings {
   struct Camera {
     std::string id;             // "": the only camera; a device, "sim:SCENE", "replay:FILE"
@@ -47,6 +50,7 @@ struct Settings {
     bool active_low = false;
   } sync;
   struct Fit {
+    std::string deadline;  // per frame; "": a camera's frame interval, none of a recording; "33ms"; kOff
     Preset preset = Preset::Balanced;
     EmitLayer emit = EmitLayer::Merged;
     int lookahead = 1;            // frames, 0..2

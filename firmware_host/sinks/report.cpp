@@ -165,6 +165,33 @@ std::string time_section(const RunRecord& record) {
                  "<div class=\"two\">" + card(stacked_bars(chart)) + card(table) + "</div>\n");
 }
 
+// What the governor gave up to hold the deadline: over time, and for how many frames.
+std::string deadline_section(const RunRecord& record) {
+  if (record.rungs.empty()) return "";
+  Chart chart;
+  chart.label = "rung of quality over time";
+  chart.x_label = "frame (sensor sequence)";
+  chart.y_label = "rung (0: as asked)";
+  chart.x = sequence_axis(record);
+  chart.series.push_back({"rung", series_colour(0), over_frames(record, [](const FrameRecord& frame) {
+                            return static_cast<double>(frame.rung);
+                          })});
+  chart.y_least = 0, chart.y_most = static_cast<double>(record.rungs.size()) - 1;
+  std::string rows;
+  for (std::size_t r = 0; r < record.rungs.size(); ++r)
+    rows += fmt::format("<tr><td class=\"n\">{}</td><th>{}</th><td class=\"n\">{}</td></tr>\n", r,
+                        escaped(record.rungs[r].name), record.rungs[r].frames);
+  const std::string table =
+      "<table><thead><tr><th class=\"n\">rung</th><th>gives up</th><th "
+      "class=\"n\">frames</th></tr></thead><tbody>" +
+      rows + "</tbody></table>";
+  return section("Deadline",
+                 fmt::format("Quality given up to finish each frame within {:.1f} ms, each rung beyond those "
+                             "before it. {} frames were late, {} were not emitted.",
+                             record.deadline_ms, record.late, record.left_out),
+                 "<div class=\"two\">" + card(line_chart(chart)) + card(table) + "</div>\n");
+}
+
 std::string provenance_section(const RunRecord& record) {
   Chart chart;
   chart.label = "provenance of the pixels over time";
@@ -312,7 +339,8 @@ std::string report_html(const RunRecord& record, std::span<const std::byte> cont
   html += tiles(record);
   html += sheet_section(contact_sheet_png);
   html += scores_section(record);
-  if (!record.frames.empty()) html += time_section(record) + provenance_section(record);
+  if (!record.frames.empty())
+    html += time_section(record) + deadline_section(record) + provenance_section(record);
   html += "<div class=\"two\">" + loss_section(record) + response_section(record) + "</div>\n";
   html += notes_section(record);
   html += run_section(record);

@@ -37,6 +37,7 @@ struct FrameRecord {
       stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
   FrameValues losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
+  int rung = 0;           // of RunRecord::rungs; 0 without a deadline
   double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
   std::string note;  // unusual events in words: "step rolled back"; usually empty
@@ -44,6 +45,12 @@ struct FrameRecord {
 
 // [rgb][code] relative exposure, as Response::inverse
 using ResponseCurves = std::array<Response::Curve, 3>;
+
+// One choice of the governor: what it gave up, and for how many frames.
+struct RungRecord {
+  std::string name;  // "as asked" first, then what each gives up beyond the one before
+  int frames = 0;
+};
 
 struct ScoreRow {
   std::string name;  // "PSNR-mu"
@@ -73,7 +80,9 @@ struct RunRecord {
   std::string camera;
   int width = 0, height = 0;
   double framerate_hz = 0;
-  double deadline_ms = 0;  // per frame; 0: none
+  double deadline_ms = 0;         // per frame; 0: none
+  std::vector<RungRecord> rungs;  // of a run with a deadline
+  int late = 0, left_out = 0;     // frames over the deadline; frames not emitted to hold it
 
   int captured = 0, emitted = 0, dropped = 0;  // captured = emitted + dropped; the report checks it
   std::vector<NamedValue> counters;  // frames by stage and reason, of a run on a camera: "dropped.shed"

@@ -14,7 +14,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
   for (const SinkKind& kind : kinds) {
     const auto path = paths.find(kind.name);
     if (path == paths.end() || path->second.empty()) continue;
-    Open open{.name = kind.name};
+    Open open{.name = kind.name, .pace = kind.pace};
     open.sink = TRY(kind.open(
         {path->second, request.camera, request.layers, request.compression, request.video, request.storage}));
     if (kind.pace != SinkPace::Light) {
@@ -31,8 +31,12 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
   return set;
 }
 
-Result<void> SinkSet::emit(const EmittedFrame& frame) {
+Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
   for (Open& open : open_) {
+    if (previews == Previews::LeftOut && open.pace == SinkPace::Latest) {
+      ++open.left_out;
+      continue;
+    }
     Stopwatch watch;
     TRY(open.sink->emit(frame));
     const double ms = watch.lap_ms();
@@ -54,11 +58,16 @@ Result<void> SinkSet::conclude(const RunRecord& record) {
   return {};
 }
 
+bool SinkSet::has_previews() const {
+  return std::ranges::any_of(open_, [](const Open& open) { return open.pace == SinkPace::Latest; });
+}
+
 std::vector<SinkTimes> SinkSet::times() const {
   std::vector<SinkTimes> all;
   for (const Open& open : open_) {
     all.push_back(open.async != nullptr ? open.async->times() : open.here);
     all.back().name = open.name;
+    all.back().left_out += open.left_out;
   }
   return all;
 }

@@ -15,6 +15,9 @@ namespace hdrcam {
 // and their threads have a lower priority than capture.
 enum class RunPace { Clip, Camera };
 
+// Whether sinks that may leave out frames get one.
+enum class Previews { Written, LeftOut };
+
 class SinkSet {
  public:
   // paths: by name of the sink; "" or missing: not wanted. The rest of the request is the same for all.
@@ -24,12 +27,13 @@ class SinkSet {
                               const SinkRequest& request, RunPace pace);
 
   // Errors: the first one of any sink.
-  Result<void> emit(const EmittedFrame& frame);
+  Result<void> emit(const EmittedFrame& frame, Previews previews = Previews::Written);
   // Finishes every sink, also after an error of one of them. Returns the first error.
   Result<void> finish();
   Result<void> conclude(const RunRecord& record);
 
   bool empty() const { return open_.empty(); }
+  bool has_previews() const;
   std::vector<SinkTimes> times() const;
 
  private:
@@ -38,6 +42,8 @@ class SinkSet {
     std::unique_ptr<FrameSink> sink = nullptr;
     const AsyncSink* async = nullptr;  // the same one, where it has a thread
     SinkTimes here = {};               // where it has none
+    SinkPace pace = SinkPace::Light;
+    int left_out = 0;  // frames that emit() kept from it
   };
   std::vector<Open> open_;
 };

@@ -27,11 +27,19 @@ Json provenance_of(const Shares& shares) {
   return object;
 }
 
-Json json_of(const FrameRecord& frame) {
+// Of a run with a deadline: what the governor chose.
+Json deadline_of(const RunRecord& record) {
+  Json rungs = Json::array();
+  for (const RungRecord& rung : record.rungs) rungs.push_back({{"name", rung.name}, {"frames", rung.frames}});
+  return {{"late", record.late}, {"left_out", record.left_out}, {"rungs", rungs}};
+}
+
+Json json_of(const FrameRecord& frame, bool has_rungs) {
   Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
             {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
             {"fit_steps", frame.fit_steps},      {"stages_ms", object_of(frame.stages_ms)},
             {"losses", object_of(frame.losses)}, {"provenance", provenance_of(frame.provenance_share)}};
+  if (has_rungs) json["rung"] = frame.rung;
   json["exposure_source"] = name(frame.exposure_source);
   if (frame.verdict) json["verdict"] = name(*frame.verdict);
   if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
@@ -78,6 +86,7 @@ std::string to_json(const RunRecord& record) {
             {"wall_s", record.wall_s},
             {"peak_memory_mib", record.peak_memory_mib},
             {"provenance", provenance_of(mean_provenance(record))}};
+  if (!record.rungs.empty()) json["deadline"] = deadline_of(record);
   Json& stages = json["stages"] = Json::object();
   for (const StageSummary& stage : stage_summaries(record))
     stages[stage.name] = {{"frames", stage.frames},
@@ -99,7 +108,7 @@ std::string to_json(const RunRecord& record) {
   if (record.response) json["response"] = *record.response;
   json["notes"] = record.notes;
   Json& frames = json["per_frame"] = Json::array();
-  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame));
+  for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, !record.rungs.empty()));
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 

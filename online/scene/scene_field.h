@@ -48,6 +48,9 @@ class SceneField {
   virtual Result<void> observe(const SceneObservation& seen) = 0;
   // Needs a frame. Without any steps the field can still be rendered: it shows at least the state.
   virtual FitReport fit(const FitBudget& budget) = 0;
+  // Forgets all frames and what was fitted to them: the next frame is a first one. Snapshots stay as they
+  // are.
+  virtual void restart() = 0;
   // A snapshot of the field now. Needs a frame.
   virtual SnapshotHold snapshot() = 0;
 };

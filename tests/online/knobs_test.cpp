@@ -16,7 +16,7 @@ TEST_CASE("each knob has a name of its own, says what it costs and gives, and st
     CHECK(names.insert(knob.name).second);
     CHECK(std::string_view(knob.costs).size() > 3);
     CHECK(std::string_view(knob.gives).size() > 3);
-    for (const Preset preset : {Preset::Fast, Preset::Balanced, Preset::Best}) {
+    for (const Preset preset : {Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best}) {
       const double value = knob.get(knobs_of(preset));
       CHECK((value >= knob.least && value <= knob.most));
       if (knob.kind == KnobKind::Whole) CHECK(std::fmod(value, knob.multiple) == 0);
@@ -81,9 +81,9 @@ TEST_CASE("the presets are ordered by what they spend", "[knobs]") {
     std::vector<double> values;
     for (const Knob& knob : knob_table())
       if (knob.name == name)
-        for (const Preset preset : {Preset::Fast, Preset::Balanced, Preset::Best})
+        for (const Preset preset : {Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best})
           values.push_back(knob.get(knobs_of(preset)));
-    REQUIRE(values.size() == 3);
+    REQUIRE(values.size() == 4);
     CHECK(std::is_sorted(values.begin(), values.end()));
     CHECK(values.front() < values.back());
   }

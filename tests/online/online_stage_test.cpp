@@ -1,6 +1,8 @@
 #include "online/online_stage.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "render/emission.h"
 #include "tests/support/moving_scene.h"
@@ -108,6 +110,71 @@ TEST_CASE("the merged frames are nearer to the scene than the frames that went i
     CHECK(merged < own);
     CHECK(merged < 0.25);
   }
+}
+
+TEST_CASE("a frame that is not emitted takes part in the state: the others are the same pictures") {
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  Emission emission(pool);
+  HdrFrame frame;
+  const auto pictures = [&](bool all) {
+    OnlineStage stage(state_alone(), scene.camera(), std::nullopt, pool);
+    int left_out = 0;
+    stage.set_left_out([&] { ++left_out; });
+    std::map<std::uint64_t, std::vector<float>> by_sequence;
+    const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+      emission.render(estimate, frame);
+      by_sequence[frame.facts.sequence].assign(frame.radiance.samples().begin(),
+                                               frame.radiance.samples().end());
+      return {};
+    };
+    for (int i = 0; i < 16; ++i) {
+      FrameBudget budget;
+      budget.emits = all || i < 8 || i % 2 == 0;
+      REQUIRE(stage.ingest(scene.frame(i), budget, emit).ok());
+    }
+    REQUIRE(stage.finish(emit).ok());
+    CHECK(left_out == (all ? 0 : 4));
+    CHECK(by_sequence.size() == static_cast<std::size_t>(16 - left_out));
+    return by_sequence;
+  };
+  const auto whole = pictures(true), some = pictures(false);
+  for (const auto& [sequence, picture] : some) CHECK(picture == whole.at(sequence));
+}
+
+TEST_CASE("while the field rests the frames are those of the state, and then it is there again") {
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  Emission emission(pool);
+  HdrFrame frame;
+  Knobs options = state_alone();
+  const Run alone = run(scene, 20, options, 1);
+  options.field = FieldKind::HashGrid;
+  options.budget.fit.steps = 2;
+  OnlineStage stage(options, scene.camera(), std::nullopt, pool);
+  std::vector<float> radiance;
+  std::string in_field;  // of each frame
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    emission.render(estimate, frame);
+    const auto samples = frame.radiance.samples();
+    radiance.insert(radiance.end(), samples.begin(), samples.end());
+    CHECK((estimate.fit != nullptr) == static_cast<bool>(estimate.field));
+    in_field += estimate.field ? 'f' : '-';
+    if (estimate.field) {
+      FieldPicture view;
+      estimate.field->look(estimate.view, pool, view);
+      CHECK(std::ranges::all_of(view.radiance.samples(), [](float l) { return std::isfinite(l) && l >= 0; }));
+    }
+    return {};
+  };
+  for (int i = 0; i < 20; ++i) {
+    FrameBudget budget = options.budget;
+    budget.field_rests = i < 7 || (i >= 12 && i < 16);
+    REQUIRE(stage.ingest(scene.frame(i), budget, emit).ok());
+  }
+  REQUIRE(stage.finish(emit).ok());
+  CHECK(in_field == "------fffff----fffff");  // the work on a frame is done when the next one is there
+  CHECK(radiance == alone.radiance);
 }
 
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {

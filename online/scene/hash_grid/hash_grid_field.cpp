@@ -82,6 +82,12 @@ FitReport HashGridField::fit(const FitBudget& budget) {
   return report;
 }
 
+void HashGridField::restart() {
+  for (const auto& snapshot : snapshots_)
+    if (!snapshot->is_held()) Window::release(snapshot->window_);
+  fit_.restart();
+}
+
 SnapshotHold HashGridField::snapshot() {
   HashGridSnapshot* free = nullptr;
   for (const auto& snapshot : snapshots_)

@@ -38,6 +38,7 @@ class HashGridField final : public SceneField {
 
   Result<void> observe(const SceneObservation& seen) override;
   FitReport fit(const FitBudget& budget) override;
+  void restart() override;
   SnapshotHold snapshot() override;
 
  private:

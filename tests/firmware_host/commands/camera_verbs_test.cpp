@@ -95,6 +95,26 @@ TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
   CHECK(frames_in(folder + "/raw.mkv").size() == 40);
 }
 
+TEST_CASE("a deadline that nothing can hold costs previews and HDR frames, never captured or recorded ones") {
+  const std::string folder = sample::scratch_folder("live_late");
+  require_success({"live", "--camera", "sim:still?size=64x48&fps=60", "--format", "RGB24", "--shutter",
+                   "1ms,4ms", "--deadline", "1us", "--frames", "60", "-o", folder + "/%06d.exr", "--preview",
+                   folder + "/%06d.png", "--record", folder + "/raw.mkv", "--stats", folder + "/stats.json"});
+  const auto stats = json_in(folder + "/stats.json");
+  const auto& counters = stats["counters"];
+  CHECK(counters["captured"] == 60);
+  CHECK(counters["recorded"] == 60);
+  CHECK(counters["dropped.no_room"] == 0);
+  CHECK(counters["dropped.deadline"].get<int>() > 0);
+  CHECK(counters["dropped.deadline"] == stats["deadline"]["left_out"]);
+  CHECK(counters["emitted"].get<int>() + counters["dropped"].get<int>() == 60);
+  CHECK(stats["emitted"].get<std::size_t>() == files_in(folder, ".exr"));
+  CHECK(files_in(folder, ".png") == 0);
+  CHECK(stats["sinks"]["preview"]["left_out"] == stats["emitted"]);
+  CHECK(stats["per_frame"].back()["rung"].get<std::size_t>() == stats["deadline"]["rungs"].size() - 1);
+  CHECK(frames_in(folder + "/raw.mkv").size() == 60);
+}
+
 TEST_CASE(
     "a recording played as a camera gives the bytes of its replay, whatever it knows of lens and poses") {
   const std::string folder = sample::scratch_folder("live_same");

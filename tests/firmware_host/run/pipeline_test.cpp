@@ -1,5 +1,7 @@
 #include "firmware_host/run/pipeline.h"
 
+#include <algorithm>
+#include <ctime>
 #include <vector>
 
 #include "tests/allocation_checks.h"
@@ -41,6 +43,36 @@ TEST_CASE("a frame whose exposure is not proved changes nothing that is emitted"
   CHECK(emitted_by(clean, scene.camera(), &none) == emitted_by(mixed, scene.camera(), &three));
   CHECK(none == 0);
   CHECK(three == 3);
+}
+
+// Processor time, which other work on the machine does not change.
+double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+TEST_CASE("the first HDR frame comes with the sixth frame, after the work of a few frames") {
+  constexpr int kBootstrap = 6, kFrames = 24;
+  constexpr double kMostFrames = 12;  // of work; see docs/decisions.md for the measured figure
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  WorkerPool pool(1);
+  const PipelineOptions options = options_of(Preset::Realtime, EmitLayer::Merged);
+  Pipeline pipeline(options, scene.camera(), pool);
+  double first_ms = -1, began_ms = 0;
+  std::vector<double> steady_ms;
+  const Pipeline::Deliver deliver = [&](const HdrFrame&, const FrameEstimate&,
+                                        const FrameRecord&) -> Result<void> {
+    if (first_ms < 0) first_ms = cpu_ms() - began_ms;
+    return {};
+  };
+  for (int i = 0; i < kFrames; ++i) {
+    const RawFrame frame = scene.frame(i);
+    CHECK((first_ms >= 0) == (i >= kBootstrap));
+    began_ms = cpu_ms();
+    require_done(pipeline.take(frame, deliver));
+    if (i >= 2 * kBootstrap) steady_ms.push_back(cpu_ms() - began_ms);
+  }
+  std::ranges::sort(steady_ms);
+  INFO("first " << first_ms << " ms, steady " << steady_ms[steady_ms.size() / 2] << " ms");
+  CHECK(first_ms < kMostFrames * steady_ms[steady_ms.size() / 2]);
 }
 
 TEST_CASE("the fit allocates nothing per frame once it is warm") {

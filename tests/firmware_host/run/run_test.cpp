@@ -22,12 +22,14 @@ class MemorySource : public FrameSource {
     return next_ < frames_.size() ? &frames_[next_++] : static_cast<const RawFrame*>(nullptr);
   }
   void emitted(FrameRecord& record) override { record.latency_ms = 7; }
+  void left_out() override { ++left_out_; }
   void learn_response(const Response::Curve&, const BlackLevel&) override { ++responses_; }
   Result<void> finish(RunRecord& record) override {
     record.notes.emplace_back("from the source");
     return end_;
   }
   int responses() const { return responses_; }
+  int left_out_frames() const { return left_out_; }
 
  private:
   const test::MovingScene scene_;
@@ -35,7 +37,7 @@ class MemorySource : public FrameSource {
   std::vector<RawFrame> frames_;
   std::size_t next_ = 0;
   Result<void> end_;
-  int responses_ = 0;
+  int responses_ = 0, left_out_ = 0;
 };
 
 // What the run handed to a sink of this test.
@@ -100,6 +102,45 @@ TEST_CASE("a run hands each HDR frame with its input and its record to the sinks
   CHECK(seen.record->sinks[0].frames == 9);
   CHECK(std::ranges::find(seen.record->notes, "from the source") != seen.record->notes.end());
   CHECK(source.responses() == 1);
+}
+
+TEST_CASE("without a deadline every frame is as asked, with one that is ample as well, if a little later") {
+  MemorySource source(40, {});
+  require_done(run(plan(), source, posix_storage()));
+  CHECK(seen.record->deadline_ms == 0);
+  CHECK(seen.record->rungs.empty());
+
+  MemorySource again(100, {});
+  RunPlan ample = plan();
+  ample.settings.fit.deadline = "60s";
+  require_done(run(ample, again, posix_storage()));
+  CHECK(seen.record->deadline_ms == Approx(60e3));
+  CHECK(seen.record->late == 0);
+  CHECK(seen.sequences.size() == 100);
+  REQUIRE(seen.record->rungs.size() > 2);
+  CHECK(seen.record->rungs.front().name == "as asked");
+  CHECK(seen.record->rungs.front().frames > 50);
+  CHECK(seen.record->frames.back().rung == 0);
+}
+
+TEST_CASE("a deadline that nothing can hold leaves out frames, each of them counted, and none is lost") {
+  MemorySource source(60, {});
+  RunPlan short_of_time = plan();
+  short_of_time.settings.fit.deadline = "1us";
+  require_done(run(short_of_time, source, posix_storage()));
+  const RunRecord& record = *seen.record;
+  CHECK(record.late > 40);
+  CHECK(record.left_out > 20);
+  CHECK(record.left_out == source.left_out_frames());
+  CHECK(record.captured == 60);
+  CHECK(record.emitted + record.left_out == 60);
+  CHECK(record.dropped == record.left_out);
+  CHECK(seen.sequences.size() == static_cast<std::size_t>(record.emitted));
+  CHECK(record.rungs.back().name == "one frame in 4");
+  CHECK(record.rungs.back().frames > 30);
+  int all = 0;
+  for (const RungRecord& rung : record.rungs) all += rung.frames;
+  CHECK(all >= 58);  // the last frames come when the source has ended
 }
 
 TEST_CASE("a source that ends early is the reason, and what came before is emitted and concluded") {

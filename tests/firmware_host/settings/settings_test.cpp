@@ -68,6 +68,8 @@ std::string other_value(const SettingField& field) {
       return to_text(field.range.most);
     case SettingType::Real:
       return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+    case SettingType::TimeOrOff:
+      return "33ms";
     case SettingType::Knob:
       return field.knob->kind == KnobKind::Choice ? field.knob->choices.back() : to_text(field.knob->least);
     case SettingType::Text:
@@ -92,8 +94,9 @@ Settings all_changed() {
 // The line of a knob in docs/configuration.md.
 std::string row_of(const Knob& knob) {
   const auto in = [&](Preset preset) { return knob_value(knobs_of(preset), knob.name).value(); };
-  return fmt::format("| `{}` | {} | {} | {} | {} | {} | {} |", knob.name, in(Preset::Fast),
-                     in(Preset::Balanced), in(Preset::Best), accepted_values(knob), knob.gives, knob.costs);
+  return fmt::format("| `{}` | {} | {} | {} | {} | {} | {} | {} |", knob.name, in(Preset::Realtime),
+                     in(Preset::Fast), in(Preset::Balanced), in(Preset::Best), accepted_values(knob),
+                     knob.gives, knob.costs);
 }
 
 bool same(const Settings& a, const Settings& b) {
@@ -240,8 +243,11 @@ TEST_CASE("a value that a setting does not take is refused with what it takes") 
   CHECK_THAT(refused("[fit]\ncode_noise = nan\n"), Contains("takes a number, 0..20, not nan"));
   CHECK_THAT(refused("[schedule]\nshutter = [true]\n"), Contains("takes a text or a list, not this list"));
   CHECK(refused("[fit]\npreset = \"bset\"\n") ==
-        "live.toml:2: fit.preset takes fast, balanced or best, not 'bset' (did you mean 'best'?)");
+        "live.toml:2: fit.preset takes realtime, fast, balanced or best, not 'bset' (did you mean 'best'?)");
   CHECK_THAT(refused("[schedule]\nmains = 55\n"), Contains("takes off, 50 or 60, not 55"));
+  CHECK(refused("[fit]\ndeadline = \"soon\"\n") ==
+        "live.toml:2: fit.deadline takes a time such as 33ms, or off, not 'soon'");
+  CHECK_THAT(refused("[fit]\ndeadline = 0.033\n"), Contains("a time such as 33ms, or off, not 0.033"));
 }
 
 TEST_CASE("the first mistake of a file is the one that is reported") {
@@ -249,6 +255,7 @@ TEST_CASE("the first mistake of a file is the one that is reported") {
 }
 
 TEST_CASE("what a flag does not take is refused in the same words") {
+  CHECK_THAT(sentence(from_flags({"--deadline", "33mm"})), Contains("or off, not '33mm'"));
   CHECK(sentence(from_flags({"--width", "3"})) == "--width takes a whole number, 16..65535 or 0, not 3");
   CHECK_THAT(sentence(from_flags({"--width", "12px"})), Contains("not '12px'"));
   CHECK_THAT(sentence(from_flags({"--framerate", ""})), Contains("0.1..1000 or 0, not ''"));

@@ -37,6 +37,7 @@ class OneColour final : public SceneField {
     report.losses.push_back({"colour", static_cast<double>(std::abs(target_[0] - colour_[0]))});
     return report;
   }
+  void restart() override { std::fill_n(colour_, 3, 0.f); }
   SnapshotHold snapshot() override {
     for (Snapshot& snapshot : snapshots_)
       if (!snapshot.is_held()) {

@@ -142,6 +142,13 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   return {};
 }
 
+void FieldFit::restart() {
+  window_.clear();
+  start_networks();
+  health_.forget();
+  taken_ = 0;
+}
+
 StepReport FieldFit::step() {
   StepReport report;
   if (window_.size() == 0) return report;

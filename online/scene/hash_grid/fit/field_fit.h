@@ -27,6 +27,8 @@ class FieldFit {
   // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
   // (window.h); the field is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
+  // Forgets all frames and what was fitted to them; what is known of the response stays.
+  void restart();
   // Sets the budget of the next steps and of rendering.
   void prepare(const FitBudget& budget);
   // Takes one step. Needs a frame; with an empty window it does nothing.

@@ -53,7 +53,9 @@ class FitHealth {
   float gradient_scale() const { return static_cast<float>(scale_); }
   // the last good copy fails too: the networks are reinitialised
   bool is_lost() const { return in_a_row_ >= kPatience; }
-  void restart() { seen_ = in_a_row_ = 0, ++counts_.restarted; }
+  void restart() { forget(), ++counts_.restarted; }
+  // what was usual is of another time
+  void forget() { seen_ = in_a_row_ = 0; }
 
   FitCounts& counts() { return counts_; }
   const FitCounts& counts() const { return counts_; }

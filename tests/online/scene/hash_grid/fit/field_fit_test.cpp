@@ -159,6 +159,19 @@ TEST_CASE("the anchor follows a camera that leaves it, and the field stays the s
     REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
 }
 
+TEST_CASE("a field that starts anew knows only the frames that follow", "[isa][field]") {
+  Run run;
+  for (int i = 0; i < 4; ++i) run.take(i, 3);
+  run.fit.restart();
+  run.take(30, 0);
+  CHECK(run.fit.field().window.size() == 1);
+  const FieldPicture& view = run.look();
+  for (std::size_t p = 0; p < view.radiance.size(); ++p)
+    REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
+  run.take(31, 3);
+  CHECK(run.fit.field().window.size() == 2);
+}
+
 TEST_CASE("a frame that does not fit is refused and changes nothing", "[isa][field]") {
   Run run;
   run.take(0, 2);

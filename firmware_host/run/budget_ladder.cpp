@@ -1,0 +1,58 @@
+#include "firmware_host/run/budget_ladder.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace hdrcam {
+namespace {
+
+// Few steps are halved, many are quartered: each rung shall save a time that is worth it.
+int fewer(int steps) {
+  constexpr int kFew = 4;
+  return steps > kFew ? steps / 4 : steps / 2;
+}
+
+}  // namespace
+
+std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, PreviewUse previews) {
+  constexpr int kRarest = 4;
+  std::vector<Rung> ladder{{.name = "as asked", .budget = asked}};
+  Rung rung = ladder.front();
+  const auto add = [&](std::string name) {
+    rung.name = std::move(name);
+    ladder.push_back(rung);
+  };
+  if (previews == PreviewUse::Some) {
+    rung.previews = false;
+    add("no previews");
+  }
+  if (field != FieldUse::None) {
+    int& steps = rung.budget.fit.steps;
+    while (steps > 1) {
+      steps = fewer(steps);
+      add(fmt::format("{} step{} of the fit", steps, steps == 1 ? "" : "s"));
+    }
+  }
+  if (field == FieldUse::Fills) {
+    rung.budget.field_rests = true;
+    add("no field");
+  }
+  for (const auto& [quality, name] :
+       {std::pair(FlowQuality::Medium, "flow medium"), {FlowQuality::Fast, "flow fast"}})
+    if (rung.budget.flow > quality) {
+      rung.budget.flow = quality;
+      add(name);
+    }
+  if (rung.budget.shrinks) {
+    rung.budget.shrinks = false;
+    add("no shrinkage");
+  }
+  while (rung.emit_every < kRarest) {
+    rung.emit_every *= 2;
+    add(fmt::format("one frame in {}", rung.emit_every));
+  }
+  return ladder;
+}
+
+}  // namespace hdrcam

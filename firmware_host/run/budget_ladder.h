@@ -1,0 +1,27 @@
+// What a run gives up to hold its deadline, rung by rung: previews first, then the field, the quality of the
+// flow, shrinkage, and at last emitted frames; never capture, never the recording. Rung 0 is what was asked
+// for; each rung gives up one thing more than the one before. Plain values; reentrant.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "online/frame_budget.h"
+
+namespace hdrcam {
+
+struct Rung {
+  std::string name;  // what it gives up beyond the rung before: "flow fast"
+  FrameBudget budget;
+  bool previews = true;
+  int emit_every = 1;  // an HDR frame for every n-th frame
+};
+
+// None: the run has no field. Fills: it fills what no frame saw, and may rest. Seen: it is shown itself, and
+// takes at least one step per frame.
+enum class FieldUse { None, Fills, Seen };
+enum class PreviewUse { None, Some };
+
+std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, PreviewUse previews);
+
+}  // namespace hdrcam

@@ -1,0 +1,16 @@
+#include "firmware_host/run/deadline.h"
+
+#include <cmath>
+
+#include "capture/exposure.h"
+
+namespace hdrcam {
+
+std::optional<Duration> deadline_of(const Settings::Fit& fit, const CameraFacts& camera, RunPace pace) {
+  if (fit.deadline == kOff) return std::nullopt;
+  if (!fit.deadline.empty()) return parse_duration(fit.deadline).value();
+  if (pace == RunPace::Clip || !(camera.framerate_hz > 0)) return std::nullopt;
+  return Duration(std::llround(1e9 / camera.framerate_hz));
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,16 @@
+// The deadline per frame that a run holds: the setting, or the interval of a camera that does not wait.
+// Reentrant.
+#pragma once
+
+#include <optional>
+
+#include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/sink_set.h"
+#include "hal/core/frame.h"
+
+namespace hdrcam {
+
+// None: the run takes the time that it needs. The text of the setting was checked when it was read.
+std::optional<Duration> deadline_of(const Settings::Fit& fit, const CameraFacts& camera, RunPace pace);
+
+}  // namespace hdrcam

@@ -1,0 +1,155 @@
+#include "firmware_host/run/governor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "hal/core/check.h"
+
+namespace hdrcam {
+namespace {
+
+// Shares of the deadline. Between the last two lies the hysteresis: a rung in use may fill the deadline, one
+// that is returned to must leave room.
+constexpr double kSuddenlyLate = 1.15;
+constexpr double kRoomToShedTo = 0.95;
+constexpr double kRoomToReturn = 0.85;  // also of the rung below, to try one of unknown cost
+
+constexpr int kSettling = 1;                                 // frames
+constexpr int kProven = 30;                                  // frames after which a return has held
+constexpr int kLongestWait = 16;                             // in first waits
+constexpr double kFirstWait_s = 4, kMostFirstWait = 10'000;  // the second in frames
+constexpr double kFasterMachine = 0.85;  // of the steady work's time: another machine than before
+constexpr double kLeastSteady_ms = 1e-3;
+
+}  // namespace
+
+Governor::Governor(std::vector<Rung> ladder, Duration deadline)
+    : ladder_(std::move(ladder)),
+      deadline_ms_(to_seconds(deadline) * 1e3),
+      first_wait_(static_cast<int>(
+          std::lround(std::clamp(kFirstWait_s / to_seconds(deadline), 1.0, kMostFirstWait)))),
+      ratios_(ladder_.size()),
+      since_return_(kProven),
+      wait_(first_wait_),
+      frames_at_(ladder_.size(), 0) {
+  CHECK(!ladder_.empty() && deadline > Duration::zero());
+  while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emit_every == 1) ++at_;
+}
+
+FrameBudget Governor::next() {
+  const Rung& rung = ladder_[at_];
+  FrameBudget budget = rung.budget;
+  budget.emits = frames_++ % rung.emit_every == 0;
+  return budget;
+}
+
+void Governor::done(const FrameWork& work) {
+  if (work.frames == 0) return;
+  frames_at_[at_] += work.frames;
+  if (work.frames > 1) return;  // the first frames come at once
+  since_return_ = std::min(since_return_ + 1, kProven);
+  pass_block();
+  add(work);
+  if (samples_ % kWindow == 0 && samples_ > 0 && upper(kWindow).total_ms <= deadline_ms_) remember();
+  if (const auto cheaper = rung_to_shed_to())
+    shed_to(*cheaper);
+  else if (const auto better = rung_to_return_to())
+    remember(), since_return_ = 0, move_to(*better);
+}
+
+// Frames of which only one is emitted count as their mean.
+void Governor::add(const FrameWork& work) {
+  pending_.total_ms += work.total_ms, pending_.steady_ms += work.steady_ms;
+  if (++pending_frames_ < ladder_[at_].emit_every) return;
+  const Sample mean{pending_.total_ms / pending_frames_,
+                    std::max(pending_.steady_ms / pending_frames_, kLeastSteady_ms)};
+  if (mean.total_ms > deadline_ms_) late_ += pending_frames_;
+  pending_ = {}, pending_frames_ = 0;
+  if (unsettled_ > 0)
+    --unsettled_;
+  else
+    window_[samples_++ % kWindow] = mean;
+}
+
+// Of the newest frames the one with the upper quartile of the time: two outliers of eight do not count.
+Governor::Sample Governor::upper(std::size_t newest) const {
+  std::array<Sample, kWindow> sorted{};
+  for (std::size_t i = 0; i < newest; ++i) sorted[i] = window_[(samples_ - 1 - i) % kWindow];
+  const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>((newest - 1) * 3 / 4);
+  std::nth_element(sorted.begin(), rank, sorted.begin() + static_cast<std::ptrdiff_t>(newest),
+                   [](const Sample& a, const Sample& b) { return a.total_ms < b.total_ms; });
+  return *rank;
+}
+
+// The speed of the machine: the median time of the steady work.
+double Governor::steady_ms() const {
+  const std::size_t count = std::min(samples_, kWindow);
+  std::array<double, kWindow> sorted{};
+  for (std::size_t i = 0; i < count; ++i) sorted[i] = window_[i].steady_ms;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
+  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
+  return *middle;
+}
+
+std::optional<std::size_t> Governor::rung_to_shed_to() const {
+  if (at_ + 1 == ladder_.size()) return std::nullopt;
+  const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * deadline_ms_;
+  const bool steady = samples_ >= kWindow && upper(kWindow).total_ms > deadline_ms_;
+  if (!sudden && !steady) return std::nullopt;
+  const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
+  for (std::size_t r = at_ + 1; r < ladder_.size(); ++r)
+    if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * deadline_ms_) return r;
+  return ladder_.size() - 1;
+}
+
+std::optional<std::size_t> Governor::rung_to_return_to() const {
+  if (at_ == 0 || samples_ < kTrial) return std::nullopt;
+  if (samples_ >= kWindow)
+    for (std::size_t r = 0; r < at_; ++r)
+      if (ratios_[r] && !is_blocked(r) && *ratios_[r] * steady_ms() <= kRoomToReturn * deadline_ms_) return r;
+  const std::size_t above = at_ - 1;
+  const bool ample = upper(std::min(samples_, kWindow)).total_ms <= kRoomToReturn * deadline_ms_;
+  return !ratios_[above] && !is_blocked(above) && ample ? std::optional(above) : std::nullopt;
+}
+
+bool Governor::is_blocked(std::size_t rung) const {
+  return block_.frames_left > 0 && rung <= block_.rung && steady_ms() > kFasterMachine * block_.steady_ms;
+}
+
+// What this rung takes, learned from frames in time: late ones tell more about the moment than about the
+// rung.
+void Governor::remember() {
+  const std::size_t count = std::min(samples_, kWindow);
+  std::array<double, kWindow> ratios{};
+  for (std::size_t i = 0; i < count; ++i) ratios[i] = window_[i].ratio();
+  const auto rank = ratios.begin() + static_cast<std::ptrdiff_t>((count - 1) * 3 / 4);
+  std::nth_element(ratios.begin(), rank, ratios.begin() + static_cast<std::ptrdiff_t>(count));
+  ratios_[at_] = *rank;
+}
+
+void Governor::shed_to(std::size_t rung) {
+  const bool failed = since_return_ < kProven;
+  if (failed || !ratios_[at_]) remember();
+  if (failed) {
+    block_ = {at_, wait_, steady_ms()};
+    wait_ = std::min(2 * wait_, kLongestWait * first_wait_);
+  }
+  since_return_ = kProven;
+  move_to(rung);
+}
+
+void Governor::move_to(std::size_t rung) {
+  at_ = rung;
+  samples_ = 0, unsettled_ = kSettling;
+  pending_ = {}, pending_frames_ = 0;
+}
+
+// A return that held ends the waits; a wait that is over makes the rung one of unknown cost.
+void Governor::pass_block() {
+  if (since_return_ == kProven && at_ <= block_.rung) wait_ = first_wait_;
+  if (block_.frames_left > 0 && --block_.frames_left == 0) ratios_[block_.rung].reset();
+}
+
+}  // namespace hdrcam

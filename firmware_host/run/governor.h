@@ -1,0 +1,90 @@
+// Holds a run's deadline per frame: from the times of the frames so far it chooses the rung of the ladder
+// (budget_ladder.h) for the next one. It sheds when frames are late, at once under a sudden load, and returns
+// to better rungs as soon as they are predicted to fit. It predicts a rung from what it took when it was last
+// in use, in units of the work that no rung changes: a machine that is slowed by other work slows both alike.
+// A rung that was never in use is tried where there is ample time; one that turned out too slow is tried
+// again after a wait that doubles, or when the machine became faster. It starts at the cheapest rung that
+// emits every frame, so that the first frames come early. Deterministic: times in, budget out; it reads no
+// clock. No allocation after the constructor. Thread-bound.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "firmware_host/run/budget_ladder.h"
+#include "hal/core/instant.h"
+
+namespace hdrcam {
+
+// The time of the work on one frame, or of one call that did several frames at once (the first ones).
+struct FrameWork {
+  int frames = 0;        // 0: the call only stored its frame
+  double total_ms = 0;   // all of it
+  double steady_ms = 0;  // the part of it that is the same on every rung, for the same frame
+};
+
+class Governor {
+ public:
+  // ladder: at least one rung.
+  Governor(std::vector<Rung> ladder, Duration deadline);
+
+  // The budget of the next frame. Call it once per frame.
+  FrameBudget next();
+  // How long that frame took.
+  void done(const FrameWork& work);
+
+  int rung() const { return static_cast<int>(at_); }  // of the next frame
+  const std::vector<Rung>& ladder() const { return ladder_; }
+  bool previews() const { return ladder_[at_].previews; }
+  double deadline_ms() const { return deadline_ms_; }
+  int late() const { return late_; }  // frames over the deadline; of those with one emission, their mean
+  // Frames at each rung.
+  const std::vector<int>& frames_at() const { return frames_at_; }
+
+ private:
+  // The last few frames on the present rung.
+  static constexpr std::size_t kWindow = 8, kTrial = 5, kSudden = 2;
+
+  struct Sample {
+    double total_ms = 0, steady_ms = 0;
+    double ratio() const { return total_ms / steady_ms; }
+  };
+  // A rung that was too slow when it was tried. Better ones are blocked with it.
+  struct Block {
+    std::size_t rung = 0;
+    int frames_left = 0;
+    double steady_ms = 0;  // of the machine then
+  };
+
+  void add(const FrameWork& work);
+  Sample upper(std::size_t newest) const;
+  double steady_ms() const;
+  bool is_blocked(std::size_t rung) const;
+  std::optional<std::size_t> rung_to_shed_to() const;
+  std::optional<std::size_t> rung_to_return_to() const;
+  void remember();
+  void shed_to(std::size_t rung);
+  void move_to(std::size_t rung);
+  void pass_block();
+
+  const std::vector<Rung> ladder_;
+  const double deadline_ms_;
+  const int first_wait_;  // frames
+  std::size_t at_ = 0;
+  std::vector<std::optional<double>>
+      ratios_;                            // by rung: total over steady, when it was last in use; none: never
+  std::array<Sample, kWindow> window_{};  // a ring
+  std::size_t samples_ = 0;               // since the rung changed
+  int unsettled_ = 0;                     // frames after a change that are not counted
+  Sample pending_;                        // of a group of frames of which one is emitted
+  int pending_frames_ = 0;
+  int since_return_ = 0;  // frames; large where the last change was to shed
+  Block block_;
+  int wait_ = 0;  // frames, of the next block
+  long frames_ = 0;
+  int late_ = 0;
+  std::vector<int> frames_at_;
+};
+
+}  // namespace hdrcam

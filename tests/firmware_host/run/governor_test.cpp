@@ -1,0 +1,204 @@
+// The governor against a machine of known costs and a clock of its own: nothing here measures a time.
+#include "firmware_host/run/governor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include "online/knobs.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+namespace hdrcam {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr Duration kDeadline = std::chrono::microseconds(33333);
+constexpr double kDeadline_ms = 33.333;
+constexpr int kSecond = 30;  // frames
+
+// What a frame takes: 26.6 ms as asked where nothing else runs, 10 ms on the cheapest rung that emits.
+struct Machine {
+  double load = 1;      // on every stage
+  double noise = 0;     // sigma of ln time, of each stage
+  int spike_every = 0;  // frames; a spike takes three times as long
+  std::uint64_t draws = 0;
+  int frames = 0;
+
+  double jitter() { return std::exp(noise * test::MovingScene::noise(1000 + 12 * draws++)); }
+
+  FrameWork work(const FrameBudget& budget, bool previews) {
+    FrameWork work{.frames = 1};
+    const bool spike = spike_every > 0 && frames++ % spike_every == spike_every / 2;
+    const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1);
+    work.steady_ms = slow * 5 * jitter();
+    const double motion_ms[] = {3, 4.5, 7};  // fast, medium, fine
+    work.total_ms = work.steady_ms + slow * motion_ms[static_cast<int>(budget.flow)] * jitter();
+    if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();
+    if (budget.emits) work.total_ms += slow * (budget.shrinks ? 5 : 2) * jitter();
+    return work;
+  }
+};
+
+std::vector<Rung> ladder() {
+  return budget_ladder(knobs_of(Preset::Balanced).budget, FieldUse::Fills, PreviewUse::Some);
+}
+
+struct Stretch {
+  int late = 0, changes = 0;
+  std::optional<int> first_as_asked;  // frame
+};
+
+Stretch run(Governor& governor, Machine& machine, int frames) {
+  Stretch seen;
+  const int late_before = governor.late();
+  for (int i = 0; i < frames; ++i) {
+    if (governor.rung() == 0 && !seen.first_as_asked) seen.first_as_asked = i;
+    const int before = governor.rung();
+    const bool previews = governor.previews();
+    governor.done(machine.work(governor.next(), previews));
+    seen.changes += governor.rung() != before;
+  }
+  seen.late = governor.late() - late_before;
+  return seen;
+}
+
+TEST_CASE("a run sheds previews first, then the field, the flow, shrinkage, and emitted frames last") {
+  std::vector<std::string> names;
+  const std::vector<Rung> rungs = ladder();
+  for (const Rung& rung : rungs) names.push_back(rung.name);
+  CHECK(names == std::vector<std::string>{"as asked", "no previews", "1 step of the fit", "no field",
+                                          "flow medium", "flow fast", "no shrinkage", "one frame in 2",
+                                          "one frame in 4"});
+  CHECK(rungs.front().previews);
+  CHECK(rungs.front().budget.fit.steps == 2);
+  const Rung& last = rungs.back();
+  CHECK_FALSE(last.previews);
+  CHECK(last.budget.field_rests);
+  CHECK(last.budget.flow == FlowQuality::Fast);
+  CHECK_FALSE(last.budget.shrinks);
+  CHECK(last.emit_every == 4);
+}
+
+TEST_CASE("what a run does not have it does not shed, and a field that is shown never rests") {
+  const FrameBudget cheap{.flow = FlowQuality::Fast, .fit = {.steps = 30}, .shrinks = false};
+  const std::vector<Rung> none = budget_ladder(cheap, FieldUse::None, PreviewUse::None);
+  REQUIRE(none.size() == 3);
+  CHECK(none[1].name == "one frame in 2");
+  const std::vector<Rung> seen = budget_ladder(cheap, FieldUse::Seen, PreviewUse::None);
+  REQUIRE(seen.size() == 5);
+  CHECK(seen[1].name == "7 steps of the fit");
+  CHECK(seen[2].name == "1 step of the fit");
+  CHECK_FALSE(seen.back().budget.field_rests);
+}
+
+TEST_CASE("a run with time enough begins cheaply, is as asked within two seconds and never sheds") {
+  for (const double noise : {0.0, 0.08}) {
+    Governor governor(ladder(), kDeadline);
+    Machine machine{.noise = noise};
+    CHECK(governor.ladder()[static_cast<std::size_t>(governor.rung())].name == "no shrinkage");
+    const Stretch start = run(governor, machine, 2 * kSecond);
+    REQUIRE(start.first_as_asked);
+    CHECK(start.late == 0);
+    CHECK(start.changes == 6);  // rung by rung: no cost is known yet
+    CHECK(run(governor, machine, 100 * kSecond).changes == 0);
+  }
+}
+
+TEST_CASE("single frames that come late are no reason to shed") {
+  Governor governor(ladder(), kDeadline);
+  Machine machine{.noise = 0.05};
+  run(governor, machine, 2 * kSecond);
+  machine.spike_every = 20;
+  const Stretch stretch = run(governor, machine, 100 * kSecond);
+  CHECK(stretch.changes == 0);
+  CHECK(stretch.late == 100 * kSecond / 20);
+}
+
+TEST_CASE("a load of thirty seconds costs a few late frames, and quality is back within two seconds") {
+  for (const double load : {1.4, 1.7, 2.0, 2.6, 3.2})
+    for (const double noise : {0.0, 0.08}) {
+      Governor governor(ladder(), kDeadline);
+      Machine machine{.noise = noise};
+      run(governor, machine, 10 * kSecond);
+      REQUIRE(governor.rung() == 0);
+      machine.load = load;
+      const Stretch loaded = run(governor, machine, 30 * kSecond);
+      CAPTURE(load, noise, loaded.changes, governor.rung());
+      CHECK(loaded.late <= 10);
+      CHECK(governor.rung() > 0);
+      machine.load = 1;
+      const Stretch after = run(governor, machine, 10 * kSecond);
+      REQUIRE(after.first_as_asked);
+      CHECK(*after.first_as_asked <= 2 * kSecond);
+      CHECK(after.late <= 2);
+    }
+}
+
+TEST_CASE("under a steady load the rung stays, wherever between two rungs the load lies") {
+  for (int step = 0; step < 30; ++step) {
+    Governor governor(ladder(), kDeadline);
+    Machine machine{.load = 0.9 + 0.08 * step, .noise = 0.08};
+    run(governor, machine, 10 * kSecond);
+    const Stretch stretch = run(governor, machine, 100 * kSecond);
+    CAPTURE(machine.load, governor.rung(), stretch.late);
+    CHECK(stretch.changes <= 12);
+    if (governor.rung() + 1 < static_cast<int>(governor.ladder().size()))
+      CHECK(stretch.late <= 100 * kSecond / 40);
+  }
+}
+
+TEST_CASE("as the load grows, what is shed follows the order, and comes back in the opposite one") {
+  Governor governor(ladder(), kDeadline);
+  Machine machine;
+  run(governor, machine, 2 * kSecond);
+  REQUIRE(governor.rung() == 0);
+  int worst = 0;
+  for (; machine.load < 4.5; machine.load += 0.05) {
+    run(governor, machine, kSecond);
+    CHECK(governor.rung() >= worst);
+    worst = std::max(worst, governor.rung());
+  }
+  CHECK(worst == static_cast<int>(governor.ladder().size()) - 1);
+  for (; machine.load > 1; machine.load -= 0.05) {
+    run(governor, machine, 2 * kSecond);
+    CHECK(governor.rung() <= worst);
+    worst = std::min(worst, governor.rung());
+  }
+  CHECK(worst <= 1);
+}
+
+TEST_CASE("no frame is missed from the count: each is at one rung") {
+  Governor governor(ladder(), kDeadline);
+  Machine machine{.load = 2};
+  governor.done({.frames = 0});
+  governor.done({.frames = 6, .total_ms = 400, .steady_ms = 40});
+  CHECK(governor.late() == 0);  // six frames at once: the start, not a late frame
+  run(governor, machine, 100);
+  int all = 0;
+  for (const int frames : governor.frames_at()) all += frames;
+  CHECK(all == 106);
+}
+
+TEST_CASE(
+    "one frame in two is emitted where nothing cheaper is left, and every frame takes part in the state") {
+  Governor governor(ladder(), kDeadline);
+  Machine machine{.load = 3.5};
+  run(governor, machine, 4 * kSecond);
+  REQUIRE(governor.ladder()[static_cast<std::size_t>(governor.rung())].emit_every == 2);
+  int emitted = 0;
+  for (int i = 0; i < 20; ++i) {
+    const FrameBudget budget = governor.next();
+    emitted += budget.emits;
+    governor.done(machine.work(budget, false));
+  }
+  CHECK(emitted == 10);
+}
+
+}  // namespace
+}  // namespace hdrcam
