@@ -14,8 +14,10 @@
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"
+#include "hal/clock.h"
 
 namespace hdrcam {
 namespace {
@@ -71,8 +73,9 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
 }
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
+  Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
@@ -82,8 +85,9 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
       TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
   for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
-  const RunPlan plan{
+  RunPlan plan{
       .settings = settings, .title = camera->camera().name, .command = command_line_of(flags, settings)};
+  if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = run(plan, *camera, around.storage);
   const LiveCounters counters = camera->session().counters();
   if (counters.captured() > 0) print_summary(counters, settings);

@@ -12,7 +12,9 @@
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
+#include "hal/clock.h"
 
 namespace hdrcam {
 namespace {
@@ -50,8 +52,9 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Su
 }
 
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
+  Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  settings = with_start_time(std::move(settings), posix_clock().wall_time());
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
@@ -62,10 +65,11 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
-  TRY(session.start());
+  TRY(camera->start());
   {
     LiveStatus status(session, false);
-    session.next(around.stop, [&] { status.update(); });
+    const bool supervised = Supervisor::of_environment().present();  // then the service's status has the line
+    session.next(around.stop, [&] { supervised ? void() : status.update(); });
   }
   RunRecord record;
   const Result<void> ended = camera->finish(record);

@@ -10,6 +10,7 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
                                                          Storage& storage, const std::atomic<bool>& stop) {
   std::unique_ptr<CameraSource> source(new CameraSource(stop));
   source->replayed_ = is_replayed(settings.camera.id);
+  source->fits_ = limits.fits;
   source->camera_ = TRY(open_camera(settings.camera.id, storage));
   source->strobe_ = TRY(open_strobe(settings.sync));
   const CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
@@ -31,6 +32,16 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   return source;
 }
 
+Result<void> CameraSource::start() {
+  TRY(session_->start());
+  watch_.emplace(
+      Supervisor::of_environment(), [this] { return session_->counters(); },
+      [this](const LiveCounters& counters) {
+        return live_line(to_seconds(posix_clock().now() - begin_), counters, fits_);
+      });
+  return {};
+}
+
 Result<const RawFrame*> CameraSource::next() {
   frame_ = {};  // returned first, so that capture can reuse it
   frame_ = session_->next(stop_, {});
@@ -47,6 +58,7 @@ void CameraSource::learn_response(const Response::Curve& inverse, const BlackLev
 
 Result<void> CameraSource::finish(RunRecord& record) {
   frame_ = {};
+  if (watch_) watch_->stopping();
   const Result<LiveEnd> end = session_->finish();
   if (end) end_ = end.value();
   const LiveCounters counters = session_->counters();
@@ -60,7 +72,7 @@ Result<void> CameraSource::finish(RunRecord& record) {
 }
 
 std::string CameraSource::status(const ProgressState&) const {
-  return live_line(to_seconds(posix_clock().now() - begin_), session_->counters(), true);
+  return live_line(to_seconds(posix_clock().now() - begin_), session_->counters(), fits_);
 }
 
 }  // namespace hdrcam

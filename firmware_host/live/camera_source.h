@@ -1,11 +1,12 @@
 // A camera as the source of a run: opened, configured and started from the settings, captured on its own
-// thread (live_session.h) and recorded where a file is named. `live` and `record` share it. Thread-bound,
-// except status().
+// thread (live_session.h) and recorded where a file is named; a service manager is told how it goes. `live`
+// and `record` share it. Thread-bound, except status().
 #pragma once
 
 #include <memory>
 
 #include "firmware_host/live/live_session.h"
+#include "firmware_host/live/service_watch.h"
 #include "firmware_host/run/frame_source.h"
 #include "firmware_host/settings/settings.h"
 #include "hal/clock.h"
@@ -22,7 +23,7 @@ class CameraSource : public FrameSource {
 
   const CameraFacts& camera() const override { return facts_; }
   RunPace pace() const override { return RunPace::Camera; }
-  Result<void> start() override { return session_->start(); }
+  Result<void> start() override;
   Result<const RawFrame*> next() override;
   void emitted(FrameRecord& record) override;
   void left_out() override { session_->left_out(); }
@@ -44,8 +45,9 @@ class CameraSource : public FrameSource {
   std::unique_ptr<SyncLine> strobe_;
   std::unique_ptr<CaptureStage> capture_;
   std::unique_ptr<LiveSession> session_;
+  std::optional<ServiceWatch> watch_;
   CameraFacts facts_;
-  bool replayed_ = false;
+  bool replayed_ = false, fits_ = true;
   FrameShare frame_;  // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();

@@ -289,8 +289,9 @@ std::vector<SettingField> output_fields() {
 std::vector<SettingField> record_fields() {
   using R = Settings::Record;
   return {
-      any<&Settings::record, &R::file>("record.file", "--record", "the raw recording to write: walk.mkv",
-                                       "none"),
+      any<&Settings::record, &R::file>(
+          "record.file", "--record",
+          "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
       number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
                                                 "memory for frames that wait for the disk, MiB",
                                                 {1, 65536, {}}),

@@ -1,0 +1,27 @@
+#include "firmware_host/settings/start_time.h"
+
+#include <fmt/chrono.h>
+
+#include <utility>
+
+namespace hdrcam {
+namespace {
+
+constexpr std::string_view kStart = "{start}";
+
+void replace_in(std::string& name, const std::string& time) {
+  for (std::size_t at = name.find(kStart); at != std::string::npos; at = name.find(kStart, at + time.size()))
+    name.replace(at, kStart.size(), time);
+}
+
+}  // namespace
+
+Settings with_start_time(Settings settings, std::chrono::system_clock::time_point start) {
+  const std::string time =
+      fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(start)));
+  replace_in(settings.record.file, time);
+  for (auto& [sink, path] : settings.output.paths) replace_in(path, time);
+  return settings;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,15 @@
+// The time of a run's start in the names of its files, so that a service that is started again writes new
+// ones. Reentrant.
+#pragma once
+
+#include <chrono>
+
+#include "firmware_host/settings/settings.h"
+
+namespace hdrcam {
+
+// Replaces each "{start}" in the recording's and the outputs' names: "take-{start}.mkv" becomes
+// "take-20261122T143005Z.mkv", in UTC.
+Settings with_start_time(Settings settings, std::chrono::system_clock::time_point start);
+
+}  // namespace hdrcam

@@ -1,0 +1,71 @@
+#include "firmware_host/live/service_watch.h"
+
+#include <atomic>
+
+#include "tests/support/notify_socket.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using std::chrono::milliseconds;
+
+namespace {
+
+LiveCounters counted(std::uint64_t captured, std::uint64_t emitted, std::uint64_t under_way,
+                     std::uint64_t recorded = 0, std::uint64_t to_record = 0) {
+  LiveCounters counters;
+  counters.camera.captured = captured;
+  counters.emitted = emitted, counters.under_way = under_way;
+  counters.recorded = recorded, counters.to_record = to_record;
+  return counters;
+}
+
+// Datagrams until one has the word.
+std::string until(NotifySocket& socket, const std::string& word) {
+  for (;;) {
+    const std::string text = socket.next();
+    if (text.empty() || text.find(word) != std::string::npos) return text;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a run is alive while capture, fit and recorder get on") {
+  SignOfLife life;
+  CHECK(life.seen(counted(1, 0, 0)));
+  CHECK(life.seen(counted(2, 0, 0)));
+  SECTION("a camera that delivers nothing is no sign of life") {
+    CHECK_FALSE(life.seen(counted(2, 0, 0)));
+    CHECK(life.seen(counted(3, 0, 0)));
+  }
+  SECTION("a fit that hangs is none, however many frames the camera delivers; one without frames is well") {
+    CHECK(life.seen(counted(3, 1, 2)));
+    CHECK_FALSE(life.seen(counted(4, 1, 3)));
+    CHECK_FALSE(life.seen(counted(90, 1, 3)));
+    CHECK(life.seen(counted(91, 2, 3)));
+    CHECK(life.seen(counted(92, 2, 0)));
+  }
+  SECTION("a disk that hangs is none") {
+    CHECK(life.seen(counted(3, 0, 0, 1, 2)));
+    CHECK_FALSE(life.seen(counted(4, 0, 0, 1, 3)));
+    CHECK(life.seen(counted(5, 0, 0, 2, 3)));
+  }
+}
+
+TEST_CASE("a service is ready with its first frame, gives signs of life, and says that it stops") {
+  NotifySocket socket(NotifySocket::Where::Path);
+  std::atomic<std::uint64_t> captured{0};
+  ServiceWatch watch(
+      Supervisor(socket.name(), milliseconds(100)), [&] { return counted(captured, 0, 0); },
+      [](const LiveCounters& now) { return "captured " + std::to_string(now.captured()); });
+  CHECK(socket.next() == "STATUS=captured 0\n");
+  captured = 1;
+  CHECK_THAT(until(socket, "READY=1"), Catch::StartsWith("READY=1\nWATCHDOG=1\n"));
+  CHECK(socket.next(300).find("WATCHDOG") == std::string::npos);  // no frame since then
+  captured = 2;
+  CHECK_THAT(until(socket, "WATCHDOG=1"), Catch::StartsWith("WATCHDOG=1\n"));
+  watch.stopping();
+  CHECK_THAT(until(socket, "STOPPING"), Catch::Equals("STOPPING=1"));
+  captured = 3;
+  CHECK(socket.next(300).empty());
+}
