@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Many recordings, one replay each: as a Slurm job array, or without Slurm as processes of this machine. Recordings that
+# are done stay done; run it again after a failure or an interruption. Ends with a table.
+#   run_fleet.sh [--plain | --one-node] [--at-once N] -o OUT RECORDING.. [-- FLAGS OF REPLAY]
+# --plain      no Slurm
+# --one-node   on a cluster that it starts on this machine and stops again (root, slurm-wlm)
+# --at-once N  so many at a time; default: what the cluster has room for, or one for each two processors
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+manner=slurm at_once='' out='' recordings=() flags=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --plain | --one-node) manner=${1#--} ;;
+    --at-once) at_once=$2; shift ;;
+    -o) out=$2; shift ;;
+    --) shift; flags=("$@"); break ;;
+    -*) echo "unknown flag '$1'; see the head of ${BASH_SOURCE[0]}" >&2; exit 2 ;;
+    *) recordings+=("$(realpath "$1")") ;;
+  esac
+  shift
+done
+[ -n "$out" ] && [ ${#recordings[@]} -gt 0 ] || { echo "give recordings and -o FOLDER" >&2; exit 2; }
+twice=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort | uniq -d)
+[ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
+mkdir -p "$out"
+out=$(realpath "$out")
+printf '%s\n' "${recordings[@]}" >"$out/recordings"
+printf '%s\n' ${flags[@]+"${flags[@]}"} | sed '/^$/d' >"$out/flags"
+last=$((${#recordings[@]} - 1))
+threads=2 # of a job: beyond two the fit gains little
+
+submit() {
+  local code=0
+  # A failed recording is in the table; it is no reason to leave the others.
+  sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" --job-name=hdrcam-fleet \
+    --output="$out/slurm-%a.log" --export=ALL --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" || code=$?
+  [ "$code" -le 1 ] || [ -e "$out/slurm-0.log" ] || { echo "sbatch failed with $code" >&2; exit "$code"; }
+}
+
+case "$manner" in
+  slurm) submit ;;
+  one-node)
+    cluster=$(mktemp -d /tmp/hdrcam-fleet.XXXXXX)
+    trap '"$here/one_node.sh" stop "$cluster"; rm -rf "$cluster"' EXIT
+    "$here/one_node.sh" start "$cluster"
+    export SLURM_CONF=$cluster/slurm.conf
+    threads=$(($(nproc) < threads ? $(nproc) : threads))
+    submit
+    ;;
+  plain)
+    seq 0 "$last" | xargs -P "${at_once:-$((($(nproc) + 1) / threads))}" -I{} "$here/replay_one.sh" "$out" {} || true
+    ;;
+esac
+"$here/summary.sh" "$out"
