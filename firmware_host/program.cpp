@@ -44,7 +44,14 @@ constexpr ListedVerb kVerbs[] = {
     {"Recordings", "simulate", add_simulate, "hdrcam simulate walk -o walk.mkv --truth clips/walk"},
     {"Devices", "calibrate", add_calibrate, "hdrcam calibrate delay --camera /dev/video0 -o camera.toml"},
     {"Devices", "list", add_list, "hdrcam list"},
+    {"Setup", "completion", add_completion, "hdrcam completion bash"},
+    {"Setup", "manual", add_manual, "hdrcam manual -o man"},
 };
+
+constexpr const char* kAbout =
+    "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, "
+    "middle and\n"
+    "long in turn, and every one of them leaves as a scene-linear HDR frame of the same instant.";
 
 std::string exit_code_text() {
   std::string text = "Exit codes:\n";
@@ -53,11 +60,8 @@ std::string exit_code_text() {
 }
 
 std::string help_text(const CLI::App& app) {
-  std::string text =
-      "hdrcam turns a camera that alternates its exposure into an HDR video camera: frames come in short, "
-      "middle and\n"
-      "long in turn, and every one of them leaves as a scene-linear HDR frame of the same instant.\n\n"
-      "Usage: hdrcam VERB [flags]      hdrcam VERB --help      hdrcam --version\n";
+  std::string text = app.get_description() +
+                     "\n\nUsage: hdrcam VERB [flags]      hdrcam VERB --help      hdrcam --version\n";
   std::string_view group;
   for (const ListedVerb& verb : kVerbs) {
     if (group != verb.group) text += fmt::format("\n{}:\n", group = verb.group);
@@ -125,7 +129,7 @@ void add_config(CLI::App& verb, std::shared_ptr<SettingsFlags>& unused_settings)
 }
 
 std::shared_ptr<CLI::App> command_line(Verb& chosen, std::shared_ptr<SettingsFlags>& unused_settings) {
-  auto app = std::make_shared<CLI::App>("", "hdrcam");
+  auto app = std::make_shared<CLI::App>(kAbout, "hdrcam");
   app->require_subcommand(1);
   app->set_version_flag("--version", fmt::format("hdrcam {}", kVersion));
   for (const ListedVerb& verb : kVerbs) {

@@ -8,5 +8,6 @@
 namespace hdrcam {
 
 constexpr const char* kVersion = HDRCAM_VERSION;
+constexpr const char* kReleased = "2026-11-22";  // the day of that version, on the manual pages
 
 }  // namespace hdrcam

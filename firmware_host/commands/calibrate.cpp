@@ -129,6 +129,7 @@ void add_calibrate(CLI::App& app, Verb& chosen) {
   CLI::App* verb = app.add_subcommand("calibrate", "measure a camera's control delay from its pictures");
   verb->add_option("what", flags->what,
                    "delay: control latency, in frames from a request to the picture that shows it")
+      ->type_name("delay")
       ->required();
   verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml");
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);

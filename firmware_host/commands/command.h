@@ -37,5 +37,7 @@ void add_calibrate(CLI::App& app, Verb& chosen);
 void add_list(CLI::App& app, Verb& chosen);
 void add_simulate(CLI::App& app, Verb& chosen);
 void add_bench(CLI::App& app, Verb& chosen);
+void add_completion(CLI::App& app, Verb& chosen);
+void add_manual(CLI::App& app, Verb& chosen);
 
 }  // namespace hdrcam

@@ -40,8 +40,9 @@ std::vector<std::string> words_of(const std::string& line) {
   return {std::istream_iterator<std::string>(stream), {}};
 }
 
-const std::vector<std::string> kVerbs{"replay", "live", "render", "encode",   "compare",   "record", "import",
-                                      "export", "info", "repair", "simulate", "calibrate", "list",   "bench"};
+const std::vector<std::string> kVerbs{"replay", "live",   "render",     "encode", "compare",  "record",
+                                      "import", "export", "info",       "repair", "simulate", "calibrate",
+                                      "list",   "bench",  "completion", "manual"};
 
 }  // namespace
 

@@ -130,7 +130,7 @@ std::vector<std::string> circles(const Rooms& rooms) {
 // The names that do not belong at the top level.
 std::vector<std::string> strangers(const std::vector<std::string>& names) {
   static const std::set<std::string> kFixed{
-      "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "docs", "run",
+      "CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "docs", "examples", "run",
       "firmware_host",  "capture",           "online",  "render",    "hal",  "tests"};
   static const std::set<std::string> kIgnoredByGit{"build", "out", "compile_commands.json"};
   std::vector<std::string> unknown;

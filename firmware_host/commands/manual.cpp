@@ -1,0 +1,28 @@
+// hdrcam manual -o FOLDER: writes the manual pages of the program and of its verbs.
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "firmware_host/commands/command.h"
+#include "firmware_host/packaging/manual_pages.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+void add_manual(CLI::App& app, Verb& chosen) {
+  auto folder = std::make_shared<std::string>();
+  CLI::App* verb = app.add_subcommand("manual", "write the manual pages, for an installation");
+  verb->add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
+      ->required();
+  verb->callback([folder, &app, &chosen] {
+    chosen = [folder, &app](Surroundings& around) -> Result<void> {
+      TRY(around.storage.make_directories(*folder));
+      for (const ManualPage& page : manual_pages(command_table(app)))
+        TRY(write_whole(around.storage, *folder + "/" + page.name, std::as_bytes(std::span(page.roff))));
+      return {};
+    };
+  });
+}
+
+}  // namespace hdrcam

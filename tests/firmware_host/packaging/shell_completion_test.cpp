@@ -1,0 +1,148 @@
+#include "firmware_host/packaging/shell_completion.h"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "firmware_host/program.h"
+#include "online/knobs.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Words = std::set<std::string>;
+
+namespace {
+
+std::string answer_of(const std::vector<const char*>& args) {
+  std::ostringstream out, err;
+  const std::atomic<bool> stop{false};
+  run_program(args, posix_storage(), stop, out, err);
+  return out.str();
+}
+
+// The flags that --help shows: the first words of its lines.
+Words flags_in_help(const std::string& help) {
+  Words flags;
+  std::istringstream lines(help);
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("  -")) continue;
+    std::istringstream names(line.substr(2, line.find_first_of(" =", 2) - 2));
+    for (std::string name; std::getline(names, name, ',');) flags.insert(name);
+  }
+  return flags;
+}
+
+CommandTable product() {
+  const std::vector<const char*> args{"list"};
+  return command_table(*parse_command_line(args).value().app);
+}
+
+// Asks bash what it would offer at the end of each of these command lines.
+std::map<std::string, Words> offered_by_bash(const std::vector<std::string>& command_lines) {
+  const auto script = std::filesystem::temp_directory_path() / ("completion." + std::to_string(getpid()));
+  {
+    std::ofstream file(script);
+    file << bash_completion(product()) << "compopt() { :; }\n"
+         << "offer() { COMP_WORDS=(\"$@\"); COMP_CWORD=$(($# - 1)); _hdrcam; echo \"${COMPREPLY[@]}\"; }\n";
+    for (const std::string& line : command_lines) file << "offer " << line << "\n";
+  }
+  std::map<std::string, Words> offered;
+  std::FILE* bash = popen(("bash --norc --noprofile " + script.string() + " 2>&1").c_str(), "r");
+  REQUIRE(bash != nullptr);
+  std::string text;
+  for (int c = std::fgetc(bash); c != EOF; c = std::fgetc(bash)) text += static_cast<char>(c);
+  CHECK(pclose(bash) == 0);
+  std::filesystem::remove(script);
+  std::istringstream lines(text);
+  for (const std::string& asked : command_lines) {
+    std::string line;
+    REQUIRE(std::getline(lines, line));
+    std::istringstream words(line);
+    for (std::string word; words >> word;) offered[asked].insert(word);
+  }
+  return offered;
+}
+
+}  // namespace
+
+TEST_CASE("bash offers every verb, and every flag that the verb's --help shows") {
+  std::vector<std::string> lines{"hdrcam ''"};
+  Words verbs{"help"};
+  for (const VerbEntry& verb : product().verbs) {
+    verbs.insert(verb.name);
+    lines.push_back("hdrcam " + verb.name + " -");
+  }
+  const auto offered = offered_by_bash(lines);
+  Words first = offered.at("hdrcam ''");
+  CHECK(std::ranges::includes(first, verbs));
+  CHECK(first.contains("--version"));
+  for (const VerbEntry& verb : product().verbs) {
+    INFO(verb.name);
+    Words flags = flags_in_help(answer_of({verb.name.c_str(), "--help"}));
+    if (verb.name == "bench") flags.merge(flags_in_help(answer_of({"bench", "pareto", "--help"})));
+    CHECK(flags.contains("--help"));
+    CHECK(offered.at("hdrcam " + verb.name + " -") == flags);
+  }
+}
+
+TEST_CASE("bash offers the words of a flag, however the value is attached, and nothing that does not fit") {
+  const auto offered = offered_by_bash(
+      {"hdrcam replay --preset ''", "hdrcam replay --preset = b", "hdrcam replay walk.mkv --em",
+       "hdrcam replay -o ''", "hdrcam completion ''", "hdrcam calibrate ''", "hdrcam bench ''",
+       "hdrcam help exi", "hdrcam replay --set st", "hdrcam live --backend vul"});
+  CHECK(offered.at("hdrcam replay --preset ''") == Words{"balanced", "best", "fast"});
+  CHECK(offered.at("hdrcam replay --preset = b") == Words{"balanced", "best"});
+  CHECK(offered.at("hdrcam replay walk.mkv --em") == Words{"--emit"});
+  CHECK(offered.contains("hdrcam replay -o ''") == false);  // bash then offers files
+  CHECK(offered.at("hdrcam completion ''") == Words{"bash", "fish", "zsh"});
+  CHECK(offered.at("hdrcam calibrate ''") == Words{"delay"});
+  CHECK(offered.at("hdrcam bench ''") == Words{"pareto"});
+  CHECK(offered.at("hdrcam help exi") == Words{"exit-codes"});
+  CHECK(offered.at("hdrcam replay --set st").contains("steps="));
+  CHECK(offered.at("hdrcam live --backend vul") == Words{"vulkan", "vulkan:"});
+}
+
+TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
+  const std::string zsh = zsh_completion(product()), fish = fish_completion(product());
+  const auto lacks = [](const std::string& text, const std::string& part) {
+    return text.find(part) == std::string::npos;
+  };
+  std::string missing;
+  for (const VerbEntry& verb : product().verbs) {
+    const std::size_t zsh_begin = zsh.find("\n    " + verb.name + ")\n");
+    REQUIRE(zsh_begin != std::string::npos);
+    const std::string in_zsh = zsh.substr(zsh_begin, zsh.find(";;", zsh_begin) - zsh_begin);
+    std::string in_fish;
+    std::istringstream lines(fish);
+    for (std::string line; std::getline(lines, line);)
+      if (line.find("subcommand_from " + verb.name + ";") != std::string::npos) in_fish += line + '\n';
+    if (lacks(fish, " -a " + verb.name + " ")) missing += verb.name + " in fish\n";
+    for (const FlagEntry& flag : verb.flags)
+      for (const std::string& name : flag.names) {
+        const bool word = name.starts_with("--");
+        if (lacks(in_zsh, name + "[") && lacks(in_zsh, name + "=["))
+          missing += verb.name + name + " in zsh\n";
+        if (lacks(in_fish, (word ? " -l " + name.substr(2) : " -s " + name.substr(1)) + " "))
+          missing += verb.name + name + " in fish\n";
+      }
+  }
+  CHECK(missing.empty());
+  CHECK_THAT(zsh, Catch::Contains(":(fast balanced best)'"));
+  CHECK_THAT(fish, Catch::Contains("-l preset -x -a 'fast balanced best'"));
+}
+
+TEST_CASE("a completion for an unknown shell is refused by name") {
+  std::ostringstream out, err;
+  const std::atomic<bool> stop{false};
+  const std::vector<const char*> args{"completion", "tcsh"};
+  CHECK(run_program(args, posix_storage(), stop, out, err) == 2);
+  CHECK(err.str() == "hdrcam: there is no completion for 'tcsh'; give bash, zsh or fish.\n");
+}
