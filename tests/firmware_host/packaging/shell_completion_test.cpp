@@ -98,7 +98,7 @@ TEST_CASE("bash offers the words of a flag, however the value is attached, and n
       {"hdrcam replay --preset ''", "hdrcam replay --preset = b", "hdrcam replay walk.mkv --em",
        "hdrcam replay -o ''", "hdrcam completion ''", "hdrcam calibrate ''", "hdrcam bench ''",
        "hdrcam help exi", "hdrcam replay --set st", "hdrcam live --backend vul"});
-  CHECK(offered.at("hdrcam replay --preset ''") == Words{"balanced", "best", "fast"});
+  CHECK(offered.at("hdrcam replay --preset ''") == Words{"balanced", "best", "fast", "realtime"});
   CHECK(offered.at("hdrcam replay --preset = b") == Words{"balanced", "best"});
   CHECK(offered.at("hdrcam replay walk.mkv --em") == Words{"--emit"});
   CHECK(offered.contains("hdrcam replay -o ''") == false);  // bash then offers files
@@ -135,8 +135,8 @@ TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
       }
   }
   CHECK(missing.empty());
-  CHECK_THAT(zsh, Catch::Contains(":(fast balanced best)'"));
-  CHECK_THAT(fish, Catch::Contains("-l preset -x -a 'fast balanced best'"));
+  CHECK_THAT(zsh, Catch::Contains(":(realtime fast balanced best)'"));
+  CHECK_THAT(fish, Catch::Contains("-l preset -x -a 'realtime fast balanced best'"));
 }
 
 TEST_CASE("a completion for an unknown shell is refused by name") {
