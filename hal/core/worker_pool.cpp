@@ -1,14 +1,18 @@
 #include "hal/core/worker_pool.h"
 
+#include <string>
+
 #include "hal/core/check.h"
 #include "hal/core/cpu.h"
+#include "hal/core/thread_name.h"
 
 namespace hdrcam {
 
 WorkerPool::WorkerPool(int threads, ThreadPriority priority) {
   CHECK_GT(threads, 0);
   for (int i = 1; i < threads; ++i)
-    threads_.emplace_back([this, priority] {
+    threads_.emplace_back([this, priority, i] {
+      name_this_thread("worker " + std::to_string(i));
       set_priority_of_this_thread(priority);
       serve();
     });
