@@ -1,5 +1,5 @@
 // The process: signals, the real disk, the real standard streams, the log. Everything else is program.cpp.
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
@@ -7,7 +7,10 @@
 #include <atomic>
 #include <cstddef>
 #include <iostream>
+#include <memory>
+#include <mutex>
 #include <span>
+#include <string_view>
 
 #include "firmware_host/program.h"
 #include "firmware_host/terminal.h"
@@ -38,10 +41,17 @@ void stop_cleanly_on_hangup() {
   sigaction(SIGHUP, &action, nullptr);
 }
 
-// Log messages of the code below go where progress goes; the standard output is for results.
+// Log messages of the code below are remarks.
+class RemarkSink : public spdlog::sinks::base_sink<std::mutex> {
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    hdrcam::remark("note: {}\n", std::string_view(message.payload.data(), message.payload.size()));
+  }
+  void flush_() override {}
+};
+
+// They go where progress goes; the standard output is for results.
 void log_to_standard_error() {
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("hdrcam"));
-  spdlog::set_pattern("note: %v");
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("hdrcam", std::make_shared<RemarkSink>()));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "firmware_host/commands/render.h"
 #include "firmware_host/exit_code.h"
+#include "firmware_host/log_format.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/suggestion.h"
@@ -142,6 +143,18 @@ std::shared_ptr<CLI::App> command_line(Verb& chosen, std::shared_ptr<SettingsFla
   return app;
 }
 
+// --log-format json on the command line holds from the first line on, also for what is wrong with the command
+// line itself.
+bool wants_json(std::span<const char* const> args) {
+  constexpr std::string_view kFlag = "--log-format", kJson = "json";
+  for (std::size_t i = 0; i < args.size(); ++i) {
+    const std::string_view word = args[i];
+    if (word == kFlag && i + 1 < args.size() && args[i + 1] == kJson) return true;
+    if (word.starts_with(kFlag) && word.substr(kFlag.size()) == "=json") return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<Request> parse_command_line(std::span<const char* const> args) {
@@ -175,8 +188,15 @@ Result<Request> parse_command_line(std::span<const char* const> args) {
 
 int run_program(std::span<const char* const> args, Storage& storage, const std::atomic<bool>& stop,
                 std::ostream& out, std::ostream& err) {
+  set_log_format(wants_json(args) ? LogFormat::Json : LogFormat::Text);
+  const auto tell = [&](const std::string& sentence) {
+    if (log_format() == LogFormat::Json)
+      err << json_log_line(LogLevel::Error, sentence) << std::flush;
+    else
+      err << fmt::format("hdrcam: {}.\n", printable(sentence)) << std::flush;
+  };
   const auto end_with = [&](const Error& error) {
-    err << fmt::format("hdrcam: {}.\n", printable(error.message)) << std::flush;
+    tell(error.message);
     return exit_code_of(error.code);
   };
   try {
@@ -195,7 +215,7 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
                                       std::strerror(lost))});
     return kExitOk;
   } catch (const std::exception& bug) {
-    err << fmt::format("hdrcam: internal error: {}.\n", printable(bug.what())) << std::flush;
+    tell(fmt::format("internal error: {}", bug.what()));
     return kExitInternal;
   }
 }

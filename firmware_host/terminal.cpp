@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cerrno>
 
+#include "firmware_host/log_format.h"
+
 namespace hdrcam {
 namespace {
 
@@ -36,7 +38,8 @@ void write_result(std::string_view text) {
 }
 
 void write_remark(std::string_view text) {
-  if (!write_to(stderr, text)) std::clearerr(stderr);
+  const bool plain = log_format() == LogFormat::Text;
+  if (!write_to(stderr, plain ? std::string(text) : json_log_lines(text))) std::clearerr(stderr);
 }
 
 int lost_results() { return lost_results_errno.exchange(0); }

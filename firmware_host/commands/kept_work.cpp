@@ -25,7 +25,7 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
   for (const SinkKind& sink : sink_kinds()) {
     const std::string& path = settings.output.path(sink.name);
     const std::string_view flag = sink.flag;
-    if (path == kStandardOutput) continue;  // replaces nothing
+    if (path == kStandardOutput || sink.target == SinkTarget::Address) continue;  // replaces nothing
     const OutputKind kind = path.find('%') != std::string::npos ? OutputKind::Frames
                             : video_container_of(path)          ? OutputKind::Recording
                                                                 : OutputKind::Page;
@@ -34,6 +34,7 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
       outputs.push_back({"the list beside --output",
                          (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
   }
+  outputs.push_back({"--trace", settings.machine.trace});
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   return outputs;
 }

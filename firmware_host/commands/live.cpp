@@ -7,6 +7,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
+#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
@@ -65,8 +66,12 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   TRY(memory_limit(settings).admit(
       fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
       recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
-  const RunPlan plan{.settings = settings, .title = camera.name, .command = command_line_of(flags, settings)};
-  const Result<void> ended = run(plan, *source, around.storage);
+  TraceFile trace(settings);
+  const RunPlan plan{.settings = settings,
+                     .title = camera.name,
+                     .command = command_line_of(flags, settings),
+                     .trace = trace.trace()};
+  const Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
   return ended;
@@ -74,6 +79,7 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
+  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
@@ -81,14 +87,18 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return replay_as_camera(flags, settings, around);
-  const auto camera =
-      TRY(CameraSource::open(settings, flags.limits.options(true), around.storage, around.stop));
+  TraceFile trace(settings);
+  LiveOptions limits = flags.limits.options(true);
+  limits.trace = trace.trace();
+  const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
   for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
-  RunPlan plan{
-      .settings = settings, .title = camera->camera().name, .command = command_line_of(flags, settings)};
+  RunPlan plan{.settings = settings,
+               .title = camera->camera().name,
+               .command = command_line_of(flags, settings),
+               .trace = trace.trace()};
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
-  const Result<void> ended = run(plan, *camera, around.storage);
+  const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   const LiveCounters counters = camera->session().counters();
   if (counters.captured() > 0) print_summary(counters, settings);
   TRY(ended);

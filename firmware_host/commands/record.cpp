@@ -7,6 +7,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
+#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
@@ -30,7 +31,8 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 
 // A recording in place of the camera: every frame once more, with what is known of the camera, as fast as the
 // disk takes them.
-Result<void> record_again(const RecordFlags& flags, const Settings& settings, Surroundings& around) {
+Result<void> record_again(const RecordFlags& flags, const Settings& settings, Trace* trace,
+                          Surroundings& around) {
   RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
                                  .timeout = flags.limits.options(false).timeout,
                                  .copy_to = settings.record.file};
@@ -39,6 +41,7 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Su
       TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));
   Result<void> failed;
   for (;;) {
+    const TraceSpan span(trace, "record");
     const auto frame = source->next();
     if (!frame) failed = frame.error();
     if (!frame || frame.value() == nullptr) break;
@@ -53,15 +56,18 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Su
 
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
+  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
+  TraceFile trace(settings);
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
-    return record_again(flags, settings, around);
-  const auto camera =
-      TRY(CameraSource::open(settings, flags.limits.options(false), around.storage, around.stop));
+    return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);
+  LiveOptions limits = flags.limits.options(false);
+  limits.trace = trace.trace();
+  const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
   LiveSession& session = camera->session();
   for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
 
@@ -72,7 +78,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
     session.next(around.stop, [&] { supervised ? void() : status.update(); });
   }
   RunRecord record;
-  const Result<void> ended = camera->finish(record);
+  const Result<void> ended = trace.write_after(camera->finish(record), around.storage);
   const LiveCounters counters = session.counters();
   say("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
   TRY(ended);

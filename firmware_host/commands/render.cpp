@@ -9,6 +9,7 @@
 
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/render.h"
+#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/recording_source.h"
@@ -78,11 +79,14 @@ std::string as_flags(const FilmWish& wish) {
 
 Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
+  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam render --help'"};
   if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
+  if (!settings.output.http_takes.empty())
+    return Error{ErrorCode::Invalid, "--http-record needs a camera; a film has nothing to record"};
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.wish, settings.fit, recording));
   TRY(check_pictures(plan, settings));
@@ -92,6 +96,7 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
   const std::string& clip = source->camera().name;
+  TraceFile trace(settings);
   const RunPlan run_plan{
       .settings = settings,
       .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
@@ -99,8 +104,9 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
                  flags.settings->as_flags(settings),
       .film = &plan,
       .sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds(),
-      .stop = &around.stop};
-  const Result<void> ended = run(run_plan, *source, around.storage);
+      .stop = &around.stop,
+      .trace = trace.trace()};
+  const Result<void> ended = trace.write_after(run(run_plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   return ended;
 }

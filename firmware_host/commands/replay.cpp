@@ -9,6 +9,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
+#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
@@ -43,6 +44,7 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
+  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
@@ -52,6 +54,8 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
     return Error{
         ErrorCode::Invalid,
         "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report"};
+  if (!settings.output.http_takes.empty())
+    return Error{ErrorCode::Invalid, "--http-record needs a camera; a replay has nothing to record"};
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
@@ -62,12 +66,14 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
       fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
       recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
   const std::string& clip = camera.name;
+  TraceFile trace(settings);
   RunPlan plan{.settings = settings,
                .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
                .command = command_line_of(flags, settings),
                .truth = flags.truth,
-               .stop = &around.stop};
-  const Result<void> ended = run(plan, *source, around.storage);
+               .stop = &around.stop,
+               .trace = trace.trace()};
+  const Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   return ended;
 }

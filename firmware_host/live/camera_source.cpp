@@ -8,10 +8,13 @@ namespace hdrcam {
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
-  std::unique_ptr<CameraSource> source(new CameraSource(stop));
+  std::unique_ptr<CameraSource> source(new CameraSource(settings, storage, stop));
+  if (const std::string& takes = settings.output.http_takes; !takes.empty())
+    source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
   source->replayed_ = is_replayed(settings.camera.id);
   source->fits_ = limits.fits;
   source->camera_ = TRY(open_camera(settings.camera.id, storage));
+  source->exposure_fixed_ = !source->camera_->capabilities().sets_exposure;
   source->strobe_ = TRY(open_strobe(settings.sync));
   const CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
   const StreamMode& mode = setup.options.mode;
@@ -69,6 +72,41 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.notes.push_back(proof_of(counters.camera));
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
+}
+
+std::vector<NamedValue> CameraSource::counters() const { return named(session_->counters()); }
+
+// The next number that no file has.
+Result<std::unique_ptr<RecordingWriter>> CameraSource::create_take() {
+  TRY(storage_.make_directories(takes_->folder()));
+  for (;; ++next_take_) {
+    recording_ = takes_->path(next_take_);
+    auto take = create_recording(storage_, recording_, facts_, Creation::New);
+    if (take || take.error().code != ErrorCode::Exists) return take;
+  }
+}
+
+Result<std::string> CameraSource::start_recording() {
+  if (!takes_)
+    return Error{ErrorCode::Unsupported,
+                 "this run has no place for recordings; start it with --http-record takes/%03d.mkv"};
+  TRY(session_->may_record());
+  auto take = create_take();
+  Result<void> started = take ? session_->start_recording(std::move(take).value()) : take.error();
+  if (!started) return recording_.clear(), started.error();
+  return recording_;
+}
+
+Result<void> CameraSource::stop_recording() {
+  TRY(session_->stop_recording());
+  recording_.clear();
+  return {};
+}
+
+Result<void> CameraSource::change_cycle(const std::string& shutter, const std::string& gain) {
+  if (exposure_fixed_) return Error{ErrorCode::Unsupported, "the exposures of this camera cannot be set"};
+  if (adapts_) return Error{ErrorCode::Unsupported, "the cycle follows the light (--adapt)"};
+  return session_->change_cycle(TRY(parse_exposures(shutter, gain)));
 }
 
 std::string CameraSource::status(const ProgressState&) const {

@@ -1,6 +1,6 @@
 // A camera as the source of a run: opened, configured and started from the settings, captured on its own
 // thread (live_session.h) and recorded where a file is named; a service manager is told how it goes. `live`
-// and `record` share it. Thread-bound, except status().
+// and `record` share it. Thread-bound, except status() and what RunControl names.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,13 @@
 #include "firmware_host/live/service_watch.h"
 #include "firmware_host/run/frame_source.h"
 #include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/frame_pattern.h"
 #include "hal/clock.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
 
-class CameraSource : public FrameSource {
+class CameraSource : public FrameSource, public RunControl {
  public:
   // Opens camera, strobe line and recording. limits: the settings replace its memory. Storage and stop
   // outlive the source. Errors: those of the camera, of the settings, of the disk.
@@ -32,15 +33,25 @@ class CameraSource : public FrameSource {
   Result<void> finish(RunRecord& record) override;
   std::string status(const ProgressState& progress) const override;
 
+  RunControl* control() override { return this; }
+  std::vector<NamedValue> counters() const override;
+  std::string recording() const override { return recording_; }
+  Result<std::string> start_recording() override;
+  Result<void> stop_recording() override;
+  Result<void> change_cycle(const std::string& shutter, const std::string& gain) override;
+
   CaptureStage& capture() { return *capture_; }
   LiveSession& session() { return *session_; }
   // Why the run ended, if it ended without an error.
   LiveEnd end() const { return end_; }
 
  private:
-  explicit CameraSource(const std::atomic<bool>& stop) : stop_(stop) {}
+  CameraSource(const Settings& settings, Storage& storage, const std::atomic<bool>& stop)
+      : stop_(stop), storage_(storage), adapts_(settings.schedule.adapt), recording_(settings.record.file) {}
+  Result<std::unique_ptr<RecordingWriter>> create_take();
 
   const std::atomic<bool>& stop_;
+  Storage& storage_;
   std::unique_ptr<Camera> camera_;
   std::unique_ptr<SyncLine> strobe_;
   std::unique_ptr<CaptureStage> capture_;
@@ -48,6 +59,11 @@ class CameraSource : public FrameSource {
   std::optional<ServiceWatch> watch_;
   CameraFacts facts_;
   bool replayed_ = false, fits_ = true;
+  bool exposure_fixed_ = false;  // by the camera
+  const bool adapts_;
+  std::string recording_;              // the file that is open; "" for none
+  std::optional<FramePattern> takes_;  // recordings that a person starts
+  std::uint64_t next_take_ = 1;
   FrameShare frame_;  // the one that next() returned
   LiveEnd end_ = LiveEnd::Frames;
   const Instant begin_ = posix_clock().now();

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "hal/clock.h"
+#include "hal/core/thread_name.h"
 
 namespace hdrcam {
 namespace {
@@ -23,11 +24,15 @@ LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter>
       options_(options),
       pool_(frames_in(options.memory_bytes, capture.facts())),
       inbox_(capture.schedule().slots()) {
-  if (recording)
-    recorder_ = std::make_unique<Recorder>(std::move(recording), pool_.size(), [this] {
-      const std::lock_guard lock(mutex_);
-      ++counters_.recorded, --counters_.to_record;
-    });
+  if (recording) recorder_ = recorder_of(std::move(recording));
+}
+
+std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWriter> recording) {
+  const auto written = [this] {
+    const std::lock_guard lock(mutex_);
+    ++counters_.recorded, --counters_.to_record;
+  };
+  return std::make_shared<Recorder>(std::move(recording), pool_.size(), written, options_.trace);
 }
 
 LiveSession::~LiveSession() { (void)finish(); }
@@ -40,6 +45,7 @@ Result<void> LiveSession::start() {
 }
 
 void LiveSession::capture_frames() {
+  name_this_thread("capture");
   while (!ending_) {
     capture_result_ = capture_one();
     if (!capture_result_) break;
@@ -50,10 +56,17 @@ void LiveSession::capture_frames() {
   inbox_.close();
 }
 
+Result<void> LiveSession::next_frame(CapturedFrame& captured) {
+  const TraceSpan span(options_.trace, "capture");
+  return capture_.next(captured);
+}
+
 Result<void> LiveSession::capture_one() {
   take_learned_response();
+  take_cycle();
   FrameShare frame = pool_.take();
-  TRY(capture_.next(frame ? frame->captured : scratch_));
+  CapturedFrame& captured = frame ? frame->captured : scratch_;
+  TRY(next_frame(captured));
   if (!frame && (frame = pool_.take()))
     std::swap(frame->captured, scratch_);  // a frame became free meanwhile
   if (!frame) {
@@ -76,6 +89,7 @@ void LiveSession::count_camera() { counters_.camera = capture_.counters(); }
 
 void LiveSession::hand_on(FrameShare frame) {
   const bool fits = options_.fits && (frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0;
+  std::shared_ptr<Recorder> recorder;
   {
     const std::lock_guard lock(mutex_);
     count_camera();
@@ -84,9 +98,13 @@ void LiveSession::hand_on(FrameShare frame) {
       ++counters_.under_way;
     else if (options_.fits)
       ++counters_.unproved;
-    if (recorder_) ++counters_.to_record;
+    recorder = recorder_;
+    ++(recorder ? counters_.to_record : counters_.unasked);
   }
-  if (recorder_) recorder_->put(frame.another());
+  if (recorder && !recorder->put(frame.another())) {  // it was closed meanwhile
+    const std::lock_guard lock(mutex_);
+    --counters_.to_record, ++counters_.unasked;
+  }
   if (!fits) return;
   if (const int shed = inbox_.put(std::move(frame)); shed > 0) {
     const std::lock_guard lock(mutex_);
@@ -124,7 +142,11 @@ FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<
 
 std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop) const {
   if (stop) return LiveEnd::Stopped;
-  if (recorder_ && recorder_->failed()) return LiveEnd::Stopped;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto* recorder : {recorder_.get(), completing_.get()})
+      if (recorder != nullptr && recorder->failed()) return LiveEnd::Stopped;
+  }
   if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout)
     return LiveEnd::Timeout;
   return std::nullopt;
@@ -149,6 +171,19 @@ void LiveSession::left_out() {
   ++counters_.left_out, --counters_.under_way;
 }
 
+Result<void> LiveSession::finish_recordings() {
+  std::shared_ptr<Recorder> recorders[2];
+  {
+    const std::lock_guard lock(mutex_);
+    recorders[0] = completing_, recorders[1] = recorder_;
+  }
+  Result<void> first;
+  for (const auto& recorder : recorders)
+    if (recorder != nullptr)
+      if (const Result<void> finished = recorder->finish(); first && !finished) first = finished;
+  return first;
+}
+
 Result<LiveEnd> LiveSession::finish() {
   if (!finished_) {
     finished_ = true;
@@ -156,12 +191,12 @@ Result<LiveEnd> LiveSession::finish() {
     if (thread_.joinable()) thread_.join();
     while (inbox_.take(Duration::zero()).frame) {
     }
-    Result<void> recorded = recorder_ ? recorder_->finish() : Result<void>();
+    const Result<void> recorded = finish_recordings();
     const std::lock_guard lock(mutex_);
     count_camera();
     counters_.unfinished += std::exchange(counters_.under_way, 0);
     counters_.unwritten += std::exchange(counters_.to_record, 0);
-    if (!recorded) capture_result_ = std::move(recorded);
+    if (!recorded) capture_result_ = recorded;
   }
   if (!capture_result_) return capture_result_.error();
   return why_;
@@ -170,6 +205,61 @@ Result<LiveEnd> LiveSession::finish() {
 void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {
   const std::lock_guard lock(mutex_);
   learned_ = {inverse, black_level};
+}
+
+Result<void> LiveSession::may_record() const {
+  const std::lock_guard lock(mutex_);
+  if (recorder_) return Error{ErrorCode::Busy, "a recording is open; stop it first"};
+  if (completing_ && !completing_->ended())
+    return Error{ErrorCode::Busy, "the last recording is still being completed; try again"};
+  return {};
+}
+
+Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recording) {
+  TRY(may_record());
+  std::shared_ptr<Recorder> recorder = recorder_of(std::move(recording)), completed;
+  const std::lock_guard lock(mutex_);
+  completed = std::exchange(completing_, nullptr);
+  recorder_ = std::move(recorder);
+  return {};
+}
+
+Result<void> LiveSession::stop_recording() {
+  const std::lock_guard lock(mutex_);
+  if (!recorder_) return Error{ErrorCode::NotFound, "nothing is being recorded"};
+  completing_ = std::exchange(recorder_, nullptr);
+  completing_->close();
+  return {};
+}
+
+Result<void> LiveSession::change_cycle(std::vector<Exposure> cycle) {
+  constexpr auto kPatience = std::chrono::seconds(2);
+  std::future<Result<void>> done;
+  {
+    const std::lock_guard lock(mutex_);
+    wanted_cycle_.emplace(WantedCycle{std::move(cycle), {}});
+    done = wanted_cycle_->done.get_future();
+  }
+  if (done.wait_for(kPatience) == std::future_status::ready) return done.get();
+  const std::lock_guard lock(mutex_);
+  wanted_cycle_.reset();
+  return Error{ErrorCode::Timeout, "the camera delivers no frames; its cycle is as it was"};
+}
+
+void LiveSession::take_cycle() {
+  std::optional<WantedCycle> wanted;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!wanted_cycle_) return;
+    wanted = std::exchange(wanted_cycle_, std::nullopt);
+  }
+  const auto slots = static_cast<std::size_t>(capture_.schedule().slots());
+  if (wanted->exposures.size() != slots)
+    wanted->done.set_value(
+        Error{ErrorCode::Invalid, fmt::format("the cycle of this run has {} exposures, not {}; give as many",
+                                              slots, wanted->exposures.size())});
+  else
+    wanted->done.set_value(capture_.change_cycle(wanted->exposures));
 }
 
 LiveCounters LiveSession::counters() const {

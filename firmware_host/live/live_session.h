@@ -6,17 +6,19 @@
 // Capture waits for the camera only. A slow consumer drops frames in a declared order: the fit sheds whole
 // cycles (fit_inbox.h); when the disk is so slow that the pool is full, the newest frame is dropped before
 // recorder and fit, and the next one carries kFrameAfterDrop. The recorder never drops. Every captured
-// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters() and
-// learn_response().
+// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters(), learn_response()
+// and what a person may change.
 #pragma once
 
 #include <array>
 #include <atomic>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "firmware_host/live/fit_inbox.h"
 #include "firmware_host/live/frame_pool.h"
@@ -29,13 +31,13 @@ struct LiveOptions {
   Duration timeout{0};                    // of the run; 0: none
   std::size_t memory_bytes = 256U << 20;  // for queued frames, at least kFewestFrames of them
   bool fits = true;                       // false: only record
+  Trace* trace = nullptr;                 // gets capture and recording; null, or outlives the session
 
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };
 
 // Frames by outcome. At every moment captured() = emitted + dropped() + under_way where the run fits,
-// and captured() = recorded + not_recorded() + to_record where it records; under_way and to_record are 0 at
-// the end.
+// and captured() = recorded + not_recorded() + to_record + unasked; under_way and to_record are 0 at the end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
   std::uint64_t no_room = 0;     // dropped: the pool was full
@@ -47,6 +49,7 @@ struct LiveCounters {
   std::uint64_t under_way = 0;   // queued for the fit, or in it
   std::uint64_t recorded = 0, to_record = 0;
   std::uint64_t unwritten = 0;  // not recorded: the recording had failed
+  std::uint64_t unasked = 0;    // came while nobody wanted a recording
   Duration latency{0},
       longest_latency{0};   // from a frame's arrival to its emission: the last one, the longest
   Duration first_frame{0};  // from the arrival of the first captured frame to the first emission
@@ -85,6 +88,17 @@ class LiveSession {
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
   LiveCounters counters() const;
 
+  // What a person may change while it runs: any thread, one at a time.
+  // Busy while a recording is open or is being completed.
+  Result<void> may_record() const;
+  // Records from the next frame on. Errors: those of may_record().
+  Result<void> start_recording(std::unique_ptr<RecordingWriter> recording);
+  // Takes no more frames; the recording is completed in the background. Errors: NotFound where none is open.
+  Result<void> stop_recording();
+  // Later requests follow this cycle of as many exposures. Errors: those of CaptureStage::change_cycle;
+  // Invalid for another number of exposures; Timeout where no frame arrives.
+  Result<void> change_cycle(std::vector<Exposure> cycle);
+
  private:
   struct LearnedResponse {
     PhotometricResponse::Curve inverse{};
@@ -97,17 +111,20 @@ class LiveSession {
 
   void capture_frames();
   Result<void> capture_one();
+  Result<void> next_frame(CapturedFrame& captured);
+  Result<void> finish_recordings();
   void count_camera();
   void hand_on(FrameShare frame);
   void count_shed(int frames);
   void take_learned_response();
+  void take_cycle();
+  std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
 
   CaptureStage& capture_;
   const LiveOptions options_;
   FramePool pool_;
   FitInbox inbox_;
-  std::unique_ptr<Recorder> recorder_;
 
   std::thread thread_;  // the members that it alone uses:
   CapturedFrame scratch_;
@@ -125,6 +142,12 @@ class LiveSession {
   std::size_t arrival_count_ = 0;
   std::optional<Instant> first_arrival_;
   std::optional<LearnedResponse> learned_;
+  struct WantedCycle {
+    std::vector<Exposure> exposures;
+    std::promise<Result<void>> done;
+  };
+  std::optional<WantedCycle> wanted_cycle_;
+  std::shared_ptr<Recorder> recorder_, completing_;  // completing_: takes no more frames
 };
 
 }  // namespace hdrcam

@@ -1,21 +1,38 @@
 #include "firmware_host/live/recorder.h"
 
+#include "hal/core/thread_name.h"
+
 namespace hdrcam {
 
-Recorder::Recorder(std::unique_ptr<RecordingWriter> recording, int frames, std::function<void()> written)
+Recorder::Recorder(std::unique_ptr<RecordingWriter> recording, int frames, std::function<void()> written,
+                   Trace* trace)
     : recording_(std::move(recording)),
       written_(std::move(written)),
+      trace_(trace),
       ring_(static_cast<std::size_t>(frames)),
-      thread_([this] { work(); }) {}
+      thread_([this] {
+        name_this_thread("recorder");
+        work();
+      }) {}
 
 Recorder::~Recorder() { (void)finish(); }
 
-void Recorder::put(FrameShare frame) {
+bool Recorder::put(FrameShare frame) {
   {
     const std::lock_guard lock(mutex_);
-    if (!result_) return;
+    if (closed_) return false;
+    if (!result_) return true;
     CHECK_LT(count_, ring_.size());
     ring_[(begin_ + count_++) % ring_.size()] = std::move(frame);
+  }
+  changed_.notify_one();
+  return true;
+}
+
+void Recorder::close() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
   }
   changed_.notify_one();
 }
@@ -25,12 +42,13 @@ bool Recorder::failed() const {
   return !result_.ok();
 }
 
+bool Recorder::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_;
+}
+
 Result<void> Recorder::finish() {
-  {
-    const std::lock_guard lock(mutex_);
-    closed_ = true;
-  }
-  changed_.notify_one();
+  close();
   if (thread_.joinable()) thread_.join();
   return result_;
 }
@@ -47,6 +65,7 @@ FrameShare Recorder::next() {
 void Recorder::work() {
   Result<void> result;
   while (const FrameShare frame = next()) {
+    const TraceSpan span(trace_, "record", static_cast<std::int64_t>(frame->captured.raw.facts.sequence));
     result = recording_->append(frame->captured.raw);
     if (!result) break;
     written_();
@@ -56,6 +75,7 @@ void Recorder::work() {
   if (result) result = finished;
   const std::lock_guard lock(mutex_);
   result_ = std::move(result);
+  ended_ = true;
   while (count_ > 0) {
     ring_[begin_] = {};
     begin_ = (begin_ + 1) % ring_.size(), --count_;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "firmware_host/run/progress.h"
+#include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/run_record.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "hal/core/frame.h"
@@ -37,6 +38,9 @@ class FrameSource {
   // Ends the run and adds the source's counters to its record. Errors: why it ended early, if not yet
   // reported.
   virtual Result<void> finish(RunRecord& record) = 0;
+
+  // What people who watch the run may ask of it; null where there is nothing to ask.
+  virtual RunControl* control() { return nullptr; }
 
   // The progress of the run in one line. May be called from any thread.
   virtual std::string status(const ProgressState& progress) const { return progress_line(progress); }

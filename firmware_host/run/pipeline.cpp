@@ -82,6 +82,7 @@ Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, Wo
       render_(options.render, pool, gpu) {
   const auto time = [this](const char* stage, double ms) {
     add_to(record_.stages_ms, stage, ms);
+    if (trace_ != nullptr) trace_->add_stage(stage, ms);
     if (is_steady(stage)) work_.steady_ms += ms;
   };
   online_.set_timing(time);

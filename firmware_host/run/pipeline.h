@@ -12,6 +12,7 @@
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
+#include "hal/core/trace.h"
 #include "hal/core/worker_pool.h"
 #include "online/online_stage.h"
 #include "render/render_stage.h"
@@ -48,6 +49,9 @@ class Pipeline {
   // Delivers the remaining frames. TooShort for a clip of one frame.
   Result<void> finish(const Deliver& deliver);
 
+  // trace: gets every stage as a span; null, or outlives the pipeline.
+  void set_trace(Trace* trace) { trace_ = trace; }
+
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const OnlineStage& online() const { return online_; }
   // Of the last call of take().
@@ -67,6 +71,7 @@ class Pipeline {
   LeftOut left_out_;
   std::optional<Instant> first_time_;
   int kept_out_ = 0;
+  Trace* trace_ = nullptr;
 };
 
 }  // namespace hdrcam

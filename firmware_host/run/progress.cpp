@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "firmware_host/log_format.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -36,7 +37,8 @@ std::string progress_line(const ProgressState& state) {
   return line;
 }
 
-StatusLine::StatusLine(std::FILE* stream) : stream_(stream), terminal_(isatty(fileno(stream)) == 1) {}
+StatusLine::StatusLine(std::FILE* stream)
+    : stream_(stream), terminal_(log_format() == LogFormat::Text && isatty(fileno(stream)) == 1) {}
 
 StatusLine::~StatusLine() {
   if (terminal_ && shown_) std::fputs("\n", stream_);
@@ -48,7 +50,9 @@ bool StatusLine::due(Clock::time_point now) const {
 
 void StatusLine::show(const std::string& words, Clock::time_point now) {
   shown_ = now;
-  if (!terminal_) {
+  if (log_format() == LogFormat::Json) {
+    std::fputs(json_log_line(LogLevel::Status, words).c_str(), stream_);
+  } else if (!terminal_) {
     std::fputs((words + "\n").c_str(), stream_);
   } else {
     // No wider than the terminal, where a line that wraps would stay; blanks overwrite the rest of a longer

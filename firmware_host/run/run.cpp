@@ -18,6 +18,7 @@
 #include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
+#include "hal/core/thread_name.h"
 #include "render/scores/scores.h"
 
 namespace hdrcam {
@@ -148,7 +149,8 @@ std::string written(const RunPlan& plan, const RunRecord& record) {
   for (const SinkKind& kind : plan.sinks) {
     const std::string& path = plan.settings.output.path(kind.name);
     const auto sink = std::ranges::find(record.sinks, std::string_view(kind.name), &SinkTimes::name);
-    if (path.empty() || path == kStandardOutput || sink == record.sinks.end()) continue;
+    const bool files = kind.target == SinkTarget::Files && path != kStandardOutput;
+    if (path.empty() || !files || sink == record.sinks.end()) continue;
     const bool numbered = path.find('%') != std::string::npos;
     text += numbered ? fmt::format("{}: {} frames", path, sink->frames) : path;
     if (numbered && sink->left_out > 0) text += fmt::format(", {} left out to keep up", sink->left_out);
@@ -179,11 +181,14 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
                   pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
   const Backend backend = open_backend(settings.fit.backend);
   Pipeline pipeline(options, camera, pool, backend.gpu.get());
+  pipeline.set_trace(plan.trace);
   CameraFacts filming = camera;  // the camera that the sinks see
   if (plan.film != nullptr) filming.framerate_hz = plan.film->framerate_hz;
-  SinkSet sinks = TRY(SinkSet::open(
-      plan.sinks, settings.output.paths,
-      {"", filming, settings.output.layers, settings.output.compression, settings.video, storage}, pace));
+  SinkSet sinks =
+      TRY(SinkSet::open(plan.sinks, settings.output.paths,
+                        {"", filming, settings.output.layers, settings.output.compression, settings.video,
+                         storage, settings.output.http_token, source.control(), plan.trace},
+                        pace));
   std::optional<NovelViews> novel_views;
   if (!plan.truth.empty())
     novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));
@@ -208,6 +213,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     source.emitted(kept);
     Stopwatch watch;
     const bool previews = !governor || governor->previews();
+    const TraceSpan span(plan.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
     if (film)
       TRY(film->take(hdr, estimate, pipeline.online(), show));
     else
@@ -232,6 +238,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     const RawFrame* frame = nullptr;
     while (!(film && film->done()) && (frame = TRY(source.next())) != nullptr) {
       ++record.captured;
+      const TraceSpan span(plan.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
       TRY(pipeline.take(*frame, governor ? governor->next() : options.knobs.budget, deliver));
       if (governor) governor->done(pipeline.work());
     }
@@ -277,6 +284,7 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   SharedProgress progress(source.frame_count());
   std::string where;
   std::future<Result<void>> work = std::async(std::launch::async, [&] {
+    name_this_thread("fit");
     if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
     flush_denormals();
     return frames_flow(plan, source, storage, progress, where);

@@ -23,6 +23,7 @@ struct RunPlan {
   std::span<const SinkKind> sinks = sink_kinds();
   const std::atomic<bool>* stop = nullptr;  // ends the scoring
   std::FILE* progress = stderr;             // stream of the progress line; null for none
+  Trace* trace = nullptr;                   // gets stages and frames; null, or outlives the run
 };
 
 constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera

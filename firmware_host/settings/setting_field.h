@@ -40,6 +40,7 @@ struct SettingField {
   std::vector<std::string> choices;  // of Choice and Words; one that ends in ":NAME" accepts any name there
   bool list = false;                 // parts joined by commas; TOML also accepts an array
   const Knob* knob = nullptr;        // of a Knob
+  bool secret = false;               // left out of the command line that a run records
 };
 
 // The clause with the range or the choices, and the meaning of an unset field.

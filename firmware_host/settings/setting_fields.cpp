@@ -282,6 +282,11 @@ std::vector<SettingField> output_fields() {
       "none", {"depth", "flow", "field_flow", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
+  fields.push_back(any<&Settings::output, &O::http_token>(
+      "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
+  fields.back().secret = true;
+  fields.push_back(any<&Settings::output, &O::http_takes>(
+      "output.http_record", "--http-record", "recordings that the live page starts: takes/%03d.mkv", "none"));
   for (SettingField& field : video_fields()) fields.push_back(std::move(field));
   return fields;
 }
@@ -299,9 +304,18 @@ std::vector<SettingField> record_fields() {
 }
 
 std::vector<SettingField> machine_fields() {
-  return {number<&Settings::machine, &Settings::Machine::memory_mib>(
-      "machine.memory_mib", "--memory", "most memory that the run may need, MiB, estimated before it starts",
-      {64, 1 << 24, 0}, "half of the machine's")};
+  using M = Settings::Machine;
+  constexpr auto kGroup = &Settings::machine;
+  return {
+      number<kGroup, &M::memory_mib>("machine.memory_mib", "--memory",
+                                     "most memory that the run may need, MiB, estimated before it starts",
+                                     {64, 1 << 24, 0}, "half of the machine's"),
+      choice<kGroup, &M::log_format, LogFormat::Text, LogFormat::Json>(
+          "machine.log_format", "--log-format",
+          "of progress, remarks and errors: text, or one JSON object a line", {"text", "json"}),
+      any<kGroup, &M::trace>("machine.trace", "--trace",
+                             "what each thread did when, for ui.perfetto.dev: trace.json", "none"),
+  };
 }
 
 std::vector<SettingField> all_fields() {

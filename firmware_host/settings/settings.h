@@ -10,6 +10,7 @@
 #include "capture/exposure_schedule.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
+#include "firmware_host/log_format.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/replay/replayed_camera.h"
@@ -66,6 +67,8 @@ struct Settings {
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
     ExrCompression compression = ExrCompression::Zip;
+    std::string http_token;  // of the live view's actions; "": made at the start
+    std::string http_takes;  // recordings that its page starts: "takes/%03d.mkv"; "": none
 
     const std::string& path(std::string_view sink) const;
   } output;
@@ -76,6 +79,8 @@ struct Settings {
   } record;
   struct Machine {
     int memory_mib = 0;  // of the whole run, estimated before it starts; 0: half of the machine's
+    LogFormat log_format = LogFormat::Text;
+    std::string trace;  // a file; "": none
   } machine;
 };
 

@@ -142,6 +142,7 @@ std::string SettingsFlags::as_flags(const Settings& settings) const {
   std::string text;
   for (std::size_t i = 0; i < given_->fields.size(); ++i) {
     const SettingValue value = given_->fields[i]->read(settings);
+    if (given_->fields[i]->secret) continue;
     if (value == given_->fields[i]->read(Settings{})) continue;
     const std::string word = to_text(value);
     text += fmt::format(" {}={}", given_->options[i]->get_name(), shell_word(word));

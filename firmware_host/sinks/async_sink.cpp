@@ -5,6 +5,7 @@
 
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
+#include "hal/core/thread_name.h"
 
 namespace hdrcam {
 namespace {
@@ -32,8 +33,14 @@ void copy(const ExposedFrame& from, ExposedFrame& to) {
 
 }  // namespace
 
-AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority)
-    : sink_(std::move(sink)), when_full_(when_full), slots_(kSlots), thread_([this, priority] {
+AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
+                     const std::string& name, Trace* trace)
+    : sink_(std::move(sink)),
+      when_full_(when_full),
+      trace_(trace),
+      slots_(kSlots),
+      thread_([this, priority, name] {
+        name_this_thread(name);
         if (priority != ThreadPriority::Usual) set_priority_of_this_thread(priority);
         flush_denormals();
         work();
@@ -72,7 +79,10 @@ void AsyncSink::work() {
       slot = &slots_[begin_];
     }
     Stopwatch watch;
-    Result<void> emitted = sink_->emit({slot->hdr, slot->input, slot->record});
+    Result<void> emitted = [&] {
+      const TraceSpan span(trace_, "emit", static_cast<std::int64_t>(slot->hdr.facts.sequence));
+      return sink_->emit({slot->hdr, slot->input, slot->record});
+    }();
     const double ms = watch.lap_ms();
     {
       const std::lock_guard lock(mutex_);

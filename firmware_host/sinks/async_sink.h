@@ -7,11 +7,13 @@
 #include <condition_variable>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "firmware_host/sinks/frame_sink.h"
 #include "hal/core/thread_priority.h"
+#include "hal/core/trace.h"
 
 namespace hdrcam {
 
@@ -24,7 +26,9 @@ class AsyncSink : public FrameSink {
  public:
   static constexpr int kDepth = 2;  // queued frames, besides the one in work
 
-  AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority);
+  // name: of its thread; trace: may be null, else outlives the sink.
+  AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
+            const std::string& name = "sink", Trace* trace = nullptr);
   ~AsyncSink() override;  // like finish(), but ignores the error
   AsyncSink(const AsyncSink&) = delete;
   AsyncSink& operator=(const AsyncSink&) = delete;
@@ -51,6 +55,7 @@ class AsyncSink : public FrameSink {
 
   const std::unique_ptr<FrameSink> sink_;
   const WhenFull when_full_;
+  Trace* const trace_;
   std::vector<Slot> slots_;  // a ring; the oldest one in use is in work
 
   mutable std::mutex mutex_;  // guards the members below

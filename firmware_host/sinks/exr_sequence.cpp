@@ -77,6 +77,56 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   return attributes;
 }
 
+// The planes of a frame that are not stored as samples of a file.
+class DerivedPlanes {
+ public:
+  std::vector<ExrChannel> channels_of(const HdrFrame& frame, const ExrLayers& layers) {
+    const std::size_t n = frame.radiance.plane_size();
+    std::vector<ExrChannel> channels;
+    const auto add = [&](std::string_view name, const Image<float>& image, int plane, ExrSample stored) {
+      channels.push_back(
+          {std::string(name), image.empty() ? zeros(n) : std::span(image.plane(plane), n), stored});
+    };
+    for (int c = 0; c < 3; ++c) add(exr_channel::kRadiance[c], frame.radiance, c, ExrSample::Half);
+    if (layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);
+    if (layers.flow)
+      for (int c = 0; c < 2; ++c) add(exr_channel::kFlowBackward[c], frame.flow, c, ExrSample::Half);
+    if (layers.field_flow)
+      for (int c = 0; c < 2; ++c) add(exr_channel::kFieldFlow[c], frame.field_flow, c, ExrSample::Half);
+    if (layers.confidence) {
+      confidence_.resize(n);
+      std::transform(frame.sigma.samples().begin(), frame.sigma.samples().end(), confidence_.begin(),
+                     [](float sigma) { return std::exp(-sigma); });
+      add(exr_channel::kSigma, frame.sigma, 0, ExrSample::Half);
+      channels.push_back({"confidence", confidence_, ExrSample::Half});
+    }
+    if (layers.provenance) {
+      provenance_.assign(frame.provenance.samples().begin(), frame.provenance.samples().end());
+      channels.push_back({std::string(exr_channel::kProvenance), provenance_, ExrSample::Half});
+    }
+    return channels;
+  }
+
+ private:
+  std::span<const float> zeros(std::size_t n) {
+    zeros_.resize(n);
+    return zeros_;
+  }
+
+  std::vector<float> zeros_, confidence_, provenance_;
+};
+
+Result<std::vector<std::byte>> encoded(const HdrFrame& frame, const ExrSequenceOptions& options,
+                                       Instant start, DerivedPlanes& planes) {
+  ExrPicture picture;
+  picture.rows = frame.radiance.rows();
+  picture.cols = frame.radiance.cols();
+  picture.channels = planes.channels_of(frame, options.layers);
+  picture.attributes = attributes_of(frame, options, start);
+  picture.compression = options.compression;
+  return encode_exr(picture);
+}
+
 class ExrSequence : public FrameSink {
  public:
   ExrSequence(Storage& storage, FramePattern pattern, FrameLedger ledger, ExrSequenceOptions options)
@@ -88,63 +138,31 @@ class ExrSequence : public FrameSink {
   Result<void> emit(const EmittedFrame& emitted) override {
     const HdrFrame& frame = emitted.hdr;
     if (!start_) start_ = frame.facts.timestamp;
-    ExrPicture picture;
-    picture.rows = frame.radiance.rows();
-    picture.cols = frame.radiance.cols();
-    picture.channels = channels_of(frame);
-    picture.attributes = attributes_of(frame, options_, *start_);
-    picture.compression = options_.compression;
-    const std::vector<std::byte> bytes = TRY(encode_exr(picture));
+    const std::vector<std::byte> bytes = TRY(encoded(frame, options_, *start_, planes_));
     const std::string path = pattern_.path(frame.facts.sequence);
     TRY(write_whole(storage_, path, bytes));
     return ledger_.append(frame.facts, path.substr(path.rfind('/') + 1));
   }
 
  private:
-  std::vector<ExrChannel> channels_of(const HdrFrame& frame) {
-    const std::size_t n = frame.radiance.plane_size();
-    std::vector<ExrChannel> channels;
-    const auto add = [&](std::string_view name, const Image<float>& image, int plane, ExrSample stored) {
-      channels.push_back(
-          {std::string(name), image.empty() ? zeros(n) : std::span(image.plane(plane), n), stored});
-    };
-    for (int c = 0; c < 3; ++c) add(exr_channel::kRadiance[c], frame.radiance, c, ExrSample::Half);
-    if (options_.layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);
-    if (options_.layers.flow)
-      for (int c = 0; c < 2; ++c) add(exr_channel::kFlowBackward[c], frame.flow, c, ExrSample::Half);
-    if (options_.layers.field_flow)
-      for (int c = 0; c < 2; ++c) add(exr_channel::kFieldFlow[c], frame.field_flow, c, ExrSample::Half);
-    if (options_.layers.confidence) {
-      confidence_.resize(n);
-      std::transform(frame.sigma.samples().begin(), frame.sigma.samples().end(), confidence_.begin(),
-                     [](float sigma) { return std::exp(-sigma); });
-      add(exr_channel::kSigma, frame.sigma, 0, ExrSample::Half);
-      channels.push_back({"confidence", confidence_, ExrSample::Half});
-    }
-    if (options_.layers.provenance) {
-      provenance_.assign(frame.provenance.samples().begin(), frame.provenance.samples().end());
-      channels.push_back({std::string(exr_channel::kProvenance), provenance_, ExrSample::Half});
-    }
-    return channels;
-  }
-
-  std::span<const float> zeros(std::size_t n) {
-    zeros_.resize(n);
-    return zeros_;
-  }
-
   Storage& storage_;
   const FramePattern pattern_;
   FrameLedger ledger_;
   const ExrSequenceOptions options_;
   std::optional<Instant> start_;
-  std::vector<float> zeros_, confidence_, provenance_;  // planes of the frame being written
+  DerivedPlanes planes_;  // of the frame being written
 };
 
 }  // namespace
 
 RunFacts run_facts_of(const ExrAttributes& attributes) {
   return {number(attributes.texts, kSinceStart), number(attributes.texts, kWhite)};
+}
+
+Result<std::vector<std::byte>> encode_frame(const HdrFrame& frame, const ExrSequenceOptions& options,
+                                            Instant start) {
+  DerivedPlanes planes;
+  return encoded(frame, options, start, planes);
 }
 
 Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,

@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "firmware_host/sinks/frame_sink.h"
 #include "hal/storage.h"
@@ -42,6 +43,10 @@ struct RunFacts {
   std::optional<double> white;          // radiance that saturates the shortest exposure
 };
 RunFacts run_facts_of(const ExrAttributes& attributes);
+
+// One frame as such a file has it. start: the time of the run's first frame. Errors: those of encode_exr.
+Result<std::vector<std::byte>> encode_frame(const HdrFrame& frame, const ExrSequenceOptions& options,
+                                            Instant start);
 
 // pattern: "out/%06d.exr" (frame_pattern.h); its folder is created. The storage outlives the sink.
 // Errors: Invalid (pattern), Permission, NoSpace, Io.

@@ -15,14 +15,16 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
     const auto path = paths.find(kind.name);
     if (path == paths.end() || path->second.empty()) continue;
     Open open{.name = kind.name, .pace = kind.pace};
-    open.sink = TRY(kind.open(
-        {path->second, request.camera, request.layers, request.compression, request.video, request.storage}));
+    SinkRequest its = request;
+    its.path = path->second;
+    open.sink = TRY(kind.open(its));
     if (kind.pace != SinkPace::Light) {
       const bool camera = pace == RunPace::Camera;
       const WhenFull when_full =
           camera && kind.pace == SinkPace::Latest ? WhenFull::DropFrame : WhenFull::Wait;
       auto async = std::make_unique<AsyncSink>(std::move(open.sink), when_full,
-                                               camera ? ThreadPriority::Background : ThreadPriority::Usual);
+                                               camera ? ThreadPriority::Background : ThreadPriority::Usual,
+                                               std::string("sink ") + kind.name, request.trace);
       open.async = async.get();
       open.sink = std::move(async);
     }

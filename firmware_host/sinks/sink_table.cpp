@@ -6,6 +6,7 @@
 #include "firmware_host/sinks/contact_sheet.h"
 #include "firmware_host/sinks/half_pipe.h"
 #include "firmware_host/sinks/hdr_video.h"
+#include "firmware_host/sinks/live_view/live_view.h"
 #include "firmware_host/sinks/preview.h"
 #include "firmware_host/sinks/report.h"
 #include "firmware_host/sinks/stats.h"
@@ -35,6 +36,11 @@ Opened open_frames(const SinkRequest& request) {
   return create_exr_sequence(request.storage, request.path, options);
 }
 
+Opened open_live_view(const SinkRequest& request) {
+  const LiveViewOptions options{request.http_token, request.compression, request.camera.framerate_hz};
+  return std::unique_ptr<FrameSink>(TRY(LiveView::open(request.path, options, request.control)));
+}
+
 constexpr SinkKind kSinkKinds[] = {
     {"frames", "-o,--output",
      "HDR frames, numbered by the sensor's sequence: out/%06d.exr; a video: out.mp4 (.mov, .mkv); or -, the "
@@ -49,6 +55,8 @@ constexpr SinkKind kSinkKinds[] = {
      [](const SinkRequest& request) { return create_stats(request.storage, request.path); }},
     {"report", "--report", "all of that on one page: report.html", SinkPace::Latest,
      [](const SinkRequest& request) { return create_report(request.storage, request.path); }},
+    {"http", "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,
+     open_live_view, SinkTarget::Address},
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "firmware_host/sinks/async_sink.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_sink.h"
+#include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/storage.h"
 
@@ -18,12 +19,16 @@ namespace hdrcam {
 
 // The arguments for opening a sink.
 struct SinkRequest {
-  std::string path;  // as the user gave it: a file, a pattern for one file per frame, or kStandardOutput
+  std::string path;  // as the user gave it: a file, a pattern for one file per frame, kStandardOutput, or an
+                     // address
   const CameraFacts& camera;
   ExrLayers layers = {};
   ExrCompression compression = ExrCompression::Zip;
   VideoOptions video = {};
-  Storage& storage;  // outlives the sink
+  Storage& storage;               // outlives the sink
+  std::string http_token = {};    // of the live view
+  RunControl* control = nullptr;  // of a run on a camera; outlives the sink
+  Trace* trace = nullptr;         // outlives the sink
 };
 
 inline constexpr std::string_view kStandardOutput = "-";
@@ -35,6 +40,9 @@ enum class SinkPace {
   Latest,    // on its own thread; frames may be left out while a camera runs
 };
 
+// What a sink is given as its path.
+enum class SinkTarget { Files, Address };
+
 struct SinkKind {
   const char* name;   // "frames"
   const char* flag;   // "-o,--output"
@@ -42,6 +50,7 @@ struct SinkKind {
   SinkPace pace;
   // Errors: Invalid for an unusable path, and those of the disk.
   Result<std::unique_ptr<FrameSink>> (*open)(const SinkRequest& request);
+  SinkTarget target = SinkTarget::Files;
 };
 
 // In the order in which they get a frame, and in which the help lists them.

@@ -56,7 +56,8 @@ TEST_CASE("hdrcam bench pareto names what it cannot measure") {
   synthetic_clip::TemporaryFolder work;
   const Ran unknown = ran({"bench", "pareto", work.path(), "-o", work / "cost", "--point", "swift"});
   CHECK(unknown.exit_code != 0);
-  CHECK(unknown.output.find("there is no point 'swift'; there are realtime, fast, balanced") != std::string::npos);
+  CHECK(unknown.output.find("there is no point 'swift'; there are realtime, fast, balanced") !=
+        std::string::npos);
   const Ran nothing = ran({"bench", "pareto", work / "none", "-o", work / "cost", "--point", "fast"});
   CHECK(nothing.exit_code != 0);
   CHECK(nothing.output.find("none") != std::string::npos);

@@ -1,0 +1,218 @@
+#include "firmware_host/sinks/live_view/live_view.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "firmware_host/sinks/exr_sequence.h"
+#include "firmware_host/terminal.h"
+#include "firmware_host/web/live_page.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr double kStalled_s = 5;  // without a frame
+constexpr std::size_t kFewestTokenCharacters = 8;
+
+template <class T>
+std::optional<T> number_in(const HttpRequest& request, std::string_view name) {
+  const auto text = request.query.find(name);
+  if (text == request.query.end()) return std::nullopt;
+  T value{};
+  const char* const end = text->second.data() + text->second.size();
+  const auto parsed = std::from_chars(text->second.data(), end, value);
+  return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(value) : std::nullopt;
+}
+
+HttpAnswer no_frame() { return http_error(503, "no frame has been emitted yet"); }
+
+HttpAnswer answer_of(const Error& error) {
+  switch (error.code) {
+    case ErrorCode::Invalid:
+    case ErrorCode::BadExposure:
+      return http_error(400, error.message);
+    case ErrorCode::Busy:
+    case ErrorCode::NotFound:
+    case ErrorCode::Unsupported:
+      return http_error(409, error.message);
+    default:
+      return http_error(500, error.message);
+  }
+}
+
+HttpAnswer no_camera() { return http_error(409, "this run has no camera"); }
+
+// The JSON object in a body; null where there is none.
+nlohmann::json object_in(const HttpRequest& request) {
+  nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
+  return json.is_object() ? json : nlohmann::json();
+}
+
+HttpAnswer json_answer(const std::string& text) { return {.body = http_body(text)}; }
+
+std::pair<const char*, std::string> sequence_header(const ShownFrame& frame) {
+  return {"X-Sequence", std::to_string(frame.hdr.facts.sequence)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<LiveView>> LiveView::open(const std::string& address, const LiveViewOptions& options,
+                                                 RunControl* control) {
+  const HttpAddress wanted = TRY(parse_http_address(address));
+  if (!options.token.empty() && options.token.size() < kFewestTokenCharacters)
+    return Error{ErrorCode::Invalid, fmt::format("--http-token has {} characters; give {} or more, or none",
+                                                 options.token.size(), kFewestTokenCharacters)};
+  std::unique_ptr<LiveView> view(new LiveView(options, control));
+  const std::string token = options.token.empty() ? random_token() : options.token;
+  view->server_ = TRY(HttpServer::open(wanted, token, view->routes(), {}));
+  const std::string place = to_text(view->address());
+  remark("live view: http://{}/{}\n", place, options.token.empty() ? "#token=" + token : "");
+  if (!is_loopback(wanted))
+    remark(
+        "warning: whoever reaches {} sees the pictures; only actions need the token; 127.0.0.1 keeps them on "
+        "this machine\n",
+        place);
+  return view;
+}
+
+Result<void> LiveView::emit(const EmittedFrame& frame) {
+  if (!start_) start_ = frame.hdr.facts.timestamp;
+  newest_.put(frame);
+  tally_.count(frame);
+  return {};
+}
+
+Result<void> LiveView::finish() { return server_.reset(), Result<void>{}; }
+
+std::vector<HttpRoute> LiveView::routes() {
+  std::vector<HttpRoute> routes;
+  for (const PagePart& part : live_page_parts())
+    routes.push_back({part.path, HttpAccess::Open, [body = http_body(part.text), &part](const HttpRequest&) {
+                        return HttpAnswer{.type = part.type, .body = body};
+                      }});
+  const auto add = [&](const char* path, HttpAnswer (LiveView::*answer)(const HttpRequest&),
+                       HttpAccess access = HttpAccess::Open) {
+    routes.push_back(
+        {path, access, [this, answer](const HttpRequest& request) { return (this->*answer)(request); }});
+  };
+  add("/frame.jpg", &LiveView::picture);
+  add("/frame.exr", &LiveView::exr);
+  add("/pixel", &LiveView::pixel);
+  add("/status.json", &LiveView::status);
+  add("/scale.json", &LiveView::scale);
+  add("/metrics", &LiveView::metrics);
+  add("/healthz", &LiveView::health);
+  add("/record", &LiveView::record, HttpAccess::Token);
+  add("/cycle", &LiveView::change_cycle, HttpAccess::Token);
+  return routes;
+}
+
+HttpAnswer LiveView::picture(const HttpRequest& request) {
+  const ShownFrame* const frame = newest_.read();
+  if (frame == nullptr) return no_frame();
+  if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
+  PictureWish wish;
+  if (const auto look = request.query.find("look"); look != request.query.end()) {
+    const auto known = picture_look(look->second);
+    if (!known) return http_error(400, "look is tone, false or provenance");
+    wish.look = *known;
+  }
+  if (request.query.contains("ev")) {
+    const auto ev = number_in<double>(request, "ev");
+    if (!ev || !(std::abs(*ev) <= 16)) return http_error(400, "ev is a number of stops, -16 to 16");
+    wish.exposure_ev = *ev;
+  }
+  const Result<HttpBody> jpeg = pictures_.jpeg(*frame, wish);
+  if (!jpeg) return answer_of(jpeg.error());
+  return {.type = "image/jpeg", .body = jpeg.value(), .headers = {sequence_header(*frame)}};
+}
+
+HttpAnswer LiveView::exr(const HttpRequest&) {
+  const ShownFrame* const frame = newest_.read();
+  if (frame == nullptr) return no_frame();
+  ExrSequenceOptions options;
+  options.layers.confidence = options.layers.provenance = true;
+  options.compression = options_.compression;
+  options.framerate_hz = options_.framerate_hz;
+  // An Instant that the first frame wrote before it was the newest.
+  auto bytes = encode_frame(frame->hdr, options, *start_);
+  if (!bytes) return answer_of(bytes.error());
+  const std::string name = fmt::format("attachment; filename=\"{:06}.exr\"", frame->hdr.facts.sequence);
+  return {.type = "image/x-exr",
+          .body = std::make_shared<const std::vector<std::byte>>(std::move(bytes).value()),
+          .headers = {sequence_header(*frame), {"Content-Disposition", name}}};
+}
+
+HttpAnswer LiveView::pixel(const HttpRequest& request) {
+  const ShownFrame* const frame = newest_.read();
+  if (frame == nullptr) return no_frame();
+  const auto x = number_in<int>(request, "x"), y = number_in<int>(request, "y");
+  const Image<float>& radiance = frame->hdr.radiance;
+  if (!x || !y || *x < 0 || *y < 0 || *x >= radiance.cols() || *y >= radiance.rows())
+    return http_error(400, fmt::format("x and y are a pixel of {}x{}", radiance.cols(), radiance.rows()));
+  return json_answer(pixel_json(*frame, *x, *y));
+}
+
+HttpAnswer LiveView::record(const HttpRequest& request) {
+  if (control_ == nullptr) return no_camera();
+  const nlohmann::json wish = object_in(request);
+  if (!wish.contains("on") || !wish["on"].is_boolean())
+    return http_error(400, "send {\"on\": true} or {\"on\": false}");
+  if (wish["on"].get<bool>()) {
+    const Result<std::string> file = control_->start_recording();
+    if (!file) return answer_of(file.error());
+  } else if (const Result<void> stopped = control_->stop_recording(); !stopped) {
+    return answer_of(stopped.error());
+  }
+  return json_answer(nlohmann::json{{"recording", control_->recording()}}.dump());
+}
+
+HttpAnswer LiveView::change_cycle(const HttpRequest& request) {
+  if (control_ == nullptr) return no_camera();
+  const nlohmann::json wish = object_in(request);
+  if (!wish.contains("shutter") || !wish["shutter"].is_string() ||
+      (wish.contains("gain") && !wish["gain"].is_string()))
+    return http_error(400, "send {\"shutter\": \"1ms,4ms,16ms\", \"gain\": \"1\"}; gain may be missing");
+  const Result<void> changed =
+      control_->change_cycle(wish["shutter"].get<std::string>(), wish.value("gain", std::string()));
+  return changed ? json_answer("{}") : answer_of(changed.error());
+}
+
+LiveFigures LiveView::figures() {
+  LiveFigures figures{newest_.read(), tally_.figures()};
+  if (control_ != nullptr) figures.counters = control_->counters(), figures.recording = control_->recording();
+  return figures;
+}
+
+HttpAnswer LiveView::status(const HttpRequest&) { return json_answer(status_json(figures())); }
+
+HttpAnswer LiveView::metrics(const HttpRequest&) {
+  return {.type = "text/plain; version=0.0.4; charset=utf-8", .body = http_body(prometheus_text(figures()))};
+}
+
+// What does not change during a run: the colours of the looks.
+HttpAnswer LiveView::scale(const HttpRequest&) {
+  constexpr int kSteps = 64;
+  const auto css = [](Rgb colour) { return fmt::format("rgb({},{},{})", colour.r, colour.g, colour.b); };
+  nlohmann::ordered_json json{{"false_colours", nlohmann::json::array()},
+                              {"provenance", nlohmann::json::array()}};
+  for (const Rgb colour : false_colour_scale(kSteps)) json["false_colours"].push_back(css(colour));
+  for (const ProvenanceLook& look : kProvenanceLooks)
+    json["provenance"].push_back({{"key", look.key}, {"name", look.name}, {"colour", css(look.colour)}});
+  return json_answer(json.dump());
+}
+
+HttpAnswer LiveView::health(const HttpRequest&) {
+  const EmissionFigures emission = tally_.figures();
+  if (emission.frames == 0) return no_frame();
+  const std::chrono::duration<double> age = EmissionFigures::Clock::now() - emission.newest;
+  if (age.count() > kStalled_s)
+    return http_error(503, fmt::format("the newest frame is {:.1f} s old", age.count()));
+  return json_answer(nlohmann::json{{"newest_frame_age_s", age.count()}}.dump());
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,168 @@
+// What a person may change while a camera runs: recordings and the cycle.
+#include "firmware_host/live/camera_source.h"
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+namespace hdrcam {
+namespace {
+
+using std::chrono::milliseconds;
+
+// A simulated camera whose frames are taken and emitted on a thread of their own, as a run does.
+class Running {
+ public:
+  explicit Running(const Settings& settings)
+      : source_(value_of(CameraSource::open(settings, {}, posix_storage(), stop_))) {
+    require_done(source_->start());
+    thread_ = std::thread([this] {
+      for (;;) {
+        const auto frame = source_->next();
+        if (!frame || frame.value() == nullptr) return;
+        const FrameFacts& facts = frame.value()->facts;
+        if (facts.slot >= 0) newest_exposure_us_ = std::llround(facts.exposure_s * 1e6);
+        FrameRecord record;
+        record.sequence = facts.sequence;
+        source_->emitted(record);
+        ++frames_;
+      }
+    });
+  }
+  ~Running() { end(); }
+
+  RunControl& control() { return *source_->control(); }
+  // Waits until so many more frames came; false after a long time.
+  bool more_frames(int count) {
+    const int wanted = frames_ + count;
+    return waits_for([&] { return frames_ >= wanted; });
+  }
+  template <class Condition>
+  bool waits_for(Condition&& holds) {
+    for (int i = 0; i < 6000; ++i) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return false;
+  }
+  long long newest_exposure_us() const { return newest_exposure_us_; }
+  LiveCounters end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    RunRecord record;
+    require_done(source_->finish(record));
+    return source_->session().counters();
+  }
+
+ private:
+  std::atomic<bool> stop_{false};
+  std::unique_ptr<CameraSource> source_;
+  std::atomic<int> frames_{0};
+  std::atomic<long long> newest_exposure_us_{0};
+  std::thread thread_;
+};
+
+Settings settings_of(const std::string& folder) {
+  Settings settings;
+  settings.camera.id = "sim:still?size=64x48&fps=100";
+  settings.camera.format = "RGB24";
+  settings.schedule.shutter = "1ms,4ms";
+  settings.output.http_takes = folder + "/takes/%02d.mkv";
+  return settings;
+}
+
+std::vector<std::uint64_t> sequences_in(const std::string& path) {
+  auto reader = value_of(open_recording(posix_storage(), path));
+  std::vector<std::uint64_t> sequences;
+  while (const auto facts = value_of(reader->next_facts())) sequences.push_back(facts->sequence);
+  return sequences;
+}
+
+TEST_CASE(
+    "recordings that a person starts and stops are whole, new files, and every frame is accounted for") {
+  const std::string folder = sample::scratch_folder("takes");
+  std::filesystem::create_directories(folder + "/takes");
+  std::ofstream(folder + "/takes/01.mkv") << "an earlier take";
+  Running run(settings_of(folder));
+  RunControl& control = run.control();
+  CHECK(control.recording().empty());
+  require_error(control.stop_recording(), ErrorCode::NotFound);
+  std::set<std::string> files;
+  for (int take = 0; take < 2; ++take) {
+    std::string file;
+    REQUIRE(run.waits_for([&] {  // until the last one is complete
+      auto started = control.start_recording();
+      if (started) file = started.value();
+      return started.ok();
+    }));
+    CHECK(control.recording() == file);
+    require_error(control.start_recording(), ErrorCode::Busy);
+    REQUIRE(run.more_frames(20));
+    require_done(control.stop_recording());
+    CHECK(control.recording().empty());
+    REQUIRE(run.more_frames(5));
+    files.insert(file);
+  }
+  const LiveCounters counters = run.end();
+  CHECK(files == std::set<std::string>{folder + "/takes/02.mkv", folder + "/takes/03.mkv"});
+  CHECK(value_of(read_whole(posix_storage(), folder + "/takes/01.mkv")) == "an earlier take");
+  std::size_t recorded = 0;
+  for (const std::string& file : files) {
+    const auto sequences = sequences_in(file);
+    CHECK(sequences.size() >= 20);
+    for (std::size_t i = 1; i < sequences.size(); ++i) CHECK(sequences[i] == sequences[i - 1] + 1);
+    recorded += sequences.size();
+  }
+  CHECK(counters.recorded == recorded);
+  CHECK(counters.unasked >= 10);
+  CHECK(counters.to_record == 0);
+  CHECK(counters.captured() == counters.recorded + counters.not_recorded() + counters.unasked);
+}
+
+TEST_CASE("a recording that is open when the run ends is completed") {
+  const std::string folder = sample::scratch_folder("open_take");
+  Running run(settings_of(folder));
+  const std::string file = value_of(run.control().start_recording());
+  REQUIRE(run.more_frames(10));
+  const LiveCounters counters = run.end();
+  CHECK(sequences_in(file).size() == counters.recorded);
+  CHECK(counters.recorded >= 10);
+}
+
+TEST_CASE("a run without a place for recordings records nothing on demand, and says how to get one") {
+  Settings settings = settings_of("unused");
+  settings.output.http_takes.clear();
+  Running run(settings);
+  const auto refused = run.control().start_recording();
+  require_error(refused, ErrorCode::Unsupported);
+  CHECK(refused.error().message.find("--http-record") != std::string::npos);
+}
+
+TEST_CASE("the cycle of a running camera changes to one of as many exposures, and to no other") {
+  Running run(settings_of("unused"));
+  REQUIRE(run.more_frames(10));
+  require_done(run.control().change_cycle("2ms,8ms", ""));
+  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 2000) < 100; }));
+  require_error(run.control().change_cycle("1ms,4ms,16ms", ""), ErrorCode::Invalid);
+  require_error(run.control().change_cycle("fast", ""), ErrorCode::Invalid);
+  REQUIRE_FALSE(run.control().change_cycle("2ms,1s", "").ok());
+  REQUIRE(run.more_frames(10));
+  CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+}
+
+TEST_CASE("a cycle that follows the light is not changed by hand") {
+  Settings settings = settings_of("unused");
+  settings.schedule.adapt = true;
+  Running run(settings);
+  require_error(run.control().change_cycle("2ms,8ms", ""), ErrorCode::Unsupported);
+}
+
+}  // namespace
+}  // namespace hdrcam
