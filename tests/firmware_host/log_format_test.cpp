@@ -93,7 +93,8 @@ TEST_CASE(
     "the trace of a run on a camera has all its threads by name, and stages that nest in their frames") {
   const std::string folder = sample::scratch_folder("trace_run");
   const auto [objects, code] = log_of(
-      "live --camera 'sim:still?size=64x48&fps=60' --format RGB24 --shutter 1ms,4ms --preset fast --deadline off "
+      "live --camera 'sim:still?size=64x48&fps=60' --format RGB24 --shutter 1ms,4ms --preset fast --deadline "
+      "off "
       "--frames 30 --log-format json --trace " +
       folder + "/trace.json --record " + folder + "/raw.mkv -o " + folder + "/%06d.exr");
   REQUIRE(code == 0);
