@@ -82,21 +82,6 @@ float Response::code_of(int channel, float x) const {
   return table[i] + (table[i + 1] - table[i]) * (position - static_cast<float>(i));
 }
 
-float Response::leaky_value(int channel, float x, float* derivative) const {
-  if (x < 0) {
-    *derivative = kLeak;
-    return kLeak * x;
-  }
-  if (x > 1) {
-    const float root = 1 / std::sqrt(x);
-    *derivative = 0.5f * kLeak * root / x;
-    return 1 + kLeak - kLeak * root;
-  }
-  const float code = code_of(channel, x);
-  *derivative = std::max(kLeak, 1 / (255 * slope(channel, code)));
-  return code / 255;
-}
-
 double response_error(const Response& a, const Response& b) {
   constexpr std::size_t kFirst = 12, kLast = 245;
   double sum = 0;

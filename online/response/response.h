@@ -1,8 +1,7 @@
 // The camera response: code <-> relative sensor exposure, one curve per channel, monotone, x(255) = 1. Stored
 // as the inverse x(z) on the 256 codes (which the state needs, exact in the dark) with a forward table g(x)
-// on sqrt(x). Values outside [0, 1] leak as in the paper (HDR-NSFF, appendix "Tone-mapping", with the step at
-// 1 and the flat part below 0 of the published code repaired): g(x) = a x for x < 0, 1 + a - a / sqrt(x) for
-// x > 1, a = 0.01. Value type, reentrant.
+// on sqrt(x). The fit's differentiable, leaky curve is scene/hash_grid/fit/learned_response.h. Value type,
+// reentrant.
 #pragma once
 
 #include <array>
@@ -13,7 +12,6 @@ namespace hdrcam {
 class Response {
  public:
   static constexpr int kCodes = 256;
-  static constexpr float kLeak = 0.01f;
   using Curve = std::array<float, kCodes>;
 
   // inverse: [rgb][code] relative exposure. It is made monotone and scaled to x(255) = 1; code 0
@@ -31,8 +29,6 @@ class Response {
   float uncertainty(int channel, float code) const;
   // relative exposure -> code 0..255, clipped
   float code_of(int channel, float x) const;
-  // relative exposure -> value 0..1 with the leak; derivative d value / d x, never zero
-  float leaky_value(int channel, float x, float* derivative) const;
 
   const Curve& inverse(int channel) const { return inverse_[static_cast<std::size_t>(channel)]; }
 
