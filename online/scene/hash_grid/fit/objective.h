@@ -49,19 +49,20 @@ struct LossFact {
 
 // Weight 0 switches a term off. Values 0..1 for the photometric terms, pixels for the flow terms.
 constexpr std::array<LossFact, 14> kLosses = {{
-    {"combined", 1.f, "rendered picture against the codes, through the response"},
-    {"warped", 0.5f, "picture warped from a neighbour against the codes"},
-    {"occlusion", 0.02f, "occlusion weights towards visible"},
-    {"flow", 0.02f, "rendered scene flow against the flow prior, per pixel"},
-    {"depth", 0.1f, "rendered inverse depth against a prior, if one is given"},
-    {"cycle", 0.02f, "scene flow there and back, per pixel"},
-    {"spatial", 0.002f, "scene flow of neighbouring samples of a ray"},
-    {"temporal", 0.002f, "uniform motion"},
-    {"minimal", 0.001f, "little motion beyond the base"},
-    {"state", 0.2f, "rendered log radiance against the state's, where it is sure"},
-    {"consistency", 0.2f, "log radiance against the neighbour's, where the flow is sure"},
-    {"entropy", 1e-3f, "a ray is static or dynamic"},
-    {"distortion", 0.f, "compact weights along a ray"},
+    {"combined", 1.f, "difference between the rendered picture and the codes, through the response"},
+    {"warped", 0.5f, "difference between the picture warped from a neighbour and the codes"},
+    {"occlusion", 0.02f, "how far a ray is marked as occluded"},
+    {"flow", 0.02f, "distance between the rendered scene flow and the flow prior, pixels"},
+    {"depth", 0.1f, "difference between the rendered inverse depth and the depth prior, where there is one"},
+    {"cycle", 0.02f, "distance left after scene flow there and back, pixels"},
+    {"spatial", 0.002f, "difference in scene flow between neighbouring samples of a ray"},
+    {"temporal", 0.002f, "acceleration: forward plus backward scene flow"},
+    {"minimal", 0.001f, "distance between the scene flow and the flow prior that it starts from"},
+    {"state", 0.2f, "difference in log radiance between picture and state, where the state is certain"},
+    {"consistency", 0.2f,
+     "difference in log radiance between neighbouring frames, where the flow is certain"},
+    {"entropy", 1e-3f, "entropy of the split of a ray into static and dynamic"},
+    {"distortion", 0.f, "spread of the weights along a ray"},
     {"response", 1e-3f, "second differences of the response"},
 }};
 using LossWeights = std::array<float, kLosses.size()>;
