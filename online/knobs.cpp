@@ -199,7 +199,7 @@ std::vector<Knob> make_table() {
   add_priors_and_scene(table);
   add_frame_budget(table);
   [&]<std::size_t... term>(std::index_sequence<term...>) { (table.push_back(loss<term>()), ...); }
-  (std::make_index_sequence<kLosses.size()>());
+  (std::make_index_sequence<kLossTerms>());
   return table;
 }
 

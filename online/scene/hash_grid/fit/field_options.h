@@ -6,7 +6,7 @@
 
 #include "online/scene/hash_grid/field/field.h"
 #include "online/scene/hash_grid/fit/adam.h"
-#include "online/scene/hash_grid/fit/objective.h"
+#include "online/scene/hash_grid/fit/loss_table.h"
 
 namespace hdrcam {
 
