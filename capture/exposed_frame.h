@@ -1,7 +1,8 @@
 // A frame whose exposure is known: the output of capture/ and the input of the fit. Codes are linear in the
-// file's codes, scaled so that the largest code is 255 and the black level is 0; the camera's response is
-// still applied. Exposures are relative to the clip's reference E_ref (geometric mean of the first cycle), so
-// that radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only value.
+// file's codes, scaled so that the largest code is 255 and a stated black level is 0 (exposed_stream.h); the
+// camera's response is still applied. Exposures are relative to the clip's reference E_ref (geometric mean of
+// the first cycle), so that radiance L = 1 saturates the reference exposure (docs/architecture.md). Move-only
+// value.
 #pragma once
 
 #include "hal/core/frame.h"
@@ -13,8 +14,9 @@ constexpr float kMaxCode = 255;  // of ExposedFrame::codes, whatever the bit dep
 
 struct ExposedFrame {
   FrameFacts facts;
-  int index = 0;       // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
-  float exposure = 1;  // E / E_ref
+  int index = 0;                  // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
+  float exposure = 1;             // E / E_ref
+  double reference_exposure = 1;  // E_ref, seconds x gains
   float blur_fraction =
       0;               // exposure time over the time to the next frame, 0..1: share of the motion that blurs
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode

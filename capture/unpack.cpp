@@ -16,15 +16,11 @@ Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
 
 Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
                          ExposedFrame& frame) {
-  const double exposure = raw.facts.exposure();
-  if (!(exposure > 0) || !std::isfinite(exposure))
-    return Error{ErrorCode::BadExposure,
-                 fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite",
-                             raw.facts.sequence, raw.facts.exposure_s,
-                             raw.facts.analogue_gain * raw.facts.digital_gain)};
+  TRY(check_exposure(raw.facts));
   frame.facts = raw.facts;
   frame.index = index;
-  frame.exposure = static_cast<float>(exposure / settings.reference_exposure);
+  frame.reference_exposure = settings.reference_exposure;
+  frame.exposure = static_cast<float>(raw.facts.exposure() / settings.reference_exposure);
   const bool blurs = interval_s > 0 && !outlasts_frame(raw.facts.exposure_s, interval_s);
   frame.blur_fraction = blurs ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
 
@@ -32,7 +28,6 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   if (is_bayer(settings.layout)) {
     demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes);
     for (float& code : frame.codes.samples()) code *= scale;
-    remove_black_level(frame, settings.black_level);
     return {};
   }
   const int channels = raw.codes.channels();
@@ -43,8 +38,15 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
     for (std::size_t i = 0; i < frame.codes.plane_size(); ++i)
       out[i] = std::min(kMaxCode, static_cast<float>(in[i]) * scale);
   }
-  remove_black_level(frame, settings.black_level);
   return {};
+}
+
+Result<void> check_exposure(const FrameFacts& facts) {
+  const double exposure = facts.exposure();
+  if (exposure > 0 && std::isfinite(exposure)) return {};
+  return Error{ErrorCode::BadExposure,
+               fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite",
+                           facts.sequence, facts.exposure_s, facts.analogue_gain * facts.digital_gain)};
 }
 
 void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level) {

@@ -10,20 +10,6 @@ namespace {
 
 constexpr std::size_t kMaxLookAhead = 2;  // frames
 
-// Geometric mean of the exposures of one cycle: the frames until the first exposure repeats.
-double cycle_mean(const std::deque<RawFrame>& frames) {
-  constexpr double kSame = 0.2;  // in ln: schedules jitter by less
-  double sum = 0;
-  int count = 0;
-  for (const RawFrame& frame : frames) {
-    const double log_exposure = std::log(frame.facts.exposure());
-    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSame) break;
-    sum += log_exposure;
-    ++count;
-  }
-  return std::exp(sum / count);
-}
-
 }  // namespace
 
 struct OnlineStage::Step {
@@ -49,8 +35,6 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       noise_estimator_(pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
-  settings_.bits = camera.bits;
-  settings_.layout = camera.layout;
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
   noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
   assumed_noise_ = noise_;
@@ -58,57 +42,37 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
 
 OnlineStage::~OnlineStage() = default;
 
-Result<void> OnlineStage::ingest(const RawFrame& raw, const FrameBudget& budget, const Emit& emit) {
+Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit) {
   budget_ = budget;
+  if (!started_ && response_known_) {
+    black_level_ = frame.facts.black_level.value_or(BlackLevel());
+    started_ = true;
+  }
   if (!started_) {
-    // unpack once for its checks, so that a bad exposure is reported when it arrives
-    TRY(unpack(raw, 0, 0, settings_));
-    waiting_.push_back({raw.facts, raw.codes.clone()});
-    if (static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames) return {};
-    return bootstrap(emit);
+    waiting_.push_back(std::exchange(frame, {}));
+    return static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames ? Result<void>() : bootstrap(emit);
   }
-  const double interval_s = to_seconds(raw.facts.timestamp - last_time_);
-  last_time_ = raw.facts.timestamp;
-  Stopwatch watch;
-  auto step = spare_step();
-  if (auto unpacked = unpack_into(raw, arrived_, interval_s, settings_, step->frame); !unpacked) {
-    spare_.push_back(std::move(step));
-    return unpacked;
+  if (!response_known_) {
+    Stopwatch watch;
+    remove_black_level(frame, black_level_);
+    if (timing_) timing_("unpack", watch.lap_ms());
   }
-  ++arrived_;
-  if (timing_) timing_("unpack", watch.lap_ms());
-  return take(std::move(step), emit);
+  return take(frame, emit);
 }
 
+// Response and black level from the first frames, which then take their way.
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
-  settings_.reference_exposure = cycle_mean(waiting_);
-  const std::optional<BlackLevel> stated = waiting_.front().facts.black_level;
-  if (response_known_) settings_.black_level = stated.value_or(BlackLevel());
-  std::vector<ExposedFrame> frames;
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // no frame precedes the first one: its interval is assumed equal to the second's
-    const auto& before = waiting_[i > 0 ? i - 1 : 0].facts;
-    const auto& after = waiting_[i > 0 || waiting_.size() < 2 ? i : 1].facts;
-    frames.push_back(
-        TRY(unpack(waiting_[i], arrived_++, to_seconds(after.timestamp - before.timestamp), settings_)));
+  ResponseEstimator estimator(waiting_.front().facts.black_level);
+  for (std::size_t i = 1; i < waiting_.size(); ++i) estimator.add_pair(waiting_[i - 1], waiting_[i]);
+  const ResponseEstimate estimate = estimator.estimate(noise_);
+  response_ = estimate.response;
+  black_level_ = estimate.black_level;
+  for (ExposedFrame& frame : waiting_) {
+    remove_black_level(frame, black_level_);
+    TRY(take(frame, emit));
   }
-  last_time_ = waiting_.back().facts.timestamp;
   waiting_.clear();
-
-  if (!response_known_) {
-    ResponseEstimator estimator(stated);
-    for (std::size_t i = 1; i < frames.size(); ++i) estimator.add_pair(frames[i - 1], frames[i]);
-    const ResponseEstimate estimate = estimator.estimate(noise_);
-    response_ = estimate.response;
-    settings_.black_level = estimate.black_level;
-    for (auto& frame : frames) remove_black_level(frame, settings_.black_level);
-  }
-  for (auto& frame : frames) {
-    auto step = spare_step();
-    step->frame = std::move(frame);
-    TRY(take(std::move(step), emit));
-  }
   return {};
 }
 
@@ -119,11 +83,12 @@ std::unique_ptr<OnlineStage::Step> OnlineStage::spare_step() {
   return step;
 }
 
-Result<void> OnlineStage::take(std::unique_ptr<Step> arrived, const Emit& emit) {
+Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   constexpr std::size_t kMaxTables = 32;
   if (tables_.size() > kMaxTables) tables_.clear();
-  steps_.push_back(std::move(arrived));
+  steps_.push_back(spare_step());
   Step& step = *steps_.back();
+  std::swap(step.frame, frame);
   white_ = std::max(white_, 1 / step.frame.exposure);
   step.advanced = step.emitted = false;
   const ExposureTables& tables = tables_for(step.frame.exposure);
@@ -254,19 +219,13 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .fit = step.in_field ? &step.fit : nullptr,
       .budget = budget_,
       .white = white_,
-      .reference_exposure = settings_.reference_exposure};
+      .reference_exposure = step.frame.reference_exposure};
   if (timing_) timing_("look-ahead", watch.lap_ms());
   return emit(estimate);
 }
 
 Result<void> OnlineStage::finish(const Emit& emit) {
-  if (!started_) {
-    if (waiting_.size() < 2)
-      return Error{ErrorCode::TooShort,
-                   fmt::format("the clip has {} frame(s); at least two with different exposures are needed",
-                               waiting_.size())};
-    TRY(bootstrap(emit));
-  }
+  if (!waiting_.empty()) TRY(bootstrap(emit));
   if (!steps_.empty() && !steps_.back()->advanced) TRY(advance(*steps_.back(), nullptr));
   return emit_ready(true, emit);
 }

@@ -1,10 +1,8 @@
-// The online part of the pipeline, in processing order: black level, response and noise from the
-// first cycles; then for each frame motion, state, pose, depth and field. It delivers an estimate of
-// each frame as soon as its look-ahead has arrived. Thread-bound; deterministic for any number of
-// threads.
+// The online part of the pipeline, in processing order: response, an unreported black level and noise from
+// the first frames; then for each frame motion, state, pose, depth and field. It delivers an estimate of each
+// frame as soon as its look-ahead has arrived. Thread-bound; deterministic for any number of threads.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <map>
 #include <memory>
@@ -12,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/unpack.h"
+#include "capture/exposed_frame.h"
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
@@ -33,10 +31,11 @@ class OnlineStage {
               WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~OnlineStage();
 
-  // Takes the next frame and emits the estimates that became ready. budget: for all work in this call.
-  // Errors: BadExposure, and those of emit.
-  Result<void> ingest(const RawFrame& raw, const FrameBudget& budget, const Emit& emit);
-  // Ends the stream and emits the rest. TooShort for fewer than two frames.
+  // Takes the next frame, whose storage it exchanges, and emits the estimates that became ready. Where the
+  // response is unknown, the frame has its black level still. budget: for all work in this call. Errors:
+  // those of emit.
+  Result<void> ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit);
+  // Ends the stream and emits the rest.
   Result<void> finish(const Emit& emit);
 
   void set_timing(Timing timing) { timing_ = std::move(timing); }
@@ -44,10 +43,9 @@ class OnlineStage {
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const Response& response() const { return response_; }
   const NoiseModel& noise() const { return noise_; }
-  const BlackLevel& black_level() const { return settings_.black_level; }
+  const BlackLevel& black_level() const { return black_level_; }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
-  double reference_exposure() const { return settings_.reference_exposure; }
   // Of the field's depth (FieldPicture::depth), in the poses' unit of length; 1 without a field.
   float depth_unit() const { return poses_ ? poses_->near() : 1; }
 
@@ -56,7 +54,7 @@ class OnlineStage {
 
   Result<void> bootstrap(const Emit& emit);
   std::unique_ptr<Step> spare_step();
-  Result<void> take(std::unique_ptr<Step> step, const Emit& emit);
+  Result<void> take(ExposedFrame& frame, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
   Result<void> fit(Step& step);
   void start_second_layer(const ExposedFrame& first);
@@ -71,13 +69,12 @@ class OnlineStage {
   const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;
   GpuDevice* const gpu_;
-  UnpackSettings settings_;
-  std::deque<RawFrame> waiting_;  // until the bootstrap
-  bool started_ = false, response_known_ = false;
-  int arrived_ = 0;
-  Instant last_time_;
+  std::vector<ExposedFrame> waiting_;  // until the bootstrap
+  bool started_ = false;
+  const bool response_known_;  // from the start
 
   Response response_;
+  BlackLevel black_level_;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   NoiseEstimator noise_estimator_;
   std::map<float, ExposureTables> tables_;

@@ -76,15 +76,21 @@ FieldUse field_use(const Settings& settings, const PipelineOptions& options, Fie
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
                    GpuDevice* gpu)
+    : Pipeline(options, camera, known_response(camera), pool, gpu) {}
+
+Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera,
+                   const std::optional<Response>& response, WorkerPool& pool, GpuDevice* gpu)
     : camera_(camera),
       budget_(options.knobs.budget),
-      online_(options.knobs, camera, known_response(camera), pool, gpu),
+      exposed_(camera, options.knobs.bootstrap_frames, response ? StatedBlack::Removed : StatedBlack::Kept),
+      online_(options.knobs, camera, response, pool, gpu),
       render_(options.render, pool, gpu) {
   const auto time = [this](const char* stage, double ms) {
     add_to(record_.stages_ms, stage, ms);
     if (trace_ != nullptr) trace_->add_stage(stage, ms);
     if (is_steady(stage)) work_.steady_ms += ms;
   };
+  exposed_.set_timing(time);
   online_.set_timing(time);
   render_.set_timing(time);
   online_.set_left_out([this] {
@@ -107,13 +113,20 @@ Result<void> Pipeline::take(const RawFrame& raw, const FrameBudget& budget, cons
   }
   if (!first_time_) first_time_ = raw.facts.timestamp;
   Stopwatch watch;
-  const auto emit = [&](const FrameEstimate& estimate) { return render(estimate, deliver); };
-  TRY(online_.ingest(raw, budget, emit));
+  TRY(exposed_.take(raw, to_online(budget, deliver)));
   work_.total_ms = watch.lap_ms();
   return {};
 }
 
+ExposedStream::HandOn Pipeline::to_online(const FrameBudget& budget, const Deliver& deliver) {
+  return [this, &budget, &deliver](ExposedFrame& frame) {
+    return online_.ingest(frame, budget,
+                          [&](const FrameEstimate& estimate) { return render(estimate, deliver); });
+  };
+}
+
 Result<void> Pipeline::finish(const Deliver& deliver) {
+  TRY(exposed_.finish(to_online(budget_, deliver)));
   return online_.finish([&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }
 

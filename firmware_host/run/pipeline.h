@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "capture/exposed_stream.h"
 #include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/governor.h"
 #include "firmware_host/settings/settings.h"
@@ -59,10 +60,14 @@ class Pipeline {
   int kept_out() const { return kept_out_; }  // frames
 
  private:
+  Pipeline(const PipelineOptions& options, const CameraFacts& camera, const std::optional<Response>& response,
+           WorkerPool& pool, GpuDevice* gpu);
+  ExposedStream::HandOn to_online(const FrameBudget& budget, const Deliver& deliver);
   Result<void> render(const FrameEstimate& estimate, const Deliver& deliver);
 
   const CameraFacts camera_;
   const FrameBudget budget_;
+  ExposedStream exposed_;
   OnlineStage online_;
   RenderStage render_;
   HdrFrame frame_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "capture/exposed_stream.h"
 #include "render/emission.h"
 #include "tests/support/moving_scene.h"
 
@@ -27,6 +28,7 @@ Knobs state_alone() {
 
 Run run(const test::MovingScene& scene, int frames, const Knobs& options, int threads) {
   WorkerPool pool(threads);
+  ExposedStream exposed(scene.camera(), options.bootstrap_frames, StatedBlack::Kept);
   OnlineStage stage(options, scene.camera(), std::nullopt, pool);
   Emission emission(pool);
   HdrFrame frame;
@@ -38,11 +40,13 @@ Run run(const test::MovingScene& scene, int frames, const Knobs& options, int th
     run.radiance.insert(run.radiance.end(), samples.begin(), samples.end());
     return {};
   };
+  const auto ingest = [&](ExposedFrame& frame) { return stage.ingest(frame, options.budget, emit); };
   for (int i = 0; i < frames; ++i) {
-    run.result = stage.ingest(scene.frame(i), options.budget, emit);
+    run.result = exposed.take(scene.frame(i), ingest);
     if (!run.result) return run;
   }
-  run.result = stage.finish(emit);
+  run.result = exposed.finish(ingest);
+  if (run.result) run.result = stage.finish(emit);
   return run;
 }
 

@@ -1,0 +1,75 @@
+#include "capture/exposed_stream.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+namespace {
+
+// Geometric mean of the exposures of one cycle: the frames until the first exposure repeats.
+double cycle_mean(const std::vector<RawFrame>& frames) {
+  constexpr double kSame = 0.2;  // in ln: schedules jitter by less
+  double sum = 0;
+  int count = 0;
+  for (const RawFrame& frame : frames) {
+    const double log_exposure = std::log(frame.facts.exposure());
+    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSame) break;
+    sum += log_exposure;
+    ++count;
+  }
+  return std::exp(sum / count);
+}
+
+}  // namespace
+
+ExposedStream::ExposedStream(const CameraFacts& camera, int first_frames, StatedBlack stated_black)
+    : first_frames_(static_cast<std::size_t>(first_frames)), stated_black_(stated_black) {
+  settings_.bits = camera.bits;
+  settings_.layout = camera.layout;
+}
+
+Result<void> ExposedStream::take(const RawFrame& raw, const HandOn& hand_on) {
+  TRY(check_exposure(raw.facts));
+  if (!started_) {
+    waiting_.push_back({raw.facts, raw.codes.clone()});
+    return waiting_.size() < first_frames_ ? Result<void>() : start(hand_on);
+  }
+  return expose(raw, to_seconds(raw.facts.timestamp - last_time_), hand_on);
+}
+
+Result<void> ExposedStream::finish(const HandOn& hand_on) {
+  if (started_) return {};
+  if (waiting_.size() < 2)
+    return Error{ErrorCode::TooShort,
+                 fmt::format("the clip has {} frame(s); at least two with different exposures are needed",
+                             waiting_.size())};
+  return start(hand_on);
+}
+
+Result<void> ExposedStream::start(const HandOn& hand_on) {
+  started_ = true;
+  settings_.reference_exposure = cycle_mean(waiting_);
+  if (stated_black_ == StatedBlack::Removed) black_level_ = waiting_.front().facts.black_level;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    // no frame precedes the first one: its interval is assumed equal to the second's
+    const FrameFacts& before = waiting_[i > 0 ? i - 1 : 0].facts;
+    const FrameFacts& after = waiting_[std::max<std::size_t>(i, 1)].facts;
+    TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp), hand_on));
+  }
+  waiting_.clear();
+  return {};
+}
+
+Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s, const HandOn& hand_on) {
+  last_time_ = raw.facts.timestamp;
+  Stopwatch watch;
+  TRY(unpack_into(raw, arrived_, interval_s, settings_, frame_));
+  if (black_level_) remove_black_level(frame_, *black_level_);
+  ++arrived_;
+  if (timing_) timing_("unpack", watch.lap_ms());
+  return hand_on(frame_);
+}
+
+}  // namespace hdrcam
