@@ -118,6 +118,9 @@ void add_stream(std::vector<Knob>& table) {
   table.push_back(real<&K::code_noise>(
       "code_noise", kAtStart, 0, 20,
       {"codes rms", "nothing", "start value of the estimated compression noise: 1 clean, 2 MJPEG"}));
+  table.push_back(choice<&K::noise>(
+      "noise", kAtStart, {"assumed", "learned"},
+      {"", "learned: about a tenth of the motion", "samples weighed by the noise they have"}));
   table.push_back(real<&K::state, &StateOptions::variance_growth>(
       "state.variance_growth", kAtStart, 0, 1,
       {"per frame", "nothing", "larger values forget the past sooner"}));

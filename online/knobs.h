@@ -21,12 +21,16 @@ namespace hdrcam {
 enum class Preset { Realtime, Fast, Balanced, Best };
 const char* name(Preset preset);
 
+// The noise model of a run: measured from its frames, or as assumed at the start, for comparison.
+enum class NoiseKind { Assumed, Learned };
+
 struct Knobs {
   FrameBudget budget;
   int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
+  NoiseKind noise = NoiseKind::Learned;
   StateOptions state;
   PoseKind pose = PoseKind::Given;
   DepthOptions depth;

@@ -239,6 +239,7 @@ const ExposureTables& OnlineStage::tables_for(float exposure) {
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
+  if (knobs_.noise == NoiseKind::Assumed) return;
   constexpr int kEager = 8;  // frames: at first the model is solved at each frame, then at every eighth
   Stopwatch watch;
   if (step.frame.exposure <= previous.frame.exposure)
