@@ -43,7 +43,6 @@ Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
 
 Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (!settings.machine.trace.empty())
     return Error{ErrorCode::Invalid, "--trace is of one run, and bench makes many; trace a replay"};

@@ -79,7 +79,6 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
-  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));

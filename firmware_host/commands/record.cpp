@@ -56,7 +56,6 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
 
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
-  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   if (settings.record.file.empty())

@@ -79,7 +79,6 @@ std::string as_flags(const FilmWish& wish) {
 
 Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam render --help'"};

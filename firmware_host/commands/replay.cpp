@@ -44,7 +44,6 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
-  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.recording.empty())
     return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};

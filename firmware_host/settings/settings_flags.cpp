@@ -111,6 +111,7 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   }
   for (const std::string& assignment : given_->assignments)
     TRY(set_knob_from(assignment, given_->knobs, settings));
+  if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
   return settings;
 }
 

@@ -29,7 +29,7 @@ class SettingsFlags {
 
   // Errors: those of reading the file; Invalid for TOML that does not parse, an unknown key, a value of
   // another type or outside its range, naming file, line and valid values. A file may hold keys of groups
-  // that this verb does not use: one file serves all verbs.
+  // that this verb does not use: one file serves all verbs. The format of the log holds from here on.
   Result<Settings> read(Storage& storage) const;
   // Whether to print the settings instead of running.
   bool print_config() const;
