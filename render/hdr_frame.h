@@ -31,4 +31,16 @@ struct HdrFrame {
   Image<float> field_flow;
 };
 
+// Facts, radiance, sigma and provenance; what depends on the field or on the neighbours stays. `to` keeps its
+// memory.
+inline void copy_picture(const HdrFrame& from, HdrFrame& to) {
+  to.facts = from.facts;
+  to.exposure = from.exposure;
+  to.reference_exposure = from.reference_exposure;
+  to.white = from.white;
+  to.radiance.copy_from(from.radiance);
+  to.sigma.copy_from(from.sigma);
+  to.provenance.copy_from(from.provenance);
+}
+
 }  // namespace hdrcam

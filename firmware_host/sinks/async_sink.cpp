@@ -11,13 +11,7 @@ namespace hdrcam {
 namespace {
 
 void copy(const HdrFrame& from, HdrFrame& to) {
-  to.facts = from.facts;
-  to.exposure = from.exposure;
-  to.reference_exposure = from.reference_exposure;
-  to.white = from.white;
-  to.radiance.copy_from(from.radiance);
-  to.sigma.copy_from(from.sigma);
-  to.provenance.copy_from(from.provenance);
+  copy_picture(from, to);
   to.depth.copy_from(from.depth);
   to.flow.copy_from(from.flow);
   to.field_flow.copy_from(from.field_flow);

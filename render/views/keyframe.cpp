@@ -1,24 +1,11 @@
 #include "render/views/keyframe.h"
 
 namespace hdrcam {
-namespace {
-
-void copy_frame(const HdrFrame& from, HdrFrame& to) {
-  to.facts = from.facts;
-  to.exposure = from.exposure;
-  to.reference_exposure = from.reference_exposure;
-  to.white = from.white;
-  to.radiance.copy_from(from.radiance);
-  to.sigma.copy_from(from.sigma);
-  to.provenance.copy_from(from.provenance);
-  to.flow.copy_from(from.flow);
-}
-
-}  // namespace
 
 void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float depth_unit, WorkerPool& pool,
                    FieldPicture& picture, Keyframe& key) {
-  copy_frame(frame, key.frame);
+  copy_picture(frame, key.frame);
+  key.frame.flow.copy_from(frame.flow);
   for (FlowField* flow : {&key.to_previous, &key.from_previous})
     flow->vectors.reshape(0, 0, 0), flow->confidence.reshape(0, 0, 0);
   key.time_s = estimate.view.time_s;

@@ -9,13 +9,7 @@ void NewestFrame::put(const EmittedFrame& frame) {
     while (free == newest_ || free == read_) ++free;
   }
   ShownFrame& shown = frames_[free];
-  shown.hdr.facts = frame.hdr.facts;
-  shown.hdr.exposure = frame.hdr.exposure;
-  shown.hdr.reference_exposure = frame.hdr.reference_exposure;
-  shown.hdr.white = frame.hdr.white;
-  shown.hdr.radiance.copy_from(frame.hdr.radiance);
-  shown.hdr.sigma.copy_from(frame.hdr.sigma);
-  shown.hdr.provenance.copy_from(frame.hdr.provenance);
+  copy_picture(frame.hdr, shown.hdr);
   shown.record = frame.record;
   const std::lock_guard lock(mutex_);
   newest_ = free;
