@@ -54,6 +54,17 @@ inline void variances_of(const SampleVariances& noise, const float* __restrict r
   for (int i = 0; i < n; ++i) variance[i] = noise.table[place[i]];
 }
 
+// Calls body(x, noise) for all n pixels; noise, Lanes or float, is the variance of a sample where the
+// radiance is `mean`.
+template <class Body>
+inline void across_noise(const SampleVariances& noise, const float* mean, int n, Body&& body) {
+  in_blocks(n, [&](int x0, int count) {
+    alignas(64) float variance[kBlock];
+    variances_of(noise, mean + x0, count, variance);
+    across(count, [&](int i, auto lane) { body(x0 + i, get<decltype(lane)>(variance + i)); });
+  });
+}
+
 void sample(const SampledRow& row, int n) {
   using namespace clip_policy;
   in_blocks(n, [&](int x0, int count) {
@@ -77,21 +88,16 @@ void sample(const SampledRow& row, int n) {
 }
 
 void compare(const ComparedRow& row, int n) {
-  in_blocks(n, [&](int x0, int count) {
-    alignas(64) float noise[kBlock];
-    variances_of(row.noise, row.mean + x0, count, noise);
-    across(count, [&](int i, auto lane) {
-      using V = decltype(lane);
-      const int x = x0 + i;
-      const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
-      const V blur = get<V>(row.blur + x);
-      const V mask = v < row.known ? get<V>(row.comparable + x) : V{};
-      const V off = s + blur - r, average = 0.5f * (s + r);
-      const V allowed = v + get<V>(noise + i) + row.relative2 * average * average +
-                        row.texture2 * get<V>(row.contrast + x) + row.blur_tolerance * blur * blur + kTiny;
-      put(row.chi2 + x, get<V>(row.chi2 + x) + mask * off * off / allowed);
-      put(row.covered + x, get<V>(row.covered + x) + mask);
-    });
+  across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
+    using V = decltype(noise);
+    const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
+    const V blur = get<V>(row.blur + x);
+    const V mask = v < row.known ? get<V>(row.comparable + x) : V{};
+    const V off = s + blur - r, average = 0.5f * (s + r);
+    const V allowed = v + noise + row.relative2 * average * average +
+                      row.texture2 * get<V>(row.contrast + x) + row.blur_tolerance * blur * blur + kTiny;
+    put(row.chi2 + x, get<V>(row.chi2 + x) + mask * off * off / allowed);
+    put(row.covered + x, get<V>(row.covered + x) + mask);
   });
 }
 
@@ -125,29 +131,24 @@ void gate(const GatedRow& row, int n) {
 }
 
 void update(const UpdatedRow& row, int n) {
-  in_blocks(n, [&](int x0, int count) {
-    alignas(64) float noise[kBlock];
-    variances_of(row.noise, row.mean + x0, count, noise);
-    across(count, [&](int i, auto lane) {
-      using V = decltype(lane);
-      const int x = x0 + i;
-      const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
-      const V mean = get<V>(row.mean + x), mean2 = mean * mean;
-      const V blur = get<V>(row.blur + x), blur2 = blur * blur;
-      const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
-      const V taken = v < row.known ? sharp : r;
-      const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
-      V doubt = get<V>(noise + i) + row.relative2 * mean2 + blur_doubt * blur2;
-      if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-      V weight = get<V>(row.weight + x) / (doubt + kTiny);
-      if (row.gate != nullptr) weight *= get<V>(row.gate + x);
-      const V before = 1 / (v + kTiny), both = 1 / (before + weight);
-      // what no frame saw unclipped keeps the larger of the bounds
-      const V limit = v < row.known ? all<V>(-1) : 1e-5f / (mean2 + kTiny);
-      put<V>(row.state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
-      put<V>(row.variance + x, weight > limit ? both : v);
-      put<V>(row.share + x, get<V>(row.share + x) + (weight > limit ? weight * both * (1 / 3.f) : V{}));
-    });
+  across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
+    using V = decltype(noise);
+    const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
+    const V mean = get<V>(row.mean + x), mean2 = mean * mean;
+    const V blur = get<V>(row.blur + x), blur2 = blur * blur;
+    const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
+    const V taken = v < row.known ? sharp : r;
+    const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
+    V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
+    if (row.extra != nullptr) doubt += get<V>(row.extra + x);
+    V weight = get<V>(row.weight + x) / (doubt + kTiny);
+    if (row.gate != nullptr) weight *= get<V>(row.gate + x);
+    const V before = 1 / (v + kTiny), both = 1 / (before + weight);
+    // what no frame saw unclipped keeps the larger of the bounds
+    const V limit = v < row.known ? all<V>(-1) : 1e-5f / (mean2 + kTiny);
+    put<V>(row.state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
+    put<V>(row.variance + x, weight > limit ? both : v);
+    put<V>(row.share + x, get<V>(row.share + x) + (weight > limit ? weight * both * (1 / 3.f) : V{}));
   });
 }
 
