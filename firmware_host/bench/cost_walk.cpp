@@ -19,27 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A source that keeps the record of the run.
-class WatchedSource : public FrameSource {
- public:
-  explicit WatchedSource(std::unique_ptr<RecordingSource> source) : source_(std::move(source)) {}
-
-  const CameraFacts& camera() const override { return source_->camera(); }
-  RunPace pace() const override { return source_->pace(); }
-  std::optional<int> frame_count() const override { return source_->frame_count(); }
-  Result<const RawFrame*> next() override { return source_->next(); }
-  Result<void> finish(RunRecord& record) override {
-    Result<void> ended = source_->finish(record);
-    record_ = record;
-    return ended;
-  }
-  const RunRecord& record() const { return record_; }
-
- private:
-  const std::unique_ptr<RecordingSource> source_;
-  RunRecord record_;
-};
-
 // Removes the folder and what is in it.
 struct Scratch {
   std::string folder;
@@ -49,52 +28,26 @@ struct Scratch {
   }
 };
 
-double without_sinks(const FrameRecord& frame) {
-  double ms = frame.total_ms;
-  for (const NamedValue& stage : frame.stages_ms)
-    if (stage.name == "sinks") ms -= stage.value;
-  return ms;
-}
-
-struct Times {
-  double mean_ms = std::numeric_limits<double>::infinity(), p95_ms = 0;
-};
-Times times_of(const RunRecord& record) {
-  std::vector<double> ms;
-  for (const FrameRecord& frame : record.frames) ms.push_back(without_sinks(frame));
-  if (ms.empty()) return {0, 0};
-  double sum = 0;
-  for (const double v : ms) sum += v;
-  const auto late = ms.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(ms.size() - 1));
-  std::nth_element(ms.begin(), late, ms.end());
-  return {sum / static_cast<double>(ms.size()), *late};
-}
-
-std::string clip_name(const std::string& folder) {
-  const fs::path path = fs::path(folder).lexically_normal();
-  return (path.has_filename() ? path : path.parent_path()).filename().string();
-}
-
 Result<PointCost> measure(const CostPoint& point, const std::string& clip, const CostWalk& plan,
                           Settings settings, const std::string& scratch, Storage& storage,
                           const std::atomic<bool>& stop) {
   settings.fit = point.fit;
   settings.output.paths = {{"frames", scratch + "/%06d.exr"}};
   settings.output.compression = ExrCompression::None;
-  PointCost cost{.point = point.name, .group = point.group, .clip = clip_name(clip)};
+  PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};
   const Scratch removed{scratch};
   TRY(storage.make_directories(scratch));
-  Times best;
+  cost.mean_ms = std::numeric_limits<double>::infinity();
   for (int i = 0; i < plan.repeats; ++i) {
-    WatchedSource source(RecordingSource::of(reader_of(TRY(ImageSequence::open(storage, clip))),
-                                             {.frames = plan.frames}, stop));
-    cost.width = source.camera().width, cost.height = source.camera().height;
-    TRY(run({.settings = settings, .stop = &stop, .progress = nullptr}, source, storage));
-    const Times times = times_of(source.record());
-    if (times.mean_ms < best.mean_ms) best = times;
-    cost.frames = static_cast<int>(source.record().frames.size());
+    const auto source = RecordingSource::of(reader_of(TRY(ImageSequence::open(storage, clip))),
+                                            {.frames = plan.frames}, stop);
+    RunRecord record;
+    TRY(run({.settings = settings, .stop = &stop, .progress = nullptr, .record = &record}, *source, storage));
+    const StageSummary method = method_summary(record);
+    if (method.mean_ms < cost.mean_ms) cost.mean_ms = method.mean_ms, cost.p95_ms = method.p95_ms;
+    cost.width = record.width, cost.height = record.height;
+    cost.frames = method.frames;
   }
-  cost.mean_ms = best.mean_ms, cost.p95_ms = best.p95_ms;
   const ClipScores scores = TRY(score_clip(storage, clip, scratch, {.stop = &stop}));
   cost.psnr_mu_db = scores.mean.psnr_mu_db;
   cost.worst_psnr_mu_db = scores.worst.picture.psnr_mu_db;

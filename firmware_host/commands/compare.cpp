@@ -1,6 +1,5 @@
 // hdrcam compare CLIP OUT: scores a folder of HDR frames against a clip with ground truth.
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,12 +16,6 @@ struct CompareFlags {
   std::string clip, estimates, json, label;
   int skip = 1;
 };
-
-// The last folder of a path, ignoring trailing slashes.
-std::string folder_name(const std::string& path) {
-  const std::filesystem::path clean = std::filesystem::path(path).lexically_normal();
-  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
-}
 
 std::string fixed(const std::optional<double>& value, int digits) {
   return value ? fmt::format("{:.{}f}", *value, digits) : "-";

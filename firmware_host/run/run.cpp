@@ -261,6 +261,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   record.sinks = sinks.times();
   if (const Result<void> concluded = sinks.conclude(record); worked && !concluded) worked = concluded;
   where = written(plan, record);
+  if (plan.record != nullptr) *plan.record = std::move(record);
   return first_cause(std::move(worked), ended);
 }
 

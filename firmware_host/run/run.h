@@ -13,6 +13,7 @@
 namespace hdrcam {
 
 struct FilmPlan;
+struct RunRecord;
 
 struct RunPlan {
   Settings settings = {};
@@ -24,6 +25,7 @@ struct RunPlan {
   const std::atomic<bool>* stop = nullptr;  // ends the scoring
   std::FILE* progress = stderr;             // stream of the progress line; null for none
   Trace* trace = nullptr;                   // gets stages and frames; null, or outlives the run
+  RunRecord* record = nullptr;              // gets the record of the run; null, or outlives it
 };
 
 constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera

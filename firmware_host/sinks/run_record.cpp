@@ -42,6 +42,16 @@ std::vector<StageSummary> stage_summaries(const RunRecord& record) {
   return summaries;
 }
 
+StageSummary method_summary(const RunRecord& record) {
+  std::vector<double> times_ms;
+  for (const FrameRecord& frame : record.frames) {
+    times_ms.push_back(frame.total_ms);
+    for (const NamedValue& stage : frame.stages_ms)
+      if (stage.name == "sinks") times_ms.back() -= stage.value;
+  }
+  return summary_of("method", std::move(times_ms));
+}
+
 double mean_ms_per_frame(const RunRecord& record) {
   double sum_ms = 0;
   for (const FrameRecord& frame : record.frames) sum_ms += frame.total_ms;

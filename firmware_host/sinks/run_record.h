@@ -107,6 +107,9 @@ struct StageSummary {
 // In the order in which the stages first occur; the last entry is "total".
 std::vector<StageSummary> stage_summaries(const RunRecord& record);
 
+// The work of the method on a frame: all stages but the sinks.
+StageSummary method_summary(const RunRecord& record);
+
 // Mean of total_ms; 0 without frames.
 double mean_ms_per_frame(const RunRecord& record);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -233,6 +234,11 @@ Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
   const Estimates estimates = TRY(Estimates::open(storage, estimates_folder));
   const auto novel = Estimates::open(storage, estimates_folder + "/novel");
   return ClipScoring(truth, estimates, novel ? std::optional(novel.value()) : std::nullopt, options).run();
+}
+
+std::string folder_name(const std::string& path) {
+  const std::filesystem::path clean = std::filesystem::path(path).lexically_normal();
+  return (clean.has_filename() ? clean : clean.parent_path()).filename().string();
 }
 
 std::string to_json(const ClipScores& scores, const std::string& clip, const std::string& label) {
