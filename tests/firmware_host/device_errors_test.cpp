@@ -6,16 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/program.h"
 #include "hal/real/enumerate.h"
 #include "tests/places.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
@@ -26,15 +24,13 @@ using Catch::Matches;
 namespace {
 
 // The sentence with which the program ends; its exit code must be that of `expected`.
-std::string sentence(const std::vector<const char*>& args, ErrorCode expected) {
-  std::ostringstream out, err;
-  const std::atomic<bool> stop{false};
-  const int exit_code = run_program(args, posix_storage(), stop, out, err);
-  INFO(err.str());
-  CHECK(exit_code == exit_code_of(expected));
-  CHECK(out.str().empty());
-  CHECK_THAT(err.str(), Matches("hdrcam: [^\n]*\\.\n"));
-  return err.str();
+std::string sentence(const std::vector<std::string>& words, ErrorCode expected) {
+  const test::RanHere ended = test::ran_here(words);
+  INFO(ended.err);
+  CHECK(ended.exit_code == exit_code_of(expected));
+  CHECK(ended.out.empty());
+  CHECK_THAT(ended.err, Matches("hdrcam: [^\n]*\\.\n"));
+  return ended.err;
 }
 
 std::string printed(const std::string& command) {
@@ -93,7 +89,7 @@ TEST_CASE("list says of every kind of device that there is none, and what to do"
 
 TEST_CASE("without a camera every verb that needs one says so and what to do instead") {
   if (has(DeviceKind::Camera)) return;
-  const std::vector<const char*> verbs[] = {
+  const std::vector<std::string> verbs[] = {
       {"live"}, {"record", "-o", "/dev/shm/never.mkv"}, {"calibrate", "delay"}};
   for (const auto& verb : verbs)
     CHECK_THAT(sentence(verb, ErrorCode::NotFound),
@@ -118,7 +114,7 @@ TEST_CASE("a camera that may not be opened says how to get permission") {
   const auto refused = [](mode_t mode) {
     const ClosedNode node(mode, kNoGroup);
     const AsNobody nobody;
-    return sentence({"live", "--camera", node.path().c_str()}, ErrorCode::Permission);
+    return sentence({"live", "--camera", node.path()}, ErrorCode::Permission);
   };
   CHECK_THAT(refused(0), Contains("no permission for '/dev/shm/") && Contains("udev rule"));
   if (::geteuid() == 0) CHECK_THAT(refused(0660), Contains("sudo usermod -aG "));

@@ -13,26 +13,17 @@
 #include "firmware_host/exit_code.h"
 #include "firmware_host/version.h"
 #include "tests/places.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
 using Catch::Matches;
+using test::ran_here;
+using test::RanHere;
 
 namespace {
-
-struct Run {
-  int exit_code = 0;
-  std::string out, err;
-};
-
-Run run(const std::vector<const char*>& args) {
-  std::ostringstream out, err;
-  const std::atomic<bool> stop{false};
-  const int exit_code = run_program(args, posix_storage(), stop, out, err);
-  return {exit_code, out.str(), err.str()};
-}
 
 // The words of a line as a shell would split them; no quotes.
 std::vector<std::string> words_of(const std::string& line) {
@@ -47,16 +38,16 @@ const std::vector<std::string> kVerbs{"replay", "live",   "render",     "encode"
 }  // namespace
 
 TEST_CASE("--help names every verb with an example, and every exit code") {
-  const Run help = run({"--help"});
+  const RanHere help = ran_here({"--help"});
   CHECK(help.exit_code == kExitOk);
   CHECK(help.err.empty());
   for (const std::string& verb : kVerbs) CHECK_THAT(help.out, Contains("$ hdrcam " + verb));
   for (const ExitCode& code : exit_codes()) CHECK_THAT(help.out, Contains(code.meaning));
-  CHECK(run({"help"}).out == help.out);
+  CHECK(ran_here({"help"}).out == help.out);
 }
 
 TEST_CASE("the lines of --help fit on a terminal of 110 columns") {
-  std::istringstream help(run({"--help"}).out);
+  std::istringstream help(ran_here({"--help"}).out);
   for (std::string line; std::getline(help, line);) {
     INFO(line);
     CHECK(line.size() <= 110);
@@ -64,7 +55,7 @@ TEST_CASE("the lines of --help fit on a terminal of 110 columns") {
 }
 
 TEST_CASE("every example of --help is a command line that the program accepts") {
-  std::istringstream help(run({"--help"}).out);
+  std::istringstream help(ran_here({"--help"}).out);
   int examples = 0;
   for (std::string line; std::getline(help, line);) {
     const auto words = words_of(line);
@@ -81,28 +72,28 @@ TEST_CASE("every example of --help is a command line that the program accepts") 
 
 TEST_CASE("a verb explains its flags, whichever way it is asked") {
   for (const std::string& verb : kVerbs) {
-    const Run flag = run({verb.c_str(), "--help"});
+    const RanHere flag = ran_here({verb, "--help"});
     CHECK(flag.exit_code == kExitOk);
     CHECK_THAT(flag.out, Contains("Usage: hdrcam " + verb) && Contains("Example:"));
-    CHECK(run({"help", verb.c_str()}).out == flag.out);
+    CHECK(ran_here({"help", verb}).out == flag.out);
   }
 }
 
 TEST_CASE("--version is one line") {
-  const Run version = run({"--version"});
+  const RanHere version = ran_here({"--version"});
   CHECK(version.exit_code == kExitOk);
   CHECK(version.out == std::string("hdrcam ") + kVersion + "\n");
 }
 
 TEST_CASE("help exit-codes lists them alone") {
-  const Run codes = run({"help", "exit-codes"});
+  const RanHere codes = ran_here({"help", "exit-codes"});
   CHECK(codes.exit_code == kExitOk);
   CHECK_THAT(codes.out, Contains(" 11  the disk or quota is full") && !Contains("Usage"));
 }
 
 TEST_CASE("what is not understood is named in one sentence, with the nearest known word") {
-  const auto refused = [](const std::vector<const char*>& args) {
-    const Run result = run(args);
+  const auto refused = [](const std::vector<std::string>& words) {
+    const RanHere result = ran_here(words);
     CHECK(result.exit_code == kExitUsage);
     CHECK(result.out.empty());
     CHECK_THAT(result.err, Matches("hdrcam: [^\n]*\\.\n"));
@@ -121,8 +112,8 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
 }
 
 TEST_CASE("a number that cannot be is refused with the range that a person needs, NaN always") {
-  const auto refused = [](const std::vector<const char*>& args) {
-    const Run result = run(args);
+  const auto refused = [](const std::vector<std::string>& words) {
+    const RanHere result = ran_here(words);
     CHECK(result.exit_code == kExitUsage);
     return result.err;
   };
@@ -137,22 +128,21 @@ TEST_CASE("a number that cannot be is refused with the range that a person needs
     CHECK_THAT(refused({"live", "--framerate", none}), Contains("--framerate"));
     CHECK_THAT(refused({"live", "--camera", "sim:still", "--shutter", none}), Contains(none));
     CHECK_THAT(refused({"live", "--camera", "sim:still", "--gain", none}), Contains(none));
-    CHECK_THAT(refused({"replay", "walk.mkv", "-o", "%06d.exr", "--set",
-                        (std::string("state.blur_weight=") + none).c_str()}),
-               Contains("state.blur_weight"));
-    CHECK(run({"simulate", (std::string("walk?fps=") + none).c_str(), "-o", "x.mkv"}).exit_code ==
-          kExitUsage);
+    CHECK_THAT(
+        refused({"replay", "walk.mkv", "-o", "%06d.exr", "--set", std::string("state.blur_weight=") + none}),
+        Contains("state.blur_weight"));
+    CHECK(ran_here({"simulate", std::string("walk?fps=") + none, "-o", "x.mkv"}).exit_code == kExitUsage);
   }
 }
 
 TEST_CASE("an error cannot move the cursor of a terminal") {
-  const Run missing = run({"info", "/no/\x1b[2Jsuch.mkv"});
+  const RanHere missing = ran_here({"info", "/no/\x1b[2Jsuch.mkv"});
   CHECK(missing.err.find('\x1b') == std::string::npos);
   CHECK_THAT(missing.err, Contains("/no/\\u001B[2Jsuch.mkv"));
 }
 
 TEST_CASE("an error of a verb is one sentence with the exit code of its kind") {
-  const Run missing = run({"info", "/no/such/recording.mkv"});
+  const RanHere missing = ran_here({"info", "/no/such/recording.mkv"});
   CHECK(missing.exit_code == exit_code_of(ErrorCode::NotFound));
   CHECK_THAT(missing.err, Matches("hdrcam: [^\n]*/no/such/recording.mkv[^\n]*\\.\n"));
 }

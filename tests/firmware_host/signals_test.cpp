@@ -5,20 +5,18 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/program.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
@@ -80,10 +78,8 @@ TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the pr
 
 TEST_CASE("a run that is asked to stop ends with 130, and what it says is true") {
   const std::string pattern = hdrcam::sample::scratch_folder("stopped") + "/%06d.exr";
-  const std::vector<const char*> args{"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o",
-                                      pattern.c_str()};
-  const std::atomic<bool> stop{true};
-  std::ostringstream out, err;
-  CHECK(hdrcam::run_program(args, hdrcam::posix_storage(), stop, out, err) == hdrcam::kExitInterrupted);
-  CHECK(err.str() == "hdrcam: stopped after 0 frames; they are complete.\n");
+  const auto stopped = hdrcam::test::ran_here(
+      {"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "-o", pattern}, hdrcam::posix_storage(), true);
+  CHECK(stopped.exit_code == hdrcam::kExitInterrupted);
+  CHECK(stopped.err == "hdrcam: stopped after 0 frames; they are complete.\n");
 }

@@ -1,17 +1,15 @@
 #include "tests/quality/simulated_clip.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 
-#include "firmware_host/program.h"
 #include "render/exr.h"
 #include "render/scores/ground_truth.h"
 #include "render/scores/order_statistics.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/ran_here.h"
 
 namespace hdrcam::test {
 namespace {
@@ -36,14 +34,10 @@ SimulatedClip film(const std::string& scene, const std::string& shutter, int fra
   SimulatedClip clip;
   clip.folder = sample::scratch_folder(fmt::format("simulated_clip_{}", filmed++));
   const std::string recording = clip.folder + "/clip.mkv", count = std::to_string(frames);
-  const std::vector<const char*> words = {"simulate",  scene.c_str(),       "-o",       recording.c_str(),
-                                          "--truth",   clip.folder.c_str(), "--frames", count.c_str(),
-                                          "--shutter", shutter.c_str()};
-  const std::atomic<bool> stop{false};
-  std::ostringstream out, err;
-  const int code = run_program(words, posix_storage(), stop, out, err);
-  INFO(err.str());
-  REQUIRE(code == 0);
+  const test::RanHere filmed_here = test::ran_here(
+      {"simulate", scene, "-o", recording, "--truth", clip.folder, "--frames", count, "--shutter", shutter});
+  INFO(filmed_here.err);
+  REQUIRE(filmed_here.exit_code == 0);
   const auto reader = value_of(open_recording(posix_storage(), recording));
   clip.camera = reader->camera();
   while (auto frame = value_of(reader->next())) clip.frames.push_back(std::move(*frame));

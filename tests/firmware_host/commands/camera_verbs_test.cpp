@@ -11,44 +11,29 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
-#include <sstream>
 #include <thread>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/program.h"
 #include "hal/recording/recording.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
+#include "tests/support/ran_here.h"
 
 using namespace hdrcam;
+using test::ran_here;
+using test::RanHere;
 
 namespace {
 
-struct Run {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-Run run(const std::vector<std::string>& words) {
-  std::vector<const char*> args;
-  for (const std::string& word : words) args.push_back(word.c_str());
-  const std::atomic<bool> stop{false};
-  std::ostringstream out, err;
-  Run result;
-  result.exit_code = run_program(args, posix_storage(), stop, out, err);
-  result.out = out.str(), result.err = err.str();
-  return result;
-}
-
 void require_success(const std::vector<std::string>& words) {
-  const Run result = run(words);
+  const RanHere result = ran_here(words);
   INFO(result.err);
   REQUIRE(result.exit_code == kExitOk);
 }
 
 void check_refused(const std::vector<std::string>& words, ErrorCode code, const std::string& named) {
-  const Run result = run(words);
+  const RanHere result = ran_here(words);
   INFO(result.err);
   CHECK(result.exit_code == exit_code_of(code));
   CHECK(result.err.find(named) != std::string::npos);
@@ -206,7 +191,7 @@ TEST_CASE("wrong exposures of a clip are put right by import, replay and live, o
   require_success({"export", folder + "/wrong.mkv", "-o", folder + "/clip"});
   check_refused({"import", folder + "/clip", "-o", folder + "/strict.mkv", "--strict"},
                 ErrorCode::BadExposure, "frame 0");
-  const Run imported = run({"import", folder + "/clip", "-o", folder + "/imported.mkv"});
+  const RanHere imported = ran_here({"import", folder + "/clip", "-o", folder + "/imported.mkv"});
   REQUIRE(imported.exit_code == kExitOk);
   int photometric = 0;
   for (const RawFrame& frame : frames_in(folder + "/imported.mkv"))

@@ -1,37 +1,23 @@
 // hdrcam encode, and videos instead of numbered frames, from outside.
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <filesystem>
-#include <sstream>
 
-#include "firmware_host/program.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/decoded_video.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using test::ran_here;
+using test::RanHere;
 
 namespace {
 
 const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
-
-struct Outcome {
-  int code;
-  std::string err;
-};
-
-Outcome run(const std::vector<std::string>& words) {
-  std::vector<const char*> args;
-  for (const auto& word : words) args.push_back(word.c_str());
-  const std::atomic<bool> stop{false};
-  std::ostringstream out, err;
-  const int code = run_program(args, posix_storage(), stop, out, err);
-  return {code, err.str()};
-}
 
 // What the program writes to its standard output, and its exit code.
 std::pair<std::string, int> piped(const std::string& words) {
@@ -60,13 +46,13 @@ int largest_difference(const Image<std::uint16_t>& a, const Image<std::uint16_t>
 
 TEST_CASE("a replay writes a video, frames beside it, and encode makes the same of the frames") {
   const std::string out = sample::scratch_folder("encode");
-  const Outcome replayed = run({"replay", kDemo, "--preset", "fast", "--emit", "state", "--frames", "7", "-o",
-                                out + "/%06d.exr", "--video", out + "/replayed.mp4"});
+  const RanHere replayed = ran_here({"replay", kDemo, "--preset", "fast", "--emit", "state", "--frames", "7",
+                                     "-o", out + "/%06d.exr", "--video", out + "/replayed.mp4"});
   INFO(replayed.err);
-  REQUIRE(replayed.code == 0);
-  const Outcome encoded = run({"encode", out + "/%06d.exr", "-o", out + "/encoded.mp4"});
+  REQUIRE(replayed.exit_code == 0);
+  const RanHere encoded = ran_here({"encode", out + "/%06d.exr", "-o", out + "/encoded.mp4"});
   INFO(encoded.err);
-  REQUIRE(encoded.code == 0);
+  REQUIRE(encoded.exit_code == 0);
   const auto a = test::decoded_video(out + "/replayed.mp4"), b = test::decoded_video(out + "/encoded.mp4");
   REQUIRE(a.frames.size() == 7);
   REQUIRE(b.frames.size() == 7);
@@ -91,13 +77,13 @@ TEST_CASE("an earlier video stays unless it is to be replaced") {
   REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(text))).ok());
   const std::vector<std::string> words{"replay", kDemo,      "--preset", "fast", "--emit",
                                        "state",  "--frames", "6",        "-o",   path};
-  const Outcome kept = run(words);
-  CHECK(kept.code == 17);
+  const RanHere kept = ran_here(words);
+  CHECK(kept.exit_code == 17);
   CHECK_THAT(kept.err, Contains(path) && Contains("--force"));
   CHECK(read_whole(posix_storage(), path).value() == text);
   std::vector<std::string> forced = words;
   forced.push_back("--force");
-  CHECK(run(forced).code == 0);
+  CHECK(ran_here(forced).exit_code == 0);
   CHECK(test::decoded_video(path).frames.size() == 6);
 }
 
@@ -116,10 +102,10 @@ TEST_CASE("frames go to a pipe, and nothing but frames") {
 
 TEST_CASE("encode says what is missing") {
   const std::string out = sample::scratch_folder("encode_missing");
-  const Outcome none = run({"encode", out + "/%06d.exr", "-o", out + "/x.mp4"});
-  CHECK(none.code == 3);
+  const RanHere none = ran_here({"encode", out + "/%06d.exr", "-o", out + "/x.mp4"});
+  CHECK(none.exit_code == 3);
   CHECK_THAT(none.err, Contains("no frames"));
-  const Outcome name = run({"encode", out + "/%06d.exr", "-o", out + "/x.avi"});
-  CHECK(name.code == 2);
+  const RanHere name = ran_here({"encode", out + "/%06d.exr", "-o", out + "/x.avi"});
+  CHECK(name.exit_code == 2);
   CHECK_THAT(name.err, Contains("x.avi") && Contains(".mp4"));
 }

@@ -1,45 +1,31 @@
 // The verb from outside: a small recording, and what the film shows of it.
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <sstream>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/program.h"
 #include "hal/recording/png_image.h"
 #include "hal/recording/recording.h"
 #include "render/exr.h"
 #include "render/hdr_frame.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
+using test::ran_here;
+using test::RanHere;
 namespace fs = std::filesystem;
 
 namespace {
 
 constexpr int kFrames = 9;
-
-struct Outcome {
-  int code;
-  std::string err;
-};
-
-Outcome run(std::vector<std::string> words) {
-  std::vector<const char*> args;
-  for (const auto& word : words) args.push_back(word.c_str());
-  const std::atomic<bool> stop{false};
-  std::ostringstream out, err;
-  const int code = run_program(args, posix_storage(), stop, out, err);
-  return {code, err.str()};
-}
 
 // The recording that all cases film, made once.
 const std::string& clip() {
@@ -61,9 +47,9 @@ std::vector<std::string> files_of(const std::string& name, std::vector<std::stri
   std::vector<std::string> words{verb,        clip(), "--preset", "fast",
                                  "--threads", "2",    "-o",       folder + "/%06d" + extension};
   words.insert(words.end(), flags.begin(), flags.end());
-  const Outcome outcome = run(words);
+  const RanHere outcome = ran_here(words);
   INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
+  REQUIRE(outcome.exit_code == 0);
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.path().extension() == extension) files.push_back(entry.path().string());
@@ -110,8 +96,8 @@ double difference(const ExrImage& a, const ExrImage& b, int shift = 0) {
 std::string refusal(std::vector<std::string> flags) {
   std::vector<std::string> words{"render", clip()};
   words.insert(words.end(), flags.begin(), flags.end());
-  const Outcome outcome = run(words);
-  CHECK(outcome.code == exit_code_of(ErrorCode::Invalid));
+  const RanHere outcome = ran_here(words);
+  CHECK(outcome.exit_code == exit_code_of(ErrorCode::Invalid));
   return outcome.err;
 }
 
@@ -230,5 +216,6 @@ TEST_CASE("what the verb cannot do is said before anything is written", "[film]"
   CHECK_THAT(refusal({"-o", frames, "--stereo", "63mm"}),
              Contains("the poses are tracked and have no metres"));
   CHECK_FALSE(fs::exists(folder + "/x"));
-  CHECK(run({"render", folder + "/none.mkv", "-o", frames}).code == exit_code_of(ErrorCode::NotFound));
+  CHECK(ran_here({"render", folder + "/none.mkv", "-o", frames}).exit_code ==
+        exit_code_of(ErrorCode::NotFound));
 }

@@ -1,16 +1,13 @@
 // The main job from outside: the program, a recording, and what it leaves on the disk.
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <vector>
 
 #include "firmware_host/exit_code.h"
-#include "firmware_host/program.h"
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/recording.h"
 #include "render/exr.h"
@@ -18,28 +15,16 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::ran_here;
+using test::RanHere;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Outcome {
-  int code;
-  std::string err;
-};
-
-Outcome run(const std::vector<std::string>& words, Storage& storage = posix_storage(),
-            bool stop_at_once = false) {
-  std::vector<const char*> args;
-  for (const auto& word : words) args.push_back(word.c_str());
-  const std::atomic<bool> stop{stop_at_once};
-  std::ostringstream out, err;
-  const int code = run_program(args, storage, stop, out, err);
-  return {code, err.str()};
-}
 
 const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
 
@@ -83,9 +68,9 @@ TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the 
                                        folder + "/out/%06d.exr",
                                        "--stats",
                                        folder + "/stats.json"};
-  const Outcome went_on = run(words, disk);
+  const RanHere went_on = ran_here(words, disk);
   INFO(went_on.err);
-  REQUIRE(went_on.code == 0);
+  REQUIRE(went_on.exit_code == 0);
   CHECK(files_in(folder + "/out", ".exr").size() == 8);
   const auto stats = nlohmann::json::parse(read_whole(posix_storage(), folder + "/stats.json").value());
   CHECK(stats["captured"] == 9);
@@ -96,15 +81,15 @@ TEST_CASE("a damaged frame is dropped and named, --strict ends with it, and the 
 
   std::vector<std::string> strict = words;
   strict.push_back("--strict");
-  CHECK(run(strict, disk).code == exit_code_of(ErrorCode::Corrupt));
+  CHECK(ran_here(strict, disk).exit_code == exit_code_of(ErrorCode::Corrupt));
 }
 
 TEST_CASE("the command in the report is the whole command, as a shell takes it") {
   const std::string folder = sample::scratch_folder("replay it's");
   const std::string path = write_clip(folder, 7), stats = folder + "/stats.json";
-  REQUIRE(run({"replay", path, "--preset", "fast", "--emit", "state", "--frames", "7", "--strict", "--stats",
-               stats})
-              .code == 0);
+  REQUIRE(ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--frames", "7", "--strict",
+                    "--stats", stats})
+              .exit_code == 0);
   const auto json = nlohmann::json::parse(read_whole(posix_storage(), stats).value());
   const std::string command = json["command"];
   INFO(command);
@@ -122,19 +107,20 @@ TEST_CASE("a run that needs more memory than it may take is refused in one sente
   for (RawFrame& frame : frames) std::ranges::fill(frame.codes.samples(), std::uint16_t{7});
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
   const auto begin = std::chrono::steady_clock::now();
-  const Outcome refused = run({"replay", path, "--memory", "2048", "-o", folder + "/%06d.exr"});
-  CHECK(refused.code == exit_code_of(ErrorCode::Unsupported));
+  const RanHere refused = ran_here({"replay", path, "--memory", "2048", "-o", folder + "/%06d.exr"});
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::Unsupported));
   for (const char* words :
        {"the fit of pictures of 16384x240 needs about", "2048 MiB are allowed", "--memory"})
     CHECK(refused.err.find(words) != std::string::npos);
   CHECK(files_in(folder, ".exr").empty());
-  CHECK(run({"export", path, "--memory", "64", "-o", folder + "/clip"})
+  CHECK(ran_here({"export", path, "--memory", "64", "-o", folder + "/clip"})
             .err.find("a copy of frames of 16384x240") != std::string::npos);
-  const Outcome scene = run({"simulate", "walk?size=4096x4096", "--memory", "1024", "-o", folder + "/x.mkv"});
+  const RanHere scene =
+      ran_here({"simulate", "walk?size=4096x4096", "--memory", "1024", "-o", folder + "/x.mkv"});
   CHECK(scene.err.find("a scene of 4096x4096 needs about") != std::string::npos);
-  const Outcome stream = run({"live", "--camera", "sim:still", "--width", "20000", "--height", "20000",
-                              "--memory", "4096", "-o", folder + "/%06d.exr"});
-  CHECK(stream.code == exit_code_of(ErrorCode::Unsupported));
+  const RanHere stream = ran_here({"live", "--camera", "sim:still", "--width", "20000", "--height", "20000",
+                                   "--memory", "4096", "-o", folder + "/%06d.exr"});
+  CHECK(stream.exit_code == exit_code_of(ErrorCode::Unsupported));
   CHECK(stream.err.find("a stream of 20000x20000 with its fit needs about") != std::string::npos);
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(30));
 }
@@ -142,12 +128,12 @@ TEST_CASE("a run that needs more memory than it may take is refused in one sente
 TEST_CASE(
     "the demo recording becomes HDR frames brighter than any LDR level, a preview, statistics and a report") {
   const std::string out = sample::scratch_folder("replay_demo");
-  const Outcome outcome =
-      run({"replay", kDemo, "-o", out + "/%06d.exr", "--frames", "8", "--preset", "fast", "--layers",
-           "depth,flow,confidence,provenance", "--preview", out + "/preview/%06d.png", "--stats",
-           out + "/stats.json", "--sheet", out + "/sheet.png", "--report", out + "/report.html"});
+  const RanHere outcome =
+      ran_here({"replay", kDemo, "-o", out + "/%06d.exr", "--frames", "8", "--preset", "fast", "--layers",
+                "depth,flow,confidence,provenance", "--preview", out + "/preview/%06d.png", "--stats",
+                out + "/stats.json", "--sheet", out + "/sheet.png", "--report", out + "/report.html"});
   INFO(outcome.err);
-  REQUIRE(outcome.code == 0);
+  REQUIRE(outcome.exit_code == 0);
   const auto frames = files_in(out, ".exr");
   REQUIRE(frames.size() == 8);
   float brightest = 0;
@@ -171,9 +157,9 @@ TEST_CASE(
 TEST_CASE("one thread and two leave the same bytes, another seed leaves others") {
   const std::string folder = sample::scratch_folder("replay_threads"), clip = write_clip(folder, 7);
   const auto replay_to = [&](const std::string& name, const std::string& threads, const std::string& seed) {
-    REQUIRE(run({"replay", clip, "-o", folder + "/" + name + "/%06d.exr", "--emit", "field", "--preset",
-                 "fast", "--threads", threads, "--seed", seed})
-                .code == 0);
+    REQUIRE(ran_here({"replay", clip, "-o", folder + "/" + name + "/%06d.exr", "--emit", "field", "--preset",
+                      "fast", "--threads", threads, "--seed", seed})
+                .exit_code == 0);
     std::vector<std::string> all;
     for (const auto& path : files_in(folder + "/" + name, ".exr")) all.push_back(bytes_of(path));
     return all;
@@ -188,9 +174,9 @@ TEST_CASE("each layer can be had alone") {
   const std::string folder = sample::scratch_folder("replay_layers");
   std::vector<ExrImage> state, merged, field;
   for (auto& [layer, pictures] : {std::pair{"state", &state}, {"merged", &merged}, {"field", &field}}) {
-    REQUIRE(run({"replay", kDemo, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset",
-                 "fast", "--layers", "provenance", "--frames", "8"})
-                .code == 0);
+    REQUIRE(ran_here({"replay", kDemo, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset",
+                      "fast", "--layers", "provenance", "--frames", "8"})
+                .exit_code == 0);
     for (const auto& path : files_in(folder + "/" + layer, ".exr"))
       pictures->push_back(read_exr(posix_storage(), path).value());
     REQUIRE(pictures->size() == 8);
@@ -224,9 +210,9 @@ TEST_CASE("what cannot be is said in one sentence, with an exit code of its own"
   const std::string folder = sample::scratch_folder("replay_errors");
   const std::string clip = write_clip(folder, 6), output = folder + "/out/%06d.exr";
   const auto expect = [&](int code, const std::string& word, const std::vector<std::string>& words) {
-    const Outcome outcome = run(words);
+    const RanHere outcome = ran_here(words);
     INFO(outcome.err);
-    CHECK(outcome.code == code);
+    CHECK(outcome.exit_code == code);
     CHECK(outcome.err.find(word) != std::string::npos);
     CHECK(std::count(outcome.err.begin(), outcome.err.end(), '\n') >= 1);
   };
@@ -245,9 +231,9 @@ TEST_CASE("what cannot be is said in one sentence, with an exit code of its own"
 TEST_CASE("a recording that was cut gives the frames before the cut and exit code 5") {
   const std::string folder = sample::scratch_folder("replay_cut"), clip = write_clip(folder, 8);
   fs::resize_file(clip, fs::file_size(clip) * 6 / 10);
-  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"});
+  const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"});
   INFO(outcome.err);
-  CHECK(outcome.code == 5);
+  CHECK(outcome.exit_code == 5);
   const auto frames = files_in(folder + "/out", ".exr");
   CHECK(frames.size() >= 2);
   CHECK(frames.size() < 8);
@@ -257,9 +243,9 @@ TEST_CASE("a recording that was cut gives the frames before the cut and exit cod
 TEST_CASE("a full disk ends the run with exit code 11, and what is there is whole") {
   const std::string folder = sample::scratch_folder("replay_full"), clip = write_clip(folder, 6);
   FaultyStorage full(posix_storage(), {.space_bytes = 60'000});
-  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"}, full);
+  const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"}, full);
   INFO(outcome.err);
-  CHECK(outcome.code == 11);
+  CHECK(outcome.exit_code == 11);
   const auto frames = files_in(folder + "/out", ".exr");
   CHECK(frames.size() < 6);
   for (const auto& path : frames) CHECK(read_exr(posix_storage(), path).ok());
@@ -268,6 +254,6 @@ TEST_CASE("a full disk ends the run with exit code 11, and what is there is whol
 
 TEST_CASE("^C ends the run with exit code 130") {
   const std::string folder = sample::scratch_folder("replay_stop"), clip = write_clip(folder, 6);
-  const Outcome outcome = run({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
-  CHECK(outcome.code == 130);
+  const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
+  CHECK(outcome.exit_code == 130);
 }

@@ -11,8 +11,8 @@
 #include <set>
 #include <sstream>
 
-#include "firmware_host/program.h"
 #include "online/knobs.h"
+#include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
@@ -21,12 +21,7 @@ using Words = std::set<std::string>;
 
 namespace {
 
-std::string answer_of(const std::vector<const char*>& args) {
-  std::ostringstream out, err;
-  const std::atomic<bool> stop{false};
-  run_program(args, posix_storage(), stop, out, err);
-  return out.str();
-}
+std::string answer_of(const std::vector<std::string>& words) { return test::ran_here(words).out; }
 
 // The flags that --help shows: the first words of its lines.
 Words flags_in_help(const std::string& help) {
@@ -86,7 +81,7 @@ TEST_CASE("bash offers every verb, and every flag that the verb's --help shows")
   CHECK(first.contains("--version"));
   for (const VerbEntry& verb : product().verbs) {
     INFO(verb.name);
-    Words flags = flags_in_help(answer_of({verb.name.c_str(), "--help"}));
+    Words flags = flags_in_help(answer_of({verb.name, "--help"}));
     if (verb.name == "bench") flags.merge(flags_in_help(answer_of({"bench", "pareto", "--help"})));
     CHECK(flags.contains("--help"));
     CHECK(offered.at("hdrcam " + verb.name + " -") == flags);
@@ -140,9 +135,7 @@ TEST_CASE("zsh and fish know every verb, every flag and every word of a flag") {
 }
 
 TEST_CASE("a completion for an unknown shell is refused by name") {
-  std::ostringstream out, err;
-  const std::atomic<bool> stop{false};
-  const std::vector<const char*> args{"completion", "tcsh"};
-  CHECK(run_program(args, posix_storage(), stop, out, err) == 2);
-  CHECK(err.str() == "hdrcam: there is no completion for 'tcsh'; give bash, zsh or fish.\n");
+  const test::RanHere refused = test::ran_here({"completion", "tcsh"});
+  CHECK(refused.exit_code == 2);
+  CHECK(refused.err == "hdrcam: there is no completion for 'tcsh'; give bash, zsh or fish.\n");
 }
