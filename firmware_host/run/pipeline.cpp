@@ -113,20 +113,19 @@ Result<void> Pipeline::take(const RawFrame& raw, const FrameBudget& budget, cons
   }
   if (!first_time_) first_time_ = raw.facts.timestamp;
   Stopwatch watch;
-  TRY(exposed_.take(raw, to_online(budget, deliver)));
+  const auto hand_on = [&](ExposedFrame& frame) { return ingest(frame, budget, deliver); };
+  TRY(exposed_.take(raw, std::ref(hand_on)));  // a reference, because a copy would allocate
   work_.total_ms = watch.lap_ms();
   return {};
 }
 
-ExposedStream::HandOn Pipeline::to_online(const FrameBudget& budget, const Deliver& deliver) {
-  return [this, &budget, &deliver](ExposedFrame& frame) {
-    return online_.ingest(frame, budget,
-                          [&](const FrameEstimate& estimate) { return render(estimate, deliver); });
-  };
+Result<void> Pipeline::ingest(ExposedFrame& frame, const FrameBudget& budget, const Deliver& deliver) {
+  return online_.ingest(frame, budget,
+                        [&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }
 
 Result<void> Pipeline::finish(const Deliver& deliver) {
-  TRY(exposed_.finish(to_online(budget_, deliver)));
+  TRY(exposed_.finish([&](ExposedFrame& frame) { return ingest(frame, budget_, deliver); }));
   return online_.finish([&](const FrameEstimate& estimate) { return render(estimate, deliver); });
 }
 

@@ -62,7 +62,7 @@ class Pipeline {
  private:
   Pipeline(const PipelineOptions& options, const CameraFacts& camera, const std::optional<Response>& response,
            WorkerPool& pool, GpuDevice* gpu);
-  ExposedStream::HandOn to_online(const FrameBudget& budget, const Deliver& deliver);
+  Result<void> ingest(ExposedFrame& frame, const FrameBudget& budget, const Deliver& deliver);
   Result<void> render(const FrameEstimate& estimate, const Deliver& deliver);
 
   const CameraFacts camera_;

@@ -26,10 +26,34 @@ Knobs state_alone() {
   return knobs;
 }
 
+// Capture's end and the online stage, as a run joins them.
+class Stream {
+ public:
+  Stream(const test::MovingScene& scene, const Knobs& options, WorkerPool& pool)
+      : exposed_(scene.camera(), options.bootstrap_frames, StatedBlack::Kept),
+        online_(options, scene.camera(), std::nullopt, pool) {}
+
+  Result<void> take(const RawFrame& raw, const FrameBudget& budget, const OnlineStage::Emit& emit) {
+    return exposed_.take(raw, to_online(budget, emit));
+  }
+  Result<void> finish(const FrameBudget& budget, const OnlineStage::Emit& emit) {
+    TRY(exposed_.finish(to_online(budget, emit)));
+    return online_.finish(emit);
+  }
+  OnlineStage& online() { return online_; }
+
+ private:
+  ExposedStream::HandOn to_online(const FrameBudget& budget, const OnlineStage::Emit& emit) {
+    return [&](ExposedFrame& frame) { return online_.ingest(frame, budget, emit); };
+  }
+
+  ExposedStream exposed_;
+  OnlineStage online_;
+};
+
 Run run(const test::MovingScene& scene, int frames, const Knobs& options, int threads) {
   WorkerPool pool(threads);
-  ExposedStream exposed(scene.camera(), options.bootstrap_frames, StatedBlack::Kept);
-  OnlineStage stage(options, scene.camera(), std::nullopt, pool);
+  Stream stream(scene, options, pool);
   Emission emission(pool);
   HdrFrame frame;
   Run run;
@@ -40,13 +64,11 @@ Run run(const test::MovingScene& scene, int frames, const Knobs& options, int th
     run.radiance.insert(run.radiance.end(), samples.begin(), samples.end());
     return {};
   };
-  const auto ingest = [&](ExposedFrame& frame) { return stage.ingest(frame, options.budget, emit); };
   for (int i = 0; i < frames; ++i) {
-    run.result = exposed.take(scene.frame(i), ingest);
+    run.result = stream.take(scene.frame(i), options.budget, emit);
     if (!run.result) return run;
   }
-  run.result = exposed.finish(ingest);
-  if (run.result) run.result = stage.finish(emit);
+  run.result = stream.finish(options.budget, emit);
   return run;
 }
 
@@ -122,9 +144,9 @@ TEST_CASE("a frame that is not emitted takes part in the state: the others are t
   Emission emission(pool);
   HdrFrame frame;
   const auto pictures = [&](bool all) {
-    OnlineStage stage(state_alone(), scene.camera(), std::nullopt, pool);
+    Stream stream(scene, state_alone(), pool);
     int left_out = 0;
-    stage.set_left_out([&] { ++left_out; });
+    stream.online().set_left_out([&] { ++left_out; });
     std::map<std::uint64_t, std::vector<float>> by_sequence;
     const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
       emission.render(estimate, frame);
@@ -135,9 +157,9 @@ TEST_CASE("a frame that is not emitted takes part in the state: the others are t
     for (int i = 0; i < 16; ++i) {
       FrameBudget budget;
       budget.emits = all || i < 8 || i % 2 == 0;
-      REQUIRE(stage.ingest(scene.frame(i), budget, emit).ok());
+      REQUIRE(stream.take(scene.frame(i), budget, emit).ok());
     }
-    REQUIRE(stage.finish(emit).ok());
+    REQUIRE(stream.finish({}, emit).ok());
     CHECK(left_out == (all ? 0 : 4));
     CHECK(by_sequence.size() == static_cast<std::size_t>(16 - left_out));
     return by_sequence;
@@ -155,7 +177,7 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   const Run alone = run(scene, 20, options, 1);
   options.field = FieldKind::HashGrid;
   options.budget.fit.steps = 2;
-  OnlineStage stage(options, scene.camera(), std::nullopt, pool);
+  Stream stream(scene, options, pool);
   std::vector<float> radiance;
   std::string in_field;  // of each frame
   const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
@@ -174,9 +196,9 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   for (int i = 0; i < 20; ++i) {
     FrameBudget budget = options.budget;
     budget.field_rests = i < 7 || (i >= 12 && i < 16);
-    REQUIRE(stage.ingest(scene.frame(i), budget, emit).ok());
+    REQUIRE(stream.take(scene.frame(i), budget, emit).ok());
   }
-  REQUIRE(stage.finish(emit).ok());
+  REQUIRE(stream.finish({}, emit).ok());
   CHECK(in_field == "------fffff----fffff");  // the work on a frame is done when the next one is there
   CHECK(radiance == alone.radiance);
 }
