@@ -69,7 +69,7 @@ struct PartWorth {
 inline constexpr PartWorth kPartWorths[] = {
     {"look-ahead", kWalk, no_look_ahead, 1, 0.013},         {"shrinkage", kWalk, no_shrinkage, 0.6, 0.003},
     {"warp variance", kWalk, no_warp_variance, 2.4, 0.012}, {"gate", kWalk, no_gate, 0.17, -0.002},
-    {"blur variance", kPan, no_blur_variance, 0.75, 0.005}, {"learned noise", kDim, assumed_noise, 0.9, 0.04},
+    {"blur variance", kPan, no_blur_variance, 0.75, 0.005}, {"learned noise", kDim, assumed_noise, 1.2, 0.05},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
