@@ -52,7 +52,7 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
   }
   const Effort effort = effort_of(quality);
   const int coarsest = coarsest_scale(rows, cols), finest = std::min(effort.finest_scale, coarsest);
-  auto& [pyramid_a, pyramid_b] = pyramids_;
+  Pyramid &pyramid_a = pyramids_[0], &pyramid_b = pyramids_[1];
   auto& [there, back] = directions_;
   there.from = &pyramid_a, there.to = &pyramid_b;
   there.start = request.start_a_to_b, there.answer = request.a_to_b;
