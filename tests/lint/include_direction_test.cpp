@@ -105,7 +105,8 @@ std::vector<std::string> circles(const Rooms& rooms) {
   for (const auto& [house, doors] : rooms) {
     std::set<std::string> finished;
     std::vector<std::string> way;
-    const std::function<bool(const std::string&)> closes = [&](const std::string& room) {
+    const std::function<bool(const std::string&)> closes = [&, &house = house,
+                                                            &doors = doors](const std::string& room) {
       const auto before = std::find(way.begin(), way.end(), room);
       if (before != way.end()) {
         std::string sentence = house + ": ";

@@ -44,7 +44,7 @@ TEST_CASE(
     CHECK(point.at("psnr_mu") > 10);
   }
   // another knob is another picture, and the look-ahead is worth its time
-  const auto db = [&](int i) { return json.at("points").at(i).at("psnr_mu").get<double>(); };
+  const auto db = [&](std::size_t i) { return json.at("points").at(i).at("psnr_mu").get<double>(); };
   CHECK(db(1) < db(2));
   const std::string page = read_whole(posix_storage(), work / "cost/pareto.html").value();
   CHECK(page.find("look-ahead 0</text>") != std::string::npos);

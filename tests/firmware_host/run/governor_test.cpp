@@ -19,7 +19,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr Duration kDeadline = std::chrono::microseconds(33333);
-constexpr double kDeadline_ms = 33.333;
 constexpr int kSecond = 30;  // frames
 
 // What a frame takes: 26.6 ms as asked where nothing else runs, 10 ms on the cheapest rung that emits.
