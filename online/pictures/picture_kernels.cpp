@@ -111,9 +111,58 @@ void warp_cubic(const WarpBand& w) {
     }
 }
 
+inline int mirrored(int i, int n) {
+  i = i < 0 ? -i : i;
+  return clamped(i < n ? i : 2 * n - 2 - i, n - 1);
+}
+
+constexpr int kMostRadius = 2;
+
+// Sums over the columns around x0 .. x0 + count of what term(x) adds up from a column; `sums` needs
+// kMostRadius more at either end.
+template <class Term>
+inline void sum_columns(int x0, int count, int radius, int cols, float* sums, Term&& term, float* out) {
+  const int begin = x0 > radius ? x0 - radius : 0,
+            end = x0 + count + radius < cols ? x0 + count + radius : cols;
+  float* at = sums + kMostRadius - x0;  // at[x]: column x
+  for (int x = begin; x < end; ++x) at[x] = term(x);
+  for (int x = x0 - radius; x < begin; ++x) at[x] = at[mirrored(x, cols)];
+  for (int x = end; x < x0 + count + radius; ++x) at[x] = at[mirrored(x, cols)];
+  const float* s = sums + kMostRadius;
+  if (radius == 1)
+    for (int i = 0; i < count; ++i) out[i] = s[i - 1] + s[i] + s[i + 1];
+  else
+    for (int i = 0; i < count; ++i) out[i] = (s[i - 2] + s[i - 1]) + s[i] + (s[i + 1] + s[i + 2]);
+}
+
+void window(const WindowRow& w) {
+  constexpr int kWide = 256;  // columns at a time
+  alignas(64) float sums[kWide + 2 * kMostRadius], total[kWide], squares[kWide];
+  const auto& l = w.lines;
+  const float share = 1.f / static_cast<float>((2 * w.radius + 1) * (2 * w.radius + 1));
+  for (int x0 = 0; x0 < w.cols; x0 += kWide) {
+    const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;
+    float* __restrict mean = w.mean + x0;
+    if (w.radius == 1)
+      sum_columns(
+          x0, count, 1, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x]; }, total);
+    else
+      sum_columns(
+          x0, count, 2, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x] + l[3][x] + l[4][x]; },
+          total);
+    for (int i = 0; i < count; ++i) mean[i] = total[i] * share;
+    if (w.variance == nullptr) continue;
+    sum_columns(
+        x0, count, 1, w.cols, sums,
+        [&](int x) { return l[0][x] * l[0][x] + l[1][x] * l[1][x] + l[2][x] * l[2][x]; }, squares);
+    float* __restrict variance = w.variance + x0;
+    for (int i = 0; i < count; ++i) variance[i] = most(0, squares[i] * share - mean[i] * mean[i]);
+  }
+}
+
 }  // namespace
 
 extern const PictureKernels kPictureKernels;
-const PictureKernels kPictureKernels{&warp_linear, &warp_cubic};
+const PictureKernels kPictureKernels{&warp_linear, &warp_cubic, &window};
 
 }  // namespace hdrcam::HDRCAM_TARGET

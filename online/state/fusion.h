@@ -57,6 +57,8 @@ class Fusion {
   // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives.
   void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
             const Image<float>& confidence, Image<float>& gate);
+  // Local contrast of the state that gate() took last: [rgb, rows, cols].
+  const Image<float>& contrast() const { return contrast_; }
 
   // Inverse-variance update of the state by the samples, after subtracting the blur as far as the state is
   // certain of it; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null. Where no frame

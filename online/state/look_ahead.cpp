@@ -1,6 +1,5 @@
 #include "online/state/look_ahead.h"
 
-#include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 
 namespace hdrcam {
@@ -37,12 +36,10 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     dilate_2x2(ahead.frame->codes, dilated_, pool_);
     warp_linear(dilated_, path_.vectors, brightest_, pool_);
     fusion.sample(codes_, brightest_, *ahead.tables, samples_);
-    flow_.copy_from(path_.vectors);  // per interval
-    for (float& v : flow_.samples()) v /= intervals;
-    fusion.model_blur(joined, path_.confidence, flow_, ahead.frame->blur_fraction, samples_);
+    const float fraction = ahead.frame->blur_fraction / intervals;  // of the path's time
+    fusion.model_blur(joined, path_.confidence, path_.vectors, fraction, samples_);
     fusion.gate(joined, samples_, *ahead.tables, path_.confidence, gate_);
-    local_contrast(joined.radiance, mean_, contrast_, pool_);
-    fusion.warp_variance(contrast_, path_.vectors, extra_);
+    fusion.warp_variance(fusion.contrast(), path_.vectors, extra_);
     fusion.update(joined, samples_, *ahead.tables, &gate_, &extra_, share_);
     for (std::size_t i = 0; i < share_.size(); ++i) {
       float& total = joined.later_share.samples()[i];

@@ -35,7 +35,7 @@ class LookAhead {
   WorkerPool& pool_;
   Samples samples_;
   FlowField path_;  // from the state's frame to the current later frame
-  Image<float> share_, codes_, brightest_, dilated_, gate_, mean_, contrast_, extra_, flow_, warped_;
+  Image<float> share_, codes_, brightest_, dilated_, gate_, extra_, warped_;
 };
 
 }  // namespace hdrcam

@@ -1,6 +1,5 @@
 #include "online/state/state_filter.h"
 
-#include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 
 namespace hdrcam {
@@ -36,8 +35,7 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
   fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_);
-  local_contrast(predicted_.radiance, mean_, contrast_, pool_);
-  fusion_.warp_variance(contrast_, flow, added_);
+  fusion_.warp_variance(fusion_.contrast(), flow, added_);
 
   const float growth = 1 + options_.variance_growth,
               relative2 = options_.relative_growth * options_.relative_growth;

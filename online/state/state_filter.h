@@ -47,7 +47,7 @@ class StateFilter {
   RadianceState state_, predicted_;
   Samples samples_;
   SampleResiduals residuals_;
-  Image<float> gate_, mean_, contrast_, added_;
+  Image<float> gate_, added_;
 };
 
 }  // namespace hdrcam

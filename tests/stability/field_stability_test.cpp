@@ -125,7 +125,7 @@ TEST_CASE("a view behind the scene or at the edge of time is finite", "[isa][sta
 
 TEST_CASE("what is not a number never reaches the fit", "[isa][stability]") {
   Stream stream;
-  const float bad = GENERATE(kNan, kInf, -kInf, 1e38f, -5.f, 1e-42f);
+  const float bad = GENERATE(as<float>{}, kNan, kInf, -kInf, 1e38f, -5.f, 1e-42f);
   INFO("value " << bad);
   stream.run(6, 5, [&](int i, FieldObservation& seen) {
     Pcg32 random(static_cast<std::uint64_t>(i));

@@ -25,7 +25,7 @@ FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.
 }  // namespace
 
 struct DenseFlow::Effort {
-  int finest_scale;    // 0: full size
+  int finest_scale;    // 0: full size, 1: half
   int stride;          // pixels between patches
   int steps;           // of descent, in each of the two sweeps
   int rounds, sweeps;  // of the refinement
@@ -158,30 +158,29 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
                                effort.sweeps});
 }
 
+// To the size of the answer, which is that of the flow or twice that, perhaps with an odd last row or column.
 void DenseFlow::enlarge(const Image<float>& flow, int scale, Image<float>& answer) {
+  CHECK(scale <= 1);
   if (scale == 0) {
     answer.copy_from(flow);
     return;
   }
-  const float grow = static_cast<float>(1 << scale), shrink = 1 / grow;
-  const auto place = [&](int at, int size) {
-    return std::clamp((static_cast<float>(at) + 0.5f) * shrink - 0.5f, 0.f, static_cast<float>(size - 1));
-  };
+  const int rows = flow.rows(), cols = flow.cols();
+  std::vector<float>& line = lines_[&answer == directions_[0].answer ? 0 : 1];
+  line.resize(static_cast<std::size_t>(cols) + 2);  // a column more on both sides
   for (int c = 0; c < 2; ++c)
     for (int y = 0; y < answer.rows(); ++y) {
-      const float py = place(y, flow.rows());
-      const int iy = std::min(static_cast<int>(py), flow.rows() - 2);
-      const float fy = py - static_cast<float>(iy);
-      const float *above = flow.row(c, iy), *below = flow.row(c, iy + 1);
-      float* out = answer.row(c, y);
-      for (int x = 0; x < answer.cols(); ++x) {
-        const float px = place(x, flow.cols());
-        const int ix = std::min(static_cast<int>(px), flow.cols() - 2);
-        const float fx = px - static_cast<float>(ix);
-        const float top = above[ix] + fx * (above[ix + 1] - above[ix]);
-        const float bottom = below[ix] + fx * (below[ix + 1] - below[ix]);
-        out[x] = grow * (top + fy * (bottom - top));
+      const int near = std::min(y / 2, rows - 1);
+      const int far = std::clamp(y / 2 + (y % 2 == 0 ? -1 : 1), 0, rows - 1);
+      const float *a = flow.row(c, near), *b = flow.row(c, far);
+      float *l = line.data() + 1, *out = answer.row(c, y);
+      for (int x = 0; x < cols; ++x) l[x] = 1.5f * a[x] + 0.5f * b[x];  // twice: pixels become half as large
+      l[-1] = l[0], l[cols] = l[cols - 1];
+      for (int x = 0; x < cols; ++x) {
+        out[2 * x] = 0.75f * l[x] + 0.25f * l[x - 1];
+        out[2 * x + 1] = 0.75f * l[x] + 0.25f * l[x + 1];
       }
+      if (answer.cols() > 2 * cols) out[2 * cols] = l[cols];
     }
 }
 

@@ -56,6 +56,7 @@ class DenseFlow {
   const FlowKernels& kernels_;
   std::array<Pyramid, 2> pyramids_;
   std::array<Direction, 2> directions_{};
+  std::array<std::vector<float>, 2> lines_;  // of enlarge(), for each direction
 };
 
 }  // namespace hdrcam

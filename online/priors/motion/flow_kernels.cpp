@@ -2,6 +2,7 @@
 // A row of a patch is one vector of eight floats.
 #include "online/priors/motion/flow_kernels.h"
 
+#include "hal/core/lane_functions.h"
 #include "hal/core/lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
@@ -237,9 +238,19 @@ void derive(const float* plane, std::ptrdiff_t pitch, int rows, int cols, float*
   }
 }
 
+// ---- confidence
+
+void agree(const float* there_u, const float* there_v, const float* back_u, const float* back_v, int n,
+           float* __restrict agreement) {
+  for (int x = 0; x < n; ++x) {
+    const float u = there_u[x] + back_u[x], v = there_v[x] + back_v[x];
+    agreement[x] = exp_of(-0.5f * (u * u + v * v));
+  }
+}
+
 }  // namespace
 
 extern const FlowKernels kFlowKernels;
-const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &spread};
+const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &spread, &agree};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -53,6 +53,10 @@ struct FlowKernels {
   // Pixel rows [y0, y1) of the dense flow: the mean of the patches over each pixel, by how well each explains
   // it; `weight` is a plane for the sums
   void (*spread)(const PatchSearch&, int y0, int y1, FlowPlanes flow, float* weight);
+  // Agreement of vectors there with those back, read where they lead: exp(-|there and back|^2 / 2) of n
+  // pixels
+  void (*agree)(const float* there_u, const float* there_v, const float* back_u, const float* back_v, int n,
+                float* agreement);
 };
 
 const FlowKernels& flow_kernels();

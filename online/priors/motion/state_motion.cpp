@@ -6,6 +6,7 @@
 #include "hal/core/interpolate.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
+#include "online/priors/motion/flow_kernels.h"
 #include "online/state/exposure_blur.h"
 
 namespace hdrcam {
@@ -52,11 +53,8 @@ void rate_flow(FlowField& flow, const FlowField& back, Image<float>& warped, Wor
   flow.confidence.reshape(1, rows, cols);
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) {
-        const float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x);
-        const float ex = dx + warped.at(0, y, x), ey = dy + warped.at(1, y, x);
-        flow.confidence.at(0, y, x) = std::exp(-(ex * ex + ey * ey) / 2);
-      }
+      flow_kernels().agree(flow.vectors.row(0, y), flow.vectors.row(1, y), warped.row(0, y), warped.row(1, y),
+                           cols, flow.confidence.row(0, y));
   });
 }
 

@@ -82,7 +82,7 @@ TEST_CASE("a flow that leads nowhere repeats the border and reads nothing outsid
   }
 }
 
-TEST_CASE("box means and local contrast agree with sums written out") {
+TEST_CASE("box means and local contrast agree with sums written out", "[isa]") {
   WorkerPool pool(2);
   const auto image = texture(9, 11);
   Image<float> mean, contrast, small, large;
