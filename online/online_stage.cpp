@@ -64,7 +64,12 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
   ResponseEstimator estimator(waiting_.front().facts.black_level);
-  for (std::size_t i = 1; i < waiting_.size(); ++i) estimator.add_pair(waiting_[i - 1], waiting_[i]);
+  const auto add_pairs = [&](SceneCuts cuts) {
+    for (std::size_t i = 1; i < waiting_.size(); ++i) estimator.add_pair(waiting_[i - 1], waiting_[i], cuts);
+  };
+  add_pairs(SceneCuts::Possible);
+  if (estimator.pairs() == 0) add_pairs(SceneCuts::None);  // not every pair of frames spans a cut
+  response_measured_ = estimator.pairs() > 0;
   const ResponseEstimate estimate = estimator.estimate(noise_);
   response_ = estimate.response;
   black_level_ = estimate.black_level;

@@ -42,6 +42,8 @@ class OnlineStage {
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const Response& response() const { return response_; }
+  // False where the first frames say nothing about the response, and the mean of real cameras stands in.
+  bool response_measured() const { return response_measured_; }
   const NoiseModel& noise() const { return noise_; }
   const BlackLevel& black_level() const { return black_level_; }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
@@ -72,6 +74,7 @@ class OnlineStage {
   std::vector<ExposedFrame> waiting_;  // until the bootstrap
   bool started_ = false;
   const bool response_known_;  // from the start
+  bool response_measured_ = true;
 
   Response response_;
   BlackLevel black_level_;

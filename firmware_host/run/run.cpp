@@ -95,6 +95,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1),
                                    online.response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
+  if (!online.response_measured())
+    record.notes.emplace_back("response: not in the first frames; the mean of real cameras stands in");
   const NoiseModel& noise = online.noise();
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));

@@ -78,22 +78,23 @@ std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   return inverse;
 }
 
-// Means of the codes over a coarse grid, -1 in cells whose brightest channel is clipped: two pictures of one
-// scene must agree in them up to a monotone curve.
+// Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
+// to a monotone curve, whatever lies between the exposures. Means do not: lamps and saturation move them.
 std::vector<float> thumbnail(const ExposedFrame& frame) {
   constexpr int kCells = 16;
-  std::vector<float> cells;
+  std::vector<float> cells, cell;
   const auto& codes = frame.codes;
   for (int gy = 0; gy < kCells; ++gy)
     for (int gx = 0; gx < kCells; ++gx) {
       const int y0 = codes.rows() * gy / kCells, y1 = std::max(y0 + 1, codes.rows() * (gy + 1) / kCells);
       const int x0 = codes.cols() * gx / kCells, x1 = std::max(x0 + 1, codes.cols() * (gx + 1) / kCells);
-      double sum = 0;
+      cell.clear();
       for (int y = y0; y < std::min(y1, codes.rows()); ++y)
-        for (int x = x0; x < std::min(x1, codes.cols()); ++x) sum += static_cast<double>(codes.at(1, y, x));
-      const auto mean = static_cast<float>(sum / ((y1 - y0) * (x1 - x0)));
+        for (int x = x0; x < std::min(x1, codes.cols()); ++x) cell.push_back(codes.at(1, y, x));
+      const auto middle = cell.begin() + static_cast<std::ptrdiff_t>(cell.size() / 2);
+      std::nth_element(cell.begin(), middle, cell.end());
       const auto [darkest, brightest] = clip_policy::kSameScene;
-      cells.push_back(mean < darkest || mean > brightest ? -1 : mean);
+      cells.push_back(*middle < darkest || *middle > brightest ? -1 : *middle);
     }
   return cells;
 }
@@ -176,7 +177,7 @@ struct ResponseEstimator::Curve {
   double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior
 };
 
-bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
+bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
   constexpr double kMinRatio = 1.15;       // of exposures: below it a pair does not constrain the curve
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
   constexpr double kDarkShare = 0.0005;    // of the pixels
@@ -184,7 +185,8 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b) {
   const ExposedFrame& longer = &shorter == &a ? b : a;
   if (longer.exposure < static_cast<float>(kMinRatio) * shorter.exposure) return false;
   if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
-  if (rank_correlation(thumbnail(a), thumbnail(b)) < kSameSceneRank) return false;
+  if (cuts == SceneCuts::Possible && rank_correlation(thumbnail(a), thumbnail(b)) < kSameSceneRank)
+    return false;
 
   const bool shortest = pairs_ == 0 || shorter.exposure < 0.9f * shortest_;
   if (shortest) shortest_ = shorter.exposure;

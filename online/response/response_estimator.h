@@ -25,6 +25,9 @@ struct ResponseEstimate {
   BlackLevel black_level;
 };
 
+// Whether a pair may span a cut: then it counts only where both frames seem to show one scene.
+enum class SceneCuts { Possible, None };
+
 class ResponseEstimator {
  public:
   static constexpr int kQuantiles = 400;       // matches per pair and channel
@@ -37,7 +40,7 @@ class ResponseEstimator {
   // Adds the matches of two frames of different exposure, unpacked without a black level. It skips frames of
   // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut); returns whether the
   // pair counted.
-  bool add_pair(const ExposedFrame& a, const ExposedFrame& b);
+  bool add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts = SceneCuts::Possible);
 
   // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
   int pairs() const { return pairs_; }

@@ -98,3 +98,27 @@ TEST_CASE("pairs that say nothing are left out") {
   CHECK(estimator.pairs() == 0);
   CHECK(response_error(estimator.estimate({}).response, prior_mean_response()) < 1e-3);
 }
+
+TEST_CASE("a step of four stops over lamps and shadows is no scene cut") {
+  // Where it is darker there are more lamps. They count for most of a short exposure's mean, and are clipped
+  // in the long one, so that the means of the two go opposite ways.
+  constexpr int kRows = 192, kCols = 256;
+  const Response response = Response::gamma(2.2f);
+  const auto exposed_by = [&](float exposure, int shift) {
+    ExposedFrame frame;
+    frame.exposure = exposure;
+    frame.codes.reshape(3, kRows, kCols);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) {
+          const double darkness = 0.5 + 0.5 * std::sin((x + shift) * 0.06) * std::cos(y * 0.05);
+          const double chance = test::MovingScene::noise(static_cast<std::uint64_t>(y * 4096 + x + shift));
+          const bool lamp = chance > 1.28 - 0.7 * darkness;  // a tenth to a third of the pixels
+          const double light = lamp ? 1 : std::exp2(-4 - 1.5 * darkness);
+          frame.codes.at(c, y, x) =
+              std::round(response.code_of(c, std::min(1.f, exposure * static_cast<float>(light))));
+        }
+    return frame;
+  };
+  CHECK(ResponseEstimator().add_pair(exposed_by(0.25f, 0), exposed_by(4, 2)));
+}
