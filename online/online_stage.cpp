@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "capture/amplified_noise.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
@@ -44,6 +45,7 @@ OnlineStage::~OnlineStage() = default;
 
 Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit) {
   budget_ = budget;
+  if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
   if (!started_ && response_known_) {
     black_level_ = frame.facts.black_level.value_or(BlackLevel());
     started_ = true;
@@ -96,7 +98,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   std::swap(step.frame, frame);
   white_ = std::max(white_, 1 / step.frame.exposure);
   step.advanced = step.emitted = false;
-  const ExposureTables& tables = tables_for(step.frame.exposure);
+  const ExposureTables& tables = tables_for(step.frame);
 
   if (steps_.size() == 1) {
     state_->restart({step.frame, tables, white_});
@@ -133,14 +135,16 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   }
   if (after != nullptr) {
     context.after = &after->frame;
-    context.after_tables = &tables_for(after->frame.exposure);
+    context.after_tables = &tables_for(after->frame);
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
-  state_->advance({step.frame, tables_for(step.frame.exposure), white_}, step.motion.to_previous);
-  tables_.at(step.frame.exposure).rebuild(response_, noise_, state_->residuals().excess(step.frame.exposure));
+  state_->advance({step.frame, tables_for(step.frame), white_}, step.motion.to_previous);
+  const float gain = gain_of(step.frame);
+  tables_.at({step.frame.exposure, gain})
+      .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
   step.advanced = true;
   if (knobs_.look_ahead > 1) step.state.copy_from(state_->state());
   if (timing_) timing_("state", watch.lap_ms());
@@ -206,7 +210,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   std::array<LaterFrame, kMaxLookAhead> later;
   for (std::size_t k = 0; k < ahead; ++k) {
     const Step& next = *steps_[i + 1 + k];
-    later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame.exposure)};
+    later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame)};
   }
   const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
   state_->join(kept ? step.state : state_->state(), {later.data(), ahead}, white_, joined_);
@@ -235,11 +239,17 @@ Result<void> OnlineStage::finish(const Emit& emit) {
   return emit_ready(true, emit);
 }
 
-const ExposureTables& OnlineStage::tables_for(float exposure) {
-  const auto found = tables_.find(exposure);
+float OnlineStage::gain_of(const ExposedFrame& frame) const {
+  return static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain / reference_gain_);
+}
+
+const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
+  const std::pair key{frame.exposure, gain_of(frame)};
+  const auto found = tables_.find(key);
   if (found != tables_.end()) return found->second;
   return tables_
-      .emplace(exposure, ExposureTables(response_, noise_, exposure, state_->residuals().excess(exposure)))
+      .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
+                                   state_->residuals().excess(frame.exposure)))
       .first->second;
 }
 
@@ -248,13 +258,15 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   constexpr int kEager = 8;  // frames: at first the model is solved at each frame, then at every eighth
   Stopwatch watch;
   if (step.frame.exposure <= previous.frame.exposure)
-    noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_);
+    noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
+                              {gain_of(step.frame), gain_of(previous.frame)});
   else
-    noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_);
+    noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_,
+                              {gain_of(previous.frame), gain_of(step.frame)});
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
     noise_ = noise_estimator_.solve(assumed_noise_);
-    for (auto& [exposure, tables] : tables_)
-      tables.rebuild(response_, noise_, state_->residuals().excess(exposure));
+    for (auto& [key, tables] : tables_)
+      tables.rebuild(response_, amplified(noise_, key.second), state_->residuals().excess(key.first));
   }
   if (timing_) timing_("noise", watch.lap_ms());
 }

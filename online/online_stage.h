@@ -44,7 +44,8 @@ class OnlineStage {
   const Response& response() const { return response_; }
   // False where the first frames say nothing about the response, and the mean of real cameras stands in.
   bool response_measured() const { return response_measured_; }
-  const NoiseModel& noise() const { return noise_; }
+  const NoiseModel& noise() const { return noise_; }         // at reference_gain()
+  double reference_gain() const { return reference_gain_; }  // of the first frame
   const BlackLevel& black_level() const { return black_level_; }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
@@ -62,8 +63,9 @@ class OnlineStage {
   void start_second_layer(const ExposedFrame& first);
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
-  const ExposureTables& tables_for(float exposure);
+  const ExposureTables& tables_for(const ExposedFrame& frame);
   void learn_noise(const Step& previous, const Step& step);
+  float gain_of(const ExposedFrame& frame) const;
 
   const Knobs knobs_;
   FrameBudget budget_;
@@ -80,7 +82,8 @@ class OnlineStage {
   BlackLevel black_level_;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   NoiseEstimator noise_estimator_;
-  std::map<float, ExposureTables> tables_;
+  double reference_gain_ = 0;                                 // of the first frame; 0: none came yet
+  std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
 
   std::unique_ptr<MotionPrior> motion_;
   std::unique_ptr<StateLayer> state_;

@@ -61,7 +61,7 @@ Prior prior_around(double code_noise) {
 }  // namespace
 
 void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
-                              const Response& response) {
+                              const Response& response, PairGains gains) {
   warp_linear(b.codes, a_to_b.vectors, warped_, pool_);
   box_mean(warped_, 1, warped_mean_, pool_);
   const float ratio = a.exposure / b.exposure;
@@ -82,8 +82,8 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
         const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(1e-4f, exposure))));
         Bin& bin = bins[static_cast<std::size_t>(std::clamp(half_stops, 0, kBrightnesses - 1))];
         bin.add(response.exposure_of(c, za) - response.exposure_of(c, zb) * ratio);
-        bin.shot_sum += static_cast<double>(exposure * (1 + left * ratio));
-        bin.read_sum += static_cast<double>(1 + left * ratio * ratio);
+        bin.shot_sum += static_cast<double>(exposure * (gains.a + left * ratio * gains.b));
+        bin.read_sum += static_cast<double>(gains.a * gains.a + left * ratio * ratio * gains.b * gains.b);
         bin.code_sum += static_cast<double>(slope_a * slope_a + left * slope_b * slope_b);
         bin.relative_sum += static_cast<double>(exposure * exposure);
       }

@@ -1,9 +1,9 @@
 // Measures the sensor's noise while the stream runs: it compares pairs of neighbouring frames, matched by the
 // flow, in smooth places. In each bin of brightness the spread of the differences around their own centre
 // gives a variance, so that a response error, which moves the centre, does not count as noise. Shot, read and
-// code-domain noise (and a term proportional to the light for imperfect matches) are solved together, as the
-// most probable values under a prior from typical cameras: where the bins cannot separate them the prior
-// does, and no value ends at a limit. Thread-bound.
+// code-domain noise (and a term proportional to the light for imperfect matches) are solved together, at the
+// gain of the clip's first frame, as the most probable values under a prior from typical cameras: where the
+// bins cannot separate them the prior does, and no value ends at a limit. Thread-bound.
 #pragma once
 
 #include <array>
@@ -18,6 +18,11 @@
 
 namespace hdrcam {
 
+// Gains of two frames, over that of the clip's first frame.
+struct PairGains {
+  float a, b;
+};
+
 class NoiseEstimator {
  public:
   explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {
@@ -29,7 +34,7 @@ class NoiseEstimator {
   // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is larger,
   // and b measures a pixel's brightness more precisely.
   void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
-                const Response& response);
+                const Response& response, PairGains gains = {1, 1});
 
   // The most probable model; `otherwise` where there are too few samples. code_step is taken from
   // `otherwise`, and its code_noise is the mean of the prior of the code-domain noise.
