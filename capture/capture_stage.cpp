@@ -132,10 +132,9 @@ void CaptureStage::restart_matching() {
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   pending_.reset();
   const CameraCapabilities& offers = camera_.capabilities();
-  const Duration margin = ExposureSchedule::frame_margin(offers);
-  if (options_.adapt && offers.sets_exposure)
+  if (options_.adapt == Adapt::Light && offers.sets_exposure)
     adaptation_.emplace(first(exposures_of(schedule_), schedule_.slots()), offers.exposure_min,
-                        std::min(offers.exposure_max, mode_.frame_duration - margin), offers.gain_max);
+                        longest_exposure(), offers.gain_max);
   under_way_ = lost_since_emitted_ = 0;
 }
 
@@ -253,7 +252,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
 void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (!adaptation_) return;
   const auto cycle = adaptation_->observe(frame.raw.facts.slot, frame.shares);
-  if (cycle && change_cycle(first(*cycle, schedule_.slots()))) ++counters_.cycle_changes;
+  if (cycle) (void)follow(first(*cycle, schedule_.slots()));
 }
 
 // The requests of a camera that sets its exposures itself have no slots.
@@ -279,6 +278,29 @@ Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   if (matcher_) matcher_->change_schedule(schedule_);
   return {};
+}
+
+Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
+  TRY(change_cycle(cycle));
+  ++counters_.cycle_changes;
+  return {};
+}
+
+Duration CaptureStage::longest_exposure() const {
+  const CameraCapabilities& offers = camera_.capabilities();
+  return std::min(offers.exposure_max, mode_.frame_duration - ExposureSchedule::frame_margin(offers));
+}
+
+std::optional<ExposureRoom> CaptureStage::room() const {
+  const CameraCapabilities& offers = camera_.capabilities();
+  if (!offers.sets_exposure) return std::nullopt;
+  const auto cycle = exposures_of(schedule_);
+  return ExposureRoom{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
+                      .shortest = offers.exposure_min,
+                      .longest = longest_exposure(),
+                      .least_gain = offers.gain_min,
+                      .greatest_gain = offers.gain_max,
+                      .mains = mains_};
 }
 
 void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {

@@ -12,6 +12,7 @@
 
 #include "capture/captured_frame.h"
 #include "capture/exposure_adaptation.h"
+#include "capture/exposure_room.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 
@@ -25,7 +26,7 @@ struct CaptureOptions {
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};
   std::optional<TimestampMark> timestamp_mark{};  // default: as the camera states it
-  bool adapt = false;                             // the cycle follows the light (exposure_adaptation.h)
+  Adapt adapt = Adapt::Off;                       // this stage follows the light, the fit the motion
   PixelUnpackSettings unpack{};
   Duration patience{2'000'000'000};  // Timeout after this long without a frame
 };
@@ -58,6 +59,10 @@ class CaptureStage {
 
   // Makes later requests follow another cycle.
   Result<void> change_cycle(std::span<const Exposure> cycle);
+  // The same for one that the light or the fit asks for; counted.
+  Result<void> follow(std::span<const Exposure> cycle);
+  // What the fit may ask for; none of a camera that sets its exposures itself.
+  std::optional<ExposureRoom> room() const;
   // Takes the camera's response once the fit has estimated it; ratios then become exact (photometry.h).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
 
@@ -66,6 +71,7 @@ class CaptureStage {
                const ExposureSchedule& schedule, Mains mains);
 
   FrameMatcherOptions matching() const;
+  Duration longest_exposure() const;
   PhotometricResponse first_response() const;
   std::optional<BlackLevel> stated_black() const;
   bool narrow_black();

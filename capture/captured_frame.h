@@ -26,7 +26,7 @@ struct CaptureCounters {
   std::uint64_t controls_late = 0;  // frames whose exposure was written late
   std::uint64_t requests_late = 0;  // no free buffer when a request was due
   std::uint64_t relocks = 0;        // times the prediction found the cadence again
-  std::uint64_t cycle_changes = 0;  // to follow the light
+  std::uint64_t cycle_changes = 0;  // to follow the light, or what the fit asked for
 
   std::uint64_t dropped() const { return damaged + undecodable; }
   void count(const Judgement& judgement);  // of an emitted frame

@@ -8,6 +8,10 @@ namespace hdrcam {
 
 Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& settings, LiveOptions limits,
                                                          Storage& storage, const std::atomic<bool>& stop) {
+  if (settings.schedule.adapt == Adapt::Motion && !limits.fits)
+    return Error{
+        ErrorCode::Invalid,
+        "--adapt motion asks the fit, and this run only records; use --adapt light or 'hdrcam live'"};
   std::unique_ptr<CameraSource> source(new CameraSource(settings, storage, stop));
   if (const std::string& takes = settings.output.http_takes; !takes.empty())
     source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
@@ -59,6 +63,10 @@ void CameraSource::learn_response(const Response::Curve& inverse, const BlackLev
   session_->learn_response(inverse, black_level);
 }
 
+std::optional<ExposureRoom> CameraSource::exposure_room() const {
+  return adapt_ == Adapt::Motion ? capture_->room() : std::nullopt;
+}
+
 Result<void> CameraSource::finish(RunRecord& record) {
   frame_ = {};
   if (watch_) watch_->stopping();
@@ -105,7 +113,9 @@ Result<void> CameraSource::stop_recording() {
 
 Result<void> CameraSource::change_cycle(const std::string& shutter, const std::string& gain) {
   if (exposure_fixed_) return Error{ErrorCode::Unsupported, "the exposures of this camera cannot be set"};
-  if (adapts_) return Error{ErrorCode::Unsupported, "the cycle follows the light (--adapt)"};
+  if (adapt_ != Adapt::Off)
+    return Error{ErrorCode::Unsupported, fmt::format("the cycle follows the {} (--adapt)",
+                                                     adapt_ == Adapt::Light ? "light" : "motion")};
   return session_->change_cycle(TRY(parse_exposures(shutter, gain)));
 }
 

@@ -29,6 +29,8 @@ class CameraSource : public FrameSource, public RunControl {
   void emitted(FrameRecord& record) override;
   void left_out() override { session_->left_out(); }
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;
+  std::optional<ExposureRoom> exposure_room() const override;
+  void follow(const std::vector<Exposure>& cycle) override { session_->follow(cycle); }
   // Errors: those that ended the camera or the recording. The end of a replayed recording is not an error.
   Result<void> finish(RunRecord& record) override;
   std::string status(const ProgressState& progress) const override;
@@ -47,7 +49,7 @@ class CameraSource : public FrameSource, public RunControl {
 
  private:
   CameraSource(const Settings& settings, Storage& storage, const std::atomic<bool>& stop)
-      : stop_(stop), storage_(storage), adapts_(settings.schedule.adapt), recording_(settings.record.file) {}
+      : stop_(stop), storage_(storage), adapt_(settings.schedule.adapt), recording_(settings.record.file) {}
   Result<std::unique_ptr<RecordingWriter>> create_take();
 
   const std::atomic<bool>& stop_;
@@ -60,7 +62,7 @@ class CameraSource : public FrameSource, public RunControl {
   CameraFacts facts_;
   bool replayed_ = false, fits_ = true;
   bool exposure_fixed_ = false;  // by the camera
-  const bool adapts_;
+  const Adapt adapt_;
   std::string recording_;              // the file that is open; "" for none
   std::optional<FramePattern> takes_;  // recordings that a person starts
   std::uint64_t next_take_ = 1;

@@ -62,7 +62,7 @@ Result<void> LiveSession::next_frame(CapturedFrame& captured) {
 }
 
 Result<void> LiveSession::capture_one() {
-  take_learned_response();
+  take_feedback();
   take_cycle();
   FrameShare frame = pool_.take();
   CapturedFrame& captured = frame ? frame->captured : scratch_;
@@ -117,11 +117,11 @@ void LiveSession::count_shed(int frames) {
   counters_.under_way -= static_cast<std::uint64_t>(frames);
 }
 
-void LiveSession::take_learned_response() {
+void LiveSession::take_feedback() {
   const std::lock_guard lock(mutex_);
-  if (!learned_) return;
-  capture_.learn_response(learned_->inverse, learned_->black_level);
-  learned_.reset();
+  if (learned_) capture_.learn_response(learned_->inverse, learned_->black_level);
+  if (followed_) (void)capture_.follow(*followed_);  // a cycle that it cannot do leaves the one before
+  learned_.reset(), followed_.reset();
 }
 
 FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<void()>& tick) {
@@ -205,6 +205,11 @@ Result<LiveEnd> LiveSession::finish() {
 void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {
   const std::lock_guard lock(mutex_);
   learned_ = {inverse, black_level};
+}
+
+void LiveSession::follow(const std::vector<Exposure>& cycle) {
+  const std::lock_guard lock(mutex_);
+  followed_ = cycle;
 }
 
 Result<void> LiveSession::may_record() const {

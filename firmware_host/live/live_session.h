@@ -6,8 +6,8 @@
 // Capture waits for the camera only. A slow consumer drops frames in a declared order: the fit sheds whole
 // cycles (fit_inbox.h); when the disk is so slow that the pool is full, the newest frame is dropped before
 // recorder and fit, and the next one carries kFrameAfterDrop. The recorder never drops. Every captured
-// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters(), learn_response()
-// and what a person may change.
+// frame is accounted for at every moment (LiveCounters). Thread-bound, except counters(), learn_response(),
+// follow() and what a person may change.
 #pragma once
 
 #include <array>
@@ -86,6 +86,8 @@ class LiveSession {
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
+  // Later requests follow the cycle that the fit asks for (CaptureStage::follow).
+  void follow(const std::vector<Exposure>& cycle);
   LiveCounters counters() const;
 
   // What a person may change while it runs: any thread, one at a time.
@@ -116,7 +118,7 @@ class LiveSession {
   void count_camera();
   void hand_on(FrameShare frame);
   void count_shed(int frames);
-  void take_learned_response();
+  void take_feedback();
   void take_cycle();
   std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
@@ -142,6 +144,7 @@ class LiveSession {
   std::size_t arrival_count_ = 0;
   std::optional<Instant> first_arrival_;
   std::optional<LearnedResponse> learned_;
+  std::optional<std::vector<Exposure>> followed_;  // the cycle that the fit asked for last
   struct WantedCycle {
     std::vector<Exposure> exposures;
     std::promise<Result<void>> done;

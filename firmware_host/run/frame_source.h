@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "capture/exposure_room.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/run_record.h"
@@ -35,6 +36,10 @@ class FrameSource {
   virtual void left_out() {}
   // Takes the fit's estimates of the camera: codes 0..255 to relative exposure, and the black level.
   virtual void learn_response(const Response::Curve&, const BlackLevel&) {}
+  // What the fit may ask of the exposures; none where they stay as they are. Not after follow().
+  virtual std::optional<ExposureRoom> exposure_room() const { return std::nullopt; }
+  // Takes the cycle that the fit asks for, within that room; later frames have it.
+  virtual void follow(const std::vector<Exposure>&) {}
   // Ends the run and adds the source's counters to its record. Errors: why it ended early, if not yet
   // reported.
   virtual Result<void> finish(RunRecord& record) = 0;

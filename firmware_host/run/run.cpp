@@ -19,6 +19,7 @@
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
+#include "online/exposure/cycle_choice.h"
 #include "render/scores/scores.h"
 
 namespace hdrcam {
@@ -108,6 +109,18 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+}
+
+// Asks the source for another cycle where the fit expects less error of it.
+void ask_for_exposures(CycleChoice& choice, const FrameEstimate& estimate, const OnlineStage& online,
+                       FrameSource& source, FrameRecord& record) {
+  Stopwatch watch;
+  const auto wish = choice.observe(estimate, {online.response(), online.noise(), online.reference_gain()});
+  record.stages_ms.push_back({"exposures", watch.lap_ms()});
+  record.total_ms += (record.stages_ms.end() - 1)->value;
+  if (!wish) return;
+  source.follow(wish->cycle);
+  record.note += fmt::format("{}asked for {}", record.note.empty() ? "" : "; ", describe(*wish));
 }
 
 void close_record(RunPace pace, double wall_s, RunRecord& record) {
@@ -202,6 +215,10 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (governor) record.deadline_ms = governor->deadline_ms();
   Stopwatch wall;
 
+  // The exposures that the fit asks for, of a camera that lets it.
+  std::optional<CycleChoice> exposures;
+  if (const auto room = source.exposure_room()) exposures.emplace(*room);
+
   // Output: each HDR frame goes to the sinks, and its record is kept.
   bool response_told = camera.linear;
   const VirtualCamera::Show show = [&](const HdrFrame& hdr, const ExposedFrame& input,
@@ -227,6 +244,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     }
     if (!std::exchange(response_told, true))
       source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
+    if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online(), source, kept);
     if (novel_views) TRY(novel_views->render(estimate, pipeline.online().depth_unit()));
     progress.frame_done(kept);
     return {};
@@ -254,6 +272,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (!backend.note.empty()) record.notes.push_back(backend.note);
   if (governor) add_deadline(*governor, record);
   add_findings(pipeline, record);
+  if (exposures) record.notes.push_back(exposures->summary());
   if (film)
     record.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",
                                        film->shown(), 100 * film->filled_share()));

@@ -170,9 +170,12 @@ std::vector<SettingField> schedule_fields() {
           "schedule.shutter", "--shutter", "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
       list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
                                           "analogue gain of each exposure, or one for all", "1"),
-      any<&Settings::schedule, &S::adapt>(
+      choice<&Settings::schedule, &S::adapt, Adapt::Off, Adapt::Light, Adapt::Motion>(
           "schedule.adapt", "--adapt",
-          "auto-exposure: the shortest exposure keeps the highlights, the longest the shadows"),
+          "what the cycle follows: the light (shortest exposure keeps the highlights, longest the shadows), "
+          "or "
+          "the error that the fit expects of noise, clipping and motion blur",
+          {"off", "light", "motion"}),
       choice<&Settings::schedule, &S::mains, Mains::Off, Mains::Hz50, Mains::Hz60>(
           "schedule.mains", "--mains",
           "mains frequency in Hz (anti-flicker): long exposures become whole half periods",

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "capture/exposure_schedule.h"
+#include "capture/exposure_room.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "firmware_host/log_format.h"
@@ -41,7 +41,7 @@ struct Settings {
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times
     std::string gain;                      // analogue gains of the cycle, or one for all; "": 1
-    bool adapt = false;                    // auto-exposure: the cycle adapts to the light
+    Adapt adapt = Adapt::Off;              // what the cycle follows while it runs
     Mains mains = Mains::Off;              // mains frequency (anti-flicker)
   } schedule;
   struct Sync {

@@ -22,7 +22,7 @@ struct Followed {
 };
 
 // key: how bright the scene is, see SensorSettings.
-Followed follow(double key, bool adapt) {
+Followed follow(double key, Adapt adapt) {
   test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .key = key}, {});
   CaptureOptions options;
   options.adapt = adapt;
@@ -47,7 +47,7 @@ Followed follow(double key, bool adapt) {
 }
 
 TEST_CASE("a scene that is too bright shortens the cycle until highlights are kept", "[capture]") {
-  const Followed seen = follow(6, true);
+  const Followed seen = follow(6, Adapt::Light);
   INFO("shortest " << describe(seen.shortest) << ", clipped " << seen.first[0].clipped << " -> "
                    << seen.last[0].clipped);
   CHECK(seen.first[0].clipped > 0.05f);
@@ -59,7 +59,7 @@ TEST_CASE("a scene that is too bright shortens the cycle until highlights are ke
 
 TEST_CASE("a scene that is too dark lengthens the cycle until shadows are kept, or the frame is full",
           "[capture]") {
-  const Followed seen = follow(0.01, true);
+  const Followed seen = follow(0.01, Adapt::Light);
   INFO("longest " << describe(seen.longest) << ", dark " << seen.first[2].dark << " -> "
                   << seen.last[2].dark);
   CHECK(seen.first[2].dark > 0.05f);
@@ -69,7 +69,7 @@ TEST_CASE("a scene that is too dark lengthens the cycle until shadows are kept, 
 }
 
 TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays", "[capture]") {
-  const Followed still = follow(6, false);
+  const Followed still = follow(6, Adapt::Off);
   CHECK(still.shortest == 1ms);
   CHECK(still.counters.cycle_changes == 0);
 

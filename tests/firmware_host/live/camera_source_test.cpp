@@ -37,6 +37,7 @@ class Running {
   }
   ~Running() { end(); }
 
+  CameraSource& source() { return *source_; }
   RunControl& control() { return *source_->control(); }
   // Waits until so many more frames came; false after a long time.
   bool more_frames(int count) {
@@ -159,9 +160,36 @@ TEST_CASE("the cycle of a running camera changes to one of as many exposures, an
 
 TEST_CASE("a cycle that follows the light is not changed by hand") {
   Settings settings = settings_of("unused");
-  settings.schedule.adapt = true;
+  settings.schedule.adapt = Adapt::Light;
   Running run(settings);
   require_error(run.control().change_cycle("2ms,8ms", ""), ErrorCode::Unsupported);
+}
+
+TEST_CASE("exposures that the fit asks for are those of later frames, and counted") {
+  Settings settings = settings_of("unused");
+  CHECK_FALSE(Running(settings).source().exposure_room());
+  settings.schedule.adapt = Adapt::Motion;
+  Running run(settings);
+  const auto room = run.source().exposure_room();
+  REQUIRE(room);
+  CHECK(room->cycle == std::vector<Exposure>{{milliseconds(1), 1}, {milliseconds(4), 1}});
+  CHECK(room->longest < milliseconds(10));
+  CHECK(room->greatest_gain > 1);
+  run.source().follow({{milliseconds(2), 1}, {milliseconds(6), 1}});
+  REQUIRE(run.waits_for([&] { return run.newest_exposure_us() == 6000; }));
+  run.source().follow({{milliseconds(2), 1}, {std::chrono::seconds(1), 1}});  // cannot be
+  REQUIRE(run.more_frames(10));
+  require_error(run.control().change_cycle("2ms,8ms", ""), ErrorCode::Unsupported);
+  const LiveCounters counters = run.end();
+  CHECK(counters.camera.cycle_changes == 1);
+  CHECK(counters.camera.contradicted == 0);
+}
+
+TEST_CASE("a run that only records has no fit to ask for exposures") {
+  Settings settings = settings_of("unused");
+  settings.schedule.adapt = Adapt::Motion;
+  const std::atomic<bool> never{false};
+  require_error(CameraSource::open(settings, {.fits = false}, posix_storage(), never), ErrorCode::Invalid);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// What the fit may ask of a camera's exposures: the cycle that runs, and what sensor, frame and mains allow.
+// The camera side states it once; the answer is another cycle of as many exposures. Plain value.
+#pragma once
+
+#include <vector>
+
+#include "capture/exposure_schedule.h"
+
+namespace hdrcam {
+
+// What the cycle follows while it runs: nothing, the light (exposure_adaptation.h), or the error that the fit
+// expects of it, blur included (online/exposure/cycle_choice.h).
+enum class Adapt { Off, Light, Motion };
+
+struct ExposureRoom {
+  std::vector<Exposure> cycle;               // as it runs: rounded to what the sensor can do
+  Duration shortest{0}, longest{0};          // exposure times, within a frame
+  double least_gain = 1, greatest_gain = 1;  // analogue
+  Mains mains = Mains::Off;
+};
+
+}  // namespace hdrcam

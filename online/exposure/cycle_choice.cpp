@@ -1,0 +1,147 @@
+#include "online/exposure/cycle_choice.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace hdrcam {
+namespace {
+
+constexpr double kStop = std::numbers::ln2;
+
+}  // namespace
+
+std::string describe(const CycleWish& wish) {
+  std::vector<std::string> exposures;
+  for (const Exposure& exposure : wish.cycle) exposures.push_back(describe(exposure));
+  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %",
+                     fmt::join(exposures, ", "), 100 * (wish.error_after / wish.error_before - 1),
+                     100 * wish.blur_share);
+}
+
+CycleChoice::CycleChoice(const ExposureRoom& room)
+    : room_(room), gaps_(room.cycle.size()), order_(room.cycle.size()), cycle_(room.cycle) {
+  std::iota(order_.begin(), order_.end(), std::size_t{0});
+  const auto log_of = [&](std::size_t slot) { return log_product(room_.cycle[slot]); };
+  std::ranges::stable_sort(order_, [&](auto a, auto b) { return log_of(a) < log_of(b); });
+  for (std::size_t k = 1; k < order_.size(); ++k) gaps_[k] = log_of(order_[k]) - log_of(order_[k - 1]);
+}
+
+std::string CycleChoice::summary() const {
+  if (wishes_ == 0) return "the fit asked for no other exposures";
+  return fmt::format("the fit asked for other exposures {} time(s); last for {}", wishes_, last_);
+}
+
+std::optional<CycleWish> CycleChoice::observe(const FrameEstimate& estimate,
+                                              const ExposureForecast::Sensor& sensor) {
+  if (first_white_ == 0) {
+    double least = room_.cycle.front().product();
+    for (const Exposure& exposure : room_.cycle) least = std::min(least, exposure.product());
+    first_white_ = static_cast<float>(estimate.reference_exposure / least);
+  }
+  if (waiting_ > 0) --waiting_;
+  switch (search_) {
+    case Search::Waits:
+      outlook_.see(estimate);
+      if (waiting_ == 0 && outlook_.complete()) begin(estimate, sensor);
+      return std::nullopt;
+    case Search::Coarse:
+      if (!improve(1)) search_ = Search::Fine;
+      return std::nullopt;
+    case Search::Fine:
+      if (!improve(0.5)) search_ = Search::Ends;
+      return std::nullopt;
+    case Search::Ends:
+      break;
+  }
+  return conclude();
+}
+
+void CycleChoice::begin(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor) {
+  forecast_.look(outlook_, sensor, estimate.reference_exposure, first_white_);
+  better_ = cycle_;
+  error_ = forecast_.error(better_, ExposureForecast::Blur::Counted);
+  for (std::size_t s = 0; s < better_.size(); ++s)
+    forecast_.sample_variances(better_[s], ExposureForecast::Blur::Counted, variances_[s]);
+  search_ = Search::Coarse;
+}
+
+// One round: the best single change of a slot by so many stops of time, of gain, or of one for the other.
+bool CycleChoice::improve(double stops) {
+  constexpr double kWorthIt = 0.997;  // of the error so far
+  constexpr struct { int time, gain; } kChanges[] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, 1}, {1, -1}};
+  std::array<const ExposureForecast::Values*, ExposureSchedule::kMaxSlots> slots{};
+  for (std::size_t s = 0; s < better_.size(); ++s) slots[s] = &variances_[s];
+  double least = kWorthIt * error_;
+  std::optional<std::pair<std::size_t, Exposure>> best;
+  for (std::size_t s = 0; s < better_.size(); ++s) {
+    for (const auto& change : kChanges) {
+      const auto exposure = fitted(s, to_seconds(better_[s].time) * std::exp2(change.time * stops),
+                                   better_[s].gain * std::exp2(change.gain * stops));
+      if (!exposure || !keeps_order(s, *exposure)) continue;
+      forecast_.sample_variances(*exposure, ExposureForecast::Blur::Counted, tried_);
+      slots[s] = &tried_;
+      const double error = forecast_.error({slots.data(), better_.size()});
+      if (error < least) least = error, best = {s, *exposure};
+    }
+    slots[s] = &variances_[s];
+  }
+  if (!best) return false;
+  const auto [slot, exposure] = *best;
+  better_[slot] = exposure, error_ = least;
+  forecast_.sample_variances(exposure, ExposureForecast::Blur::Counted, variances_[slot]);
+  return true;
+}
+
+// The exposure that the camera can do; none where it would be the one there is, or would begin to flicker.
+std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, double gain) const {
+  constexpr double kSlack = 1.001;
+  Exposure exposure{Duration(std::llround(time_s * 1e9)), gain};
+  if (const Duration half = half_period(room_.mains); half > Duration(0)) {
+    const bool steady = room_.cycle[slot].time >= half;
+    const auto wanted = std::max<Duration::rep>(1, (exposure.time + half / 2) / half);
+    if (steady) exposure.time = std::min(wanted, std::max<Duration::rep>(1, room_.longest / half)) * half;
+    if (!steady && exposure.time >= half) return std::nullopt;
+  }
+  if (exposure.time > room_.longest &&
+      to_seconds(exposure.time) < std::sqrt(2.0) * kSlack * to_seconds(room_.longest))
+    exposure.time = room_.longest;
+  if (exposure.time < room_.shortest || exposure.time > room_.longest) return std::nullopt;
+  if (exposure.gain < room_.least_gain / kSlack || exposure.gain > room_.greatest_gain * kSlack)
+    return std::nullopt;
+  exposure.gain = std::clamp(exposure.gain, room_.least_gain, room_.greatest_gain);
+  if (exposure == better_[slot]) return std::nullopt;
+  return exposure;
+}
+
+bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const {
+  constexpr double kSlack = 0.01;
+  const auto log_of = [&](std::size_t k) {
+    return log_product(order_[k] == slot ? exposure : better_[order_[k]]);
+  };
+  if (std::abs(log_of(0) - log_product(room_.cycle[order_[0]])) > kSlack) return false;
+  for (std::size_t k = 1; k < order_.size(); ++k) {
+    // near enough to be matched with each other, and far enough apart for the proof of their labels
+    const double gap = log_of(k) - log_of(k - 1);
+    if (gap > gaps_[k] + kSlack || gap < std::min(kStop, gaps_[k]) - kSlack) return false;
+  }
+  return true;
+}
+
+std::optional<CycleWish> CycleChoice::conclude() {
+  search_ = Search::Waits;
+  outlook_.forget();
+  CycleWish wish{.cycle = better_, .error_after = error_};
+  wish.error_before = forecast_.error(cycle_, ExposureForecast::Blur::Counted);
+  if (!(wish.error_after < (1 - kLeastGain) * wish.error_before)) return std::nullopt;
+  wish.blur_share = 1 - forecast_.error(cycle_, ExposureForecast::Blur::LeftOut) / wish.error_before;
+  cycle_ = better_;
+  waiting_ = kSettling;
+  ++wishes_, last_ = describe(wish);
+  return wish;
+}
+
+}  // namespace hdrcam

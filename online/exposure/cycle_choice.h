@@ -1,0 +1,68 @@
+// Chooses the exposures that the next frames should have: the cycle for which the least error is expected
+// (exposure_forecast.h), within the room that the camera leaves. Where things move, times get shorter and
+// gains higher; where nothing does, times get longer. The least exposure stays, and with it the highlights
+// that it keeps. Slots keep their number and their order, and stay far enough apart for the proof of their
+// labels. The search takes one round per frame; the cycle changes only for a gain that is worth it, and then
+// rests until frames of the new cycle are back. Thread-bound.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/exposure_room.h"
+#include "online/exposure/exposure_forecast.h"
+
+namespace hdrcam {
+
+// A cycle that is asked for, and why.
+struct CycleWish {
+  std::vector<Exposure> cycle;
+  double error_before = 0, error_after = 0;  // expected, of the mu-law, squared
+  double blur_share = 0;                     // of error_before: what motion blur adds
+};
+// "1 ms, 2 ms x 2, 4 ms x 4: expected error -18 %, of which motion blur was 62 %"
+std::string describe(const CycleWish& wish);
+
+class CycleChoice {
+ public:
+  // Of the error: a cycle that promises less than this is not worth the change.
+  static constexpr double kLeastGain = 0.1;
+
+  explicit CycleChoice(const ExposureRoom& room);
+
+  // Once per emitted frame. Returns the next cycle where it should change.
+  std::optional<CycleWish> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
+
+  // The one that it asked for last, or the first one.
+  const std::vector<Exposure>& cycle() const { return cycle_; }
+  // How often it asked, and for what at last, in words.
+  std::string summary() const;
+
+ private:
+  static constexpr int kSettling = 20;  // frames until those of a new cycle are back, and seen
+  enum class Search { Waits, Coarse, Fine, Ends };
+
+  void begin(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
+  bool improve(double stops);
+  std::optional<Exposure> fitted(std::size_t slot, double time_s, double gain) const;
+  bool keeps_order(std::size_t slot, const Exposure& exposure) const;
+  std::optional<CycleWish> conclude();
+
+  const ExposureRoom room_;
+  std::vector<double> gaps_;        // ln E between slots in order of E, of the first cycle: they stay as near
+  std::vector<std::size_t> order_;  // of the slots, by E
+  std::vector<Exposure> cycle_, better_;
+  float first_white_ = 0;  // radiance that saturates the shortest exposure of the first cycle; 0: not known
+  ExposureOutlook outlook_;
+  ExposureForecast forecast_;
+  ExposureForecast::SampleVariances variances_{};  // of better_
+  ExposureForecast::Values tried_{};
+  double error_ = 0;  // of better_
+  Search search_ = Search::Waits;
+  int wishes_ = 0;
+  std::string last_;  // wish, in words
+  int waiting_ = 8;   // at first, until the noise is known
+};
+
+}  // namespace hdrcam

@@ -1,0 +1,94 @@
+#include "online/exposure/exposure_outlook.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online/state/fusion.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kColumns = 16, kRows = 12;  // cells of the picture, one pixel each
+static_assert(kColumns * kRows * ExposureOutlook::kFrames == ExposureOutlook::kPixels);
+
+// The fractional part of n times an irrational number: evenly spread, without a period.
+float spread(std::uint64_t n, double step) {
+  const double v = static_cast<double>(n) * step;
+  return static_cast<float>(v - std::floor(v));
+}
+
+// Bilinear, inside the picture.
+float read(const Image<float>& picture, int channel, float y, float x) {
+  const float cy = std::clamp(y, 0.f, static_cast<float>(picture.rows() - 1));
+  const float cx = std::clamp(x, 0.f, static_cast<float>(picture.cols() - 1));
+  const int iy = std::min(static_cast<int>(cy), picture.rows() - 2);
+  const int ix = std::min(static_cast<int>(cx), picture.cols() - 2);
+  const float fy = cy - static_cast<float>(iy), fx = cx - static_cast<float>(ix);
+  const float *above = picture.row(channel, iy) + ix, *below = picture.row(channel, iy + 1) + ix;
+  const float upper = above[0] + (above[1] - above[0]) * fx, lower = below[0] + (below[1] - below[0]) * fx;
+  return upper + (lower - upper) * fy;
+}
+
+float contrast_3x3(const Image<float>& picture, int channel, int y, int x) {
+  float sum = 0, squares = 0;
+  for (int dy = -1; dy <= 1; ++dy)
+    for (int dx = -1; dx <= 1; ++dx) {
+      const float v = picture.at(channel, y + dy, x + dx);
+      sum += v, squares += v * v;
+    }
+  return std::max(0.f, squares / 9 - sum / 9 * (sum / 9));
+}
+
+}  // namespace
+
+void ExposureOutlook::see(const FrameEstimate& estimate) {
+  const ExposedFrame& frame = estimate.frame;
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+  constexpr int kLeastSize = 8;  // pixels
+  if (estimate.to_previous == nullptr || rows < kLeastSize || cols < kLeastSize) return;
+  if (!(frame.blur_fraction > 0)) return;
+  interval_s_ = frame.facts.exposure_s / static_cast<double>(frame.blur_fraction);
+  const float down = spread(frames_, 0.7548776662), across = spread(frames_, 0.5698402910);
+  const auto first = static_cast<std::size_t>(frames_ % kFrames) * kColumns * kRows;
+  for (int j = 0; j < kRows; ++j)
+    for (int i = 0; i < kColumns; ++i) {
+      const auto y = static_cast<int>((static_cast<float>(j) + down) * static_cast<float>(rows - 2) / kRows);
+      const auto x =
+          static_cast<int>((static_cast<float>(i) + across) * static_cast<float>(cols - 2) / kColumns);
+      take(estimate, y + 1, x + 1, first + static_cast<std::size_t>(j * kColumns + i));
+    }
+  ++frames_;
+}
+
+void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::size_t to) {
+  constexpr float kUnknownStops = 2;  // above its bound a clipped pixel may be as much brighter
+  // of the contrast, as Fusion::warp_variance adds in the mean over fractions of a pixel
+  constexpr float kMisaligned = 0.5f * FusionOptions().misalignment * FusionOptions().misalignment;
+  constexpr int kMostTaps = 9;
+  const Image<float>& radiance = estimate.state.radiance;
+  const int c = channel(static_cast<int>(to));
+  const float here = radiance.at(c, y, x), variance = estimate.state.variance.at(c, y, x);
+  const float dx = estimate.to_previous->vectors.at(0, y, x), dy = estimate.to_previous->vectors.at(1, y, x);
+  const float length = std::sqrt(dx * dx + dy * dy);
+  const bool known = variance <= known_limit(estimate.white);
+  radiance_[to] =
+      known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, 0.6180339887));
+  kept_[to] = std::clamp(estimate.to_previous->confidence.at(0, y, x), 0.f, 1.f);
+  // what looks like contrast is noise of the state, too
+  const float contrast = known ? std::max(0.f, contrast_3x3(radiance, c, y, x) - variance) : 0;
+  misalignment_[to] = kMisaligned * std::min(1.f, length) * contrast;
+  for (int k = 0; k < kLengths; ++k) {
+    const float fraction = std::ldexp(1.f, -k), span = length * fraction;
+    const int taps = std::clamp(static_cast<int>(std::ceil(span)) + 1, 3, kMostTaps);
+    float sum = 0;
+    for (int t = 0; t < taps; ++t) {
+      const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
+      sum += read(radiance, c, static_cast<float>(y) + instant * dy, static_cast<float>(x) + instant * dx);
+    }
+    const float blur = sum / static_cast<float>(taps) - here;
+    squared_blur_[static_cast<std::size_t>(k)][to] =
+        known ? std::max(0.f, blur * blur - std::min(1.f, span) * variance) : 0;
+  }
+}
+
+}  // namespace hdrcam
