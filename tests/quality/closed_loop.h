@@ -15,8 +15,8 @@
 namespace hdrcam::test {
 
 struct LoopRun {
-  std::string scene;            // "fast?size=160x120"
-  Settings::Schedule schedule;  // the cycle that it begins with, and what it follows
+  std::string scene;                 // "fast?size=160x120"
+  Settings::Schedule schedule = {};  // the cycle that it begins with, and what it follows
   int frames = 60;
   int first_scored = 30;  // from then on the frames count: the cycle has found its place
 };

@@ -21,7 +21,7 @@ struct Comparison {
     std::string text =
         fmt::format("fixed {:.2f} / {:.2f} dB, motion {:.2f} / {:.2f} dB, {:+.2f} / {:+.2f};", fixed.mean_db,
                     fixed.worst_db, motion.mean_db, motion.worst_db, mean_gain_db(), worst_gain_db());
-    for (const Exposure& exposure : motion.last_cycle) text += " " + describe(exposure);
+    for (const Exposure& exposure : motion.last_cycle) text += fmt::format(" {}", describe(exposure));
     return text + fmt::format("; {} wrong labels", fixed.wrong_labels + motion.wrong_labels);
   }
 };
