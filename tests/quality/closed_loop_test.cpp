@@ -68,11 +68,10 @@ TEST_CASE("the scores in closed loop, scene by scene", "[.][closed-loop]") {
   double mean = 0, worst = 0;
   for (const char* scene : kMoving) {
     const Comparison loop = compared(scene, 60);
-    fmt::print("{:6} {}\n", scene, loop.in_words());
-    std::fflush(stdout);
+    WARN(scene << ": " << loop.in_words());
     CHECK(loop.motion.wrong_labels == 0);
     mean += loop.mean_gain_db() / std::size(kMoving), worst += loop.worst_gain_db() / std::size(kMoving);
   }
-  fmt::print("moving, mean {:+.2f} / {:+.2f} dB\n", mean, worst);
-  fmt::print("still  {}\n", compared("still", 60).in_words());
+  WARN(fmt::format("moving, mean: {:+.2f} / {:+.2f} dB", mean, worst));
+  WARN("still: " << compared("still", 60).in_words());
 }
