@@ -2,7 +2,11 @@
 // during the call that delivers it; only the snapshot may be held longer.
 #pragma once
 
+#include <optional>
+
 #include "online/frame_budget.h"
+#include "online/priors/depth/depth_prior.h"
+#include "online/priors/pose/frame_pose.h"
 #include "online/scene/scene_field.h"
 #include "online/state/look_ahead.h"
 
@@ -10,14 +14,20 @@ namespace hdrcam {
 
 struct FrameEstimate {
   const ExposedFrame& frame;
-  const JoinedState& state;      // includes this frame and its look-ahead
-  const FlowField* to_previous;  // null at the first frame
-  SnapshotHold field;            // fitted up to this frame, inclusive; empty without a field
-  SceneView view;                // the frame's own view, at full size
-  const FitReport* fit;          // the fit's work on this frame; null without a field
-  FrameBudget budget;            // the cost allowed for this frame
-  float white;                   // radiance that saturates the shortest exposure so far
-  double reference_exposure;     // E_ref, seconds x gains
+  const JoinedState& state;            // includes this frame and its look-ahead
+  const FlowField* to_previous;        // null at the first frame
+  const FlowField* to_next = nullptr;  // null without look-ahead, and at the last frame
+  SnapshotHold field;                  // fitted up to this frame, inclusive; empty without a field
+  SceneView view;                      // the frame's own view, at full size, in the world of the field
+  std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown
+  const DepthMap* depth = nullptr;     // measured at this frame, in length_unit; null without a field
+  float depth_unit = 1;                // of the field's depth (FieldPicture::depth), in length_unit
+  LengthUnit length_unit = LengthUnit::Metre;  // of poses and depth
+  bool lens_is_assumed = false;                // the camera does not report it
+  const FitReport* fit;                        // the fit's work on this frame; null without a field
+  FrameBudget budget;                          // the cost allowed for this frame
+  float white;                                 // radiance that saturates the shortest exposure so far
+  double reference_exposure;                   // E_ref, seconds x gains
 };
 
 }  // namespace hdrcam

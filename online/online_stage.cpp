@@ -11,13 +11,24 @@ namespace {
 
 constexpr std::size_t kMaxLookAhead = 2;  // frames
 
+// As the recording states it; none where it states none that can be.
+std::optional<FramePose> given_pose(const FrameFacts& facts) {
+  if (!facts.T_world_camera) return std::nullopt;
+  const RigidTransform T_world_camera = from_matrix(*facts.T_world_camera);
+  if (!T_world_camera.finite()) return std::nullopt;
+  return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
+}
+
 }  // namespace
 
 struct OnlineStage::Step {
   ExposedFrame frame;
-  StateMotion motion;   // between the state at the frame before and this one
-  RadianceState state;  // after this frame; kept only where the look-ahead is longer than one frame
+  StateMotion motion;  // between the state at the frame before and this one
+  // After this frame; kept only where the look-ahead is longer than one frame.
+  RadianceState state;
+  DepthMap depth;
   RigidTransform T_world_camera;
+  std::optional<FramePose> pose;  // of a frame in the field
   FitReport fit;
   bool advanced = false, emitted = false;
   bool in_field = false;
@@ -164,8 +175,13 @@ Result<void> OnlineStage::fit(Step& step) {
   const StateMotion& motion = starts ? none : step.motion;
   const SeenFrame seen{step.frame, state_->state(), motion};
   const CameraPose& pose = poses_->estimate(seen);
-  const DepthMap& depth = depth_->estimate(seen, pose);
+  const DepthMap& depth = *(depth_map_ = &depth_->estimate(seen, pose));
   step.T_world_camera = pose.T_world_camera;
+  step.pose = stated_pose(step.frame, pose);
+  if (knobs_.look_ahead > 1) {
+    step.depth.inverse_depth.copy_from(depth.inverse_depth);
+    step.depth.weight.copy_from(depth.weight);
+  }
   if (timing_) timing_("pose", watch.lap_ms());
   TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, response_}));
   step.fit = field_->fit(budget_.fit);
@@ -173,9 +189,16 @@ Result<void> OnlineStage::fit(Step& step) {
   return {};
 }
 
+// What outputs state of a pose that the prior found. A given one keeps the recording's own numbers.
+std::optional<FramePose> OnlineStage::stated_pose(const ExposedFrame& frame, const CameraPose& pose) const {
+  if (poses_->source() == PoseSource::Given) return given_pose(frame.facts);
+  return FramePose{pose.T_world_camera, poses_->source(), pose.lost, world_};
+}
+
 // Pose, depth and field begin, or begin anew after a rest: what they knew is of another time.
 void OnlineStage::start_second_layer(const ExposedFrame& first) {
   field_rested_ = false;
+  ++world_;
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
   depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
   if (field_) return field_->restart();
@@ -219,12 +242,21 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   view.time_s = step.frame.facts.timestamp.seconds();
   view.lens = lens_, view.rows = camera_.height, view.cols = camera_.width;
   step.emitted = true;
+  const bool given = knobs_.pose == PoseKind::Given;
   const FrameEstimate estimate{
       .frame = step.frame,
       .state = joined_,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
+      .to_next = ahead > 0 ? later[0].from_previous : nullptr,
       .field = step.in_field ? field_->snapshot() : SnapshotHold(),
       .view = view,
+      .pose = step.in_field ? step.pose
+              : given       ? given_pose(step.frame.facts)
+                            : std::nullopt,
+      .depth = step.in_field ? (knobs_.look_ahead > 1 ? &step.depth : depth_map_) : nullptr,
+      .depth_unit = poses_ ? poses_->near() : 1,
+      .length_unit = poses_ ? unit_of(poses_->source()) : LengthUnit::Metre,
+      .lens_is_assumed = !camera_.intrinsics,
       .fit = step.in_field ? &step.fit : nullptr,
       .budget = budget_,
       .white = white_,

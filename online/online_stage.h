@@ -49,8 +49,6 @@ class OnlineStage {
   const BlackLevel& black_level() const { return black_level_; }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
-  // Of the field's depth (FieldPicture::depth), in the poses' unit of length; 1 without a field.
-  float depth_unit() const { return poses_ ? poses_->near() : 1; }
 
  private:
   struct Step;  // one frame in progress
@@ -61,6 +59,7 @@ class OnlineStage {
   Result<void> advance(Step& step, const Step* after);
   Result<void> fit(Step& step);
   void start_second_layer(const ExposedFrame& first);
+  std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(const ExposedFrame& frame);
@@ -92,8 +91,10 @@ class OnlineStage {
   // created with the first frame that the field takes part in
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;
+  const DepthMap* depth_map_ = nullptr;  // of the newest frame; the prior's
   std::unique_ptr<SceneField> field_;
   bool field_rested_ = false;                 // since its last frame
+  int world_ = -1;                            // of the poses: counts their beginnings
   std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and the one before them
   std::vector<std::unique_ptr<Step>> spare_;  // for reuse
   Timing timing_;

@@ -12,6 +12,10 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.exposure = estimate.frame.exposure;
   frame.reference_exposure = estimate.reference_exposure;
   frame.white = estimate.white;
+  frame.pose = estimate.pose;
+  frame.length_unit = estimate.length_unit;
+  frame.lens = estimate.view.lens;
+  frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
   frame.radiance.copy_from(estimate.state.radiance);
   if (estimate.budget.shrinks) shrinkage_.apply(frame.radiance, estimate.state.variance, offset);

@@ -28,8 +28,9 @@ inline constexpr std::string_view kFlowBackward[2] = {"backward.u",
                                                       "backward.v"};  // pixels to the previous frame
 inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};  // pixels to the next frame
 inline constexpr std::string_view kFieldFlow[2] = {"field.u", "field.v"};  // the field's, to the previous
-inline constexpr std::string_view kSigma = "sigma";                        // of ln radiance
-inline constexpr std::string_view kProvenance = "provenance";              // enum Provenance, 0..4
+inline constexpr std::string_view kFieldFlowForward[2] = {"field.forward.u", "field.forward.v"};
+inline constexpr std::string_view kSigma = "sigma";            // of ln radiance
+inline constexpr std::string_view kProvenance = "provenance";  // enum Provenance, 0..4
 }  // namespace exr_channel
 
 enum class ExrSample { Half, Float };
@@ -60,9 +61,8 @@ struct ExrAttributes {
   std::optional<double> white_cd_m2;             // whiteLuminance, of (1, 1, 1)
   std::optional<Chromaticities> chromaticities;  // chromaticities
   std::optional<TimeCode> time_code;             // timeCode
-  std::optional<PoseMatrix>
-      T_world_camera;           // worldToCamera holds its inverse, transposed (row vectors), metres
-  std::string owner, comments;  // owner, comments; empty: not written
+  std::optional<PoseMatrix> T_world_camera;      // worldToCamera holds its inverse, transposed (row vectors)
+  std::string owner, comments;                   // owner, comments; empty: not written
   // Attributes outside the standard, each named "hdrcam.", with the value as text.
   std::map<std::string, std::string> texts;
 };

@@ -2,10 +2,14 @@
 // Radiance is scene-linear and relative: 1 saturates the clip's reference exposure E_ref. Move-only value.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
+#include "online/priors/pose/frame_pose.h"
 
 namespace hdrcam {
 
@@ -17,27 +21,44 @@ enum class Provenance : std::uint8_t {
   Bound = 4,      // clipped in all frames: a lower bound
 };
 
-struct HdrFrame {
-  FrameFacts facts;
-  float exposure = 1;              // E / E_ref of the frame it belongs to
-  double reference_exposure = 1;   // E_ref, seconds x gains
-  float white = 1;                 // radiance that saturates the shortest exposure of the cycle
-  Image<float> radiance;           // [rgb, rows, cols], finite, >= 0
-  Image<float> sigma;              // [1, rows, cols] standard deviation of ln radiance
-  Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
-  Image<float> depth;  // [1, rows, cols] in units of the field's near plane; empty without the field
-  Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
-  // The field's own motion to the previous frame, as flow; empty where it was not requested.
-  Image<float> field_flow;
+// A point on a static surface that the frame sees.
+struct SurfacePoint {
+  Eigen::Vector3d p_world;          // in the world and the unit of the frame's pose
+  double u_px = 0, v_px = 0;        // where the frame sees it; pixel centres at +0.5
+  std::array<float, 3> radiance{};  // [rgb] of that pixel
 };
 
-// Facts, radiance, sigma and provenance; what depends on the field or on the neighbours stays. `to` keeps its
-// memory.
+struct HdrFrame {
+  FrameFacts facts;
+  float exposure = 1;                          // E / E_ref of the frame it belongs to
+  double reference_exposure = 1;               // E_ref, seconds x gains
+  float white = 1;                             // radiance that saturates the shortest exposure of the cycle
+  Image<float> radiance;                       // [rgb, rows, cols], finite, >= 0
+  Image<float> sigma;                          // [1, rows, cols] standard deviation of ln radiance
+  Image<std::uint8_t> provenance;              // [1, rows, cols] Provenance
+  std::optional<FramePose> pose;               // none where it is not known
+  LengthUnit length_unit = LengthUnit::Metre;  // of pose, depth and points
+  std::optional<Intrinsics> lens;              // none where no single lens made the picture
+  bool lens_is_assumed = false;                // the camera does not report it
+  Image<float> depth;  // [1, rows, cols] camera z, in length_unit; empty without the field
+  Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
+  // As flow, each empty where it was not requested: to the next frame (also empty without look-ahead and for
+  // the last), and the field's own motion both ways.
+  Image<float> flow_forward, field_flow, field_flow_forward;
+  std::vector<SurfacePoint> points;  // empty where they were not requested
+};
+
+// Facts, camera, radiance, sigma and provenance; what depends on the field or on the neighbours stays. `to`
+// keeps its memory.
 inline void copy_picture(const HdrFrame& from, HdrFrame& to) {
   to.facts = from.facts;
   to.exposure = from.exposure;
   to.reference_exposure = from.reference_exposure;
   to.white = from.white;
+  to.pose = from.pose;
+  to.length_unit = from.length_unit;
+  to.lens = from.lens;
+  to.lens_is_assumed = from.lens_is_assumed;
   to.radiance.copy_from(from.radiance);
   to.sigma.copy_from(from.sigma);
   to.provenance.copy_from(from.provenance);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/core/stopwatch.h"
+#include "render/surface_points.h"
 
 namespace hdrcam {
 namespace {
@@ -50,8 +51,9 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
     if (timing_) timing_(stage, watch.lap_ms());
   };
   emission_.render(estimate, frame);
-  frame.depth.reshape(0, 0, 0);
-  frame.field_flow.reshape(0, 0, 0);
+  for (Image<float>* layer : {&frame.depth, &frame.field_flow, &frame.field_flow_forward})
+    layer->reshape(0, 0, 0);
+  show_motion_and_points(estimate, frame);
   lap("emission");
   if (!estimate.field || options_.layer == EmitLayer::State) return;
   if (options_.layer == EmitLayer::Field)
@@ -61,15 +63,28 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   lap("field render");
 }
 
+void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {
+  if (options_.shows_flow_forward && estimate.to_next != nullptr)
+    frame.flow_forward.copy_from(estimate.to_next->vectors);
+  else
+    frame.flow_forward.reshape(0, 0, 0);
+  if (options_.shows_points) find_surface_points(estimate, frame.radiance, frame.points);
+}
+
 // The view of the frame at one pixel in step x step; its depth and flow as layers.
 void RenderStage::look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame) {
   estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
-  if (options_.depth != DepthLayer::None) enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
+  if (options_.depth != DepthLayer::None) {
+    enlarge(view_.depth, step, rows, cols, frame.depth, pool_);
+    for (float& z : frame.depth.samples()) z *= estimate.depth_unit;
+  }
   if (!options_.shows_field_flow) return;
-  enlarge(view_.flow[static_cast<int>(Neighbour::Previous)], step, rows, cols, frame.field_flow, pool_);
-  for (float& px : frame.field_flow.samples())
-    px *= static_cast<float>(step);  // in pixels of the full-size picture
+  for (const auto& [toward, flow] :
+       {std::pair(Neighbour::Previous, &frame.field_flow), {Neighbour::Next, &frame.field_flow_forward}}) {
+    enlarge(view_.flow[static_cast<int>(toward)], step, rows, cols, *flow, pool_);
+    for (float& px : flow->samples()) px *= static_cast<float>(step);  // in pixels of the full-size picture
+  }
 }
 
 void RenderStage::take_all(const FrameEstimate& estimate, HdrFrame& frame) {

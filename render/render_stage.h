@@ -24,7 +24,9 @@ enum class DepthLayer {
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
   DepthLayer depth = DepthLayer::None;
-  bool shows_field_flow = false;  // HdrFrame::field_flow
+  bool shows_flow_forward = false;  // HdrFrame::flow_forward
+  bool shows_field_flow = false;    // HdrFrame::field_flow and field_flow_forward
+  bool shows_points = false;        // HdrFrame::points
   // factor on the lower bound, > 1: how far the field may exceed the bound of clipped pixels
   float largest_answer = 4;
 };
@@ -41,6 +43,7 @@ class RenderStage {
   void render(const FrameEstimate& estimate, HdrFrame& frame);
 
  private:
+  void show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame);
   void look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame);
   void take_all(const FrameEstimate& estimate, HdrFrame& frame);
   bool mark_unseen(const FrameEstimate& estimate, int step);

@@ -1,11 +1,16 @@
-// hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same.
+// hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same; with the
+// poses that it states, in the files of reconstruction tools too.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <span>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/sinks/output_guard.h"
+#include "firmware_host/sinks/scene_files/colmap_text.h"
+#include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
@@ -15,18 +20,81 @@ namespace {
 
 struct ExportOptions {
   std::string recording, folder;
-  bool strict = false;
+  bool strict = false, transforms = false, colmap = false;
   std::unique_ptr<SettingsFlags> settings;
+
+  Damage damage() const { return strict ? Damage::Ends : Damage::IsSkipped; }
+  std::string transforms_path() const { return transforms ? folder + "/transforms.json" : ""; }
+  std::string model() const { return folder + "/colmap"; }
 };
+
+// Before anything is written: whether the recording states poses, and the lens that they need.
+Result<void> check_poses(Storage& storage, const ExportOptions& options) {
+  const auto reader = TRY(open_recording(storage, options.recording, options.damage()));
+  for (;;) {
+    auto facts = reader->next_facts();
+    if (!facts || !facts.value())
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{0}' states no poses; 'hdrcam replay {0} --preview out/%06d.png --transforms "
+                      "out/transforms.json' tracks the camera",
+                      options.recording)};
+    if ((**facts).T_world_camera) break;
+  }
+  return check_lens(PoseSource::Given, !reader->camera().intrinsics, fmt::format("'{}'", options.recording));
+}
+
+Result<void> check_files(Storage& storage, const ExportOptions& options) {
+  const NamedInput inputs[] = {{"the recording that is read", options.recording}};
+  std::vector<NamedOutput> outputs{{"--transforms", options.transforms_path()}};
+  for (const std::string_view file : kColmapFiles)
+    outputs.push_back({"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : ""});
+  return check_outputs(storage, inputs, outputs, Overwrite::Refuse);
+}
+
+PosedClip begun(const CameraFacts& camera) {
+  PosedClip clip;
+  clip.width = camera.width, clip.height = camera.height;
+  clip.lens = camera.intrinsics.value_or(Intrinsics{});
+  return clip;
+}
+
+void add(const FrameFacts& facts, const std::string& path, Instant start, PosedClip& clip) {
+  if (!facts.T_world_camera) {
+    ++clip.left_out;
+    return;
+  }
+  clip.pictures.push_back({.path = path,
+                           .depth_path = "",
+                           .time_s = to_seconds(facts.timestamp - start),
+                           .exposure_s = facts.exposure_s,
+                           .T_world_camera = from_matrix(*facts.T_world_camera)});
+}
+
+Result<void> write_poses(Storage& storage, const ExportOptions& options, const PosedClip& clip) {
+  if (options.transforms) {
+    const std::string text = to_transforms_json(clip, options.folder);
+    TRY(write_whole(storage, options.transforms_path(), std::as_bytes(std::span(text))));
+  }
+  if (options.colmap) TRY(write_colmap(storage, options.model(), clip, options.folder));
+  if (clip.left_out > 0) remark("{} frame(s) without a pose are only in the clip.json\n", clip.left_out);
+  return {};
+}
 
 // A truncated or damaged recording gives its whole frames and a message on stderr.
 Result<void> export_recording(Surroundings& around, const ExportOptions& options) {
   const Settings settings = TRY(options.settings->read(around.storage));
   if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
-  auto reader = TRY(
-      open_recording(around.storage, options.recording, options.strict ? Damage::Ends : Damage::IsSkipped));
+  const bool with_poses = options.transforms || options.colmap;
+  if (with_poses) {
+    TRY(check_poses(around.storage, options));
+    TRY(check_files(around.storage, options));
+  }
+  auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   TRY(admit_copy(settings, reader->camera()));
   auto clip = TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera()));
+  PosedClip posed = begun(reader->camera());
+  std::optional<Instant> start;
   int frames = 0;
   for (;; ++frames) {
     if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
@@ -37,9 +105,13 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     }
     if (!frame) return frame.error();
     if (!frame.value()) break;
+    const FrameFacts& facts = (**frame).facts;
+    if (!start) start = facts.timestamp;
     TRY(clip.append(**frame));
+    add(facts, clip.last_path(), *start, posed);
   }
   TRY(clip.finish());
+  if (with_poses) TRY(write_poses(around.storage, options, posed));
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
   say("{}: {} frames\n", options.folder, frames);
@@ -54,6 +126,10 @@ void add_export(CLI::App& app, Verb& chosen) {
   verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
   verb->add_option("-o,--output", options->folder, "the folder to write; it must not hold a clip yet")
       ->required();
+  verb->add_flag("--transforms", options->transforms,
+                 "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
+  verb->add_flag("--colmap", options->colmap,
+                 "the recording's poses as a COLMAP text model in colmap/ of that folder, without points");
   verb->add_flag("--strict", options->strict, "fail where the recording is cut or damaged");
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
   verb->callback([options, &chosen] {

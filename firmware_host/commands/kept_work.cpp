@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "firmware_host/sinks/frame_ledger.h"
+#include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "hal/video/video_writer.h"
 
@@ -26,10 +27,16 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
     const std::string& path = settings.output.path(sink.name);
     const std::string_view flag = sink.flag;
     if (path == kStandardOutput || sink.target == SinkTarget::Address) continue;  // replaces nothing
+    const std::string name(flag.substr(flag.find("--")));
+    if (sink.target == SinkTarget::Model && !path.empty()) {
+      for (const std::string_view file : kColmapFiles)
+        outputs.push_back({name, fmt::format("{}/{}", path, file)});
+      continue;
+    }
     const OutputKind kind = path.find('%') != std::string::npos ? OutputKind::Frames
                             : video_container_of(path)          ? OutputKind::Recording
                                                                 : OutputKind::Page;
-    outputs.push_back({std::string(flag.substr(flag.find("--"))), path, kind});
+    outputs.push_back({name, path, kind});
     if (std::string_view(sink.name) == "frames" && kind == OutputKind::Frames)
       outputs.push_back({"the list beside --output",
                          (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});

@@ -31,6 +31,18 @@ struct RenderFlags {
 
 bool is_png(const std::string& path) { return path.ends_with(".png"); }
 
+// A film's frames are made of recorded ones: what moves between them is known of those alone.
+Result<void> check_motion(const Settings& settings) {
+  for (const SinkKind& sink : sink_kinds())
+    if (std::string_view(sink.name).find("flow") != std::string_view::npos &&
+        !settings.output.path(sink.name).empty())
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} writes the motion between recorded frames, which a film "
+                               "does not show; use 'hdrcam replay'",
+                               sink.flag)};
+  return {};
+}
+
 // 8-bit pictures go where 8-bit pictures can go.
 Result<void> check_pictures(const FilmPlan& plan, const Settings& settings) {
   const std::string& frames = settings.output.path("frames");
@@ -89,6 +101,7 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.wish, settings.fit, recording));
   TRY(check_pictures(plan, settings));
+  TRY(check_motion(settings));
   std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
   if (!flags.wish.path.empty()) inputs.push_back({"the path of the view", flags.wish.path});
   TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "")));

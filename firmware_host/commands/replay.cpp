@@ -52,7 +52,8 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
     return Error{
         ErrorCode::Invalid,
-        "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report"};
+        "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report; "
+        "'hdrcam replay --help' lists all"};
   if (!settings.output.http_takes.empty())
     return Error{ErrorCode::Invalid, "--http-record needs a camera; a replay has nothing to record"};
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));

@@ -46,7 +46,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
     key = std::make_unique<Keyframe>();
   else
     key = std::move(spare_.back()), spare_.pop_back();
-  take_keyframe(frame, estimate, online.depth_unit(), pool_, own_view_, *key);
+  take_keyframe(frame, estimate, pool_, own_view_, *key);
   constexpr float kDark = 1 / 5000.f;  // of white: differences below it are noise
   edges_.follow(key->frame.radiance, kDark * key->frame.white, {}, key->inverse_depth);
   if (!keys_.empty()) motion_.match(*keys_.back(), *key);
@@ -128,8 +128,7 @@ void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
   const double playback_s = plan_.playback_s(frame);
   SceneView view;
   view.rows = plan_.height, view.cols = plan_.width;
-  view.lens =
-      lens_for(newest.lens, newest.inverse_depth.rows(), newest.inverse_depth.cols(), view.rows, view.cols);
+  view.lens = filming_lens(newest);
   const auto show_at = [&](double time_s, HdrFrame& picture) {
     const Moment moment = moment_at(time_s);
     view.T_world_camera = T_world_view(moment, playback_s, eye);
@@ -154,7 +153,6 @@ void VirtualCamera::join_eyes() {
   side_by_side(left_.sigma, instant_.sigma, frame_.sigma);
   side_by_side(left_.depth, instant_.depth, frame_.depth);
   side_by_side(left_.provenance, instant_.provenance, frame_.provenance);
-  frame_.flow.reshape(0, 0, 0), frame_.field_flow.reshape(0, 0, 0);
 }
 
 Result<void> VirtualCamera::film(const Show& show) {
@@ -171,6 +169,7 @@ Result<void> VirtualCamera::film(const Show& show) {
   record.sequence = frame_.facts.sequence;
   record.time_s = plan_.playback_s(shown_);
   record.exposure = static_cast<double>(frame_.exposure);
+  record.pose = frame_.pose;
   for (const std::uint8_t from : frame_.provenance.samples()) record.provenance_share[from] += 1;
   for (float& share : record.provenance_share) share /= static_cast<float>(frame_.provenance.size());
   const auto pixels = static_cast<double>(frame_.provenance.size());
@@ -189,13 +188,32 @@ void VirtualCamera::label(int frame) {
   frame_.facts.sequence = static_cast<std::uint64_t>(frame);
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
-  frame_.facts.T_world_camera = to_matrix(T_world_view(moment, plan_.playback_s(frame), 0));
+  state_camera(moment, plan_.playback_s(frame));
   frame_.exposure = nearest.exposure;
   frame_.reference_exposure = nearest.reference_exposure;
   frame_.white = nearest.white;
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
   expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);
+}
+
+// Where the virtual camera stands and what its lens is. Poses are stated in the recording's world, which need
+// not be the method's.
+void VirtualCamera::state_camera(const Moment& moment, double playback_s) {
+  const Keyframe& key = moment.nearest();
+  frame_.facts.T_world_camera.reset();  // of the recorded camera
+  frame_.length_unit = key.frame.length_unit;
+  frame_.lens_is_assumed = key.frame.lens_is_assumed;
+  frame_.lens.reset();  // two eyes have none in common
+  if (!(plan_.baseline > 0)) frame_.lens = filming_lens(key);
+  frame_.pose = key.frame.pose;
+  if (!frame_.pose) return;
+  const RigidTransform T_stated_world = frame_.pose->T_world_camera * key.T_world_camera.inverse();
+  frame_.pose->T_world_camera = T_stated_world * T_world_view(moment, playback_s, 0);
+}
+
+Intrinsics VirtualCamera::filming_lens(const Keyframe& key) const {
+  return lens_for(key.lens, key.inverse_depth.rows(), key.inverse_depth.cols(), plan_.height, plan_.width);
 }
 
 }  // namespace hdrcam

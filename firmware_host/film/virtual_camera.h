@@ -52,6 +52,8 @@ class VirtualCamera {
   void expose(int frame, double eye, HdrFrame& out);
   void join_eyes();
   void label(int frame);
+  void state_camera(const Moment& moment, double playback_s);
+  Intrinsics filming_lens(const Keyframe& key) const;
   void drop_old();
 
   const FilmPlan plan_;

@@ -19,7 +19,7 @@ Result<NovelViews> NovelViews::open(Storage& storage, const std::string& clip_fo
   return views;
 }
 
-Result<void> NovelViews::render(const FrameEstimate& estimate, float depth_unit) {
+Result<void> NovelViews::render(const FrameEstimate& estimate) {
   const auto found = frames_.find(estimate.frame.facts.sequence);
   if (found == frames_.end() || !estimate.field) return {};
   const int frame = found->second;
@@ -35,7 +35,7 @@ Result<void> NovelViews::render(const FrameEstimate& estimate, float depth_unit)
   const PosePair& cameras = *truth_.novel_camera(frame);
   RigidTransform T_own_novel =
       from_matrix(cameras.T_world_own).inverse() * from_matrix(cameras.T_world_novel);
-  T_own_novel.t *= static_cast<double>(depth_unit) / static_cast<double>(median(metres_per_unit));
+  T_own_novel.t *= static_cast<double>(estimate.depth_unit) / static_cast<double>(median(metres_per_unit));
   SceneView view = estimate.view;
   view.T_world_camera = view.T_world_camera * T_own_novel;
   estimate.field->look(view, *pool_, novel_);

@@ -21,9 +21,8 @@ class NovelViews {
   static Result<NovelViews> open(Storage& storage, const std::string& clip_folder, const std::string& folder,
                                  WorkerPool& pool);
 
-  // Does nothing for a frame without such truth or without a field. depth_unit: of the field's depth, in the
-  // poses' unit of length. Errors: those of the disk.
-  Result<void> render(const FrameEstimate& estimate, float depth_unit);
+  // Does nothing for a frame without such truth or without a field. Errors: those of the disk.
+  Result<void> render(const FrameEstimate& estimate);
 
  private:
   NovelViews(Storage& storage, GroundTruth truth, std::string folder, WorkerPool& pool)

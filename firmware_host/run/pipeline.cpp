@@ -1,5 +1,6 @@
 #include "firmware_host/run/pipeline.h"
 
+#include "firmware_host/run/output_needs.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
@@ -30,8 +31,8 @@ void add_to(FrameValues& values, const char* stage, double ms) {
 bool is_steady(std::string_view stage) { return stage == "unpack" || stage == "noise" || stage == "state"; }
 
 bool shows_field(const Settings& settings, FieldUse use) {
-  const ExrLayers& layers = settings.output.layers;
-  return use == FieldUse::Seen || settings.fit.emit == EmitLayer::Field || layers.depth || layers.field_flow;
+  return use == FieldUse::Seen || settings.fit.emit == EmitLayer::Field ||
+         needs_of(settings.output).shows_field();
 }
 
 }  // namespace
@@ -51,14 +52,17 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
   options.knobs.look_ahead = fit.lookahead;
   options.knobs.code_noise = static_cast<float>(fit.code_noise);
-  const ExrLayers& layers = settings.output.layers;
-  options.render.shows_field_flow = layers.field_flow;
-  if (layers.depth)
+  const OutputNeeds needs = needs_of(settings.output);
+  options.render.shows_flow_forward = needs.flow_forward;
+  options.render.shows_field_flow = needs.field_flow;
+  options.render.shows_points = needs.points;
+  if (needs.depth)
     options.render.depth = DepthLayer::Whole;
   else if (!settings.output.path("sheet").empty())
     options.render.depth = DepthLayer::Glance;
-  // a field that is to be seen is there, whatever the preset
-  if (shows_field(settings, use) && fit.emit != EmitLayer::State) options.knobs.field = Knobs().field;
+  // a field that is to be seen, or that poses are tracked beside, is there whatever the preset
+  if ((shows_field(settings, use) || needs.poses) && fit.emit != EmitLayer::State)
+    options.knobs.field = Knobs().field;
   bool steps_told = false;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
@@ -71,7 +75,9 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
 
 FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {
   if (options.knobs.field == FieldKind::None) return FieldUse::None;
-  return shows_field(settings, use) ? FieldUse::Seen : FieldUse::Fills;
+  // poses before and after a rest of the field would be of two worlds
+  const bool stays = shows_field(settings, use) || needs_of(settings.output).poses;
+  return stays ? FieldUse::Seen : FieldUse::Fills;
 }
 
 Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera, WorkerPool& pool,
@@ -145,6 +151,7 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   record_.exposure = static_cast<double>(frame_.exposure);
   record_.exposure_source = frame_.facts.exposure_source;
   record_.verdict = frame_.facts.verdict;
+  record_.pose = frame_.pose;
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
   std::array<double, kProvenances> pixels{};

@@ -14,6 +14,7 @@
 #include "firmware_host/run/backend.h"
 #include "firmware_host/run/deadline.h"
 #include "firmware_host/run/novel_views.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
@@ -164,7 +165,7 @@ std::string written(const RunPlan& plan, const RunRecord& record) {
   for (const SinkKind& kind : plan.sinks) {
     const std::string& path = plan.settings.output.path(kind.name);
     const auto sink = std::ranges::find(record.sinks, std::string_view(kind.name), &SinkTimes::name);
-    const bool files = kind.target == SinkTarget::Files && path != kStandardOutput;
+    const bool files = kind.target != SinkTarget::Address && path != kStandardOutput;
     if (path.empty() || !files || sink == record.sinks.end()) continue;
     const bool numbered = path.find('%') != std::string::npos;
     text += numbered ? fmt::format("{}: {} frames", path, sink->frames) : path;
@@ -185,6 +186,7 @@ Result<void> first_cause(Result<void> worked, Result<void> ended) {
 Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
                          std::string& where) {
   const Settings& settings = plan.settings;
+  TRY(check_needs(settings));
   const CameraFacts& camera = source.camera();
   const RunPace pace = source.pace();
 
@@ -245,7 +247,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     if (!std::exchange(response_told, true))
       source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
     if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online(), source, kept);
-    if (novel_views) TRY(novel_views->render(estimate, pipeline.online().depth_unit()));
+    if (novel_views) TRY(novel_views->render(estimate));
     progress.frame_done(kept);
     return {};
   };

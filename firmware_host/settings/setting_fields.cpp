@@ -279,10 +279,11 @@ std::vector<SettingField> output_fields() {
   using L = ExrLayers;
   std::vector<SettingField> fields;
   for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
-  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::field_flow, &L::confidence,
-                         &L::provenance>(
-      "output.layers", "--layers", "more EXR channels; flow is the state's motion, field_flow the field's",
-      "none", {"depth", "flow", "field_flow", "confidence", "provenance"}));
+  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::flow_forward, &L::field_flow,
+                         &L::field_flow_forward, &L::confidence, &L::provenance>(
+      "output.layers", "--layers",
+      "more EXR channels; flow is the state's motion to the previous frame, field_flow the field's", "none",
+      {"depth", "flow", "flow_forward", "field_flow", "field_flow_forward", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
   fields.push_back(any<&Settings::output, &O::http_token>(

@@ -14,7 +14,10 @@ void copy(const HdrFrame& from, HdrFrame& to) {
   copy_picture(from, to);
   to.depth.copy_from(from.depth);
   to.flow.copy_from(from.flow);
+  to.flow_forward.copy_from(from.flow_forward);
   to.field_flow.copy_from(from.field_flow);
+  to.field_flow_forward.copy_from(from.field_flow_forward);
+  to.points = from.points;
 }
 
 void copy(const ExposedFrame& from, ExposedFrame& to) {

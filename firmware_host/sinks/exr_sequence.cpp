@@ -33,13 +33,18 @@ std::optional<double> number(const std::map<std::string, std::string>& texts, co
 }
 
 // What the samples of each layer are, for whoever opens a file without our documentation.
-void describe(const ExrLayers& layers, std::map<std::string, std::string>& texts) {
+void describe(const ExrLayers& layers, LengthUnit length_unit, std::map<std::string, std::string>& texts) {
   texts["hdrcam.unit.RGB"] = "scene-linear radiance; 1 saturates the reference exposure";
-  if (layers.depth) texts["hdrcam.unit.Z"] = "camera z in units of the field's near plane; 0 is unknown";
+  if (layers.depth)
+    texts["hdrcam.unit.Z"] = fmt::format("camera z; 1 is 1 {}; 0 is unknown", name(length_unit));
   if (layers.flow)
     texts["hdrcam.unit.backward"] = "pixels to the previous frame; u to the right, v down; 0 in the first";
+  if (layers.flow_forward)
+    texts["hdrcam.unit.forward"] = "pixels to the next frame; u to the right, v down; 0 in the last";
   if (layers.field_flow)
     texts["hdrcam.unit.field"] = "pixels to the previous frame, of the field; u to the right, v down";
+  if (layers.field_flow_forward)
+    texts["hdrcam.unit.field.forward"] = "pixels to the next frame, of the field; u to the right, v down";
   if (layers.confidence) {
     texts["hdrcam.unit.sigma"] = "standard deviation of ln radiance";
     texts["hdrcam.unit.confidence"] = "exp(-sigma), 0 to 1";
@@ -51,6 +56,14 @@ void describe(const ExrLayers& layers, std::map<std::string, std::string>& texts
         fmt::format("{}{} {}", legend.empty() ? "" : ", ", static_cast<int>(look.provenance), look.name);
 }
 
+void describe(const FramePose& pose, ExrAttributes& attributes) {
+  attributes.T_world_camera = to_matrix(pose.T_world_camera);
+  attributes.texts["hdrcam.poseSource"] = name(pose.source);
+  attributes.texts["hdrcam.lengthUnit"] = name(unit_of(pose.source));
+  if (pose.world > 0) attributes.texts["hdrcam.poseWorld"] = fmt::format("{}", pose.world);
+  if (pose.lost) attributes.texts["hdrcam.poseLost"] = "it only continues the motion before";
+}
+
 ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& options, Instant start) {
   const FrameFacts& facts = frame.facts;
   ExrAttributes attributes;
@@ -60,9 +73,9 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   attributes.chromaticities = Chromaticities{};
   if (options.framerate_hz && facts.timestamp >= start)  // a clock that was set back has none
     attributes.time_code = time_code(facts.timestamp - start, *options.framerate_hz);
-  attributes.T_world_camera = facts.T_world_camera;
+  if (frame.pose) describe(*frame.pose, attributes);
   attributes.owner = options.owner;
-  describe(options.layers, attributes.texts);
+  describe(options.layers, frame.length_unit, attributes.texts);
   attributes.texts["hdrcam.gain"] = fmt::format("{:.6g}", facts.analogue_gain * facts.digital_gain);
   attributes.texts["hdrcam.exposureSource"] = name(facts.exposure_source);
   if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
@@ -89,10 +102,13 @@ class DerivedPlanes {
     };
     for (int c = 0; c < 3; ++c) add(exr_channel::kRadiance[c], frame.radiance, c, ExrSample::Half);
     if (layers.depth) add(exr_channel::kDepth, frame.depth, 0, ExrSample::Float);
-    if (layers.flow)
-      for (int c = 0; c < 2; ++c) add(exr_channel::kFlowBackward[c], frame.flow, c, ExrSample::Half);
-    if (layers.field_flow)
-      for (int c = 0; c < 2; ++c) add(exr_channel::kFieldFlow[c], frame.field_flow, c, ExrSample::Half);
+    const auto add_flow = [&](bool wanted, const std::string_view(&names)[2], const Image<float>& flow) {
+      for (int c = 0; wanted && c < 2; ++c) add(names[c], flow, c, ExrSample::Float);
+    };
+    add_flow(layers.flow, exr_channel::kFlowBackward, frame.flow);
+    add_flow(layers.flow_forward, exr_channel::kFlowForward, frame.flow_forward);
+    add_flow(layers.field_flow, exr_channel::kFieldFlow, frame.field_flow);
+    add_flow(layers.field_flow_forward, exr_channel::kFieldFlowForward, frame.field_flow_forward);
     if (layers.confidence) {
       confidence_.resize(n);
       std::transform(frame.sigma.samples().begin(), frame.sigma.samples().end(), confidence_.begin(),

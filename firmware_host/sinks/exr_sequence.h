@@ -3,9 +3,12 @@
 // frames.csv in the same folder lists time and exposure of each frame (frame_ledger.h). An attribute of the
 // file states the unit of each layer.
 //   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
-//   Z                 depth, float, in units of the field's near plane; 0 where there is none
-//   backward.u/.v     motion to the previous frame, pixels; 0 for the first frame
-//   field.u/.v        the field's own motion to the previous frame, pixels
+//   Z                 depth, float: metres where poses are given, else units of the tracked poses; 0 where
+//                     there is none
+//   backward.u/.v     motion to the previous frame, float, pixels; 0 for the first frame
+//   forward.u/.v      motion to the next frame, likewise; 0 for the last frame
+//   field.u/.v        the field's own motion to the previous frame, likewise
+//   field.forward.u/.v    and to the next one
 //   sigma confidence  standard deviation of ln radiance; exp(-sigma): the one-sigma lower bound over the
 //   value, 0..1 provenance        enum Provenance
 #pragma once
@@ -24,7 +27,8 @@ namespace hdrcam {
 
 // The channels besides radiance.
 struct ExrLayers {
-  bool depth = false, flow = false, field_flow = false, confidence = false, provenance = false;
+  bool depth = false, flow = false, flow_forward = false, field_flow = false, field_flow_forward = false;
+  bool confidence = false, provenance = false;
 };
 
 struct ExrSequenceOptions {

@@ -40,6 +40,7 @@ struct FrameRecord {
   int rung = 0;           // of RunRecord::rungs; 0 without a deadline
   double latency_ms = 0;  // from the frame's arrival to its emission, on a camera; 0 in a replay
   std::array<float, kProvenances> provenance_share{};  // of the pixels, by enum Provenance, sums to 1
+  std::optional<FramePose> pose;                       // none where it is not known
   std::string note;  // unusual events in words: "step rolled back"; usually empty
 };
 

@@ -6,6 +6,23 @@
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
+namespace {
+
+using Paths = std::map<std::string, std::string, std::less<>>;
+
+std::string path_in(const Paths& paths, std::string_view sink) {
+  const auto path = paths.find(sink);
+  return path == paths.end() ? std::string() : path->second;
+}
+
+// The HDR frames where they are pictures, else the previews.
+PicturePatterns patterns_of(const Paths& paths) {
+  const std::string frames = path_in(paths, "frames");
+  const bool numbered = frames.find('%') != std::string::npos;
+  return {numbered ? frames : path_in(paths, "preview"), path_in(paths, "depth")};
+}
+
+}  // namespace
 
 Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
                               const std::map<std::string, std::string, std::less<>>& paths,
@@ -17,6 +34,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
     Open open{.name = kind.name, .pace = kind.pace};
     SinkRequest its = request;
     its.path = path->second;
+    its.patterns = patterns_of(paths);
     open.sink = TRY(kind.open(its));
     if (kind.pace != SinkPace::Light) {
       const bool camera = pace == RunPace::Camera;

@@ -9,6 +9,8 @@
 #include "firmware_host/sinks/live_view/live_view.h"
 #include "firmware_host/sinks/preview.h"
 #include "firmware_host/sinks/report.h"
+#include "firmware_host/sinks/scene_files/depth_pictures.h"
+#include "firmware_host/sinks/scene_files/flow_files.h"
 #include "firmware_host/sinks/stats.h"
 #include "hal/standard_output.h"
 
@@ -53,6 +55,43 @@ constexpr SinkKind kSinkKinds[] = {
      [](const SinkRequest& request) { return create_contact_sheet(request.storage, request.path); }},
     {"stats", "--stats", "time, losses and provenance per frame: stats.json", SinkPace::Light,
      [](const SinkRequest& request) { return create_stats(request.storage, request.path); }},
+    {"flow_forward", "--flow-forward", "motion to the next frame, for flow tools: out/%06d.flo",
+     SinkPace::Complete,
+     [](const SinkRequest& request) {
+       return create_flow_files(request.storage, "--flow-forward", request.path, &HdrFrame::flow_forward);
+     }},
+    {"flow_backward", "--flow-backward", "motion to the previous frame: back/%06d.flo", SinkPace::Complete,
+     [](const SinkRequest& request) {
+       return create_flow_files(request.storage, "--flow-backward", request.path, &HdrFrame::flow);
+     }},
+    {"field_flow_forward", "--field-flow-forward", "the field's motion to the next frame: field/%06d.flo",
+     SinkPace::Complete,
+     [](const SinkRequest& request) {
+       return create_flow_files(request.storage, "--field-flow-forward", request.path,
+                                &HdrFrame::field_flow_forward);
+     }},
+    {"field_flow_backward", "--field-flow-backward",
+     "the field's motion to the previous frame: field_back/%06d.flo", SinkPace::Complete,
+     [](const SinkRequest& request) {
+       return create_flow_files(request.storage, "--field-flow-backward", request.path,
+                                &HdrFrame::field_flow);
+     }},
+    {"depth", "--depth",
+     "depth in 16-bit pictures: depth/%06d.png, millimetres where poses are given, else thousandths of the "
+     "tracked poses' unit",
+     SinkPace::Complete,
+     [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); }},
+    {"transforms", "--transforms",
+     "poses of the pictures for nerfstudio and instant-ngp, given or tracked: transforms.json",
+     SinkPace::Light,
+     [](const SinkRequest& request) {
+       return create_transforms(request.storage, request.path, request.patterns);
+     }},
+    {"colmap", "--colmap", "poses and points as a COLMAP text model, in this folder: colmap", SinkPace::Light,
+     [](const SinkRequest& request) {
+       return create_colmap(request.storage, request.path, request.patterns);
+     },
+     SinkTarget::Model},
     {"report", "--report", "all of that on one page: report.html", SinkPace::Latest,
      [](const SinkRequest& request) { return create_report(request.storage, request.path); }},
     {"http", "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,

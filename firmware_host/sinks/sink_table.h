@@ -12,6 +12,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_sink.h"
 #include "firmware_host/sinks/run_control.h"
+#include "firmware_host/sinks/scene_files/pose_files.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/storage.h"
 
@@ -29,6 +30,7 @@ struct SinkRequest {
   std::string http_token = {};    // of the live view
   RunControl* control = nullptr;  // of a run on a camera; outlives the sink
   Trace* trace = nullptr;         // outlives the sink
+  PicturePatterns patterns = {};  // of the run's pictures; SinkSet fills it in
 };
 
 inline constexpr std::string_view kStandardOutput = "-";
@@ -41,7 +43,7 @@ enum class SinkPace {
 };
 
 // What a sink is given as its path.
-enum class SinkTarget { Files, Address };
+enum class SinkTarget { Files, Model, Address };  // Model: a folder with the files of a COLMAP model
 
 struct SinkKind {
   const char* name;   // "frames"

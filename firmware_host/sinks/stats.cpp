@@ -34,6 +34,15 @@ Json deadline_of(const RunRecord& record) {
   return {{"late", record.late}, {"left_out", record.left_out}, {"rungs", rungs}};
 }
 
+Json json_of(const FramePose& pose) {
+  Json json{{"source", name(pose.source)},
+            {"length_unit", name(unit_of(pose.source))},
+            {"T_world_camera", to_matrix(pose.T_world_camera)}};
+  if (pose.lost) json["lost"] = true;
+  if (pose.world > 0) json["world"] = pose.world;
+  return json;
+}
+
 Json json_of(const FrameRecord& frame, bool has_rungs) {
   Json json{{"sequence", frame.sequence},        {"time_s", frame.time_s},
             {"exposure", frame.exposure},        {"total_ms", frame.total_ms},
@@ -42,6 +51,7 @@ Json json_of(const FrameRecord& frame, bool has_rungs) {
   if (has_rungs) json["rung"] = frame.rung;
   json["exposure_source"] = name(frame.exposure_source);
   if (frame.verdict) json["verdict"] = name(*frame.verdict);
+  if (frame.pose) json["pose"] = json_of(*frame.pose);
   if (frame.latency_ms > 0) json["latency_ms"] = frame.latency_ms;
   if (!frame.note.empty()) json["note"] = frame.note;
   return json;

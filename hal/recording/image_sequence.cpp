@@ -143,6 +143,8 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
   return {};
 }
 
+std::string ImageSequenceWriter::last_path() const { return folder_ + "/" + clip_.frames.back().file; }
+
 Result<void> ImageSequenceWriter::finish() {
   const std::string text = clip_to_json(clip_);
   return write_whole(*storage_, folder_ + "/" + ImageSequence::kFile, std::as_bytes(std::span(text)));

@@ -65,6 +65,7 @@ class ImageSequenceWriter {
 
   // Writes the whole image. Errors: SizeChanged, Permission, NoSpace, Io.
   Result<void> append(const RawFrame& frame);
+  std::string last_path() const;  // of the image written last
   // Writes the clip.json; until then the folder holds images but no clip.
   Result<void> finish();
 

@@ -2,7 +2,7 @@
 
 namespace hdrcam {
 
-void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float depth_unit, WorkerPool& pool,
+void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerPool& pool,
                    FieldPicture& picture, Keyframe& key) {
   copy_picture(frame, key.frame);
   key.frame.flow.copy_from(frame.flow);
@@ -11,7 +11,7 @@ void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float d
   key.time_s = estimate.view.time_s;
   key.T_world_camera = estimate.view.T_world_camera;
   key.lens = estimate.view.lens;
-  key.depth_unit = depth_unit;
+  key.depth_unit = estimate.depth_unit;
   key.inverse_depth.reshape(1, frame.radiance.rows(), frame.radiance.cols());
   if (!estimate.field) {
     key.inverse_depth.fill(1);
@@ -19,7 +19,7 @@ void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float d
   }
   estimate.field->look(estimate.view, pool, picture);
   for (std::size_t i = 0; i < key.inverse_depth.size(); ++i)
-    key.inverse_depth.samples()[i] = 1 / (picture.depth.samples()[i] * depth_unit);
+    key.inverse_depth.samples()[i] = 1 / (picture.depth.samples()[i] * estimate.depth_unit);
 }
 
 RigidTransform between(const RigidTransform& T_world_a, const RigidTransform& T_world_b, double share) {

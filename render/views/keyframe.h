@@ -16,14 +16,14 @@ struct Keyframe {
   RigidTransform T_world_camera;
   Intrinsics lens;
   Image<float> inverse_depth;  // [1, rows, cols] 1 / camera z, > 0; 1 everywhere where no field knows it
-  float depth_unit = 1;        // of HdrFrame::depth
+  float depth_unit = 1;        // of the depth of the field that fills holes, in that unit of length
   FlowField to_previous;       // to the keyframe before; empty at the first
   FlowField from_previous;     // from the keyframe before to this one; empty at the first
 };
 
-// frame: as emitted for the estimate; depth_unit: of the field's depth; picture: buffers, reused. Reads the
-// estimate's field for the depth and leaves the motion empty (keyframe_motion.h).
-void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, float depth_unit, WorkerPool& pool,
+// frame: as emitted for the estimate; picture: buffers, reused. Reads the estimate's field for the depth and
+// leaves the motion empty (keyframe_motion.h).
+void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerPool& pool,
                    FieldPicture& picture, Keyframe& key);
 
 // The camera between two keyframes, 0 at a and 1 at b; outside, the motion goes on.

@@ -93,12 +93,14 @@ void ViewRenderer::render(const Moment& moment, const SceneView& view, const Sna
   frame.radiance.reshape(3, view.rows, view.cols);
   for (Image<float>* plane : {&frame.sigma, &frame.depth}) plane->reshape(1, view.rows, view.cols);
   frame.provenance.reshape(1, view.rows, view.cols);
-  frame.flow.reshape(0, 0, 0), frame.field_flow.reshape(0, 0, 0);
+  for (Image<float>* flow : {&frame.flow, &frame.flow_forward, &frame.field_flow, &frame.field_flow_forward})
+    flow->reshape(0, 0, 0);
+  frame.points.clear();
   frame.white = moment.nearest().frame.white;
   blend(moment, frame);
   SceneView place = view;
   place.time_s = moment.time_s();
-  fill(place, field, frame);
+  fill(place, field, moment.nearest().depth_unit, frame);
 }
 
 // A source's pixels where the view sees them: `share` of the way along their motion, then along their depth.
@@ -155,7 +157,7 @@ void ViewRenderer::blend(const Moment& moment, HdrFrame& frame) {
           if (source.key == nullptr || !(source.answer.inverse.at(0, y, x) > 0)) continue;
           sights[count++] = {source.key, source.answer.source.at(0, y, x), source.answer.source.at(1, y, x),
                              source.answer.rank.at(0, y, x), shares[i]};
-          frame.depth.at(0, y, x) = 1 / (source.answer.inverse.at(0, y, x) * source.key->depth_unit);
+          frame.depth.at(0, y, x) = 1 / source.answer.inverse.at(0, y, x);
         }
         holes_.at(0, y, x) = count == 0;
         if (count == 0) continue;
@@ -185,7 +187,7 @@ void ViewRenderer::blend(const Moment& moment, HdrFrame& frame) {
   });
 }
 
-void ViewRenderer::fill(const SceneView& view, const SnapshotHold& field, HdrFrame& frame) {
+void ViewRenderer::fill(const SceneView& view, const SnapshotHold& field, float depth_unit, HdrFrame& frame) {
   constexpr float kFieldSigma = 1;  // of ln radiance: nobody saw it
   if (std::ranges::none_of(holes_.samples(), [](std::uint8_t hole) { return hole != 0; })) return;
   if (field) {
@@ -196,7 +198,7 @@ void ViewRenderer::fill(const SceneView& view, const SnapshotHold& field, HdrFra
   for (std::size_t i = 0; i < holes_.size(); ++i) {
     if (holes_.samples()[i] == 0) continue;
     for (int c = 0; c < 3; ++c) frame.radiance.plane(c)[i] = field ? picture_.radiance.plane(c)[i] : 0;
-    frame.depth.samples()[i] = field ? picture_.depth.samples()[i] : 0;
+    frame.depth.samples()[i] = field ? picture_.depth.samples()[i] * depth_unit : 0;
     frame.sigma.samples()[i] = kFieldSigma;
     frame.provenance.samples()[i] = static_cast<std::uint8_t>(Provenance::Field);
   }

@@ -32,7 +32,7 @@ class ViewRenderer {
   explicit ViewRenderer(WorkerPool& pool) : pool_(pool) {}
 
   // view: pose, lens and size; its time is the moment's. field: fills holes; where it is empty they stay
-  // black. Sets radiance, sigma, provenance, depth and white of `frame`.
+  // black. Sets radiance, sigma, provenance, depth and white of `frame`, and leaves it without motion.
   void render(const Moment& moment, const SceneView& view, const SnapshotHold& field, HdrFrame& frame);
 
  private:
@@ -45,7 +45,7 @@ class ViewRenderer {
   void draw(const Keyframe& key, const FlowField& toward, float share, const RigidTransform& T_view_moment,
             const SceneView& view, Source& source);
   void blend(const Moment& moment, HdrFrame& frame);
-  void fill(const SceneView& view, const SnapshotHold& field, HdrFrame& frame);
+  void fill(const SceneView& view, const SnapshotHold& field, float depth_unit, HdrFrame& frame);
 
   WorkerPool& pool_;
   std::array<Source, 2> sources_;  // before, after

@@ -9,6 +9,7 @@ namespace hdrcam {
 class FixedPose final : public PosePrior {
  public:
   const CameraPose& estimate(const SeenFrame&) override { return pose_; }
+  PoseSource source() const override { return PoseSource::Fixed; }
 
  private:
   CameraPose pose_;
@@ -20,6 +21,7 @@ class GivenPose final : public PosePrior {
  public:
   const CameraPose& next(const FrameFacts& facts);
   const CameraPose& estimate(const SeenFrame& seen) override { return next(seen.frame.facts); }
+  PoseSource source() const override { return PoseSource::Given; }
   float near() const override { return 0.5f; }  // metres
 
  private:

@@ -11,6 +11,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
+#include "online/priors/pose/frame_pose.h"
 #include "online/priors/seen_frame.h"
 
 namespace hdrcam {
@@ -40,6 +41,7 @@ class PosePrior {
   virtual ~PosePrior() = default;
   // Estimates the pose of the next frame; the result belongs to the prior until the next call.
   virtual const CameraPose& estimate(const SeenFrame& seen) = 0;
+  virtual PoseSource source() const = 0;
   // Distance of the near plane, in the poses' unit of length.
   virtual float near() const { return 0.25f; }
 };

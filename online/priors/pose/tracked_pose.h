@@ -36,6 +36,7 @@ class TrackedPose final : public PosePrior {
   const CameraPose& estimate(const SeenFrame& seen) override {
     return next(seen.motion.to_previous, seen.motion.from_previous);
   }
+  PoseSource source() const override { return PoseSource::Tracked; }
 
  private:
   void start(const FlowField& from_previous);

@@ -63,11 +63,10 @@ double median_of(std::vector<float> values) {
 
 }  // namespace
 
-TEST_CASE("the depth that the poses tell weighs in the fit, and is the depth of the field") {
+TEST_CASE("the depth that the poses tell weighs in the fit, and is the depth that leaves, in metres") {
   const Emitted emitted = emitted_by(plane(), EmitLayer::Merged);
   CHECK(emitted.losses.contains("depth"));
-  constexpr double kNear_m = 0.5;  // of given poses: what the field's depth counts in
-  CHECK(median_of(emitted.depth) == Approx(kDepth_m / kNear_m).epsilon(0.1));
+  CHECK(median_of(emitted.depth) == Approx(kDepth_m).epsilon(0.1));
 }
 
 TEST_CASE("the field is seen from where the camera is") {

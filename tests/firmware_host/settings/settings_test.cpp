@@ -268,7 +268,8 @@ TEST_CASE("layers that do not exist are refused with the nearest that does") {
   CHECK(from_flags({"--layers", "depth, flow"}).value().output.layers.flow);
   CHECK(from_flags({"--layers", ""}).ok());
   CHECK(sentence(from_flags({"--layers", "depth,confidense"})) ==
-        "--layers takes any of depth,flow,field_flow,confidence,provenance, not 'confidense' (did you mean "
+        "--layers takes any of depth,flow,flow_forward,field_flow,field_flow_forward,confidence,provenance, "
+        "not 'confidense' (did you mean "
         "'confidence'?)");
   CHECK_THAT(sentence(from_flags({"--layers", "depth,,flow"})), Contains("not ''"));
 }

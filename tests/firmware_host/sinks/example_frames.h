@@ -37,6 +37,11 @@ inline HdrFrame example_frame(std::uint64_t sequence, With with = With::Radiance
     frame.flow = Image<float>(2, rows, cols);
     frame.field_flow = Image<float>(2, rows, cols);
     frame.field_flow.fill(0.25f);
+    frame.flow_forward = Image<float>(2, rows, cols);
+    frame.flow_forward.fill(1.0f / 3);
+    frame.field_flow_forward = Image<float>(2, rows, cols);
+    frame.field_flow_forward.fill(-0.25f);
+    frame.length_unit = LengthUnit::FirstDepth;
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < cols; ++x) {
         frame.depth.at(0, y, x) = 1 + static_cast<float>(y);

@@ -60,8 +60,13 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
 
 TEST_CASE("the layers that were asked for are in the file, and no others") {
   const std::string folder = scratch_folder("exr-layers");
-  const ExrLayers all{
-      .depth = true, .flow = true, .field_flow = true, .confidence = true, .provenance = true};
+  const ExrLayers all{.depth = true,
+                      .flow = true,
+                      .flow_forward = true,
+                      .field_flow = true,
+                      .field_flow_forward = true,
+                      .confidence = true,
+                      .provenance = true};
   for (const auto compression : {ExrCompression::Zip, ExrCompression::Piz}) {
     auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr",
                                     {.layers = all, .compression = compression});
@@ -69,18 +74,21 @@ TEST_CASE("the layers that were asked for are in the file, and no others") {
     REQUIRE(emit(*sink.value(), example_frame(1, With::DepthAndFlow)).ok());
     const auto read = read_exr(posix_storage(), folder + "/0001.exr");
     REQUIRE(read.ok());
-    CHECK(read.value().names.size() == 3 + 1 + 2 + 2 + 2 + 1);
+    CHECK(read.value().names.size() == 3 + 1 + 2 + 2 + 2 + 2 + 2 + 1);
     CHECK(value_in(read.value(), "Z", 6, 0) == 7);
     CHECK(value_in(read.value(), "backward.u", 2, 2) == 0.5f);
     CHECK(value_in(read.value(), "backward.v", 2, 2) == -1.5f);
+    CHECK(value_in(read.value(), "forward.v", 2, 2) == 1.0f / 3);  // float: half would round it
     CHECK(value_in(read.value(), "field.v", 2, 2) == 0.25f);
+    CHECK(value_in(read.value(), "field.forward.u", 2, 2) == -0.25f);
     CHECK(value_in(read.value(), "sigma", 9, 0) == Approx(0.1f).epsilon(1e-3));
     CHECK(value_in(read.value(), "confidence", 9, 0) == Approx(std::exp(-0.1f)).epsilon(1e-3));
     CHECK(value_in(read.value(), "provenance", 0, 31) == 4);
     const auto& units = read.value().attributes.texts;
-    for (const char* layer : {"RGB", "Z", "backward", "field", "sigma", "confidence", "provenance"})
+    for (const char* layer :
+         {"RGB", "Z", "backward", "forward", "field", "field.forward", "sigma", "confidence", "provenance"})
       CHECK(units.contains(std::string("hdrcam.unit.") + layer));
-    CHECK_THAT(units.at("hdrcam.unit.Z"), Contains("near plane"));
+    CHECK_THAT(units.at("hdrcam.unit.Z"), Contains("1 is 1 median depth of the first view"));
     CHECK_THAT(units.at("hdrcam.unit.provenance"), Contains("0 own sample") && Contains("4 clipped bound"));
   }
 }

@@ -41,6 +41,22 @@ TEST_CASE("the statistics are JSON with the fields that scripts rely on") {
   CHECK(json["response"][0].size() == 256);
 }
 
+TEST_CASE("the statistics state the pose of each frame that has one, its source and its unit") {
+  RunRecord record = test::example_run(3);
+  record.frames[1].pose = FramePose{{Eigen::Matrix3d::Identity(), {1, 2, 3}}, PoseSource::Tracked, true, 2};
+  record.frames[2].pose = FramePose{};
+  const auto frames = nlohmann::json::parse(to_json(record))["per_frame"];
+  CHECK_FALSE(frames[0].contains("pose"));
+  const auto& pose = frames[1]["pose"];
+  CHECK(pose["source"] == "tracked");
+  CHECK(pose["length_unit"] == "median depth of the first view");
+  CHECK(pose["T_world_camera"] ==
+        nlohmann::json({1.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 2.0, 0.0, 0.0, 1.0, 3.0}));
+  CHECK((pose["lost"] == true && pose["world"] == 2));
+  CHECK(frames[2]["pose"]["source"] == "given");
+  CHECK_FALSE((frames[2]["pose"].contains("lost") || frames[2]["pose"].contains("world")));
+}
+
 TEST_CASE("numbers that are not finite and text that is not UTF-8 still make valid JSON") {
   RunRecord record = test::example_run(1);
   record.frames[0].losses = {{"photometric", std::numeric_limits<double>::quiet_NaN()}};

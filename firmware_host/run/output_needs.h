@@ -1,0 +1,23 @@
+// What the outputs of a run need of the method besides the HDR frames. Reentrant.
+#pragma once
+
+#include "firmware_host/settings/settings.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+struct OutputNeeds {
+  bool depth = false;
+  bool flow_forward = false;  // to the next frame: needs look-ahead
+  bool field_flow = false;    // to both neighbours
+  bool poses = false;         // which are tracked where the field is
+  bool points = false;
+
+  bool shows_field() const { return depth || field_flow; }
+};
+OutputNeeds needs_of(const Settings::Output& output);
+
+// Invalid where the settings switch off what an output needs.
+Result<void> check_needs(const Settings& settings);
+
+}  // namespace hdrcam

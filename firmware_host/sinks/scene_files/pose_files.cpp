@@ -1,0 +1,180 @@
+#include "firmware_host/sinks/scene_files/pose_files.h"
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/scene_files/colmap_text.h"
+#include "firmware_host/sinks/scene_files/transforms_json.h"
+#include "render/tone_curve.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr std::size_t kMostPictures = 100'000;
+constexpr std::size_t kFramesWithPoints = 32;
+
+std::optional<FramePattern> pattern_of(const std::string& text, std::string_view extension) {
+  auto parsed = FramePattern::parse("", text, extension);
+  return parsed ? std::optional(std::move(parsed.value())) : std::nullopt;
+}
+
+// The pictures, as a sink of frames; what is written in the end is up to the subclass.
+class PoseFile : public FrameSink {
+ public:
+  PoseFile(Storage& storage, std::string_view flag, FramePattern pictures, std::optional<FramePattern> depths)
+      : storage_(storage), flag_(flag), pictures_(std::move(pictures)), depths_(std::move(depths)) {}
+
+  Result<void> emit(const EmittedFrame& emitted) override {
+    const HdrFrame& frame = emitted.hdr;
+    if (!start_) start_ = frame.facts.timestamp;
+    if (clip_.pictures.empty()) TRY(begin(frame));
+    if (!frame.pose || frame.pose->lost || clip_.pictures.size() == kMostPictures)
+      return ++clip_.left_out, Result<void>{};
+    PosedPicture picture;
+    picture.path = pictures_.path(frame.facts.sequence);
+    if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
+    picture.time_s = to_seconds(frame.facts.timestamp - *start_);
+    picture.exposure_s = frame.facts.exposure_s;
+    picture.T_world_camera = frame.pose->T_world_camera;
+    clip_.pictures.push_back(std::move(picture));
+    take_points(frame);
+    return {};
+  }
+
+  Result<void> conclude(const RunRecord&) override {
+    if (clip_.pictures.empty()) return {};  // the run failed before its first frame
+    leave_out_missing_pictures();
+    return write(storage_, clip_, pictures_.folder());
+  }
+
+ protected:
+  // folder: of the pictures
+  virtual Result<void> write(Storage& storage, const PosedClip& clip, const std::string& folder) = 0;
+
+ private:
+  // The first frame decides what the poses are.
+  Result<void> begin(const HdrFrame& frame) {
+    if (!frame.pose)
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("{} needs poses: frame {} has none and none is tracked; leave out --emit state "
+                      "and --set field=none",
+                      flag_, frame.facts.sequence)};
+    if (!frame.lens)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} needs pictures of one lens, and --stereo makes two a frame", flag_)};
+    TRY(check_lens(frame.pose->source, frame.lens_is_assumed, "the recording"));
+    clip_.width = frame.radiance.cols(), clip_.height = frame.radiance.rows();
+    clip_.lens = *frame.lens;
+    clip_.lens_is_assumed = frame.lens_is_assumed;
+    clip_.source = frame.pose->source;
+    return {};
+  }
+
+  void take_points(const HdrFrame& frame) {
+    if (frame.points.empty()) return;
+    const ToneCurve& curve = tone_.follow(frame.radiance);
+    std::vector<ColouredPoint>& points = points_.emplace_back();
+    for (const SurfacePoint& point : frame.points) {
+      ColouredPoint coloured{point.p_world, {}, clip_.pictures.size() - 1, point.u_px, point.v_px};
+      for (std::size_t c = 0; c < 3; ++c) coloured.rgb[c] = curve.code(point.radiance[c]);
+      points.push_back(coloured);
+    }
+    if (points_.size() > kFramesWithPoints) points_.pop_front();
+  }
+
+  // A camera's run sheds pictures of some frames.
+  void leave_out_missing_pictures() {
+    std::vector<std::optional<std::size_t>> place(clip_.pictures.size());
+    std::vector<PosedPicture> there;
+    for (std::size_t i = 0; i < clip_.pictures.size(); ++i) {
+      auto found = storage_.look_at(clip_.pictures[i].path);
+      if (!found || found->kind == FileKind::Missing) {
+        ++clip_.left_out;
+        continue;
+      }
+      place[i] = there.size();
+      there.push_back(std::move(clip_.pictures[i]));
+    }
+    clip_.pictures = std::move(there);
+    clip_.points.clear();
+    for (const std::vector<ColouredPoint>& points : points_)
+      for (ColouredPoint point : points)
+        if (place[point.picture]) {
+          point.picture = *place[point.picture];
+          clip_.points.push_back(point);
+        }
+  }
+
+  Storage& storage_;
+  const std::string flag_;
+  const FramePattern pictures_;
+  const std::optional<FramePattern> depths_;
+  std::optional<Instant> start_;
+  PosedClip clip_;
+  std::deque<std::vector<ColouredPoint>> points_;  // of the newest frames that have any
+  ToneAdaptation tone_;
+};
+
+class TransformsFile final : public PoseFile {
+ public:
+  TransformsFile(Storage& storage, std::string path, FramePattern pictures,
+                 std::optional<FramePattern> depths)
+      : PoseFile(storage, "--transforms", std::move(pictures), std::move(depths)), path_(std::move(path)) {}
+
+ private:
+  Result<void> write(Storage& storage, const PosedClip& clip, const std::string&) override {
+    const std::string text = to_transforms_json(clip, folder_of(path_));
+    return write_whole(storage, path_, std::as_bytes(std::span(text)));
+  }
+
+  const std::string path_;
+};
+
+class ColmapModel final : public PoseFile {
+ public:
+  ColmapModel(Storage& storage, std::string model, FramePattern pictures)
+      : PoseFile(storage, "--colmap", std::move(pictures), std::nullopt), model_(std::move(model)) {}
+
+ private:
+  Result<void> write(Storage& storage, const PosedClip& clip, const std::string& folder) override {
+    return write_colmap(storage, model_, clip, folder);
+  }
+
+  const std::string model_;
+};
+
+Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& patterns) {
+  for (const char* extension : {".exr", ".png"})
+    if (auto pattern = pattern_of(patterns.pictures, extension)) return std::move(*pattern);
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} names the pictures of the run, but it leaves none; give --output out/%06d.exr "
+                           "or --preview out/%06d.png too",
+                           flag)};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
+                                                     const PicturePatterns& patterns) {
+  auto pictures = TRY(pictures_of("--transforms", patterns));
+  TRY(make_folder_of(storage, path));
+  return std::unique_ptr<FrameSink>(std::make_unique<TransformsFile>(storage, path, std::move(pictures),
+                                                                     pattern_of(patterns.depths, ".png")));
+}
+
+Result<std::unique_ptr<FrameSink>> create_colmap(Storage& storage, const std::string& model,
+                                                 const PicturePatterns& patterns) {
+  auto pictures = TRY(pictures_of("--colmap", patterns));
+  TRY(storage.make_directories(model));
+  return std::unique_ptr<FrameSink>(std::make_unique<ColmapModel>(storage, model, std::move(pictures)));
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,29 @@
+// The sinks of --transforms and --colmap: they collect the pictures that a run leaves, with their poses, and
+// write one model when it ends (transforms_json.h, colmap_text.h). A frame whose pose is lost is left out, as
+// is one whose picture is not there in the end; so are frames after the first 100 000, which no such tool
+// takes. Points are those of the newest 32 frames that have any.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "firmware_host/sinks/frame_sink.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// Where the run leaves its pictures: patterns for one file per frame.
+struct PicturePatterns {
+  std::string pictures;  // "" where it leaves none
+  std::string depths;    // of depth_pictures.h; "" for none
+};
+
+// path: of the file; model: of the folder. The storage outlives the sinks. Errors: Invalid where the run
+// leaves no pictures; those of the disk. emit() fails at a frame without a pose before any that has one, and
+// where a pose has no lens.
+Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
+                                                     const PicturePatterns& patterns);
+Result<std::unique_ptr<FrameSink>> create_colmap(Storage& storage, const std::string& model,
+                                                 const PicturePatterns& patterns);
+
+}  // namespace hdrcam

@@ -1,0 +1,53 @@
+#include "firmware_host/sinks/scene_files/transforms_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "firmware_host/version.h"
+
+namespace hdrcam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json matrix_of(const RigidTransform& T_world_camera) {
+  Eigen::Matrix4d M = Eigen::Matrix4d::Identity();
+  M.topLeftCorner<3, 3>() = T_world_camera.R * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  M.topRightCorner<3, 1>() = T_world_camera.t;
+  M.array() += 0.0;  // no -0
+  Json rows = Json::array();
+  for (int r = 0; r < 4; ++r) rows.push_back({M(r, 0), M(r, 1), M(r, 2), M(r, 3)});
+  return rows;
+}
+
+}  // namespace
+
+std::string to_transforms_json(const PosedClip& clip, const std::string& folder) {
+  Json json{{"camera_model", "OPENCV"},
+            {"w", clip.width},
+            {"h", clip.height},
+            {"fl_x", clip.lens.fx_px},
+            {"fl_y", clip.lens.fy_px},
+            {"cx", clip.lens.cx_px},
+            {"cy", clip.lens.cy_px},
+            {"k1", 0},
+            {"k2", 0},
+            {"p1", 0},
+            {"p2", 0}};
+  json["hdrcam"] = {{"version", kVersion},
+                    {"pose_source", name(clip.source)},
+                    {"length_unit", name(clip.length_unit())},
+                    {"lens", clip.lens_is_assumed ? "assumed" : "stated"},
+                    {"frames_left_out", clip.left_out}};
+  Json& frames = json["frames"] = Json::array();
+  for (const PosedPicture& picture : clip.pictures) {
+    Json frame{{"file_path", path_from(folder, picture.path)},
+               {"transform_matrix", matrix_of(picture.T_world_camera)}};
+    if (!picture.depth_path.empty()) frame["depth_file_path"] = path_from(folder, picture.depth_path);
+    frame["time_s"] = picture.time_s;
+    frame["exposure_s"] = picture.exposure_s;
+    frames.push_back(std::move(frame));
+  }
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,70 @@
+// The sinks that write poses when a run ends: which frames they name.
+#include "firmware_host/sinks/scene_files/pose_files.h"
+
+#include <fstream>
+
+#include "tests/firmware_host/sinks/example_frames.h"
+#include "tests/hal/recording/sample_recordings.h"
+
+#include "tests/support/scene_file_readers.h"
+
+using namespace hdrcam;
+
+namespace {
+
+HdrFrame posed_frame(std::uint64_t sequence) {
+  HdrFrame frame = test::example_frame(sequence);
+  frame.pose.emplace().source = PoseSource::Tracked;
+  frame.pose->T_world_camera.t.x() = 0.1 * static_cast<double>(sequence);
+  frame.length_unit = LengthUnit::FirstDepth;
+  frame.lens = Intrinsics{30, 30, 16, 12};
+  frame.lens_is_assumed = true;
+  return frame;
+}
+
+void write_picture(const std::string& path) { std::ofstream(path) << "a picture"; }
+
+}  // namespace
+
+TEST_CASE("a frame whose pose is lost, and one whose picture is not there, are left out and counted") {
+  const std::string folder = sample::scratch_folder("pose_files");
+  const PicturePatterns patterns{folder + "/%04d.png", ""};
+  auto transforms = create_transforms(posix_storage(), folder + "/poses/transforms.json", patterns);
+  auto colmap = create_colmap(posix_storage(), folder + "/colmap", patterns);
+  REQUIRE((transforms.ok() && colmap.ok()));
+  for (const std::uint64_t sequence : {0U, 1U, 2U, 3U}) {
+    HdrFrame frame = posed_frame(sequence);
+    frame.pose->lost = sequence == 1;
+    if (sequence >= 2)
+      frame.points.push_back({{0, 0, 2.0 + static_cast<double>(sequence)}, 10.5, 8.5, {1, 1, 1}});
+    for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+      REQUIRE(test::emit(*sink, frame).ok());
+    if (sequence != 2) write_picture(folder + "/000" + std::to_string(sequence) + ".png");
+  }
+  for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+    REQUIRE((sink->finish().ok() && sink->conclude({}).ok()));
+
+  const auto read = test::read_transforms(folder + "/poses/transforms.json");
+  CHECK(read.cameras.size() == 2);
+  CHECK((read.cameras.contains("../0000.png") && read.cameras.contains("../0003.png")));
+  CHECK(read.json["hdrcam"]["frames_left_out"] == 2);
+  CHECK(read.json["hdrcam"]["lens"] == "assumed");
+  const auto model = test::read_colmap(folder + "/colmap");
+  REQUIRE(model.images.size() == 2);
+  CHECK(model.named("0003.png").camera.t[0] == Approx(-0.3));
+  REQUIRE(model.points.size() == 1);  // the other one's picture is not there
+  const auto& [id, point] = *model.points.begin();
+  CHECK(point.p_world.z == 5);
+  CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
+}
+
+TEST_CASE("a full disk ends the run with its own error and leaves no half of a file") {
+  const std::string folder = sample::scratch_folder("pose_files_full");
+  FaultyStorage full(posix_storage(), test::disk_of(100));
+  auto sink = create_transforms(full, folder + "/transforms.json", {folder + "/%04d.png", ""});
+  REQUIRE(sink.ok());
+  write_picture(folder + "/0000.png");
+  REQUIRE(test::emit(*sink.value(), posed_frame(0)).ok());
+  CHECK(sample::error_of(sink.value()->conclude({})).code == ErrorCode::NoSpace);
+  CHECK_FALSE(posix_storage().open(folder + "/transforms.json").ok());
+}
