@@ -215,8 +215,7 @@ TEST_CASE("a Bayer frame becomes an exposed frame of three channels", "[capture]
   raw.facts.exposure_s = 0.004;
   raw.codes = mosaic_of(PixelLayout::BayerGbrg, 6, 8, [](int c, int, int) { return 341 * (c + 1); });
   const auto frame =
-      unpack(raw, 0, 0.033,
-             {.bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
+      unpack(raw, 0, 0.033, {.bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
   REQUIRE(frame.ok());
   for (int c = 0; c < 3; ++c) CHECK(frame.value().codes.at(c, 3, 3) == Approx(85.0 * (c + 1)));
   CHECK(frame.value().exposure == 1);
