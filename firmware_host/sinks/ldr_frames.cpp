@@ -1,36 +1,24 @@
 #include "firmware_host/sinks/ldr_frames.h"
 
-#include <utility>
 #include <vector>
 
-#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/hdr_video.h"
+#include "firmware_host/sinks/numbered_files.h"
 #include "render/png.h"
 #include "render/views/re_exposure.h"
 
 namespace hdrcam {
 namespace {
 
-class LdrPictures : public FrameSink {
- public:
-  LdrPictures(Storage& storage, FramePattern pattern) : storage_(storage), pattern_(std::move(pattern)) {}
-
-  Result<void> emit(const EmittedFrame& frame) override {
-    const auto png = TRY(encode_png(codes_of_light(frame.hdr.radiance)));
-    return write_whole(storage_, pattern_.path(frame.hdr.facts.sequence), png);
-  }
-
- private:
-  Storage& storage_;
-  const FramePattern pattern_;
-};
+Result<void> write_picture(const EmittedFrame& frame, Storage& storage, const std::string& path) {
+  const auto png = TRY(encode_png(codes_of_light(frame.hdr.radiance)));
+  return write_whole(storage, path, png);
+}
 
 Result<std::unique_ptr<FrameSink>> open_frames(const SinkRequest& request) {
   if (video_container_of(request.path))
     return create_display_video(request.storage, request.path, request.camera.framerate_hz, request.video);
-  auto parsed = TRY(FramePattern::parse("--output", request.path, ".png"));
-  TRY(request.storage.make_directories(parsed.folder()));
-  return std::unique_ptr<FrameSink>(std::make_unique<LdrPictures>(request.storage, std::move(parsed)));
+  return create_numbered_files(request.storage, "--output", request.path, ".png", write_picture);
 }
 
 }  // namespace

@@ -3,33 +3,12 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
-#include <utility>
 
-#include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/numbered_files.h"
 
 namespace hdrcam {
-namespace {
 
 static_assert(std::endian::native == std::endian::little);
-
-class FlowFiles : public FrameSink {
- public:
-  FlowFiles(Storage& storage, FramePattern pattern, Image<float> HdrFrame::*layer)
-      : storage_(storage), pattern_(std::move(pattern)), layer_(layer) {}
-
-  Result<void> emit(const EmittedFrame& frame) override {
-    const Image<float>& radiance = frame.hdr.radiance;
-    return write_whole(storage_, pattern_.path(frame.hdr.facts.sequence),
-                       encode_flo(frame.hdr.*layer_, radiance.rows(), radiance.cols()));
-  }
-
- private:
-  Storage& storage_;
-  const FramePattern pattern_;
-  Image<float> HdrFrame::*const layer_;
-};
-
-}  // namespace
 
 std::vector<std::byte> encode_flo(const Image<float>& flow, int rows, int cols) {
   CHECK((flow.empty() || (flow.channels() == 2 && flow.rows() == rows && flow.cols() == cols)));
@@ -49,9 +28,12 @@ std::vector<std::byte> encode_flo(const Image<float>& flow, int rows, int cols) 
 Result<std::unique_ptr<FrameSink>> create_flow_files(Storage& storage, std::string_view flag,
                                                      std::string_view pattern,
                                                      Image<float> HdrFrame::*layer) {
-  auto parsed = TRY(FramePattern::parse(flag, pattern, ".flo"));
-  TRY(storage.make_directories(parsed.folder()));
-  return std::unique_ptr<FrameSink>(std::make_unique<FlowFiles>(storage, std::move(parsed), layer));
+  return create_numbered_files(
+      storage, flag, pattern, ".flo",
+      [layer](const EmittedFrame& frame, Storage& disk, const std::string& path) {
+        const Image<float>& radiance = frame.hdr.radiance;
+        return write_whole(disk, path, encode_flo(frame.hdr.*layer, radiance.rows(), radiance.cols()));
+      });
 }
 
 }  // namespace hdrcam
