@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "capture/exposed_frame.h"
+#include "hal/core/stage_timing.h"
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
@@ -22,7 +23,6 @@ namespace hdrcam {
 class OnlineStage {
  public:
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
-  using Timing = std::function<void(const char* stage, double ms)>;
   using LeftOut = std::function<void()>;
 
   // response: none where it is unknown and must be estimated. gpu: runs the state and renders the field; null
@@ -38,7 +38,7 @@ class OnlineStage {
   // Ends the stream and emits the rest.
   Result<void> finish(const Emit& emit);
 
-  void set_timing(Timing timing) { timing_ = std::move(timing); }
+  void set_timing(StageTiming timing) { timing_ = std::move(timing); }
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const Response& response() const { return response_; }
@@ -97,7 +97,7 @@ class OnlineStage {
   int world_ = -1;                            // of the poses: counts their beginnings
   std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and the one before them
   std::vector<std::unique_ptr<Step>> spare_;  // for reuse
-  Timing timing_;
+  StageTiming timing_;
   LeftOut left_out_;
 };
 

@@ -17,11 +17,12 @@ struct WarpBand {
   float limit;  // of the cubic against the bilinear value; 0: none
 };
 
-// One row of a small-window statistic (local_statistics.h), of the 2 radius + 1 rows around it.
+// One row of a small-window statistic (local_statistics.h) of a plane.
 struct WindowRow {
-  const float* lines[5];   // the first 2 radius + 1: from above to below, mirrored at the border
-  int radius, cols;        // radius: 1 or 2
-  float *mean, *variance;  // variance: null for the mean alone
+  const float* plane;
+  int rows, cols, y;
+  int radius;              // 1 or 2
+  float *mean, *variance;  // of row y; variance: null for the mean alone
 };
 
 struct PictureKernels {
