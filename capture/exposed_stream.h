@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/unpack.h"
+#include "hal/core/stage_timing.h"
 
 namespace hdrcam {
 
@@ -20,7 +21,6 @@ class ExposedStream {
  public:
   // The frame may be exchanged for another one, whose storage is then reused.
   using HandOn = std::function<Result<void>(ExposedFrame&)>;
-  using Timing = std::function<void(const char* stage, double ms)>;
 
   // first_frames: those that wait, 2 or more.
   ExposedStream(const CameraFacts& camera, int first_frames, StatedBlack stated_black);
@@ -30,7 +30,7 @@ class ExposedStream {
   // Ends the stream and hands on what waits. TooShort for fewer than two frames.
   Result<void> finish(const HandOn& hand_on);
 
-  void set_timing(Timing timing) { timing_ = std::move(timing); }
+  void set_timing(StageTiming timing) { timing_ = std::move(timing); }
 
  private:
   Result<void> start(const HandOn& hand_on);
@@ -45,7 +45,7 @@ class ExposedStream {
   int arrived_ = 0;
   Instant last_time_;
   ExposedFrame frame_;
-  Timing timing_;
+  StageTiming timing_;
 };
 
 }  // namespace hdrcam

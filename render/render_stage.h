@@ -2,8 +2,7 @@
 // layer can also be emitted alone. Thread-bound; deterministic for any number of threads.
 #pragma once
 
-#include <functional>
-
+#include "hal/core/stage_timing.h"
 #include "render/emission.h"
 
 namespace hdrcam {
@@ -33,13 +32,11 @@ struct RenderOptions {
 
 class RenderStage {
  public:
-  using Timing = std::function<void(const char* stage, double ms)>;
-
   // gpu: what computes beside the processor, or null; it outlives the stage.
   RenderStage(RenderOptions options, WorkerPool& pool, GpuDevice* gpu = nullptr)
       : options_(options), pool_(pool), emission_(pool, gpu) {}
 
-  void set_timing(Timing timing) { timing_ = std::move(timing); }
+  void set_timing(StageTiming timing) { timing_ = std::move(timing); }
   void render(const FrameEstimate& estimate, HdrFrame& frame);
 
  private:
@@ -54,7 +51,7 @@ class RenderStage {
   Emission emission_;
   FieldPicture view_;
   Image<std::uint8_t> unseen_;  // of the view: pixels from which an unseen one is filled
-  Timing timing_;
+  StageTiming timing_;
 };
 
 }  // namespace hdrcam
