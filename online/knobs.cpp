@@ -254,7 +254,7 @@ Knobs knobs_of(Preset preset) {
       break;
     case Preset::Balanced:
       knobs.budget.flow = FlowQuality::Fine;
-      fit.steps = 2;
+      fit.steps = 1;
       break;
     case Preset::Best:
       knobs.budget.flow = FlowQuality::Fine;

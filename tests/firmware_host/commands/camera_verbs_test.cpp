@@ -96,7 +96,8 @@ TEST_CASE("a deadline that nothing can hold costs previews and HDR frames, never
   CHECK(stats["emitted"].get<std::size_t>() == files_in(folder, ".exr"));
   CHECK(files_in(folder, ".png") == 0);
   CHECK(stats["sinks"]["preview"]["left_out"] == stats["emitted"]);
-  CHECK(stats["per_frame"].back()["rung"].get<std::size_t>() == stats["deadline"]["rungs"].size() - 1);
+  const auto last_rung = stats["per_frame"].back()["rung"].get<std::size_t>();
+  CHECK_THAT(stats["deadline"]["rungs"].at(last_rung).get<std::string>(), Catch::StartsWith("one frame in"));
   CHECK(frames_in(folder + "/raw.mkv").size() == 60);
 }
 

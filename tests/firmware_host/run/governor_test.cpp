@@ -45,7 +45,9 @@ struct Machine {
 };
 
 std::vector<Rung> ladder() {
-  return budget_ladder(knobs_of(Preset::Balanced).budget, FieldUse::Fills, PreviewUse::Some);
+  FrameBudget asked = knobs_of(Preset::Balanced).budget;
+  asked.fit.steps = 2;
+  return budget_ladder(asked, FieldUse::Fills, PreviewUse::Some);
 }
 
 struct Stretch {

@@ -119,7 +119,9 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
   for (Image<float>& flow : picture.flow) flow.reshape(2, rows, cols);
   const ProbeView from = probe_view(field.window, view.T_world_camera, time_s);
   const PixelMap map(field.window.frustum().camera, view.lens);
-  splat_surface(field, from);
+  const WindowFrame& frame = field.window.frame(from.frame);
+  const bool own = from.T_anchor_camera == frame.T_anchor_camera;  // then a ray's surface is its pixel's
+  if (!own) splat_surface(field, from);
   if (view.wanted != nullptr) {
     CHECK(view.wanted->rows() == rows && view.wanted->cols() == cols);
     for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share,
@@ -139,6 +141,11 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
             std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / map.scale[a] : 0.f;
   };
   const auto guide_at = [&](float px, float py) {
+    if (own) {
+      const int x = std::clamp(static_cast<int>(px), 0, frame.base.cols() - 1);
+      const int y = std::clamp(static_cast<int>(py), 0, frame.base.rows() - 1);
+      return frame.base.at(0, y, x)[kBaseSurface];
+    }
     const int gx = std::clamp(static_cast<int>(px) / kSplat, 0, guide_.cols() - 1);
     const int gy = std::clamp(static_cast<int>(py) / kSplat, 0, guide_.rows() - 1);
     return guide_.at(0, gy, gx);

@@ -81,11 +81,16 @@ class ViewGeometry {
     }
   }
 
+  // rows of [R | t / near] to the anchor
+  const T (&to_anchor() const)[3][4] { return to_anchor_; }
   // of a window coordinate d, as the anchor sees it
   static T inverse_depth(T d) { return (d - kDepthOffset) / kDepthScale; }
 
+  // z over the near distance, at least
+  static constexpr T kNearest = T(0.05);
+
  private:
-  static constexpr T kNearest = T(0.05), kDepthOffset = T(0.01), kDepthScale = T(0.98);
+  static constexpr T kDepthOffset = T(0.01), kDepthScale = T(0.98);
   T focal_[2], centre_[2], size_[2], margin_;
   T to_anchor_[3][4], from_anchor_[3][4];  // translation over the near distance
 };

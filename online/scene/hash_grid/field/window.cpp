@@ -3,25 +3,28 @@
 #include <atomic>
 #include <cmath>
 
+#include "online/scene/hash_grid/field/window_kernels.h"
+
 namespace hdrcam {
 namespace {
 
-constexpr float kMaxCodeValue = 255;
-constexpr float kDarkest = 1e-5f,
-                kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
 constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;
+constexpr int kBlock = 64;  // pixels of a row that a kernel takes at once
 
-float log_radiance(float radiance) {
-  return std::isfinite(radiance) ? std::log(std::clamp(radiance, kDarkest, kBrightest)) : std::log(kDarkest);
+// Calls body(y, x, count) for all blocks of all rows.
+template <class Body>
+void for_blocks(WorkerPool& pool, int rows, int cols, Body&& body) {
+  pool.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; x += kBlock) body(y, x, std::min(kBlock, cols - x));
+  });
 }
 
-// The gate: the share of the state's radiance that the networks may change, 1 for an unseen pixel, 0 where
-// the state is certain.
-float gate(float radiance, float variance, float trusted_sigma) {
-  if (!std::isfinite(radiance) || !std::isfinite(variance) || variance >= kUnseenVariance) return 1;
-  const float trusted = trusted_sigma * std::clamp(radiance, kDarkest, kBrightest);
-  const float spread = std::max(variance, 0.f);
-  return spread / (spread + trusted * trusted);
+RayToAnchor ray_to_anchor(const ViewGeometry<float>& view) {
+  RayToAnchor to;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j) to.row[i][j] = view.to_anchor()[i][j];
+  return to;
 }
 
 bool has_shape(const Image<float>* image, int channels, int rows, int cols) {
@@ -46,6 +49,7 @@ void WindowFrame::copy_from(const WindowFrame& other) {
   values.copy_from(other.values);
   base.copy_from(other.base);
   guide.copy_from(other.guide);
+  prior_guides.copy_from(other.prior_guides);
   depth_prior.copy_from(other.depth_prior);
   for (int k = 0; k < 2; ++k) has_flow[k] = other.has_flow[k];
   moving_share = other.moving_share;
@@ -77,6 +81,7 @@ std::unique_ptr<WindowFrame> Window::make_frame() const {
   frame->values = Image<float>(3, frustum_.rows, frustum_.cols);
   frame->base = Image<BasePixel>(1, frustum_.rows, frustum_.cols);
   frame->guide = Image<float>(1, guide_rows, guide_cols);
+  frame->prior_guides = Image<std::uint8_t>(1, guide_rows, guide_cols);
   return frame;
 }
 
@@ -155,62 +160,67 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
 }
 
 void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const {
-  const int rows = frustum_.rows, cols = frustum_.cols;
-  pool.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) {
-        BasePixel& base = frame.base.at(0, y, x);
-        base.fill(0);
-        for (int c = 0; c < 3; ++c) {
-          const float code = seen.codes->at(c, y, x), radiance = seen.radiance->at(c, y, x);
-          frame.values.at(c, y, x) =
-              std::isfinite(code) ? std::clamp(code / kMaxCodeValue, 0.f, 1.f) : kNoValue;
-          base[static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance(radiance);
-          base[static_cast<std::size_t>(kBaseGate + c)] =
-              gate(radiance, seen.variance->at(c, y, x), options_.trusted_sigma);
-        }
+  const WindowKernels& kernels = window_kernels();
+  for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
+    BasePixel* const base = &frame.base.at(0, y, x);
+    for (int i = 0; i < n; ++i) base[i].fill(0);
+    for (int c = 0; c < 3; ++c) {
+      kernels.values({seen.codes->row(c, y) + x, kNoValue, frame.values.row(c, y) + x}, n);
+      alignas(64) float log_radiance[kBlock], gate[kBlock];
+      kernels.base({seen.radiance->row(c, y) + x, seen.variance->row(c, y) + x, kUnseenVariance,
+                    options_.trusted_sigma, log_radiance, gate},
+                   n);
+      for (int i = 0; i < n; ++i) {
+        base[i][static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance[i];
+        base[i][static_cast<std::size_t>(kBaseGate + c)] = gate[i];
       }
+    }
   });
   frame.has_flow[0] = frame.has_flow[1] = false;
   frame.moving_share = 0;
   frame.depth_prior.reshape(0, 0, 0);
-  if (has_shape(seen.inverse_depth, 1, rows, cols)) frame.depth_prior.copy_from(*seen.inverse_depth);
+  if (has_shape(seen.inverse_depth, 1, frustum_.rows, frustum_.cols))
+    frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
 // Lifts a flow of pixels to a displacement in window space, with the best known depth at both ends. The
 // reverse flow starts as its opposite until it is measured: motion is nearly uniform over two frames.
 void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
                        WorkerPool& pool) const {
-  const ViewGeometry<double> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
-  const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
+  const Intrinsics& camera = frustum_.camera;
+  const RayToAnchor here = ray_to_anchor({frustum_, from.T_anchor_camera}),
+                    there = ray_to_anchor({frustum_, to.T_anchor_camera});
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
   std::atomic<int> moving = 0;
-  const auto lift = [&](int y) {
+  for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
+    BasePixel* const base = &from.base.at(0, y, x);
+    alignas(64) float surface[kBlock], u[kBlock], v[kBlock], sure[kBlock];
+    for (int i = 0; i < n; ++i) surface[i] = base[i][kBaseSurface];
+    const LiftedRow row{flow.vectors.row(0, y) + x,
+                        flow.vectors.row(1, y) + x,
+                        flow.confidence.row(0, y) + x,
+                        surface,
+                        static_cast<float>(x) + 0.5f,
+                        static_cast<float>(y) + 0.5f,
+                        here,
+                        there,
+                        {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
+                        {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
+                        ViewGeometry<float>::kNearest,
+                        kMaxFlow_px,
+                        u,
+                        v,
+                        sure};
+    window_kernels().lift(row, n);
     int moving_here = 0;
-    for (int x = 0; x < frustum_.cols; ++x) {
-      float dx = flow.vectors.at(0, y, x), dy = flow.vectors.at(1, y, x), sure = flow.confidence.at(0, y, x);
-      if (!std::isfinite(dx) || !std::isfinite(dy) || !std::isfinite(sure)) dx = dy = sure = 0;
-      dx = std::clamp(dx, -kMaxFlow_px, kMaxFlow_px), dy = std::clamp(dy, -kMaxFlow_px, kMaxFlow_px);
-      const double q = static_cast<double>(from.base.at(0, y, x)[kBaseSurface]);
-      const double start[2] = {x + 0.5, y + 0.5};
-      const double end[2] = {start[0] + static_cast<double>(dx), start[1] + static_cast<double>(dy)};
-      double x_start[3], x_end[3];
-      here.place(start, q, x_start);
-      there.place(end, q, x_end);
-      BasePixel& base = from.base.at(0, y, x);
-      for (std::size_t a = 0; a < 2; ++a) {
-        const auto moved = static_cast<float>((x_end[a] - x_start[a]) / unit[a]);
-        base[kBaseFlow + 2 * k + a] = moved;
-        if (!from.has_flow[other]) base[kBaseFlow + 2 * other + a] = -moved;
-      }
-      base[kBaseConfidence + k] = std::clamp(sure, 0.f, 1.f);
-      if (std::abs(base[kBaseFlow + 2 * k]) > kStill_px || std::abs(base[kBaseFlow + 2 * k + 1]) > kStill_px)
-        ++moving_here;
+    for (int i = 0; i < n; ++i) {
+      base[i][kBaseFlow + 2 * k] = u[i], base[i][kBaseFlow + 2 * k + 1] = v[i];
+      if (!from.has_flow[other])
+        base[i][kBaseFlow + 2 * other] = -u[i], base[i][kBaseFlow + 2 * other + 1] = -v[i];
+      base[i][kBaseConfidence + k] = sure[i];
+      moving_here += std::abs(u[i]) > kStill_px || std::abs(v[i]) > kStill_px;
     }
-    moving += moving_here;
-  };
-  pool.for_rows(frustum_.rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) lift(y);
+    moving.fetch_add(moving_here, std::memory_order_relaxed);
   });
   from.moving_share =
       std::max(from.moving_share, static_cast<float>(moving.load()) / static_cast<float>(from.base.size()));
@@ -237,6 +247,7 @@ void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, 
 
 // Where a prior covers enough of a tile, its mean is the guide.
 void Window::guide_by_prior(WindowFrame& frame) const {
+  frame.prior_guides.fill(0);
   if (frame.depth_prior.empty()) return;
   constexpr int kEnough = kGuideStep * kGuideStep / 4;
   for (int y = 0; y < frame.guide.rows(); ++y)
@@ -248,7 +259,9 @@ void Window::guide_by_prior(WindowFrame& frame) const {
           const float q = frame.depth_prior.at(0, py, px);
           if (std::isfinite(q)) sum += std::clamp(q, 0.f, 1.f), ++known;
         }
-      if (known >= kEnough) frame.guide.at(0, y, x) = sum / static_cast<float>(known);
+      if (known < kEnough) continue;
+      frame.guide.at(0, y, x) = sum / static_cast<float>(known);
+      frame.prior_guides.at(0, y, x) = 1;
     }
 }
 

@@ -58,6 +58,7 @@ struct WindowFrame {
   Image<BasePixel> base;  // [1, rows, cols]
   Image<float>
       guide;  // [1, rows / kGuideStep, cols / kGuideStep] inverse depth of the surfaces of the last field
+  Image<std::uint8_t> prior_guides;   // as guide: 1 where the depth prior gives the tile's
   Image<float> depth_prior;           // [1, rows, cols], empty without one
   bool has_flow[2] = {false, false};  // by Neighbour
   float moving_share = 0;             // of the pixels whose flow prior exceeds a quarter of a pixel

@@ -319,8 +319,8 @@ void FieldFit::apply_response(float gradient_scale) {
   response_.rebuild();
 }
 
-// The depth that the networks have learned for the newest frame becomes the guide of its rays and, carried
-// along the flow, of the next frame's.
+// The depth that the networks have learned for the newest frame, where no prior knows it, becomes the guide
+// of its rays and, carried along the flow, of the next frame's. Half of the tiles, in turn, a frame.
 void FieldFit::refresh_guide() {
   Window& window = window_;
   if (window.size() == 0 || !window.has_parallax()) return;
@@ -328,18 +328,24 @@ void FieldFit::refresh_guide() {
   const ProbeView view{frame.T_anchor_camera, window.size() - 1, 0};
   ProbeRay rays[FieldProbe::kRays];
   ProbeAnswer answers[FieldProbe::kRays];
+  float* guides[FieldProbe::kRays];
+  std::size_t waiting = 0;
+  const auto look = [&] {
+    probe_.look(field(), view, {rays, waiting}, {answers, waiting});
+    for (std::size_t i = 0; i < waiting; ++i) *guides[i] = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
+    waiting = 0;
+  };
   for (int y = 0; y < frame.guide.rows(); ++y)
-    for (int x0 = 0; x0 < frame.guide.cols(); x0 += FieldProbe::kRays) {
-      const int count = std::min(FieldProbe::kRays, frame.guide.cols() - x0);
-      for (int i = 0; i < count; ++i)
-        rays[i] = {{static_cast<float>((x0 + i) * kGuideStep) + kGuideStep / 2.f,
-                    static_cast<float>(y * kGuideStep) + kGuideStep / 2.f},
-                   frame.guide.at(0, y, x0 + i)};
-      probe_.look(field(), view, {rays, static_cast<std::size_t>(count)},
-                  {answers, static_cast<std::size_t>(count)});
-      for (int i = 0; i < count; ++i)
-        frame.guide.at(0, y, x0 + i) = std::clamp(answers[i].inverse_depth, 0.01f, 0.95f);
+    for (int x = 0; x < frame.guide.cols(); ++x) {
+      if (frame.prior_guides.at(0, y, x) != 0 || (x + y + frame.index) % 2 != 0) continue;
+      float& guide = frame.guide.at(0, y, x);
+      rays[waiting] = {{static_cast<float>(x * kGuideStep) + kGuideStep / 2.f,
+                        static_cast<float>(y * kGuideStep) + kGuideStep / 2.f},
+                       guide};
+      guides[waiting++] = &guide;
+      if (waiting == FieldProbe::kRays) look();
     }
+  if (waiting > 0) look();
 }
 
 // Moves the anchor to the newest frame. The grids are carried over level by level: a dense level is
