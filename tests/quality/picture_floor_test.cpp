@@ -87,7 +87,7 @@ TEST_CASE("fast, balanced and best rise in work and in quality", "[floor]") {
     const Preset lesser = presets[i], greater = presets[i + 1];
     INFO(name(lesser) << ": " << in_words(merged(lesser).scores) << "\n"
                       << name(greater) << ": " << in_words(merged(greater).scores));
-    CHECK(samples(greater) > 1.5 * samples(lesser));
+    CHECK(samples(greater) > 1.2 * samples(lesser));
     const bool finer_flow = options_of(greater, EmitLayer::Merged).knobs.budget.flow >
                             options_of(lesser, EmitLayer::Merged).knobs.budget.flow;
     CHECK(finer_flow == (lesser == Preset::Fast));
