@@ -14,9 +14,10 @@ using test::example_frame;
 
 namespace {
 
-// What a sink saw: sequence numbers, brightest radiance, and whether it was finished.
+// What a sink saw: sequence numbers of the HDR frame and of the input, brightest radiance, and whether it was
+// finished. The tests judge it: Catch2's assertions belong to one thread.
 struct Seen {
-  std::vector<std::uint64_t> sequences;
+  std::vector<std::uint64_t> sequences, inputs;
   std::vector<float> brightest;
   bool finished = false;
 };
@@ -30,7 +31,7 @@ class GatedSink : public FrameSink {
   Result<void> emit(const EmittedFrame& frame) override {
     gate_.wait();
     if (frame.record.sequence == fails_at_) return Error{ErrorCode::NoSpace, "the disk is full"};
-    CHECK(frame.input.facts.sequence == frame.record.sequence);
+    seen_.inputs.push_back(frame.input.facts.sequence);
     seen_.sequences.push_back(frame.hdr.facts.sequence);
     seen_.brightest.push_back(frame.hdr.radiance.at(0, 0, 31));
     return {};
@@ -66,6 +67,7 @@ TEST_CASE("behind its queue a sink sees every frame in order, as it was when it 
   REQUIRE(sink.finish().ok());
   CHECK(seen.finished);
   CHECK(seen.sequences == sequences);
+  CHECK(seen.inputs == sequences);
   CHECK(seen.brightest == brightest);
   CHECK(sink.times().frames == 50);
   CHECK(sink.times().left_out == 0);
@@ -121,7 +123,7 @@ TEST_CASE("a queue allocates nothing once each of its frames was used") {
   Gate gate;
   gate.promise.set_value();
   Seen seen;
-  seen.sequences.reserve(100), seen.brightest.reserve(100);
+  seen.sequences.reserve(100), seen.inputs.reserve(100), seen.brightest.reserve(100);
   AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::Wait, ThreadPriority::Usual);
   const HdrFrame frame = example_frame(0, test::With::DepthAndFlow);
   ExposedFrame input;
