@@ -20,9 +20,9 @@ struct Ran {
   std::string output;  // both streams
 };
 
-// arguments: as a shell takes them.
-inline Ran ran(const std::string& arguments) {
-  std::FILE* pipe = popen((std::string(HDRCAM_BINARY) + " " + arguments + " 2>&1").c_str(), "r");
+// arguments: as a shell takes them; before: what stands before the program, such as an environment.
+inline Ran ran(const std::string& arguments, const std::string& before = "") {
+  std::FILE* pipe = popen((before + " " + HDRCAM_BINARY + " " + arguments + " 2>&1").c_str(), "r");
   REQUIRE(pipe != nullptr);
   Ran ran;
   char buffer[512];

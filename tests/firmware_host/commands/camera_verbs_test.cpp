@@ -422,6 +422,7 @@ TEST_CASE("a recorder that is killed leaves a readable recording, each frame wit
   survives_kills(12);
 }
 
-TEST_CASE("a recorder that is killed at 200 moments leaves a readable recording each time", "[.][full]") {
-  survives_kills(200);
+TEST_CASE("a recorder that is killed at a thousand moments leaves a readable recording each time",
+          "[.][full]") {
+  survives_kills(1000);
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/run/run.h"
@@ -31,10 +32,13 @@ struct Growth {
   bool measured = false;
   std::uint64_t allocations = 0;
   std::ptrdiff_t bytes = 0;
+  int unbalanced = 0;    // moments at which frames were in no ledger
+  int wrong_labels = 0;  // frames that are not as bright as their exposure makes the scene
 };
 
-// A camera; notes what the process has taken once `warm` frames were captured and the fit has seen every kind
-// of frame, and at the end.
+// A camera that films a scene without change and noise. Notes what the process has taken once `warm` frames
+// were captured and the fit has seen every kind of frame, and at the end; judges ledger and label at each
+// frame.
 class WatchedCamera : public FrameSource {
  public:
   WatchedCamera(CameraSource& camera, std::uint64_t warm) : camera_(camera), warm_(warm) {}
@@ -45,6 +49,8 @@ class WatchedCamera : public FrameSource {
   Result<const RawFrame*> next() override {
     Result<const RawFrame*> frame = camera_.next();
     const LiveCounters counters = camera_.session().counters();
+    growth_.unbalanced += counters.captured() != counters.emitted + counters.dropped() + counters.under_way;
+    if (frame && frame.value() != nullptr) growth_.wrong_labels += !labelled_right(*frame.value());
     if (!growth_.measured && counters.captured() >= warm_ && counters.emitted >= kWarmFit) {
       growth_.measured = true;
       warm_allocations_ = own_allocations_so_far(), warm_bytes_ = resident_bytes();
@@ -66,17 +72,27 @@ class WatchedCamera : public FrameSource {
   const Growth& growth() const { return growth_; }
 
  private:
+  // Frames of one exposure are equal, and a longer exposure is brighter.
+  bool labelled_right(const RawFrame& frame) {
+    double sum = 0;
+    for (const std::uint16_t code : frame.codes.samples()) sum += code;
+    const auto [known, is_new] = brightness_.try_emplace(std::llround(frame.facts.exposure_s * 1e6), sum);
+    const bool rises = known == brightness_.begin() || std::prev(known)->second < sum;
+    return (is_new || known->second == sum) && rises;
+  }
+
   static constexpr std::uint64_t kWarmFit = 20;  // HDR frames: the window is full, and has moved on
   CameraSource& camera_;
   const std::uint64_t warm_;
   std::uint64_t warm_allocations_ = 0;
   std::size_t warm_bytes_ = 0;
+  std::map<std::int64_t, double> brightness_;  // sum of codes by exposure, us
   Growth growth_;
 };
 
 // What the process took from the moment when `warm` frames were captured until the end.
 Growth growth_over(std::uint64_t frames, std::uint64_t warm, Settings settings) {
-  settings.camera.id = "sim:still?size=48x32&fps=250";
+  settings.camera.id = "sim:still?size=48x32&fps=250&without=noise";
   settings.camera.format = "RGB24";
   settings.schedule.shutter = "1ms,2ms";
   settings.fit.preset = Preset::Fast;
@@ -118,6 +134,8 @@ void lasts(std::uint64_t frames, std::uint64_t warm, const Settings& settings) {
   CHECK((growth.measured || !allocations_are_counted()));        // a sanitizer's fit may be too slow
   if (allocations_are_counted()) CHECK(growth.bytes < 2 << 20);  // a sanitizer keeps what is freed
   CHECK(threads_of_this_process() == threads);
+  CHECK(growth.unbalanced == 0);
+  CHECK(growth.wrong_labels == 0);
 }
 
 TEST_CASE("two thousand frames of a camera cost no allocation after the first, no memory and no thread") {
@@ -126,6 +144,11 @@ TEST_CASE("two thousand frames of a camera cost no allocation after the first, n
 }
 
 TEST_CASE("ten thousand frames cost no more", "[.][full]") { lasts(10'000, 2'000, with_field()); }
+
+// At 250 frames a second, more than the fit takes.
+TEST_CASE("half an hour at the camera's pace costs no more", "[.][half-hour]") {
+  lasts(30 * 60 * 250, 10'000, with_field());
+}
 
 }  // namespace
 }  // namespace hdrcam
