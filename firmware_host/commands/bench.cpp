@@ -1,4 +1,5 @@
-// hdrcam bench pareto CLIP..: what accuracy costs in time, on this machine.
+// hdrcam bench pareto CLIP..: what accuracy costs in time, on this machine. hdrcam bench kernels: how near
+// the method's kernels are to what this processor can do.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
@@ -6,6 +7,7 @@
 #include <span>
 
 #include "firmware_host/bench/cost_page.h"
+#include "firmware_host/bench/kernel_rates.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
@@ -79,12 +81,49 @@ Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
   return {};
 }
 
+struct KernelBenchFlags {
+  int width = 640, height = 480;
+  double seconds = 0.2;
+  std::string json;
+};
+
+Result<void> bench_kernels(Surroundings& around, const KernelBenchFlags& flags) {
+  if (!flags.json.empty())
+    TRY(make_room_for(around.storage, std::vector<NamedOutput>{{"--json", flags.json, OutputKind::Page}}));
+  const KernelRates rates = measure_kernels(kernel_tasks(flags.height, flags.width), flags.seconds);
+  if (!flags.json.empty()) {
+    const std::string text = rates_json(rates, flags.height, flags.width);
+    TRY(write_whole(around.storage, flags.json, std::as_bytes(std::span(text))));
+  }
+  say("{}", rates_table(rates));
+  return {};
+}
+
+void add_bench_kernels(CLI::App& bench, Verb& chosen) {
+  auto flags = std::make_shared<KernelBenchFlags>();
+  CLI::App* verb = bench.add_subcommand(
+      "kernels", "the rate of each kernel on one thread, beside what this processor can do, in one run");
+  verb->add_option("--width", flags->width, "of the pictures, px")
+      ->check(CLI::Range(64, 8192))
+      ->capture_default_str();
+  verb->add_option("--height", flags->height, "of the pictures, px")
+      ->check(CLI::Range(64, 8192))
+      ->capture_default_str();
+  verb->add_option("--seconds", flags->seconds, "for each kernel; the fastest fifth counts")
+      ->check(CLI::Range(0.001, 60.0))
+      ->capture_default_str();
+  verb->add_option("--json", flags->json, "also write the figures to this file");
+  verb->callback(
+      [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_kernels(around, *flags); }; });
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<BenchFlags>();
   CLI::App* bench = app.add_subcommand("bench", "measure what accuracy costs in time on this machine");
   bench->require_subcommand(1);
+  add_bench_kernels(*bench, chosen);
   CLI::App* verb = bench->add_subcommand(
       "pareto", "walk the knobs over clips with ground truth: time, quality and flicker of each point");
   verb->add_option("CLIP", flags->walk.clips, "folders with clip.json and gt/, as compare reads them")

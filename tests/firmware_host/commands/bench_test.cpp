@@ -4,6 +4,7 @@
 #include <string>
 
 #include "firmware_host/bench/cost_page.h"
+#include "firmware_host/bench/kernel_rates.h"
 #include "hal/storage.h"
 #include "tests/render/scores/synthetic_clip.h"
 
@@ -50,6 +51,46 @@ TEST_CASE(
   CHECK(page.find("look-ahead 0</text>") != std::string::npos);
   CHECK(bench.output.find("| balanced |") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(work / "cost/frames"));
+}
+
+TEST_CASE("hdrcam bench kernels measures each kernel and the ceilings, as a table and as JSON") {
+  synthetic_clip::TemporaryFolder work;
+  const Ran bench = ran({"bench", "kernels", "--width", "128", "--height", "96", "--seconds", "0.002",
+                         "--json", work / "kernels.json"});
+  INFO(bench.output);
+  REQUIRE(bench.exit_code == 0);
+  const auto json = nlohmann::json::parse(read_whole(posix_storage(), work / "kernels.json").value());
+  CHECK(json.at("flops_per_s") > 1e8);
+  CHECK(json.at("look_ups_per_s") > 1e6);
+  CHECK(json.at("kernels").size() == kernel_tasks(96, 128).size());
+  for (const auto& kernel : json.at("kernels")) {
+    INFO(kernel.at("kernel"));
+    CHECK(kernel.at("per_s") > 0);
+    if (kernel.contains("bound")) CHECK(kernel.at("ceiling_per_s") > 0);
+    CHECK(bench.output.find("| " + kernel.at("kernel").get<std::string>() + " |") != std::string::npos);
+  }
+}
+
+TEST_CASE("the ceiling of a kernel is the resource that it exhausts first") {
+  int runs = 0;
+  const auto task = [&](const char* name, double flops, double bytes, double look_ups) {
+    return KernelTask{name, "px", 10, flops, bytes, look_ups, 4096, [&] { ++runs; }};
+  };
+  const KernelTask tasks[] = {task("counted by flops", 1e9, 1, 1), task("by bytes", 1, 1e9, 1),
+                              task("by look-ups", 1, 1, 1e9), task("not at all", 0, 0, 0)};
+  const KernelRates rates = measure_kernels(tasks, 1e-4);
+  REQUIRE(rates.kernels.size() == 4);
+  CHECK(runs >= 4 * 6);
+  CHECK(rates.kernels[0].bound == KernelBound::Arithmetic);
+  CHECK(rates.kernels[0].ceiling_per_s == Approx(rates.flops_per_s / 1e9));
+  CHECK(rates.kernels[1].bound == KernelBound::Memory);
+  CHECK(rates.kernels[2].bound == KernelBound::LookUps);
+  CHECK(rates.kernels[2].ceiling_per_s == Approx(rates.look_ups_per_s / 1e9));
+  CHECK(rates.kernels[3].bound == KernelBound::Unknown);
+  CHECK(rates.kernels[3].ceiling_per_s == 0);
+  const std::string table = rates_table(rates);
+  CHECK(table.find("| memory |") != std::string::npos);
+  CHECK(table.find("| not at all |") != std::string::npos);
 }
 
 TEST_CASE("hdrcam bench pareto names what it cannot measure") {

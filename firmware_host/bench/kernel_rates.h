@@ -1,0 +1,34 @@
+// Rates of kernels beside the ceilings of this processor, measured in the same run. Thread-bound.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware_host/bench/kernel_tasks.h"
+
+namespace hdrcam {
+
+enum class KernelBound { Unknown, Arithmetic, Memory, LookUps };
+const char* name(KernelBound bound);
+
+struct KernelRate {
+  std::string kernel, item;
+  double items_per_s = 0;
+  double ceiling_per_s = 0;  // 0: none is known
+  KernelBound bound = KernelBound::Unknown;
+};
+
+struct KernelRates {
+  double flops_per_s = 0;     // of multiply-adds in registers
+  double look_ups_per_s = 0;  // pairs of floats at places of a table of one hash grid's size
+  std::vector<KernelRate> kernels;
+};
+
+// seconds: for each kernel; the fastest of several repetitions counts.
+KernelRates measure_kernels(std::span<const KernelTask> tasks, double seconds);
+
+std::string rates_table(const KernelRates& rates);  // Markdown
+std::string rates_json(const KernelRates& rates, int rows, int cols);
+
+}  // namespace hdrcam

@@ -1,0 +1,365 @@
+#include "firmware_host/bench/kernel_tasks.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "hal/core/image.h"
+#include "online/pictures/picture_kernels.h"
+#include "online/priors/motion/flow_kernels.h"
+#include "online/priors/motion/refinement_kernels.h"
+#include "online/scene/hash_grid/field/field_kernels.h"
+#include "online/scene/hash_grid/field/hash_grid.h"
+#include "online/scene/hash_grid/field/random.h"
+#include "online/scene/hash_grid/field/view_geometry.h"
+#include "online/scene/hash_grid/field/window_kernels.h"
+#include "online/state/exposure_blur_kernels.h"
+#include "online/state/exposure_tables.h"
+#include "online/state/fusion_kernels.h"
+#include "render/shrinkage_kernels.h"
+
+namespace hdrcam {
+namespace {
+
+// Planes of one size with numbers in a range.
+class Planes {
+ public:
+  Planes(int count, int rows, int cols, float low, float high, std::uint64_t seed)
+      : values_(count, rows, cols) {
+    Pcg32 random(seed);
+    for (float& v : values_.samples()) v = random.uniform(low, high);
+  }
+  float* row(int plane, int y) { return values_.row(plane, y); }
+  float* plane(int plane) { return values_.plane(plane); }
+  void fill(int plane, float value) { std::fill_n(values_.plane(plane), values_.plane_size(), value); }
+
+ private:
+  Image<float> values_;
+};
+
+using Tasks = std::vector<KernelTask>;
+
+// Adds a kernel that takes a picture row by row; channels: it is called once for each.
+template <class Row>
+void add_rows(Tasks& tasks, std::string name, int rows, int cols, double flops, int planes, Row&& row) {
+  KernelTask task;
+  task.name = std::move(name), task.item = "px";
+  task.items = static_cast<double>(rows) * cols;
+  task.flops = flops, task.bytes = 4.0 * planes;
+  task.footprint = task.items * task.bytes;
+  task.run = [rows, row = std::forward<Row>(row)] {
+    for (int y = 0; y < rows; ++y) row(y);
+  };
+  tasks.push_back(std::move(task));
+}
+
+// ---- pictures and state
+
+void add_pictures(Tasks& tasks, int rows, int cols) {
+  struct Room {
+    Planes in, flow, out;
+  };
+  const auto room = std::make_shared<Room>(Room{
+      Planes(3, rows, cols, 0.01f, 2, 1), Planes(2, rows, cols, -6, 6, 2), Planes(3, rows, cols, 0, 0, 3)});
+  const PictureKernels& kernels = picture_kernels();
+  const auto warp = [&](const char* name, auto kernel, float limit, double flops, double look_ups) {
+    KernelTask task;
+    task.name = name, task.item = "px";
+    task.items = static_cast<double>(rows) * cols;
+    task.flops = flops, task.look_ups = look_ups, task.bytes = 32;
+    task.footprint = task.items * task.bytes;
+    task.run = [room, kernel, limit, rows, cols] {
+      kernel({room->in.plane(0), room->out.plane(0), room->flow.plane(0), room->flow.plane(1), 3, rows, cols,
+              0, rows, limit});
+    };
+    tasks.push_back(std::move(task));
+  };
+  // a place 10, its weights 20 where cubic; 6 a channel where bilinear, 47 where cubic and limited
+  warp("warp, bilinear, rgb", kernels.warp_linear, 0, 10 + 3 * 6, 3 * 2);
+  warp("warp, bicubic, rgb", kernels.warp_cubic, 0.25f, 10 + 20 + 3 * 47, 3 * 4);
+  add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
+    kernels.window({room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)});
+  });
+  // 5 instants, of 12 and 7 a channel, with pairs of pixels of two rows
+  KernelTask blur;
+  blur.name = "exposure's blur, rgb", blur.item = "px";
+  blur.items = static_cast<double>(rows) * cols;
+  blur.flops = 5 * (12 + 3 * 7), blur.look_ups = 5 * (2 + 3 * 2), blur.bytes = 32;
+  blur.footprint = blur.items * blur.bytes;
+  const auto motion = std::make_shared<Planes>(2, rows, cols, 5.8f, 6.2f, 4);
+  blur.run = [room, motion, rows, cols] {
+    exposure_blur_kernels().blur({room->in.plane(0), motion->plane(0), motion->plane(1), 0.45f,
+                                  room->out.plane(0), 3, rows, cols, 0, rows});
+  };
+  tasks.push_back(std::move(blur));
+}
+
+void add_state(Tasks& tasks, int rows, int cols) {
+  struct Room {
+    ExposureTables tables;
+    Planes codes, radiance, share, out;
+  };
+  const auto room = std::make_shared<Room>(Room{
+      ExposureTables(Response::gamma(2.2f), {}, 0.5f), Planes(2, rows, cols, 0, 255, 1),
+      Planes(9, rows, cols, 0.01f, 1, 2), Planes(4, rows, cols, 0, 1, 3), Planes(4, rows, cols, 0, 0, 4)});
+  const FusionKernels& kernels = fusion_kernels();
+  const auto noise = [room] {
+    return SampleVariances{room->tables.variances(1).data(), room->tables.exposure()};
+  };
+  add_rows(tasks, "fusion: samples", rows, cols, 34, 5, [room, &kernels, cols](int y) {
+    kernels.sample({room->codes.row(0, y), room->codes.row(1, y), room->tables.radiances(1).data(),
+                    room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
+                   cols);
+  });
+  add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, noise, cols](int y) {
+    Planes& r = room->radiance;
+    kernels.compare(
+        {r.row(0, y), r.row(1, y), r.row(2, y), r.row(3, y), r.row(4, y), room->share.row(0, y), r.row(5, y),
+         noise(), 1e6f, 1e-3f, 1e-2f, 0.1f, room->out.row(0, y), room->out.row(1, y)},
+        cols);
+  });
+  add_rows(tasks, "fusion: gate", rows, cols, 67, 13, [room, &kernels, cols](int y) {
+    Planes &r = room->radiance, &s = room->share;
+    kernels.gate({r.row(0, y),
+                  s.row(0, y),
+                  s.row(1, y),
+                  {r.row(1, y), r.row(2, y), r.row(3, y)},
+                  {r.row(4, y), r.row(5, y), r.row(6, y)},
+                  {s.row(2, y), s.row(3, y), s.row(1, y)},
+                  2,
+                  1,
+                  0.01f,
+                  room->out.row(3, y)},
+                 cols);
+  });
+  add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
+    Planes& r = room->radiance;
+    kernels.update({r.row(0, y), r.row(7, y), r.row(4, y), room->share.row(0, y), r.row(2, y), r.row(5, y),
+                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, room->out.row(2, y)},
+                   cols);
+  });
+  const auto flow = std::make_shared<Planes>(2, rows, cols, -6, 6, 5);
+  add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 4, [room, flow, &kernels, cols](int y) {
+    kernels.warp_variance(
+        {flow->row(0, y), flow->row(1, y), room->radiance.row(3, y), 0.4f, room->out.row(3, y)}, cols);
+  });
+}
+
+// ---- the emission
+
+void add_shrinkage(Tasks& tasks, int rows, int cols) {
+  struct Room {
+    Planes in, opponent, sum, out;
+  };
+  const auto room =
+      std::make_shared<Room>(Room{Planes(6, rows, cols, 0.01f, 1, 1), Planes(6, rows, cols, 0, 0, 2),
+                                  Planes(6, rows, cols, 0, 0, 3), Planes(3, rows, cols, 0, 0, 4)});
+  const ShrinkageKernels& kernels = shrinkage_kernels();
+  add_rows(tasks, "shrinkage: to opponent colours", rows, cols, 90, 18, [room, &kernels, cols](int y) {
+    const auto rows_of = [y](Planes& planes, int first) {
+      return std::array<float*, 3>{planes.row(first, y), planes.row(first + 1, y), planes.row(first + 2, y)};
+    };
+    const auto radiance = rows_of(room->in, 0), variance = rows_of(room->in, 3);
+    const std::array<const float*, 3> r{radiance[0], radiance[1], radiance[2]};
+    const std::array<const float*, 3> v{variance[0], variance[1], variance[2]};
+    kernels.to_opponent(r.data(), v.data(), 0.01f, cols, rows_of(room->opponent, 0).data(),
+                        rows_of(room->opponent, 3).data(), rows_of(room->sum, 0).data(),
+                        rows_of(room->sum, 3).data());
+  });
+  KernelTask tiles;
+  tiles.name = "shrinkage: tiles of 8x8", tiles.item = "px";
+  const int lines = (rows - kShrinkageTile) / kShrinkageStep;
+  tiles.items = static_cast<double>(lines) * kShrinkageStep * cols;
+  tiles.run = [room, &kernels, lines, cols] {
+    for (int line = 0; line < lines; ++line) {
+      const int y = line * kShrinkageStep;
+      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), cols, room->sum.row(0, y),
+                     room->sum.row(3, y));
+    }
+  };
+  tasks.push_back(std::move(tiles));
+  const auto weights = std::make_shared<Planes>(3, rows, cols, 1.f, 2.f, 5);
+  add_rows(tasks, "shrinkage: to radiance", rows, cols, 80, 9, [room, weights, &kernels, cols](int y) {
+    const float* const sum[3] = {room->in.row(0, y), room->in.row(1, y), room->in.row(2, y)};
+    const float* const weight[3] = {weights->row(0, y), weights->row(1, y), weights->row(2, y)};
+    float* const out[3] = {room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)};
+    kernels.to_radiance(sum, weight, 0.01f, cols, out);
+  });
+}
+
+// ---- motion
+
+void add_motion(Tasks& tasks, int rows, int cols) {
+  // two pictures of one texture, the second two pixels to the right
+  struct Room {
+    Image<float> planes[2], patches, flow, weight, scratch;
+    FlowPicture pictures[2];
+  };
+  const auto room = std::make_shared<Room>();
+  const FlowKernels& kernels = flow_kernels();
+  Planes texture(1, rows / 4 + 2, cols / 4 + 4, 20, 230, 1);
+  for (int i = 0; i < 2; ++i) {
+    Image<float>& planes = room->planes[i] = Image<float>(3, rows + 2 * kFlowBorder, cols + 2 * kFlowBorder);
+    const auto origin = [&](int plane) { return planes.row(plane, kFlowBorder) + kFlowBorder; };
+    const std::ptrdiff_t pitch = planes.cols();
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const float u = static_cast<float>(x + 2 * i) / 4, v = static_cast<float>(y) / 4;
+        const int ui = static_cast<int>(u), vi = static_cast<int>(v);
+        const float fu = u - static_cast<float>(ui), fv = v - static_cast<float>(vi);
+        const float *above = texture.row(0, vi) + ui, *below = texture.row(0, vi + 1) + ui;
+        origin(0)[y * pitch + x] =
+            (1 - fv) * (above[0] + fu * (above[1] - above[0])) + fv * (below[0] + fu * (below[1] - below[0]));
+      }
+    kernels.extend(origin(0), pitch, rows, cols);
+    kernels.derive(origin(0), pitch, rows, cols, origin(1), origin(2));
+    room->pictures[i] = {origin(0), origin(1), origin(2), pitch, rows, cols};
+  }
+  constexpr int kStride = 4, kSteps = 4;
+  const PatchGrid grid{1 + (rows - kPatchSize + kStride - 1) / kStride,
+                       1 + (cols - kPatchSize + kStride - 1) / kStride, kStride};
+  room->patches = Image<float>(2, grid.rows, grid.cols);
+  room->flow = Image<float>(2, rows, cols);
+  room->weight = Image<float>(1, rows, cols);
+  room->scratch = Image<float>(kRefinementPlanes, rows + kRefinementRows, cols);
+  const auto search = [room, grid] {
+    return PatchSearch{
+        room->pictures[0], room->pictures[1], grid,  {room->patches.plane(0), room->patches.plane(1)},
+        nullptr,           nullptr,           kSteps};
+  };
+  const auto task = [&](const char* name, const char* item, double items, auto run) {
+    KernelTask added;
+    added.name = name, added.item = item, added.items = items, added.run = run;
+    tasks.push_back(std::move(added));
+  };
+  const double pixels = static_cast<double>(rows) * cols;
+  task("flow: inverse search, 2 x 4 steps", "patches", static_cast<double>(grid.rows) * grid.cols,
+       [room, search, &kernels, grid] {
+         room->patches.fill(0);
+         kernels.search(search(), 0, grid.rows);
+       });
+  task("flow: patches to pixels", "px", pixels, [room, search, &kernels, rows] {
+    kernels.spread(search(), 0, rows, {room->flow.plane(0), room->flow.plane(1)}, room->weight.plane(0));
+  });
+  task("flow: refinement, 5 x 5 sweeps", "px", pixels, [room] {
+    refinement_kernels().refine({room->pictures[0],
+                                 room->pictures[1],
+                                 {room->flow.plane(0), room->flow.plane(1)},
+                                 room->scratch.plane(0),
+                                 0.5f,
+                                 10,
+                                 0.1f,
+                                 5,
+                                 5});
+  });
+}
+
+// ---- the field
+
+void add_window(Tasks& tasks, int rows, int cols) {
+  struct Room {
+    Planes in, flow, out;
+  };
+  const auto room = std::make_shared<Room>(Room{
+      Planes(3, rows, cols, 0.01f, 1, 1), Planes(2, rows, cols, -6, 6, 2), Planes(3, rows, cols, 0, 0, 3)});
+  add_rows(tasks, "window: base", rows, cols, 30, 4, [room, cols](int y) {
+    window_kernels().base(
+        {room->in.row(0, y), room->in.row(1, y), 1e6f, 0.1f, room->out.row(0, y), room->out.row(1, y)}, cols);
+  });
+  add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
+    const RayToAnchor camera{{{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}}};
+    const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
+    window_kernels().lift({room->flow.row(0, y),
+                           room->flow.row(1, y),
+                           room->in.row(0, y),
+                           room->in.row(1, y),
+                           0.5f,
+                           static_cast<float>(y) + 0.5f,
+                           camera,
+                           camera,
+                           {2 * half_width, 2 * half_width},
+                           {half_width, half_height},
+                           ViewGeometry<float>::kNearest,
+                           512,
+                           room->out.row(0, y),
+                           room->out.row(1, y),
+                           room->out.row(2, y)},
+                          cols);
+  });
+}
+
+void add_field(Tasks& tasks) {
+  constexpr int kSamples = 256, kWidth = 32;
+  struct Room {
+    Pcg32 random{1};
+    HashGrid<float> grid{HashGridShape(), 1e-2f, random};
+    Planes position{3, 1, kSamples, 0, 1, 2}, x{kWidth, 1, kSamples, -1, 1, 3},
+        y{kWidth, 1, kSamples, -1, 1, 4};
+    Planes weights{1, kWidth, kWidth, -1, 1, 5}, d_weights{1, kWidth, kWidth, 0, 0, 6};
+    Planes bias{2, 1, kWidth, -1, 1, 7};
+    Image<std::int32_t> slot{1, 1, kSamples};
+    Planes moments{2, 1, 1 << 16, 0, 1e-3f, 8}, gradient{2, 1, 1 << 16, -1e-3f, 1e-3f, 9};
+  };
+  const auto room = std::make_shared<Room>();
+  const FieldKernels& kernels = field_kernels();
+  const auto query = [room] {
+    Planes& p = room->position;
+    return GridQuery{{p.plane(0), p.plane(1), p.plane(2)}, room->slot.plane(0), kSamples};
+  };
+  const auto add = [&](std::string name, const char* item, double items, double flops, double look_ups,
+                       auto run) {
+    KernelTask task;
+    task.name = std::move(name), task.item = item, task.items = items;
+    task.flops = flops, task.look_ups = look_ups, task.run = run;
+    tasks.push_back(std::move(task));
+  };
+  const int finest = room->grid.shape().levels - 1;
+  for (const int level : {0, finest}) {
+    const std::string kind = level == 0 ? ", dense level" : ", hashed level";
+    add("field: encode" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
+      kernels.encode(room->grid.level(level), room->grid.table(level).data(), query(), room->x.plane(0),
+                     room->x.plane(1));
+    });
+    add("field: scatter" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
+      kernels.scatter(room->grid.level(level), room->grid.d_table(level).data(), query(), room->y.plane(0),
+                      room->y.plane(1));
+    });
+  }
+  const double layer = 2.0 * kWidth * kWidth * kSamples;
+  add("field: layer 32 to 32", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.affine(room->weights.plane(0), room->bias.plane(0), room->x.plane(0), kSamples, kSamples, kWidth,
+                   kWidth, true, room->y.plane(0));
+  });
+  add("field: layer 32 to 32, backward", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.affine_transposed(room->weights.plane(0), room->x.plane(0), kSamples, kSamples, kWidth, kWidth,
+                              room->x.plane(0), room->y.plane(0));
+  });
+  add("field: layer 32 to 32, its weights", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.outer(room->x.plane(0), room->y.plane(0), kSamples, kSamples, kWidth, kWidth,
+                  room->d_weights.plane(0), room->bias.plane(1));
+  });
+  constexpr int kParameters = 1 << 16;
+  KernelTask adam;
+  adam.name = "field: Adam", adam.item = "parameters", adam.items = kParameters;
+  adam.flops = 13, adam.bytes = 40, adam.footprint = 5 * 4.0 * kParameters;
+  adam.run = [room, &kernels] {  // which clears the gradient
+    std::copy_n(room->gradient.plane(1), kParameters, room->gradient.plane(0));
+    kernels.adam({1e-3f, 1, 0.9f, 0.99f, 1e-8f}, kParameters, room->grid.table(0).data(),
+                 room->gradient.plane(0), room->moments.plane(0), room->moments.plane(1));
+  };
+  tasks.push_back(std::move(adam));
+}
+
+}  // namespace
+
+std::vector<KernelTask> kernel_tasks(int rows, int cols) {
+  Tasks tasks;
+  add_motion(tasks, rows, cols);
+  add_state(tasks, rows, cols);
+  add_pictures(tasks, rows, cols);
+  add_shrinkage(tasks, rows, cols);
+  add_window(tasks, rows, cols);
+  add_field(tasks);
+  return tasks;
+}
+
+}  // namespace hdrcam
