@@ -5,7 +5,7 @@ namespace hdrcam {
 constinit const std::array<LossFact, kLossTerms> kLosses = {{
     {"combined", 1.f, "difference between the rendered picture and the codes, through the response"},
     {"warped", 0.5f, "difference between the picture warped from a neighbour and the codes"},
-    {"occlusion", 0.02f, "how far a ray is marked as occluded"},
+    {"occlusion", 0.1f, "how far a ray is marked as occluded"},
     {"flow", 0.02f, "distance between the rendered scene flow and the flow prior, pixels"},
     {"depth", 0.1f, "difference between the rendered inverse depth and the depth prior, where there is one"},
     {"cycle", 0.02f, "distance left after scene flow there and back, pixels"},
