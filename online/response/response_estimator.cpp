@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "capture/clip_policy.h"
+#include "online/response/float_order.h"
 
 namespace hdrcam {
 namespace {
@@ -123,9 +124,10 @@ double rank_correlation(const std::vector<float>& a, const std::vector<float>& b
 // A sorted channel that gives the place of its codes in the histogram.
 class Ranking {
  public:
-  Ranking(const ExposedFrame& frame, int channel) : codes_(frame.codes.plane_size()) {
+  Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch)
+      : codes_(frame.codes.plane_size()) {
     std::copy_n(frame.codes.plane(channel), codes_.size(), codes_.begin());
-    std::sort(codes_.begin(), codes_.end());
+    sort_floats(codes_, scratch);
   }
 
   struct Boundary {
@@ -192,8 +194,9 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
   if (shortest) shortest_ = shorter.exposure;
   const auto steps = [](float exposure) { return static_cast<int>(std::lround(std::log2(exposure) * 64)); };
   const std::pair key{steps(shorter.exposure), steps(longer.exposure)};
+  std::vector<float> scratch;
   for (std::size_t c = 0; c < 3; ++c) {
-    const Ranking dark(shorter, static_cast<int>(c)), light(longer, static_cast<int>(c));
+    const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
     if (shorter.exposure < 1.1f * shortest_) {
       const float darkest = dark.quantile(kDarkShare);
       darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
