@@ -251,6 +251,11 @@ void add_motion(Tasks& tasks, int rows, int cols) {
                                  5,
                                  5});
   });
+  // 40 to begin with; 46 and 13 planes to weigh a round, 28 a sweep, of which one round takes 10 planes
+  // through the cache
+  KernelTask& refinement = tasks.back();
+  refinement.flops = 40 + 5 * 46 + 25 * 28, refinement.bytes = 4 * (14 + 5 * (13 + 10));
+  refinement.footprint = pixels * 4 * (kRefinementPlanes + 2);
 }
 
 // ---- the field
