@@ -20,12 +20,20 @@ void copy(const HdrFrame& from, HdrFrame& to) {
   to.points = from.points;
 }
 
-void copy(const ExposedFrame& from, ExposedFrame& to) {
+std::uint64_t bytes_of(const HdrFrame& frame) {
+  std::size_t floats = 0;
+  for (const Image<float>* layer : {&frame.radiance, &frame.sigma, &frame.depth, &frame.flow,
+                                    &frame.flow_forward, &frame.field_flow, &frame.field_flow_forward})
+    floats += layer->size();
+  return floats * sizeof(float) + frame.provenance.size() + frame.points.size() * sizeof(SurfacePoint);
+}
+
+void copy(const ExposedFrame& from, InputUse use, ExposedFrame& to) {
   to.facts = from.facts;
   to.index = from.index;
   to.exposure = from.exposure;
   to.blur_fraction = from.blur_fraction;
-  to.codes.copy_from(from.codes);
+  if (use == InputUse::Codes) to.codes.copy_from(from.codes);
 }
 
 }  // namespace
@@ -33,9 +41,9 @@ void copy(const ExposedFrame& from, ExposedFrame& to) {
 AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
                      const std::string& name, Trace* trace)
     : sink_(std::move(sink)),
+      input_use_(sink_->input_use()),
       when_full_(when_full),
       trace_(trace),
-      slots_(kSlots),
       thread_([this, priority, name] {
         name_this_thread(name);
         if (priority != ThreadPriority::Usual) set_priority_of_this_thread(priority);
@@ -45,18 +53,27 @@ AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, Thread
 
 AsyncSink::~AsyncSink() { end(); }
 
+std::size_t AsyncSink::slots_for(std::uint64_t frame_bytes) {
+  return std::clamp<std::size_t>(kMostBytes / std::max<std::uint64_t>(1, frame_bytes), 1, kDepth + 1);
+}
+
 Result<void> AsyncSink::emit(const EmittedFrame& frame) {
+  if (slots_.empty()) {  // its thread looks at them once there is a frame
+    const std::size_t codes = input_use_ == InputUse::Codes ? frame.input.codes.size() : 0;
+    slots_ = std::vector<Slot>(slots_for(bytes_of(frame.hdr) + codes * sizeof(float)));
+  }
+  const std::size_t slots = slots_.size();
   Slot* slot = nullptr;
   {
     std::unique_lock lock(mutex_);
-    if (when_full_ == WhenFull::Wait) changed_.wait(lock, [this] { return count_ < kSlots || !result_; });
+    if (when_full_ == WhenFull::Wait) changed_.wait(lock, [&] { return count_ < slots || !result_; });
     if (!result_) return result_;
-    if (count_ == kSlots) return ++times_.left_out, Result<void>{};
-    slot = &slots_[(begin_ + count_) % kSlots];
+    if (count_ == slots) return ++times_.left_out, Result<void>{};
+    slot = &slots_[(begin_ + count_) % slots];
   }
   // The slot is free and only this thread fills slots, so no lock is needed.
   copy(frame.hdr, slot->hdr);
-  copy(frame.input, slot->input);
+  copy(frame.input, input_use_, slot->input);
   slot->record = frame.record;
   {
     const std::lock_guard lock(mutex_);
@@ -85,7 +102,7 @@ void AsyncSink::work() {
       const std::lock_guard lock(mutex_);
       times_.frames += emitted.ok() ? 1 : 0;
       times_.total_ms += ms, times_.longest_ms = std::max(times_.longest_ms, ms);
-      begin_ = (begin_ + 1) % kSlots, --count_;
+      begin_ = (begin_ + 1) % slots_.size(), --count_;
       if (!emitted) result_ = std::move(emitted), count_ = 0;  // drops the rest
       if (!result_) return changed_.notify_all();
     }

@@ -1,10 +1,12 @@
 // Runs a sink on its own thread behind a bounded queue, so that a slow one (an EXR of 640x480 takes 50 ms)
 // costs the pipeline only a copy. Order is kept; the sink gets the same frames, a little later. WhenFull
-// declares what happens when the queue is full. The queue reuses its frames. Thread-bound; its thread alone
+// declares what happens when the queue is full. The queue is bounded in frames and in bytes, and reuses its
+// frames. Thread-bound; its thread alone
 // calls the sink until finish() has joined it.
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -24,7 +26,10 @@ enum class WhenFull {
 
 class AsyncSink : public FrameSink {
  public:
-  static constexpr int kDepth = 2;  // queued frames, besides the one in work
+  static constexpr int kDepth = 2;                          // queued frames, besides the one in work
+  static constexpr std::uint64_t kMostBytes = 64ULL << 20;  // of all of them, as long as there is one
+  // How many frames of this size it holds, with the one in work.
+  static std::size_t slots_for(std::uint64_t frame_bytes);
 
   // name: of its thread; trace: may be null, else outlives the sink.
   AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
@@ -38,6 +43,7 @@ class AsyncSink : public FrameSink {
   // Completes all queued frames, or drops them after an error; then calls the sink's finish() here.
   Result<void> finish() override;
   Result<void> conclude(const RunRecord& record) override { return sink_->conclude(record); }
+  InputUse input_use() const override { return input_use_; }
 
   // Statistics of the frames so far; times are of the sink's thread.
   SinkTimes times() const;
@@ -48,15 +54,15 @@ class AsyncSink : public FrameSink {
     ExposedFrame input;
     FrameRecord record;
   };
-  static constexpr std::size_t kSlots = kDepth + 1;
 
   void work();
   void end();
 
   const std::unique_ptr<FrameSink> sink_;
+  const InputUse input_use_;
   const WhenFull when_full_;
   Trace* const trace_;
-  std::vector<Slot> slots_;  // a ring; the oldest one in use is in work
+  std::vector<Slot> slots_;  // a ring, made for the first frame; the oldest one in use is in work
 
   mutable std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;

@@ -21,6 +21,7 @@ class ContactSheet : public FrameSink {
   // the sink.
   ContactSheet(Storage& storage, std::string path);
 
+  InputUse input_use() const override { return InputUse::Codes; }
   Result<void> emit(const EmittedFrame& frame) override;
   Result<void> finish() override;
 

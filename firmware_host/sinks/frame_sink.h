@@ -18,9 +18,13 @@ struct EmittedFrame {
   const FrameRecord& record;
 };
 
+// What a sink looks at of a frame's input. A queue copies no more than that.
+enum class InputUse { Facts, Codes };
+
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
+  virtual InputUse input_use() const { return InputUse::Facts; }
   // The sink copies what it needs later. Errors: those of the disk.
   virtual Result<void> emit(const EmittedFrame& frame) = 0;
   // Completes everything that is not yet on disk.

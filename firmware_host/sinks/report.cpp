@@ -298,6 +298,7 @@ class Report : public FrameSink {
   Report(Storage& storage, std::string path)
       : storage_(storage), path_(std::move(path)), sheet_(storage, "") {}
 
+  InputUse input_use() const override { return sheet_.input_use(); }
   Result<void> emit(const EmittedFrame& frame) override { return sheet_.emit(frame); }
   Result<void> finish() override { return sheet_.finish(); }
   Result<void> conclude(const RunRecord& record) override {

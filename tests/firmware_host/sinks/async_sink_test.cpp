@@ -103,6 +103,46 @@ TEST_CASE("a sink that may leave out frames holds nobody up and counts what it l
   CHECK(sink.times().left_out == 7);
 }
 
+TEST_CASE("a queue holds fewer frames where they are large, but at least one") {
+  CHECK(AsyncSink::slots_for(1) == AsyncSink::kDepth + 1);
+  CHECK(AsyncSink::slots_for(AsyncSink::kMostBytes / (AsyncSink::kDepth + 1)) == AsyncSink::kDepth + 1);
+  CHECK(AsyncSink::slots_for(AsyncSink::kMostBytes / 2) == 2);
+  CHECK(AsyncSink::slots_for(10 * AsyncSink::kMostBytes) == 1);
+
+  Gate gate;
+  Seen seen;
+  AsyncSink sink(std::make_unique<GatedSink>(seen, gate.opened), WhenFull::DropFrame, ThreadPriority::Usual);
+  HdrFrame large = example_frame(0, test::With::RadianceOnly, 1600, 1600);  // 43 MB
+  for (; large.facts.sequence < 4; ++large.facts.sequence) REQUIRE(emit(sink, large).ok());
+  gate.promise.set_value();
+  REQUIRE(sink.finish().ok());
+  CHECK(seen.sequences == std::vector<std::uint64_t>{0});
+  CHECK(sink.times().left_out == 3);
+}
+
+TEST_CASE("a queue copies the codes of the input only for a sink that looks at them") {
+  class InputSink : public FrameSink {
+   public:
+    InputSink(InputUse use, std::size_t& codes) : use_(use), codes_(codes) {}
+    InputUse input_use() const override { return use_; }
+    Result<void> emit(const EmittedFrame& frame) override {
+      return codes_ = frame.input.codes.size(), Result<void>{};
+    }
+
+   private:
+    const InputUse use_;
+    std::size_t& codes_;
+  };
+  for (const InputUse use : {InputUse::Facts, InputUse::Codes}) {
+    std::size_t codes = 1;
+    AsyncSink sink(std::make_unique<InputSink>(use, codes), WhenFull::Wait, ThreadPriority::Usual);
+    CHECK(sink.input_use() == use);
+    REQUIRE(emit(sink, example_frame(0), Image<float>(3, 24, 32)).ok());
+    REQUIRE(sink.finish().ok());
+    CHECK(codes == (use == InputUse::Codes ? 3 * 24 * 32 : 0));
+  }
+}
+
 TEST_CASE("the error of a sink reaches the emitting thread, also one that waits, and finish") {
   Gate gate;
   gate.promise.set_value();
