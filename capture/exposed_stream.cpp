@@ -57,6 +57,7 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
     const FrameFacts& before = waiting_[i > 0 ? i - 1 : 0].facts;
     const FrameFacts& after = waiting_[std::max<std::size_t>(i, 1)].facts;
     TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp), hand_on));
+    waiting_[i].codes = {};
   }
   waiting_.clear();
   return {};

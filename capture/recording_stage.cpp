@@ -28,17 +28,34 @@ bool RecordingStage::read(CapturedFrame& frame) {
 
 void RecordingStage::read_beginning() {
   begun_ = true;
-  for (CapturedFrame frame; static_cast<int>(beginning_.size()) < RecordedLabels::kBeginning && read(frame);)
-    beginning_.push_back(std::move(frame));
-  labels_.judge_beginning(beginning_);
-  std::reverse(beginning_.begin(), beginning_.end());
+  std::vector<CapturedFrame> frames;
+  for (CapturedFrame frame; static_cast<int>(frames.size()) < RecordedLabels::kBeginning && read(frame);)
+    frames.push_back(std::move(frame));
+  labels_.judge_beginning(frames);
+  for (; !frames.empty(); frames.pop_back()) {
+    Waiting& waiting = beginning_.emplace_back();
+    waiting.frame = std::move(frames.back());
+    Image<std::uint16_t>& codes = waiting.frame.raw.codes;
+    constexpr std::uint16_t kMostOfAByte = 255;
+    if (std::ranges::any_of(codes.samples(), [](std::uint16_t code) { return code > kMostOfAByte; }))
+      continue;
+    waiting.codes.reshape(codes.channels(), codes.rows(), codes.cols());
+    std::ranges::transform(codes.samples(), waiting.codes.samples().begin(),
+                           [](std::uint16_t code) { return static_cast<std::uint8_t>(code); });
+    codes = {};
+  }
 }
 
 Result<bool> RecordingStage::next(CapturedFrame& frame) {
   if (!begun_) read_beginning();
   if (!beginning_.empty()) {
-    frame = std::move(beginning_.back());
+    Waiting waiting = std::move(beginning_.back());
     beginning_.pop_back();
+    frame = std::move(waiting.frame);
+    if (!waiting.codes.empty()) {
+      frame.raw.codes.reshape(waiting.codes.channels(), waiting.codes.rows(), waiting.codes.cols());
+      std::ranges::copy(waiting.codes.samples(), frame.raw.codes.samples().begin());
+    }
   } else if (read(frame)) {
     labels_.judge(frame);
   } else {

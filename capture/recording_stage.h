@@ -46,7 +46,12 @@ class RecordingStage {
   std::unique_ptr<RecordingReader> recording_;
   const Contradiction contradiction_;
   RecordedLabels labels_;
-  std::vector<CapturedFrame> beginning_;  // judged together, the next one last
+  // Judged together, the next one last. Codes that fit a byte wait in bytes.
+  struct Waiting {
+    CapturedFrame frame;
+    Image<std::uint8_t> codes;
+  };
+  std::vector<Waiting> beginning_;
   bool begun_ = false;
   std::optional<Result<bool>> end_;
   CaptureCounters counters_;

@@ -24,7 +24,7 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   const bool blurs = interval_s > 0 && !outlasts_frame(raw.facts.exposure_s, interval_s);
   frame.blur_fraction = blurs ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
 
-  const auto scale = static_cast<float>(kMaxCode / static_cast<double>((1 << settings.bits) - 1));
+  const float scale = code_scale(settings.bits);
   if (is_bayer(settings.layout)) {
     demosaic(raw.codes, settings.layout, kMaxCode / scale, frame.codes);
     for (float& code : frame.codes.samples()) code *= scale;
@@ -35,8 +35,7 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   for (int c = 0; c < 3; ++c) {
     const std::uint16_t* in = raw.codes.plane(channels == 3 ? c : 0);
     float* out = frame.codes.plane(c);
-    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i)
-      out[i] = std::min(kMaxCode, static_cast<float>(in[i]) * scale);
+    for (std::size_t i = 0; i < frame.codes.plane_size(); ++i) out[i] = scaled_code(in[i], scale);
   }
   return {};
 }

@@ -2,10 +2,20 @@
 // the clip's reference; and the removal of a black level. Reentrant.
 #pragma once
 
+#include <algorithm>
+
 #include "capture/exposed_frame.h"
 #include "hal/core/result.h"
 
 namespace hdrcam {
+
+// What a raw code of so many bits is multiplied with.
+inline float code_scale(int bits) {
+  return static_cast<float>(kMaxCode / static_cast<double>((1 << bits) - 1));
+}
+inline float scaled_code(std::uint16_t code, float scale) {
+  return std::min(kMaxCode, static_cast<float>(code) * scale);
+}
 
 // Settings common to all frames of a clip.
 struct UnpackSettings {

@@ -62,7 +62,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
     started_ = true;
   }
   if (!started_) {
-    waiting_.push_back(std::exchange(frame, {}));
+    waiting_.emplace_back(std::exchange(frame, {}), camera_.bits);
     return static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames ? Result<void>() : bootstrap(emit);
   }
   if (!response_known_) {
@@ -76,22 +76,31 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
 // Response and black level from the first frames, which then take their way.
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
-  ResponseEstimator estimator(waiting_.front().facts.black_level);
-  const auto add_pairs = [&](SceneCuts cuts) {
-    for (std::size_t i = 1; i < waiting_.size(); ++i) estimator.add_pair(waiting_[i - 1], waiting_[i], cuts);
-  };
-  add_pairs(SceneCuts::Possible);
-  if (estimator.pairs() == 0) add_pairs(SceneCuts::None);  // not every pair of frames spans a cut
+  ResponseEstimator estimator(waiting_.front().facts().black_level);
+  add_pairs(SceneCuts::Possible, estimator);
+  if (estimator.pairs() == 0) add_pairs(SceneCuts::None, estimator);  // not every pair of frames spans a cut
   response_measured_ = estimator.pairs() > 0;
   const ResponseEstimate estimate = estimator.estimate(noise_);
   response_ = estimate.response;
   black_level_ = estimate.black_level;
-  for (ExposedFrame& frame : waiting_) {
+  ExposedFrame frame;
+  for (CompactFrame& waiting : waiting_) {
+    waiting.restore(frame);
+    waiting = {};
     remove_black_level(frame, black_level_);
     TRY(take(frame, emit));
   }
   waiting_.clear();
   return {};
+}
+
+void OnlineStage::add_pairs(SceneCuts cuts, ResponseEstimator& estimator) const {
+  ExposedFrame before, frame;
+  for (std::size_t i = 0; i < waiting_.size(); ++i) {
+    waiting_[i].restore(frame);
+    if (i > 0) estimator.add_pair(before, frame, cuts);
+    std::swap(before, frame);
+  }
 }
 
 std::unique_ptr<OnlineStage::Step> OnlineStage::spare_step() {
@@ -121,6 +130,9 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     Step& previous = *steps_[steps_.size() - 2];
     if (!previous.advanced) TRY(advance(previous, &step));
     Stopwatch watch;
+    FlowField& onward = step.motion.from_previous;
+    pool_.scratch().lend(onward.vectors, 2, camera_.height, camera_.width);
+    pool_.scratch().lend(onward.confidence, 1, camera_.height, camera_.width);
     motion_->match(state_->state(), step.frame, tables, budget_.flow, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
@@ -133,21 +145,17 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   Stopwatch watch;
   std::size_t at = 0;
   while (steps_[at].get() != &step) ++at;
-  const Step& before = *steps_[at - 1];
-  const double interval = to_seconds(step.frame.facts.timestamp - before.frame.facts.timestamp);
+  const Instant before = time_before(at, 1);
+  const double interval = to_seconds(step.frame.facts.timestamp - before);
   const auto ratio = [&](double other) {
     return other > 0 && interval > 0 ? static_cast<float>(std::clamp(interval / other, 0.1, 10.0)) : 1.f;
   };
   MotionContext context;
-  if (at >= 2) {
-    context.before = &before.motion;
-    context.before_ratio =
-        ratio(to_seconds(before.frame.facts.timestamp - steps_[at - 2]->frame.facts.timestamp));
-  }
+  if (retired_ + at >= 2) context.before_ratio = ratio(to_seconds(before - time_before(at, 2)));
   if (after != nullptr) {
     context.after = &after->frame;
     context.after_tables = &tables_for(after->frame);
-    context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before.frame.facts.timestamp));
+    context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
@@ -159,7 +167,16 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   step.advanced = true;
   if (knobs_.look_ahead > 1) step.state.copy_from(state_->state());
   if (timing_) timing_("state", watch.lap_ms());
-  return fit(step);
+  TRY(fit(step));
+  if (knobs_.look_ahead > 1) return {};  // frames before it still look along this motion
+  pool_.scratch().take_back(step.motion.from_previous.vectors);
+  pool_.scratch().take_back(step.motion.from_previous.confidence);
+  return {};
+}
+
+// The instant of the n-th frame before steps_[at], one or two.
+Instant OnlineStage::time_before(std::size_t at, std::size_t n) const {
+  return at >= n ? steps_[at - n]->frame.facts.timestamp : retired_times_[n - at - 1];
 }
 
 Result<void> OnlineStage::fit(Step& step) {
@@ -219,8 +236,10 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
       if (left_out_) left_out_();
     }
   }
-  // the motion before the oldest frame not yet emitted is still needed to extrapolate
-  while (steps_.size() > 3 && steps_[0]->emitted && steps_[1]->emitted && steps_[2]->emitted) {
+  // the newest stays, because the next frame is compared with it
+  while (steps_.size() > 1 && steps_.front()->emitted) {
+    retired_times_ = {steps_.front()->frame.facts.timestamp, retired_times_[0]};
+    ++retired_;
     spare_.push_back(std::move(steps_.front()));
     steps_.erase(steps_.begin());
   }
@@ -235,6 +254,9 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
     const Step& next = *steps_[i + 1 + k];
     later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame)};
   }
+  const Borrowed room(
+      pool_.scratch(), camera_.height, camera_.width,
+      {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
   const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
   state_->join(kept ? step.state : state_->state(), {later.data(), ahead}, white_, joined_);
   SceneView view;

@@ -3,6 +3,7 @@
 // frame as soon as its look-ahead has arrived. Thread-bound; deterministic for any number of threads.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/exposed_frame.h"
+#include "capture/compact_frame.h"
 #include "hal/core/stage_timing.h"
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
@@ -54,9 +55,11 @@ class OnlineStage {
   struct Step;  // one frame in progress
 
   Result<void> bootstrap(const Emit& emit);
+  void add_pairs(SceneCuts cuts, ResponseEstimator& estimator) const;
   std::unique_ptr<Step> spare_step();
   Result<void> take(ExposedFrame& frame, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
+  Instant time_before(std::size_t at, std::size_t n) const;
   Result<void> fit(Step& step);
   void start_second_layer(const ExposedFrame& first);
   std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
@@ -72,7 +75,7 @@ class OnlineStage {
   const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;
   GpuDevice* const gpu_;
-  std::vector<ExposedFrame> waiting_;  // until the bootstrap
+  std::vector<CompactFrame> waiting_;  // until the bootstrap
   bool started_ = false;
   const bool response_known_;  // from the start
   bool response_measured_ = true;
@@ -86,8 +89,8 @@ class OnlineStage {
 
   std::unique_ptr<MotionPrior> motion_;
   std::unique_ptr<StateLayer> state_;
-  float white_ = 1;  // radiance that saturates the shortest exposure so far
-  JoinedState joined_;
+  float white_ = 1;     // radiance that saturates the shortest exposure so far
+  JoinedState joined_;  // borrowed during an emission
   // created with the first frame that the field takes part in
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;
@@ -95,8 +98,10 @@ class OnlineStage {
   std::unique_ptr<SceneField> field_;
   bool field_rested_ = false;                 // since its last frame
   int world_ = -1;                            // of the poses: counts their beginnings
-  std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first, and the one before them
+  std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first; the newest in any case
   std::vector<std::unique_ptr<Step>> spare_;  // for reuse
+  std::size_t retired_ = 0;                   // number of the frames before them
+  std::array<Instant, 2> retired_times_{};    // of these the newest two, the newest first
   StageTiming timing_;
   LeftOut left_out_;
 };

@@ -47,7 +47,8 @@ void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, floa
 void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance, float offset) {
   const ShrinkageKernels& kernels = shrinkage_kernels();
   const int rows = radiance.rows(), cols = radiance.cols();
-  for (auto* image : {&opponent_, &noise_, &sum_, &weight_}) image->reshape_like(radiance);
+  const Borrowed room(pool_.scratch(), rows, cols,
+                      {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)

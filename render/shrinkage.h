@@ -30,7 +30,7 @@ class Shrinkage {
 
   WorkerPool& pool_;
   std::unique_ptr<VulkanShrinkage> gpu_;
-  Image<float> opponent_, noise_, sum_, weight_;
+  Image<float> opponent_, noise_, sum_, weight_;  // borrowed during a call
 };
 
 }  // namespace hdrcam

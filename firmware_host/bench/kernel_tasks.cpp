@@ -191,7 +191,7 @@ void add_shrinkage(Tasks& tasks, int rows, int cols) {
 void add_motion(Tasks& tasks, int rows, int cols) {
   // two pictures of one texture, the second two pixels to the right
   struct Room {
-    Image<float> planes[2], patches, flow, weight, scratch;
+    Image<float> planes[2], patches, flow, weight, scratch, lines;
     FlowPicture pictures[2];
   };
   const auto room = std::make_shared<Room>();
@@ -220,7 +220,8 @@ void add_motion(Tasks& tasks, int rows, int cols) {
   room->patches = Image<float>(2, grid.rows, grid.cols);
   room->flow = Image<float>(2, rows, cols);
   room->weight = Image<float>(1, rows, cols);
-  room->scratch = Image<float>(kRefinementPlanes, rows + kRefinementRows, cols);
+  room->scratch = Image<float>(kRefinementPlanes, rows, cols);
+  room->lines = Image<float>(kRefinementLines, 1, cols);
   const auto search = [room, grid] {
     return PatchSearch{
         room->pictures[0], room->pictures[1], grid,  {room->patches.plane(0), room->patches.plane(1)},
@@ -241,15 +242,18 @@ void add_motion(Tasks& tasks, int rows, int cols) {
     kernels.spread(search(), 0, rows, {room->flow.plane(0), room->flow.plane(1)}, room->weight.plane(0));
   });
   task("flow: refinement, 5 x 5 sweeps", "px", pixels, [room] {
-    refinement_kernels().refine({room->pictures[0],
-                                 room->pictures[1],
-                                 {room->flow.plane(0), room->flow.plane(1)},
-                                 room->scratch.plane(0),
-                                 0.5f,
-                                 10,
-                                 0.1f,
-                                 5,
-                                 5});
+    FlowRefinement refinement{room->pictures[0],
+                              room->pictures[1],
+                              {room->flow.plane(0), room->flow.plane(1)},
+                              {},
+                              room->lines.plane(0),
+                              0.5f,
+                              10,
+                              0.1f,
+                              5,
+                              5};
+    for (int i = 0; i < kRefinementPlanes; ++i) refinement.planes[i] = room->scratch.plane(i);
+    refinement_kernels().refine(refinement);
   });
   // 40 to begin with; 46 and 13 planes to weigh a round, 28 a sweep, of which one round takes 10 planes
   // through the cache

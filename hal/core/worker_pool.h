@@ -1,6 +1,7 @@
 // A fixed set of threads for data-parallel loops. The work of each index does not depend on the thread that
 // takes it, so a result never depends on the number of threads; reductions run over a fixed partition, not
-// per thread. Thread-bound: one thread owns the pool and calls for_each; nested calls run in place.
+// per thread. Thread-bound: one thread owns the pool and calls for_each; nested calls run in place. Who works
+// on a pool works alone, so the pool also lends the pictures that such work needs meanwhile.
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "hal/core/scratch_pictures.h"
 #include "hal/core/thread_priority.h"
 
 namespace hdrcam {
@@ -24,6 +26,7 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return static_cast<int>(threads_.size()) + 1; }
+  ScratchPictures& scratch() { return scratch_; }
 
   // Calls body(i) for i in [0, count) on all threads; returns when all are done. body must not throw.
   template <class Body>
@@ -49,6 +52,7 @@ class WorkerPool {
   void work();
   void serve();
 
+  ScratchPictures scratch_;
   std::vector<std::thread> threads_;
   std::mutex mutex_;
   std::condition_variable wake_, done_;

@@ -62,6 +62,7 @@ Prior prior_around(double code_noise) {
 
 void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                               const Response& response, PairGains gains) {
+  const Borrowed room(pool_.scratch(), b.codes.rows(), b.codes.cols(), {{&warped_, 3}, {&warped_mean_, 3}});
   warp_linear(b.codes, a_to_b.vectors, warped_, pool_);
   box_mean(warped_, 1, warped_mean_, pool_);
   const float ratio = a.exposure / b.exposure;

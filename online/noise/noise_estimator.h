@@ -68,8 +68,8 @@ class NoiseEstimator {
 
   WorkerPool& pool_;
   std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
-  Image<float> warped_, warped_mean_;
-  std::vector<Equation> equations_;  // of the last solve()
+  Image<float> warped_, warped_mean_;                   // borrowed during a call
+  std::vector<Equation> equations_;                     // of the last solve()
   std::vector<float> sorted_;
 };
 

@@ -13,12 +13,6 @@ SampleVariances noise_of(const ExposureTables& tables, int channel) {
 
 }  // namespace
 
-Fusion::Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool) : options_(options), pool_(pool) {
-  for (auto* image : {&mean_, &contrast_, &guess_, &shown_}) image->reshape(3, rows, cols);
-  for (auto* image : {&disagreement_, &coverage_, &disagreement_mean_, &coverage_mean_})
-    image->reshape(1, rows, cols);
-}
-
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
                     Samples& samples) {
   for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
@@ -39,6 +33,7 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
   constexpr float kBelieved = 0.3f;  // confidence
   const float known = known_limit(white_);
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
+  const Borrowed room(pool_.scratch(), rows, cols, {{&shown_, 3}});
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
       for (int y = y0; y < y1; ++y) {
@@ -52,12 +47,15 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
 }
 
 void Fusion::gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
-                  const Image<float>& confidence, Image<float>& gate) {
+                  const Image<float>& confidence, Image<float>& gate, Image<float>& contrast) {
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
-  local_contrast(state.radiance, mean_, contrast_, pool_);
+  const Borrowed room(
+      pool_.scratch(), rows, cols,
+      {{&mean_, 3}, {&disagreement_, 1}, {&coverage_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});
+  local_contrast(state.radiance, mean_, contrast, pool_);
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
@@ -66,7 +64,7 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
       std::fill_n(covered, cols, 0.f);
       for (int c = 0; c < 3; ++c)
         fusion_kernels().compare(
-            {state.radiance.row(c, y), state.variance.row(c, y), mean_.row(c, y), contrast_.row(c, y),
+            {state.radiance.row(c, y), state.variance.row(c, y), mean_.row(c, y), contrast.row(c, y),
              samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur.row(c, y),
              noise_of(tables, c), known, relative2, texture2, o.blur_tolerance, chi2, covered},
             cols);
@@ -103,6 +101,7 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
+  const Borrowed room(pool_.scratch(), rows, cols, {{&guess_, 3}, {&mean_, 3}});
   // the radiance that the noise model is asked for: the state where it is known, else the sample; smoothed
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)

@@ -1,7 +1,7 @@
 // Weighs a sample of a pixel against the state: saturation, noise, motion blur, misalignment and
 // disagreement. Shared by the state (each frame's own sample) and by the emission (later frames' samples).
-// Constants were settled by ablation on clips with ground truth (docs/decisions.md). Thread-bound: owns its
-// buffers.
+// Constants were settled by ablation on clips with ground truth (docs/decisions.md). Thread-bound;
+// borrows from its pool.
 #pragma once
 
 #include "hal/core/image.h"
@@ -20,6 +20,17 @@ struct Samples {
   Image<float> blur;        // change of the radiance by motion blur, as the state predicts it
 };
 
+// Samples in memory that is borrowed while this lives, for codes of this size.
+class BorrowedSamples {
+ public:
+  BorrowedSamples(ScratchPictures& scratch, const Image<float>& codes, Samples& samples)
+      : room_(scratch, codes.rows(), codes.cols(),
+              {{&samples.radiance, 3}, {&samples.weight, 3}, {&samples.comparable, 3}, {&samples.blur, 3}}) {}
+
+ private:
+  const Borrowed room_;
+};
+
 struct FusionOptions {
   float relative_noise = 0.02f;     // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
@@ -35,7 +46,7 @@ struct FusionOptions {
 
 class Fusion {
  public:
-  Fusion(FusionOptions options, int rows, int cols, WorkerPool& pool);
+  Fusion(FusionOptions options, WorkerPool& pool) : options_(options), pool_(pool) {}
 
   const FusionOptions& options() const { return options_; }
   void set_white(float white) { white_ = white; }
@@ -54,11 +65,10 @@ class Fusion {
                   float fraction, Samples& samples);
 
   // The confidence that state and samples show the same surface: [1, rows, cols] 0..1, from agreement over
-  // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives.
+  // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives. contrast:
+  // becomes the local contrast of the state, [rgb, rows, cols].
   void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
-            const Image<float>& confidence, Image<float>& gate);
-  // Local contrast of the state that gate() took last: [rgb, rows, cols].
-  const Image<float>& contrast() const { return contrast_; }
+            const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
 
   // Inverse-variance update of the state by the samples, after subtracting the blur as far as the state is
   // certain of it; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null. Where no frame
@@ -68,14 +78,15 @@ class Fusion {
               const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share);
 
   // Variance that a warp along `flow` adds to a picture of this local contrast: misalignment and
-  // interpolation.
+  // interpolation. variance: may be the contrast itself.
   void warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance);
 
  private:
   FusionOptions options_;
   float white_ = 1;
   WorkerPool& pool_;
-  Image<float> mean_, contrast_, disagreement_, coverage_, disagreement_mean_, coverage_mean_, guess_, shown_;
+  // borrowed during a call
+  Image<float> mean_, disagreement_, coverage_, disagreement_mean_, coverage_mean_, guess_, shown_;
 };
 
 }  // namespace hdrcam

@@ -28,24 +28,37 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
   joined.copy_from(state);
   joined.later_share.reshape(1, state.radiance.rows(), state.radiance.cols());
   joined.later_share.fill(0);
+  if (later.empty()) return;
+  const int rows = state.radiance.rows(), cols = state.radiance.cols();
+  const BorrowedSamples room(pool_.scratch(), state.radiance, samples_);
+  const Borrowed path(pool_.scratch(), rows, cols, {{&path_.vectors, 2}, {&path_.confidence, 1}});
   float intervals = 0;
   for (const LaterFrame& ahead : later) {
     intervals += 1;
     follow(*ahead.from_previous, intervals == 1);
-    warp_cubic(ahead.frame->codes, path_.vectors, 0, codes_, pool_);
-    dilate_2x2(ahead.frame->codes, dilated_, pool_);
-    warp_linear(dilated_, path_.vectors, brightest_, pool_);
-    fusion.sample(codes_, brightest_, *ahead.tables, samples_);
+    take_samples(ahead, fusion);
     const float fraction = ahead.frame->blur_fraction / intervals;  // of the path's time
     fusion.model_blur(joined, path_.confidence, path_.vectors, fraction, samples_);
-    fusion.gate(joined, samples_, *ahead.tables, path_.confidence, gate_);
-    fusion.warp_variance(fusion.contrast(), path_.vectors, extra_);
+    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&extra_, 3}, {&share_, 1}});
+    fusion.gate(joined, samples_, *ahead.tables, path_.confidence, gate_, extra_);
+    fusion.warp_variance(extra_, path_.vectors, extra_);
     fusion.update(joined, samples_, *ahead.tables, &gate_, &extra_, share_);
     for (std::size_t i = 0; i < share_.size(); ++i) {
       float& total = joined.later_share.samples()[i];
       total = total * (1 - share_.samples()[i]) + share_.samples()[i];
     }
   }
+}
+
+// The samples of a later frame, at the pixels of the state's frame.
+void LookAhead::take_samples(const LaterFrame& ahead, Fusion& fusion) {
+  const Image<float>& codes = ahead.frame->codes;
+  const Borrowed room(pool_.scratch(), codes.rows(), codes.cols(),
+                      {{&codes_, 3}, {&brightest_, 3}, {&dilated_, 3}});
+  warp_cubic(codes, path_.vectors, 0, codes_, pool_);
+  dilate_2x2(codes, dilated_, pool_);
+  warp_linear(dilated_, path_.vectors, brightest_, pool_);
+  fusion.sample(codes_, brightest_, *ahead.tables, samples_);
 }
 
 // Lengthens the path by one interval: flows are chained, confidences multiplied.
@@ -55,6 +68,7 @@ void LookAhead::follow(const FlowField& from_previous, bool nearest) {
     path_.confidence.copy_from(from_previous.confidence);
     return;
   }
+  const Borrowed room(pool_.scratch(), path_.vectors.rows(), path_.vectors.cols(), {{&warped_, 2}});
   warp_linear(from_previous.confidence, path_.vectors, warped_, pool_);
   for (std::size_t i = 0; i < warped_.size(); ++i) path_.confidence.samples()[i] *= warped_.samples()[i];
   warp_linear(from_previous.vectors, path_.vectors, warped_, pool_);

@@ -31,8 +31,10 @@ class LookAhead {
 
  private:
   void follow(const FlowField& from_previous, bool nearest);
+  void take_samples(const LaterFrame& ahead, Fusion& fusion);
 
   WorkerPool& pool_;
+  // all borrowed during a call
   Samples samples_;
   FlowField path_;  // from the state's frame to the current later frame
   Image<float> share_, codes_, brightest_, dilated_, gate_, extra_, warped_;

@@ -5,15 +5,14 @@
 namespace hdrcam {
 
 StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool)
-    : options_(options), pool_(pool), fusion_(options.fusion, rows, cols, pool) {
-  for (auto* state : {&state_, &predicted_}) {
-    state->radiance = Image<float>(3, rows, cols);
-    state->variance = Image<float>(3, rows, cols);
-    state->own_share = Image<float>(1, rows, cols);
-  }
+    : options_(options), pool_(pool), fusion_(options.fusion, pool) {
+  state_.radiance = Image<float>(3, rows, cols);
+  state_.variance = Image<float>(3, rows, cols);
+  state_.own_share = Image<float>(1, rows, cols);
 }
 
 void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
+  const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   state_.radiance.copy_from(samples_.radiance);
   state_.variance.fill(kUnseenVariance);
@@ -22,10 +21,13 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
                           const FlowField& to_previous) {
+  const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
+  const Borrowed more(pool_.scratch(), frame.codes.rows(), frame.codes.cols(),
+                      {{&predicted_.radiance, 3}, {&predicted_.variance, 3}, {&predicted_.own_share, 1}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(to_previous, frame.blur_fraction, tables);
   residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
-  std::swap(state_, predicted_);
+  std::swap(state_, predicted_);  // the memory of the old state is what is given back
   fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
 }
 
@@ -34,8 +36,9 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
-  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_);
-  fusion_.warp_variance(fusion_.contrast(), flow, added_);
+  const Borrowed room(pool_.scratch(), flow.rows(), flow.cols(), {{&gate_, 1}, {&added_, 3}});
+  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, added_);
+  fusion_.warp_variance(added_, flow, added_);
 
   const float growth = 1 + options_.variance_growth,
               relative2 = options_.relative_growth * options_.relative_growth;

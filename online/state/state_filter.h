@@ -44,10 +44,11 @@ class StateFilter {
   StateOptions options_;
   WorkerPool& pool_;
   Fusion fusion_;
-  RadianceState state_, predicted_;
-  Samples samples_;
+  RadianceState state_;
   SampleResiduals residuals_;
-  Image<float> gate_, added_;
+  RadianceState predicted_;  // this and the following are borrowed during a call
+  Samples samples_;
+  Image<float> gate_, added_;  // added_: the contrast first
 };
 
 }  // namespace hdrcam

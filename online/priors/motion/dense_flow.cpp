@@ -59,30 +59,52 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
   back.from = &pyramid_b, back.to = &pyramid_a;
   back.start = request.start_b_to_a, back.answer = request.b_to_a;
 
+  for (Pyramid& pyramid : pyramids_)
+    for (int scale = finest; scale <= coarsest; ++scale)
+      pool_.scratch().lend(level_of(pyramid, scale).planes, 3, (rows >> scale) + 2 * kFlowBorder,
+                           (cols >> scale) + 2 * kFlowBorder);
   pool_.for_each(2, [&](int i) {
     if (i == 0)
-      build(*request.a, coarsest + 1, pyramid_a);
+      build(*request.a, finest, coarsest, pyramid_a);
     else
-      build(*request.b, coarsest + 1, pyramid_b);
+      build(*request.b, finest, coarsest, pyramid_b);
   });
-  for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
-  pool_.for_each(2, [&](int i) {
-    Direction& direction = directions_[static_cast<std::size_t>(i)];
-    enlarge(direction.flow, finest, *direction.answer);
-  });
+  {
+    const Borrowed room(pool_.scratch(), rows >> finest, cols >> finest,
+                        {{&there.flow, 2}, {&back.flow, 2}, {&there.weight, 1}, {&back.weight, 1}});
+    for (Direction& direction : directions_)
+      for (Image<float>& picture : direction.scratch)
+        pool_.scratch().lend(picture, kScratchPlanes, rows >> finest, cols >> finest);
+    for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
+    pool_.for_each(2, [&](int i) {
+      Direction& direction = directions_[static_cast<std::size_t>(i)];
+      enlarge(direction.flow, finest, *direction.answer);
+    });
+  }
+  for (Direction& direction : directions_)
+    for (Image<float>& picture : direction.scratch) pool_.scratch().take_back(picture);
+  for (Pyramid& pyramid : pyramids_)
+    for (Level& level : pyramid) pool_.scratch().take_back(level.planes);
 }
 
-void DenseFlow::build(const Image<float>& picture, int levels, Pyramid& pyramid) {
-  pyramid.resize(static_cast<std::size_t>(levels));
-  for (int scale = 0; scale < levels; ++scale) {
+DenseFlow::Level& DenseFlow::level_of(Pyramid& pyramid, int scale) {
+  if (pyramid.size() <= static_cast<std::size_t>(scale)) pyramid.resize(static_cast<std::size_t>(scale) + 1);
+  return pyramid[static_cast<std::size_t>(scale)];
+}
+
+// The scales that are matched, of a picture of full size.
+void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid) {
+  for (int scale = finest; scale <= coarsest; ++scale) {
     Level& level = pyramid[static_cast<std::size_t>(scale)];
     const int rows = picture.rows() >> scale, cols = picture.cols() >> scale;
-    level.planes.reshape(3, rows + 2 * kFlowBorder, cols + 2 * kFlowBorder);
     const auto origin = [&](int plane) { return level.planes.row(plane, kFlowBorder) + kFlowBorder; };
     float *gray = origin(0), *dx = origin(1), *dy = origin(2);
     const std::ptrdiff_t pitch = level.planes.cols();
     if (scale == 0) {
       for (int y = 0; y < rows; ++y) std::copy_n(picture.row(0, y), cols, gray + y * pitch);
+    } else if (scale == finest) {
+      CHECK(scale == 1);
+      kernels_.halve(picture.plane(0), picture.cols(), rows, cols, gray, pitch);
     } else {
       const FlowPicture& finer = pyramid[static_cast<std::size_t>(scale - 1)].picture;
       kernels_.halve(finer.gray, finer.pitch, rows, cols, gray, pitch);
@@ -152,10 +174,17 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
   constexpr float kLeastSlope2 = 10;  // (codes per pixel)^2
   constexpr float kSmallest = 0.1f;   // pixels
   const auto at = static_cast<std::size_t>(scale);
-  d.scratch.reshape(kRefinementPlanes, d.flow.rows() + kRefinementRows, d.flow.cols());
-  refinement_kernels().refine({(*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow),
-                               d.scratch.plane(0), kPictures, kLeastSlope2, kSmallest, effort.rounds,
-                               effort.sweeps});
+  FlowRefinement refinement{
+      (*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), {},           nullptr, kPictures,
+      kLeastSlope2,          kSmallest,           effort.rounds,     effort.sweeps};
+  for (int i = 0; i < kRefinementPlanes; ++i) {
+    Image<float>& picture = d.scratch[static_cast<std::size_t>(i / kScratchPlanes)];
+    picture.reshape(kScratchPlanes, d.flow.rows(), d.flow.cols());
+    refinement.planes[i] = picture.plane(i % kScratchPlanes);
+  }
+  d.lines.reshape(kRefinementLines, 1, d.flow.cols());
+  refinement.lines = d.lines.plane(0);
+  refinement_kernels().refine(refinement);
 }
 
 // To the size of the answer, which is that of the flow or twice that, perhaps with an odd last row or column.

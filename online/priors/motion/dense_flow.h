@@ -11,6 +11,7 @@
 #include "hal/core/worker_pool.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/priors/motion/motion_prior.h"
+#include "online/priors/motion/refinement_kernels.h"
 
 namespace hdrcam {
 
@@ -31,8 +32,9 @@ class DenseFlow {
   void compute(FlowQuality quality, const FlowRequest& request);
 
  private:
+  static constexpr int kScratchPlanes = 3;  // as many as most pictures of others, who use them too
   struct Level {
-    Image<float> planes;  // [gray dx dy, rows, cols] with a border
+    Image<float> planes;  // [gray dx dy, rows, cols] with a border; borrowed during a call
     FlowPicture picture{};
   };
   using Pyramid = std::vector<Level>;
@@ -40,13 +42,17 @@ class DenseFlow {
     const Pyramid *from, *to;
     const Image<float>* start;
     Image<float>* answer;
-    Image<float> patches, starts;        // [dx dy, rows, cols] of the patches
-    Image<float> flow, weight, scratch;  // [dx dy, ...], [1, ...] and the refinement's, of the scale
+    Image<float> patches, starts;  // [dx dy, rows, cols] of the patches
+    // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's, of the scale
+    Image<float> flow, weight;
+    std::array<Image<float>, (kRefinementPlanes + kScratchPlanes - 1) / kScratchPlanes> scratch;
+    Image<float> lines;  // its own
   };
   struct Effort;
 
   static Effort effort_of(FlowQuality quality);
-  void build(const Image<float>& picture, int levels, Pyramid& pyramid);
+  static Level& level_of(Pyramid& pyramid, int scale);
+  void build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid);
   void match(int scale, int coarsest, const Effort& effort);
   PatchSearch prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
   void refine(Direction& direction, int scale, const Effort& effort);

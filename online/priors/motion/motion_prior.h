@@ -17,10 +17,9 @@ namespace hdrcam {
 enum class FlowQuality { Fast, Medium, Fine };
 
 // The steps before and after the interval that is completed. Ratios of intervals: (t_i - t_i-1) over (t_i-1 -
-// t_i-2), and over (t_i+1 - t_i-1).
+// t_i-2), and over (t_i+1 - t_i-1). The motion of the step before is what complete() left last.
 struct MotionContext {
-  const StateMotion* before = nullptr;  // of the previous step; null at the first
-  float before_ratio = 1;
+  float before_ratio = 1;               // 1 at the first step
   const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead
   const ExposureTables* after_tables = nullptr;
   float after_ratio = 0.5f;

@@ -16,19 +16,19 @@ struct Equations {
   float *a12, *c1, *c2, *link;      // link: what ties a pixel to its right and lower neighbour
   float *inverse_u, *inverse_v;     // 1 / (a11 + w), 1 / (a22 + w)
   float *none, *fresh_u, *fresh_v;  // rows: no link, and a row's new values
-  Equations(float* scratch, std::ptrdiff_t plane, std::ptrdiff_t cols)
-      : dx(scratch),
-        dy(dx + plane),
-        dt(dy + plane),
-        u0(dt + plane),
-        v0(u0 + plane),
-        a12(v0 + plane),
-        c1(a12 + plane),
-        c2(c1 + plane),
-        link(c2 + plane),
-        inverse_u(link + plane),
-        inverse_v(inverse_u + plane),
-        none(inverse_v + plane),
+  Equations(float* const* planes, float* lines, std::ptrdiff_t cols)
+      : dx(planes[0]),
+        dy(planes[1]),
+        dt(planes[2]),
+        u0(planes[3]),
+        v0(planes[4]),
+        a12(planes[5]),
+        c1(planes[6]),
+        c2(planes[7]),
+        link(planes[8]),
+        inverse_u(planes[9]),
+        inverse_v(planes[10]),
+        none(lines),
         fresh_u(none + cols),
         fresh_v(fresh_u + cols) {}
 };
@@ -177,7 +177,7 @@ void sweep(const FlowRefinement& r, const Equations& e) {
 
 void refine(const FlowRefinement& r) {
   const int rows = r.from.rows;
-  const Equations equations(r.scratch, static_cast<std::ptrdiff_t>(rows) * r.from.cols, r.from.cols);
+  const Equations equations(r.planes, r.lines, r.from.cols);
   for (int x = 0; x < r.from.cols; ++x) equations.none[x] = 0;
   linearise(r, equations);
   for (int round = 0; round < r.rounds; ++round) {

@@ -79,12 +79,14 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, FlowQuality quality, StateMotion& motion) {
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
   if (last_.empty()) {
     gray_of_state(state.radiance, tables, state_gray_, pool_);
     flow_.compute(quality,
                   {&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors});
   } else {
+    const Borrowed more(pool_.scratch(), rows_, cols_, {{&start_from_, 2}, {&start_to_, 2}});
     // constant velocity, at the state's pixels and at the frame's
     const double interval_s = to_seconds(frame.facts.timestamp - last_time_);
     const float step_ratio = last_interval_s_ > 0 && interval_s > 0
@@ -95,9 +97,12 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
       start_from_.samples()[i] = -step_ratio * last_.samples()[i];
     warp_linear(last_, last_, start_to_, pool_);
     for (float& v : start_to_.samples()) v *= step_ratio;
-    blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
-    for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
-    gray_of_state(blur_, tables, state_gray_, pool_);
+    {
+      const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
+      blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
+      for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
+      gray_of_state(blur_, tables, state_gray_, pool_);
+    }
     flow_.compute(quality, {&frame_gray_, &state_gray_, &motion.to_previous.vectors,
                             &motion.from_previous.vectors, &start_to_, &start_from_});
   }
@@ -106,11 +111,13 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
                                const MotionContext& context, FlowQuality quality, StateMotion& motion) {
-  const auto [before, before_ratio, after, after_tables, after_ratio] = context;
+  const auto [before_ratio, after, after_tables, after_ratio] = context;
   Image<float>& to = motion.to_previous.vectors;
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
-  if (before != nullptr && !before->to_previous.empty()) {
-    warp_linear(before->to_previous.vectors, to, warped_, pool_);
+  if (!last_.empty()) {
+    const Borrowed more(pool_.scratch(), rows_, cols_, {{&warped_, 2}});
+    warp_linear(last_, to, warped_, pool_);
     pool_.for_rows(rows_, [&, ratio = before_ratio](int y0, int y1) {
       for (int y = y0; y < y1; ++y)
         for (int x = 0; x < cols_; ++x) {
@@ -120,15 +127,20 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
     });
   }
   if (after != nullptr) {
+    const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
     clipped_share(*after, clipped_after_);
     double useful = 0;
     for (std::size_t i = 0; i < clipped_.size(); ++i)
       useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
     constexpr double kWorthwhile = 0.005;  // share of the picture
     if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
-      gray_of_frame(*after, frame_gray_, pool_);
-      gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
-      flow_.compute(quality, {&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_});
+      const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
+      {
+        const Borrowed grays(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
+        gray_of_frame(*after, frame_gray_, pool_);
+        gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
+        flow_.compute(quality, {&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_});
+      }
       bridge(after_ratio, motion);
     }
   }
@@ -145,7 +157,9 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
 void MotionEstimator::bridge(float r, StateMotion& motion) {
   constexpr int kRounds = 3;
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
-  bridged_.reshape(2, rows_, cols_);
+  const Borrowed room(
+      pool_.scratch(), rows_, cols_,
+      {{&bridged_, 2}, {&ahead_, 2}, {&seen_from_after_, 2}, {&seen_from_state_, 2}, {&clipped_seen_, 1}});
   const float onward = -(1 - r) / r;
   for (int round = 0; round < kRounds; ++round) {
     if (round == 0) {
@@ -153,7 +167,6 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
         bridged_.samples()[i] = 0.5f * r * (after_to_state_.samples()[i] - state_to_after_.samples()[i]);
       continue;
     }
-    ahead_.reshape(2, rows_, cols_);
     for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
     warp_linear(after_to_state_, ahead_, seen_from_after_, pool_);
     warp_linear(state_to_after_, bridged_, seen_from_state_, pool_);
@@ -188,7 +201,6 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
 // Share of the 5x5 pixels around each pixel that are clipped, bright or dark, in all channels.
 void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionShare;
-  mask_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
@@ -202,6 +214,7 @@ void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& sha
 void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
   constexpr float kClippedConfidence = 0.5f;  // assumed where agreement cannot be measured
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&warped_, 2}});
   rate_flow(motion.to_previous, motion.from_previous, warped_, pool_);
   rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
   if (frame != nullptr)

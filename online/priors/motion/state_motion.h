@@ -29,11 +29,12 @@ class MotionEstimator final : public MotionPrior {
   int rows_, cols_;
   WorkerPool& pool_;
   DenseFlow flow_;
-  Image<float> frame_gray_, state_gray_;
-  Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Instant last_time_;  // where that step ended
-  double last_interval_s_ = 0;                 // its duration; 0 where it is unknown
+  double last_interval_s_ = 0;  // its duration; 0 where it is unknown
+  // All others are borrowed during a call.
+  Image<float> frame_gray_, state_gray_;
+  Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
   Image<float> start_to_, start_from_, blur_;  // start of the search; the state with motion blur
   Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
 };

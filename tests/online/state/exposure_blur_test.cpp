@@ -50,10 +50,10 @@ TEST_CASE("an edge that moves is blurred over its way during the exposure, and w
 
 TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and leaves it sharp") {
   WorkerPool pool(1);
-  Fusion fusion({}, kRows, kCols, pool);
+  Fusion fusion({}, pool);
   fusion.set_white(4);
   const ExposureTables tables(Response::gamma(2.2f), {}, 1);
-  Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate, share;
+  Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate, contrast, share;
   confidence.fill(1);
   for (int c = 0; c < 3; ++c)
     for (int y = 0; y < kRows; ++y)
@@ -69,7 +69,7 @@ TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and l
     Outcome out;
     state.variance.fill(1e-4f);
     if (modelled) fusion.model_blur(state, confidence, to_the_right(8), 0.75f, samples);
-    fusion.gate(state, samples, tables, confidence, gate);
+    fusion.gate(state, samples, tables, confidence, gate, contrast);
     state.variance.fill(0.01f);
     fusion.update(state, samples, tables, nullptr, nullptr, share);
     for (int x = 16; x < 48; ++x) {

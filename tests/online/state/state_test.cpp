@@ -180,21 +180,21 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
 TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {
   constexpr int kRows = 20, kCols = 20;
   WorkerPool pool(1);
-  Fusion fusion({}, kRows, kCols, pool);
+  Fusion fusion({}, pool);
   fusion.set_white(4);
   RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
                       Image<float>(1, kRows, kCols)};
   state.radiance.fill(0.2f);
   state.variance.fill(1e-5f);
   const ExposureTables tables(Response::gamma(2.2f), {}, 1);
-  Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate;
+  Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate, contrast;
   confidence.fill(1);
   Samples samples;
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x)
       for (int c = 0; c < 3; ++c) codes.at(c, y, x) = tables.code(c, x < kCols / 2 ? 0.2f : 0.5f);
   fusion.sample(codes, codes, tables, samples);
-  fusion.gate(state, samples, tables, confidence, gate);
+  fusion.gate(state, samples, tables, confidence, gate, contrast);
   CHECK(gate.at(0, 10, 2) > 0.95f);
   CHECK(gate.at(0, 10, 17) < 0.05f);
   CHECK(gate.at(0, 10, 17) > 0);

@@ -143,7 +143,7 @@ constexpr float kWhite = 4;
 struct Scene {
   WorkerPool pool{1};
   StateOptions options;
-  Fusion fusion{options.fusion, kRows, kCols, pool};
+  Fusion fusion{options.fusion, pool};
   RadianceState state = some_state();
   FlowField motion = swirl(2.5f);
   ExposedFrame frame = exposed(2);
@@ -258,8 +258,8 @@ TEST_CASE("the gate on the graphics device is the processor's", "[gpu]") {
   bench.passes->local_contrast(state, mean, contrast);
   bench.passes->gate(state, bench.put(s.samples), mean, contrast, bench.put(s.tables), bench.put(s.motion),
                      kWhite, found, found_mean, gate);
-  Image<float> here;
-  s.fusion.gate(s.state, s.samples, s.tables, s.motion.confidence, here);
+  Image<float> here, local;
+  s.fusion.gate(s.state, s.samples, s.tables, s.motion.confidence, here, local);
   check_alike(bench.get(gate), here, "gate");
 }
 
