@@ -1,4 +1,5 @@
 // The process: signals, the real disk, the real standard streams, the log. Everything else is program.cpp.
+#include <malloc.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
@@ -54,9 +55,18 @@ void log_to_standard_error() {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("hdrcam", std::make_shared<RemarkSink>()));
 }
 
+// Memory of pictures goes back to the system when it is freed. By default the C library keeps it for later as
+// soon as a large block was freed once, in a heap that no other size fits into.
+void give_back_large_blocks() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  give_back_large_blocks();
   hdrcam::occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, not the end of a recording
   log_to_standard_error();

@@ -65,7 +65,8 @@ Result<void> check_pictures(const FilmPlan& plan, const Settings& settings) {
 
 Result<void> admit(const Settings& settings, const FilmedRecording& recording, const CameraFacts& camera,
                    const FilmPlan& plan) {
-  const std::uint64_t need = recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings) +
+  const std::uint64_t need = recording_bytes(camera) +
+                             fit_bytes(camera.width, camera.height, settings, FieldUse::Seen) +
                              film_bytes(plan, recording);
   return memory_limit(settings).admit(fmt::format("a film of {}x{} from pictures of {}x{}", plan.width,
                                                   plan.height, camera.width, camera.height),

@@ -64,7 +64,8 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const CameraFacts& camera = source->camera();
   TRY(memory_limit(settings).admit(
       fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
-      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
+      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings,
+                                          flags.truth.empty() ? FieldUse::Fills : FieldUse::Seen)));
   const std::string& clip = camera.name;
   TraceFile trace(settings);
   RunPlan plan{.settings = settings,

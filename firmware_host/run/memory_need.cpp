@@ -5,14 +5,18 @@
 #include <algorithm>
 
 #include "capture/recorded_labels.h"
+#include "firmware_host/run/pipeline.h"
 #include "firmware_host/sinks/async_sink.h"
 
 namespace hdrcam {
 namespace {
 
 // Bytes for each pixel of the stream.
-constexpr std::uint64_t kFit = 1900;        // presets balanced and best; fast takes 1650
-constexpr std::uint64_t kQueuedFrame = 50;  // of a sink's copy of an HDR frame with its layers
+constexpr std::uint64_t kState = 250;
+constexpr std::uint64_t kLongerLookAhead = 150;  // beside it: states that wait for a second frame
+constexpr std::uint64_t kFieldFrame = 100;       // of the field's window, and of two more
+constexpr std::uint64_t kQueuedFrame = 66;       // of a sink's copy of an HDR frame with all its layers
+constexpr std::uint64_t kWrittenFrame = 20;      // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
 constexpr std::uint64_t kCodec = 24;  // packets and pictures of FFV1
 
@@ -28,11 +32,17 @@ std::uint64_t recording_bytes(const CameraFacts& camera) {
                              (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
 }
 
-std::uint64_t fit_bytes(int width, int height, const Settings& settings) {
-  std::uint64_t per_pixel = kFit;
+std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use) {
+  const std::uint64_t frame = kQueuedFrame * pixels(width, height);
+  std::uint64_t sinks = 0;
   for (const auto& [sink, path] : settings.output.paths)
-    if (!path.empty()) per_pixel += kQueuedFrame * (AsyncSink::kDepth + 1);
-  return kProgramBytes + per_pixel * pixels(width, height);
+    if (!path.empty()) sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixels(width, height);
+  const Knobs knobs = options_of(settings, use).knobs;
+  std::uint64_t per_pixel = kState;
+  if (knobs.look_ahead > 1) per_pixel += kLongerLookAhead;
+  if (knobs.field != FieldKind::None)
+    per_pixel += kFieldFrame * static_cast<std::uint64_t>(knobs.hash_grid.window.frames + 2);
+  return kProgramBytes + per_pixel * pixels(width, height) + sinks;
 }
 
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {

@@ -1,9 +1,10 @@
 // What the parts of a run need of memory, from the size of the pictures, for MemoryLimit: measured on
-// simulated clips of 320x240 to 1280x960 and rounded up. Reentrant.
+// simulated clips of 640x480 to 1920x1080 and rounded up. Reentrant.
 #pragma once
 
 #include <cstdint>
 
+#include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/settings/settings.h"
 #include "hal/core/frame.h"
 #include "hal/core/memory_limit.h"
@@ -15,8 +16,9 @@ constexpr std::uint64_t kProgramBytes = 100ULL << 20;
 
 // Reading or writing a recording or a clip: some frames that wait, the codec's own.
 std::uint64_t recording_bytes(const CameraFacts& camera);
-// The method and the sinks behind it.
-std::uint64_t fit_bytes(int width, int height, const Settings& settings);
+// The method and the sinks behind it; use: what the run has the field for, beside what the settings show of
+// it.
+std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use = FieldUse::Fills);
 // A camera's buffers, and the frames that wait for the disk, at least so many.
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting);
 // The simulated sensor with its scene.

@@ -1,0 +1,143 @@
+// What the program takes of memory, on honest recordings of two sizes: the most that was resident, as the
+// kernel counts it for the process.
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "firmware_host/run/memory_need.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr std::uint64_t kMegabyte = 1'000'000;
+
+// A texture of ten stops that moves to the left, at 1, 4 and 16 ms.
+RawFrame textured_frame(int index, int width, int height) {
+  RawFrame raw;
+  raw.facts.sequence = static_cast<std::uint64_t>(index);
+  raw.facts.timestamp = Instant::from_seconds(index / 30.0);
+  raw.facts.exposure_s = 0.001 * std::pow(4.0, index % 3);
+  raw.codes = Image<std::uint16_t>(3, height, width);
+  const float shift = 3.f * static_cast<float>(index);
+  std::vector<float> across(static_cast<std::size_t>(width)), fine(across.size());
+  for (std::size_t x = 0; x < across.size(); ++x) {
+    const float u = static_cast<float>(x) + shift;
+    across[x] = std::exp2(2 * std::sin(u * 0.011f) + std::sin(u * 0.07f));
+    fine[x] = std::sin(u * 0.31f);
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < height; ++y) {
+      const float v = static_cast<float>(y), k = 0.25f * std::sin(v * 0.23f + static_cast<float>(c));
+      const float down =
+          std::exp2(-4 + 2 * std::sin(v * 0.013f)) * static_cast<float>(raw.facts.exposure_s) * 250;
+      std::uint16_t* row = raw.codes.row(c, y);
+      for (std::size_t x = 0; x < across.size(); ++x)
+        row[x] =
+            static_cast<std::uint16_t>(255 * std::sqrt(std::min(1.f, across[x] * (1 + k * fine[x]) * down)));
+    }
+  return raw;
+}
+
+CameraFacts camera_of(int width, int height) {
+  CameraFacts camera;
+  camera.name = "texture";
+  camera.width = width, camera.height = height;
+  return camera;
+}
+
+std::string recorded(const std::string& folder, int width, int height, int frames) {
+  std::string path = folder + "/clip.mkv";
+  auto writer = create_recording(posix_storage(), path, camera_of(width, height), Creation::New);
+  REQUIRE(writer.ok());
+  for (int i = 0; i < frames; ++i) REQUIRE(writer.value()->append(textured_frame(i, width, height)).ok());
+  REQUIRE(writer.value()->finish().ok());
+  return path;
+}
+
+// VmHWM of proc(5); 0 once the process has ended.
+std::uint64_t peak_so_far(pid_t process) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string word; status >> word;)
+    if (word == "VmHWM:") {
+      std::uint64_t kib = 0;
+      status >> kib;
+      return kib * 1024;
+    }
+  return 0;
+}
+
+// The most memory that the program takes for these arguments.
+std::uint64_t peak_bytes(std::vector<std::string> words) {
+  words.insert(words.begin(), HDRCAM_BINARY);
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t silent;
+  posix_spawn_file_actions_init(&silent);
+  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
+  pid_t process = -1;
+  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
+  posix_spawn_file_actions_destroy(&silent);
+  std::uint64_t most = 0;
+  int status = 0;
+  while (waitpid(process, &status, WNOHANG) == 0) {
+    most = std::max(most, peak_so_far(process));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  REQUIRE(WIFEXITED(status));
+  REQUIRE(WEXITSTATUS(status) == 0);
+  return most;
+}
+
+// The peak of a replay to EXR files with two threads, and what was estimated for it.
+struct Taken {
+  std::uint64_t peak, estimated;
+};
+Taken taken(const std::string& clip, int width, int height, Preset preset, EmitLayer emit) {
+  const std::string folder = sample::scratch_folder("peak_memory_frames");
+  Settings settings;
+  settings.fit.preset = preset, settings.fit.emit = emit;
+  settings.output.paths["frames"] = folder + "/%06d.exr";
+  const std::uint64_t peak = peak_bytes({"replay", clip, "--preset", name(preset), "--emit",
+                                         emit == EmitLayer::State ? "state" : "merged", "--threads", "2",
+                                         "-o", settings.output.paths["frames"]});
+  return {peak, recording_bytes(camera_of(width, height)) + fit_bytes(width, height, settings)};
+}
+
+void check_taken(int width, int height, int frames, EmitLayer emit, std::vector<Preset> presets,
+                 std::uint64_t bound) {
+  const std::string clip = recorded(sample::scratch_folder("peak_memory"), width, height, frames);
+  for (const Preset preset : presets) {
+    const Taken of = taken(clip, width, height, preset, emit);
+    CAPTURE(name(preset), of.peak / kMegabyte, of.estimated / kMegabyte);
+    CHECK(of.peak <= bound);
+    CHECK(of.peak <= of.estimated);
+    CHECK(4 * of.estimated <= 9 * of.peak);  // nobody is refused for nothing
+  }
+}
+
+}  // namespace
+
+TEST_CASE("an honest recording of 640x480 takes less than 256 MB, and no more than was estimated",
+          "[memory]") {
+  check_taken(640, 480, 9, EmitLayer::State, {Preset::Realtime, Preset::Balanced}, 256 * kMegabyte);
+}
+
+// They take some ten seconds each: by name only.
+TEST_CASE("an honest recording of 1920x1080 takes less than 1 GB, and no more than was estimated",
+          "[.memory-1080]") {
+  check_taken(1920, 1080, 9, EmitLayer::State, {Preset::Realtime, Preset::Balanced}, 1000 * kMegabyte);
+}
