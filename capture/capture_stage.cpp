@@ -44,11 +44,15 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
       return Error{ErrorCode::Invalid,
                    fmt::format("control delays of {} and {} frames are out of range; give 0 to {}",
                                delays->exposure, delays->gain, kMostDelay)};
-  if (strobe != nullptr && !strobe->capabilities().input)
-    return Error{ErrorCode::Unsupported, "the strobe line is an output; set sync.line to an input line"};
+  if (options.trigger != nullptr && !offers.sets_exposure)
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("'{}' cannot be triggered: its frames come as they were recorded; leave out "
+                             "--trigger-line, or choose a camera",
+                             offers.id)};
   const auto schedule =
       TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
                                : ExposureSchedule::observed(walked));
+  if (options.trigger != nullptr) TRY(PulseTrain::check(options.trigger->options(), schedule));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
 }
 
@@ -74,7 +78,13 @@ FrameMatcherOptions CaptureStage::matching() const {
   matching.strobe = strobe_ == nullptr ? StrobePulse::Absent : options_.strobe;
   matching.strobe_after_timestamp = options_.strobe_after_timestamp;
   matching.timestamp_mark = options_.timestamp_mark.value_or(offers.timestamp_mark);
-  if (options_.delays) {
+  if (options_.trigger != nullptr) {
+    matching.trigger = options_.trigger->options().mode;
+    matching.frame_duration = options_.trigger->options().interval;
+  }
+  if (matching.trigger == TriggerMode::PulseWidth) {
+    // the exposure is the pulse's, whatever was requested
+  } else if (options_.delays) {
     matching.delays = options_.delays;
   } else if (offers.exposure_per_request) {
     matching.delays = ControlDelays{};
@@ -119,7 +129,7 @@ void CaptureStage::collect_warnings() {
           fmt::format("shutter {} is shorter than half a mains period and will flicker under lamps",
                       describe(schedule_.slot(i).exposure.time)));
   const FrameMatcherOptions how = matching();
-  if (!how.delays && !offers.reports_exposure)
+  if (!how.delays && !offers.reports_exposure && how.trigger != TriggerMode::PulseWidth)
     warnings_.push_back(
         fmt::format("'{}' does not report exposures and its control delay is unknown; frames are labelled by "
                     "their pictures alone; run 'hdrcam calibrate delay' once",
@@ -145,10 +155,23 @@ Result<void> CaptureStage::start() {
   TRY(top_up());
   depth_ = under_way_;  // a device may have fewer buffers than requested
   counters_.requests_late = 0;
-  return {};
+  if (options_.trigger == nullptr) return {};
+  trigger_ledger_.start(options_.trigger->options());
+  return options_.trigger->start(schedule_);
 }
 
-Result<void> CaptureStage::stop() { return camera_.stop(); }
+Result<void> CaptureStage::stop() {
+  if (options_.trigger != nullptr) options_.trigger->stop();
+  return camera_.stop();
+}
+
+void CaptureStage::settle_trigger() {
+  if (options_.trigger == nullptr) return;
+  drain_trigger();
+  (void)drain_strobe();
+  trigger_ledger_.settle(options_.trigger->now() + -options_.trigger->options().interval / 2);
+  counters_.trigger = trigger_ledger_.counters();
+}
 
 // Queues requests until the camera's queue is full. A request that finds no free buffer waits for the next
 // frame.
@@ -172,6 +195,7 @@ Result<void> CaptureStage::drain_strobe() {
     const Result<Edge> edge = strobe_->wait_edge(Duration(0));
     if (edge) {
       matcher_->strobe(edge.value());
+      if (options_.trigger != nullptr) trigger_ledger_.answer(edge.value());
     } else if (edge.error().code == ErrorCode::Timeout) {
       break;
     } else {
@@ -181,12 +205,33 @@ Result<void> CaptureStage::drain_strobe() {
   return {};
 }
 
+void CaptureStage::drain_trigger() {
+  if (options_.trigger == nullptr) return;
+  while (const auto pulse = options_.trigger->take()) {
+    matcher_->trigger(*pulse);
+    trigger_ledger_.pulse(*pulse);
+  }
+}
+
+// A camera that waits for pulses in vain looks like one that hangs.
+Error CaptureStage::no_answer(const Error& timeout) const {
+  if (options_.trigger == nullptr || timeout.code != ErrorCode::Timeout) return timeout;
+  if (const auto failure = options_.trigger->failure()) return *failure;
+  return {ErrorCode::Timeout,
+          fmt::format("{}, though {} pulses were driven on trigger line '{}'; check the wiring, and that the "
+                      "sensor is in its external trigger mode",
+                      timeout.message, options_.trigger->driven(), options_.trigger->line())};
+}
+
 Result<void> CaptureStage::next(CapturedFrame& frame) {
   for (;;) {
     bool emitted = false;
     {
-      const CapturedBuffer buffer = TRY(camera_.wait(options_.patience));
+      const Result<CapturedBuffer> waited = camera_.wait(options_.patience);
+      if (!waited) return no_answer(waited.error());
+      const CapturedBuffer& buffer = waited.value();
       --under_way_;
+      drain_trigger();
       TRY(drain_strobe());
       emitted = take(buffer, frame);
     }  // the buffer goes back, so that the next request finds it
@@ -203,7 +248,11 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   counters_.unreported += !buffer.exposure;
   counters_.strobed += matched.strobed;
   counters_.controls_late += buffer.control_late;
-  lost_since_emitted_ += matched.lost_before;
+  lost_since_emitted_ += matched.lost_before + matched.left_out_before;
+  if (options_.trigger != nullptr) {
+    trigger_ledger_.settle(buffer.timestamp + -options_.trigger->options().interval / 2);
+    counters_.trigger = trigger_ledger_.counters();
+  }
   const bool damaged = buffer.damaged;
   if (damaged || !unpack_pixels(buffer, options_.unpack, frame.raw.codes)) {
     ++(damaged ? counters_.damaged : counters_.undecodable);
@@ -243,6 +292,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
     facts.exposure_within_ev = frame.proof.within_ev;
   if (!frame.proof.trusted()) facts.flags |= kFrameExposureUnproved;
   if (lost_since_emitted_ > 0) facts.flags |= kFrameAfterDrop;
+  if (matched.pulse && matched.pulse->late) facts.flags |= kFrameTriggerLate;
   frame.lost_before = lost_since_emitted_;
   frame.cookie = buffer.cookie;
   frame.shares = {picture_.clipped_share, picture_.dark_share};
@@ -274,7 +324,10 @@ CameraFacts CaptureStage::facts() const {
 }
 
 Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
-  schedule_ = TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
+  const auto schedule =
+      TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
+  if (options_.trigger != nullptr) TRY(options_.trigger->follow(schedule));
+  schedule_ = schedule;
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   if (matcher_) matcher_->change_schedule(schedule_);
   return {};
@@ -288,7 +341,10 @@ Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
 
 Duration CaptureStage::longest_exposure() const {
   const CameraCapabilities& offers = camera_.capabilities();
-  return std::min(offers.exposure_max, mode_.frame_duration - ExposureSchedule::frame_margin(offers));
+  Duration margin = ExposureSchedule::frame_margin(offers);
+  if (matching().trigger == TriggerMode::PulseWidth)
+    margin = std::max(margin, options_.trigger->options().gap);
+  return std::min(offers.exposure_max, mode_.frame_duration - margin);
 }
 
 std::optional<ExposureRoom> CaptureStage::room() const {

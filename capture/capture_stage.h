@@ -1,5 +1,5 @@
 // The camera side of the program, from requests to frames whose exposure is known. It keeps the camera
-// supplied with requests, joins each buffer with its request, report and strobe pulse (frame_matcher.h),
+// supplied with requests, joins each buffer with its request, report and pulses (frame_matcher.h),
 // proves the exposure from the pictures (exposure_proof.h) and unpacks the pixels. It waits for the camera
 // only and holds no queue of its own: a slow consumer leaves frames in the camera's buffers, and a camera
 // without free buffers drops frames, which the next frame counts. Thread-bound, except stop(); no allocation
@@ -15,6 +15,7 @@
 #include "capture/exposure_room.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
+#include "capture/trigger.h"
 
 namespace hdrcam {
 
@@ -29,6 +30,9 @@ struct CaptureOptions {
   Adapt adapt = Adapt::Off;                       // this stage follows the light, the fit the motion
   PixelUnpackSettings unpack{};
   Duration patience{2'000'000'000};  // Timeout after this long without a frame
+  // Begins each frame where the sensor waits for it; null, or outlives the stage. Something drives it
+  // (trigger_thread.h); the stage starts and stops it.
+  Trigger* trigger = nullptr;
 };
 
 class CaptureStage {
@@ -47,6 +51,8 @@ class CaptureStage {
   Result<void> next(CapturedFrame& frame);
   // Ends a waiting next(); may be called from any thread. start() may follow.
   Result<void> stop();
+  // After stop(), on the thread of next(): counts the pulses and answers that came since the last frame.
+  void settle_trigger();
 
   // For the recording.
   CameraFacts facts() const;
@@ -79,6 +85,8 @@ class CaptureStage {
   void restart_matching();
   Result<void> top_up();
   Result<void> drain_strobe();
+  void drain_trigger();
+  Error no_answer(const Error& timeout) const;
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
@@ -100,6 +108,7 @@ class CaptureStage {
   PhotometricSignature picture_;
   ExposureProof proof_;
   std::optional<FrameMatcher> matcher_;
+  TriggerLedger trigger_ledger_;
   std::optional<ExposureAdaptation> adaptation_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
   int under_way_ = 0, depth_ = 0;           // queued requests now, and at most

@@ -7,6 +7,7 @@
 
 #include "capture/exposure_adaptation.h"
 #include "capture/exposure_proof.h"
+#include "capture/trigger_ledger.h"
 #include "hal/core/frame.h"
 
 namespace hdrcam {
@@ -27,6 +28,7 @@ struct CaptureCounters {
   std::uint64_t requests_late = 0;  // no free buffer when a request was due
   std::uint64_t relocks = 0;        // times the prediction found the cadence again
   std::uint64_t cycle_changes = 0;  // to follow the light, or what the fit asked for
+  TriggerCounters trigger;
 
   std::uint64_t dropped() const { return damaged + undecodable; }
   void count(const Judgement& judgement);  // of an emitted frame

@@ -189,6 +189,11 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     judgement.within_ev =
         std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
   }
+  if (evidence.pulse_within && claim == 0) {
+    const double time_s = to_seconds(judgement.label.exposure.time);
+    judgement.within_ev =
+        std::min(judgement.within_ev, std::log2(1 + to_seconds(*evidence.pulse_within) / time_s));
+  }
   // Unanimous, but the neighbours are not trusted themselves.
   if (std::isinf(judgement.within_ev)) judgement.verdict = Verdict::Plausible;
   return judgement;

@@ -53,6 +53,7 @@ struct FrameEvidence {
   int claim_count = 0;
   bool prediction_doubtful = false;      // the controls of this frame were written late
   std::optional<Duration> strobe_width;  // as measured; only where the pulse is as long as the exposure
+  std::optional<Duration> pulse_within;  // uncertainty of a claim that is the width of the trigger's pulse
 
   void add(const ExposureClaim& claim) { claims[static_cast<std::size_t>(claim_count++)] = claim; }
 };

@@ -12,7 +12,7 @@ bool same(double a, double b) { return std::abs(a - b) <= ExposureProof::kSame; 
 }  // namespace
 
 Instant MatchedFrame::centre(Duration exposure) const {
-  if (strobe_rise) return *strobe_rise + exposure / 2;
+  if (opened) return *opened + exposure / 2;
   return timestamp + (mark == TimestampMark::ExposureBegin ? exposure / 2 : -exposure / 2);
 }
 
@@ -50,10 +50,19 @@ void FrameMatcher::strobe(const Edge& edge) {
   line_high_ = edge.rising;
 }
 
-// Frame intervals between the buffer before and this one; at least one.
-int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse) const {
+// Trigger pulses between the frame before and this one; 0 where that is not known.
+int FrameMatcher::pulses_since_last(const std::optional<TriggerPulse>& pulse) const {
+  if (!pulse || !last_trigger_ || pulse->index <= last_trigger_->index) return 0;
+  return static_cast<int>(pulse->index - last_trigger_->index);
+}
+
+// Frames of the sensor between the buffer before and this one; at least one. A trigger pulse that the sensor
+// did not answer is no frame of its, so its controls did not act meanwhile.
+int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse,
+                                    int triggers) const {
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
   const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
+  if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
   const double elapsed =
       static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(interval_.count());
   const double by_time = std::round(elapsed);
@@ -160,12 +169,52 @@ std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer
   return nearest;
 }
 
+// The pulse that began the frame. A driver that stamps the end of exposures set by controls leaves only the
+// order: the pulse before.
+std::optional<TriggerPulse> FrameMatcher::trigger_of(const CapturedBuffer& buffer) const {
+  const bool exposes = options_.trigger == TriggerMode::PulseWidth;
+  const bool ordered = options_.timestamp_mark == TimestampMark::ExposureEnd && !exposes;
+  Duration least = ordered ? options_.frame_duration : options_.frame_duration / 4;
+  std::optional<TriggerPulse> nearest;
+  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(trigger_count_, kTriggers); ++back) {
+    const TriggerPulse& pulse = triggers_[(trigger_count_ - back) % kTriggers];
+    const bool by_end = options_.timestamp_mark == TimestampMark::ExposureEnd && exposes;
+    const Duration off = buffer.timestamp - (by_end ? pulse.fall.at : pulse.rise.at);
+    if (ordered && off < Duration(0)) continue;
+    if (std::chrono::abs(off) < least) least = std::chrono::abs(off), nearest = pulse;
+  }
+  return nearest;
+}
+
+// The camera's own report is what its controls were set to: in external trigger mode not the exposure.
+ExposureClaim FrameMatcher::claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const {
+  const double gain = buffer.analogue_gain.value_or(schedule_.slot(0).exposure.gain);
+  return {{pulse.width(), gain}, buffer.digital_gain.value_or(1), ExposureSource::Reported};
+}
+
+void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame) {
+  triggered_.reset();
+  if (!frame.pulse) return last_trigger_.reset();
+  if (last_trigger_)
+    frame.left_out_before = static_cast<int>((frame.pulse->planned.number - last_trigger_->planned.number) -
+                                             (frame.pulse->index - last_trigger_->index));
+  last_trigger_ = frame.pulse;
+  if (options_.trigger != TriggerMode::PulseWidth) return;
+  triggered_ = claim_of(*frame.pulse, buffer);
+  frame.opened = frame.pulse->rise.at;
+  frame.evidence.add(*triggered_);
+  frame.evidence.pulse_within = frame.pulse->width_within();
+}
+
 MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   MatchedFrame frame;
   const auto pulse = pulse_of(buffer);
-  const int advance = started_ ? frames_since_last(buffer, pulse) : 0;
+  if (options_.trigger != TriggerMode::Off) frame.pulse = trigger_of(buffer);
+  const int pulses = pulses_since_last(frame.pulse);
+  const int advance = started_ ? frames_since_last(buffer, pulse, pulses) : 0;
   if (started_) learn_interval(buffer);
-  frame.lost_before = std::max(0, advance - 1);
+  match_trigger(buffer, frame);
+  frame.lost_before = std::max(0, (pulses > 0 ? pulses : advance) - 1);
   frame.cookie_repeated = started_ && buffer.cookie <= highest_cookie_;
   index_ += static_cast<std::uint64_t>(advance);
   frame.index = index_;
@@ -181,7 +230,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
     asked.late = buffer.control_late;
   note_turns(buffer.cookie, frame.cookie_repeated, advance);
   const auto predicted = predicted_for(index_, shift_);
-  if (const auto reported = reported_in(buffer, predicted)) frame.evidence.add(*reported);
+  const auto reported = reported_in(buffer, predicted);
+  if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.add(*reported);
   if (predicted) frame.evidence.add(*predicted);
   frame.evidence.prediction_doubtful = predicted && may_show_earlier(index_);
   if (pulse) match_strobe(pulses_[*pulse % kPulses], frame);
@@ -194,7 +244,7 @@ void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
   if (options_.strobe == StrobePulse::MarksFrame) {
     frame.timestamp = pulse.rise + -options_.strobe_after_timestamp;
   } else {
-    frame.strobe_rise = pulse.rise;
+    frame.opened = pulse.rise;
     frame.evidence.strobe_width = pulse.width;
   }
 }
@@ -228,6 +278,8 @@ void FrameMatcher::learn(double log_value) {
 
 int FrameMatcher::slot_of(const ExposureClaim& label) const {
   const double value = label.log_value();
+  if (triggered_ && last_trigger_->planned.slot < schedule_.slots() && same(triggered_->log_value(), value))
+    return last_trigger_->planned.slot;
   const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
   if (const Asked* asked = written_at(static_cast<std::int64_t>(index_) - delay); asked != nullptr)
     if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value))

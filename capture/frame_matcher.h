@@ -1,13 +1,14 @@
 // Joins the parts of one frame: the buffer, the request that it completed, the driver's report and
-// the strobe pulse during its exposure. It also determines which frames were lost. The result is
-// evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed back (learn) and
-// correct the prediction, so that a missed frame start or a wrong delay is corrected within a
-// cycle.
+// the strobe pulse during its exposure, and the trigger pulse that began it. It also determines which frames
+// were lost. The result is evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed
+// back (learn) and correct the prediction, so that a missed frame start or a wrong delay is corrected within
+// a cycle.
 //
 // Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
 // decides if it lies on the grid of the frame duration, otherwise the number (counters restart in standby and
-// miss drops). The frame duration is measured: not every camera keeps the one that it agreed to.
+// miss drops). The frame duration is measured: not every camera keeps the one that it agreed to. With a
+// trigger there is nothing to decide: each pulse that was driven is a frame.
 // Thread-bound; bounded state, no allocation.
 #pragma once
 
@@ -17,6 +18,7 @@
 #include "capture/control_delay.h"
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
+#include "capture/pulse_train.h"
 #include "hal/sync_line.h"
 
 namespace hdrcam {
@@ -32,6 +34,7 @@ struct FrameMatcherOptions {
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};  // of the rising edge; depends on the wiring
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
+  TriggerMode trigger = TriggerMode::Off;
 };
 
 struct MatchedFrame {
@@ -41,10 +44,12 @@ struct MatchedFrame {
   bool cookie_repeated = false;  // the request was completed before: the cookie is not usable
   Instant timestamp;             // the driver's; the strobe's where a pulse marks the frame
   TimestampMark mark = TimestampMark::ExposureBegin;
-  bool strobed = false;                // a pulse of the strobe line was matched
-  std::optional<Instant> strobe_rise;  // of a pulse that spans the exposure
+  bool strobed = false;               // a pulse of the strobe line was matched
+  std::optional<Instant> opened;      // the exposure, by a strobe or trigger pulse that spans it
+  std::optional<TriggerPulse> pulse;  // of the trigger line, that began the frame
+  int left_out_before = 0;            // pulses that were not driven between the previous frame and this one
 
-  // The middle of an exposure of this length, from the strobe where there is one.
+  // The middle of an exposure of this length, from the pulse where there is one.
   Instant centre(Duration exposure) const;
 };
 
@@ -60,6 +65,8 @@ class FrameMatcher {
 
   // Adds an edge of the strobe line, in order.
   void strobe(const Edge& edge);
+  // Adds a pulse of the trigger line, in order.
+  void trigger(const TriggerPulse& pulse) { triggers_[trigger_count_++ % kTriggers] = pulse; }
   // Matches the next completed buffer, in order, after the edges before it.
   MatchedFrame match(const CapturedBuffer& buffer);
   // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
@@ -75,7 +82,8 @@ class FrameMatcher {
   int relocks() const { return relocks_; }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kLessons = 3, kMaxShift = 4;
+  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kLessons = 3,
+                       kMaxShift = 4;
   static constexpr int kIntervals = 8,
                        kConfirmed = 3;  // intervals used, and needed to know the duration
 
@@ -94,7 +102,8 @@ class FrameMatcher {
     double log_value = 0;
   };
 
-  int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse) const;
+  int pulses_since_last(const std::optional<TriggerPulse>& pulse) const;
+  int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse, int triggers) const;
   void learn_interval(const CapturedBuffer& buffer);
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
@@ -104,6 +113,9 @@ class FrameMatcher {
   bool may_show_earlier(std::uint64_t index) const;
   std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
   void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
+  std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;
+  void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
+  ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
   bool explains_lessons(int shift) const;
 
   FrameMatcherOptions options_;
@@ -125,6 +137,11 @@ class FrameMatcher {
   std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
   bool line_high_ = false;
   std::optional<std::uint64_t> last_pulse_;  // of the previous frame; none where an edge was lost since
+
+  std::array<TriggerPulse, kTriggers> triggers_{};
+  std::uint64_t trigger_count_ = 0;
+  std::optional<TriggerPulse> last_trigger_;  // of the previous frame
+  std::optional<ExposureClaim> triggered_;    // of the last matched frame, where its pulse set the exposure
 
   std::array<Lesson, kLessons> lessons_{};
   int lesson_count_ = 0, shift_ = 0, relocks_ = 0;

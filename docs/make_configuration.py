@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 root = pathlib.Path(__file__).resolve().parent.parent
-titles = {"camera": "Camera", "schedule": "Schedule", "sync": "Sync line", "fit": "Fit", "knobs": "Knobs",
+titles = {"camera": "Camera", "schedule": "Schedule", "sync": "Sync and trigger lines", "fit": "Fit", "knobs": "Knobs",
           "output": "Output", "video": "Video", "record": "Recording", "machine": "Machine"}
 source = "".join((root / "firmware_host" / name).read_text()
                  for name in ("settings/setting_fields.cpp", "sinks/sink_table.cpp"))

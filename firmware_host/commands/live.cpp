@@ -44,11 +44,12 @@ bool keeps_nothing(const Settings& settings) {
   return settings.record.file.empty();
 }
 
-void print_summary(const LiveCounters& counters, const Settings& settings) {
+void print_summary(const LiveCounters& counters, const std::string& trigger, const Settings& settings) {
   // The standard output may be taken by the frames.
   const auto tell = settings.output.path("frames") == kStandardOutput ? write_remark : write_result;
   tell(fmt::format("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
                    proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3));
+  if (!trigger.empty()) tell(trigger + "\n");
   if (!settings.record.file.empty())
     tell(fmt::format("{}: {} of {} frames\n", settings.record.file, counters.recorded, counters.captured()));
 }
@@ -82,6 +83,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
+  TRY(check_lines(settings));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
@@ -90,7 +92,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   LiveOptions limits = flags.limits.options(true);
   limits.trace = trace.trace();
   const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
-  for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
+  for (const std::string& warning : camera->warnings()) remark("note: {}\n", warning);
 
   RunPlan plan{.settings = settings,
                .title = camera->camera().name,
@@ -99,7 +101,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   const LiveCounters counters = camera->session().counters();
-  if (counters.captured() > 0) print_summary(counters, settings);
+  if (counters.captured() > 0) print_summary(counters, camera->trigger_account(), settings);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
 }

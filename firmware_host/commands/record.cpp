@@ -61,6 +61,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
+  TRY(check_lines(settings));
   TraceFile trace(settings);
   if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
     return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);
@@ -68,7 +69,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   limits.trace = trace.trace();
   const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
   LiveSession& session = camera->session();
-  for (const std::string& warning : camera->capture().warnings()) remark("note: {}\n", warning);
+  for (const std::string& warning : camera->warnings()) remark("note: {}\n", warning);
 
   TRY(camera->start());
   {
@@ -79,7 +80,9 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   RunRecord record;
   const Result<void> ended = trace.write_after(camera->finish(record), around.storage);
   const LiveCounters counters = session.counters();
-  say("{}\n{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera), settings.record.file);
+  say("{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera));
+  if (const std::string account = camera->trigger_account(); !account.empty()) say("{}\n", account);
+  say("{}\n", settings.record.file);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
 }

@@ -17,19 +17,21 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
     source->takes_ = TRY(FramePattern::parse("--http-record", takes, ".mkv"));
   source->replayed_ = is_replayed(settings.camera.id);
   source->fits_ = limits.fits;
-  source->camera_ = TRY(open_camera(settings.camera.id, storage));
+  source->lines_ = TRY(CameraLines::prepare(settings));  // before the camera's threads
+  source->camera_ = TRY(open_camera(settings.camera.id, storage, source->lines_->wiring()));
   source->exposure_fixed_ = !source->camera_->capabilities().sets_exposure;
-  source->strobe_ = TRY(open_strobe(settings.sync));
-  const CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
+  CaptureSetup setup = TRY(capture_setup(settings, source->camera_->capabilities()));
   const StreamMode& mode = setup.options.mode;
+  TRY(source->lines_->open(mode.frame_duration));
+  setup.options.trigger = source->lines_->trigger();
   const bool simulated = settings.camera.id.starts_with("sim:");
   TRY(memory_limit(settings).admit(
       fmt::format("a stream of {}x{}{}", mode.width, mode.height, limits.fits ? " with its fit" : ""),
       capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames) +
           (limits.fits ? fit_bytes(mode.width, mode.height, settings) : 0) +
           (simulated ? simulator_bytes(mode.width, mode.height) : 0)));
-  source->capture_ = TRY(
-      CaptureStage::open(*source->camera_, source->strobe_.get(), setup.cycle, setup.mains, setup.options));
+  source->capture_ = TRY(CaptureStage::open(*source->camera_, source->lines_->strobe(), setup.cycle,
+                                            setup.mains, setup.options));
   source->facts_ = source->capture_->facts();
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
@@ -37,6 +39,12 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   limits.memory_bytes = static_cast<std::size_t>(settings.record.memory_mib) << 20;
   source->session_ = std::make_unique<LiveSession>(*source->capture_, std::move(recording), limits);
   return source;
+}
+
+std::vector<std::string> CameraSource::warnings() const {
+  std::vector<std::string> all = capture_->warnings();
+  if (const std::string note = lines_->note(); !note.empty()) all.push_back(note);
+  return all;
 }
 
 Result<void> CameraSource::start() {
@@ -78,6 +86,7 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.emitted = static_cast<int>(counters.emitted);
   record.dropped = static_cast<int>(counters.dropped());
   record.notes.push_back(proof_of(counters.camera));
+  if (const std::string account = trigger_account(); !account.empty()) record.notes.push_back(account);
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
 }

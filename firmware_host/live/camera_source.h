@@ -7,6 +7,7 @@
 
 #include "firmware_host/live/live_session.h"
 #include "firmware_host/live/service_watch.h"
+#include "firmware_host/live/trigger_setup.h"
 #include "firmware_host/run/frame_source.h"
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/frame_pattern.h"
@@ -17,7 +18,7 @@ namespace hdrcam {
 
 class CameraSource : public FrameSource, public RunControl {
  public:
-  // Opens camera, strobe line and recording. limits: the settings replace its memory. Storage and stop
+  // Opens camera, lines and recording. limits: the settings replace its memory. Storage and stop
   // outlive the source. Errors: those of the camera, of the settings, of the disk.
   static Result<std::unique_ptr<CameraSource>> open(const Settings& settings, LiveOptions limits,
                                                     Storage& storage, const std::atomic<bool>& stop);
@@ -43,6 +44,10 @@ class CameraSource : public FrameSource, public RunControl {
   Result<void> change_cycle(const std::string& shutter, const std::string& gain) override;
 
   CaptureStage& capture() { return *capture_; }
+  // What the user should know at the start.
+  std::vector<std::string> warnings() const;
+  // The account of the trigger line so far, as a sentence; "" without one.
+  std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
   LiveSession& session() { return *session_; }
   // Why the run ended, if it ended without an error.
   LiveEnd end() const { return end_; }
@@ -54,8 +59,8 @@ class CameraSource : public FrameSource, public RunControl {
 
   const std::atomic<bool>& stop_;
   Storage& storage_;
+  std::unique_ptr<CameraLines> lines_;
   std::unique_ptr<Camera> camera_;
-  std::unique_ptr<SyncLine> strobe_;
   std::unique_ptr<CaptureStage> capture_;
   std::unique_ptr<LiveSession> session_;
   std::optional<ServiceWatch> watch_;

@@ -8,9 +8,7 @@
 
 #include "hal/jpeg_decoder.h"
 #include "hal/real/enumerate.h"
-#include "hal/real/sync_line_gpiod.h"
 #include "hal/replay/replayed_camera.h"
-#include "hal/sim/simulated_camera.h"
 
 namespace hdrcam {
 namespace {
@@ -57,16 +55,12 @@ std::pair<long, long> misfit(const Settings::Camera& wanted, const StreamMode& m
 bool is_replayed(const std::string& id) { return id.starts_with(kReplay); }
 std::string replayed_file(const std::string& id) { return id.substr(kReplay.size()); }
 
-Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage) {
-  if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()));
+Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage,
+                                            const SimulatedWiring& wiring) {
+  if (id.starts_with(kSim)) return open_simulated_camera(std::string_view(id).substr(kSim.size()), wiring);
   if (is_replayed(id))
     return open_replayed_camera(storage, replayed_file(id), ReplayPace::AsRecorded, posix_clock());
   return open_real_camera(id);
-}
-
-Result<std::unique_ptr<SyncLine>> open_strobe(const Settings::Sync& sync) {
-  if (sync.line.empty()) return std::unique_ptr<SyncLine>();
-  return open_gpio_line({.line = sync.line, .active_low = sync.active_low});
 }
 
 Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabilities& camera) {

@@ -8,8 +8,8 @@
 #include "capture/capture_stage.h"
 #include "firmware_host/settings/settings.h"
 #include "hal/camera.h"
+#include "hal/sim/simulated_camera.h"
 #include "hal/storage.h"
-#include "hal/sync_line.h"
 
 namespace hdrcam {
 
@@ -19,15 +19,13 @@ struct CaptureSetup {
   Mains mains = Mains::Off;
 };
 
-// id: "sim:SCENE", "replay:FILE", or a device (hal/real/enumerate.h); empty: the only device. Errors: those
-// of opening it.
-Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage);
+// id: "sim:SCENE", "replay:FILE", or a device (hal/real/enumerate.h); empty: the only device. wiring: of a
+// simulated one. Errors: those of opening it.
+Result<std::unique_ptr<Camera>> open_camera(const std::string& id, Storage& storage,
+                                            const SimulatedWiring& wiring = {});
 bool is_replayed(const std::string& id);
 // The recording of a camera "replay:FILE".
 std::string replayed_file(const std::string& id);
-
-// Returns null where no line is set.
-Result<std::unique_ptr<SyncLine>> open_strobe(const Settings::Sync& sync);
 
 // The stream mode for the settings. Default format: the highest bit depth available (raw before processed,
 // more bits before fewer); default size: the largest of up to 640x480. Errors: Unsupported, listing what the

@@ -48,6 +48,29 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   return text;
 }
 
+namespace {
+
+// None of a run without a trigger.
+std::vector<NamedValue> trigger_values(const TriggerCounters& trigger) {
+  if (trigger.pulses == 0) return {};
+  std::vector<NamedValue> list;
+  const auto count = [&](const char* name, std::uint64_t value) {
+    list.push_back({name, static_cast<double>(value)});
+  };
+  count("trigger.pulses", trigger.pulses);
+  count("trigger.late", trigger.late);
+  count("trigger.left_out", trigger.left_out);
+  count("trigger.answered", trigger.answered);
+  count("trigger.unanswered", trigger.unanswered);
+  count("trigger.unasked", trigger.unasked);
+  list.push_back({"trigger.edge_us_mean", to_seconds(trigger.edge_mean) * 1e6});
+  list.push_back({"trigger.edge_us_p99", to_seconds(trigger.edge_p99) * 1e6});
+  list.push_back({"trigger.edge_us_most", to_seconds(trigger.edge_most) * 1e6});
+  return list;
+}
+
+}  // namespace
+
 std::vector<NamedValue> named(const LiveCounters& counters) {
   const CaptureCounters& camera = counters.camera;
   const std::pair<const char*, std::uint64_t> values[] = {
@@ -75,7 +98,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.relocks", camera.relocks},
       {"camera.cycle_changes", camera.cycle_changes},
   };
-  std::vector<NamedValue> list;
+  std::vector<NamedValue> list = trigger_values(camera.trigger);
   for (const auto& [name, value] : values) list.push_back({name, static_cast<double>(value)});
   list.push_back({"first_frame_ms", to_seconds(counters.first_frame) * 1e3});
   list.push_back({"longest_latency_ms", to_seconds(counters.longest_latency) * 1e3});

@@ -52,6 +52,7 @@ void LiveSession::capture_frames() {
     if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
   }
   const Result<void> stopped = capture_.stop();
+  capture_.settle_trigger();
   if (capture_result_) capture_result_ = stopped;
   inbox_.close();
 }

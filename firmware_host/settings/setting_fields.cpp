@@ -185,9 +185,10 @@ std::vector<SettingField> schedule_fields() {
 
 std::vector<SettingField> sync_fields() {
   using S = Settings::Sync;
+  constexpr auto kGroup = &Settings::sync;
   return {
       any<&Settings::sync, &S::line>("sync.line", "--sync-line",
-                                     "GPIO line of the strobe: gpiochip0:17, or its name", "none"),
+                                     "GPIO line of the strobe: gpiochip0:17, its name, or sim", "none"),
       choice<&Settings::sync, &S::strobe, StrobePulse::MarksFrame, StrobePulse::SpansExposure>(
           "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
           {"frame", "exposure"}),
@@ -196,6 +197,23 @@ std::vector<SettingField> sync_fields() {
           "time from the driver's timestamp to the rising edge, such as 250us"),
       any<&Settings::sync, &S::active_low>("sync.active_low", "--sync-active-low",
                                            "the strobe is active low"),
+      any<kGroup, &S::trigger_line>(
+          "sync.trigger_line", "--trigger-line",
+          "GPIO line that triggers the sensor: gpiochip0:17, its name, or sim for a simulated camera",
+          "none"),
+      choice<kGroup, &S::trigger, TriggerMode::Off, TriggerMode::FrameStart, TriggerMode::PulseWidth>(
+          "sync.trigger", "--trigger",
+          "what a trigger pulse does: starts a frame, or is as wide as the exposure (external trigger mode)",
+          {"off", "fsync", "pulse-width"}),
+      any<kGroup, &S::trigger_width>("sync.trigger_width", "--trigger-width",
+                                     "width of a pulse that starts a frame"),
+      any<kGroup, &S::trigger_gap>("sync.trigger_gap", "--trigger-gap",
+                                   "least time between two trigger pulses, in which the sensor reads out"),
+      any<kGroup, &S::trigger_tolerance>(
+          "sync.trigger_tolerance", "--trigger-tolerance",
+          "a trigger pulse whose edge is later than this is late, and its frame is flagged"),
+      any<kGroup, &S::trigger_active_low>("sync.trigger_active_low", "--trigger-active-low",
+                                          "the trigger line is active low"),
   };
 }
 
@@ -352,7 +370,7 @@ const char* title(SettingGroup group) {
     case SettingGroup::Schedule:
       return "Schedule";
     case SettingGroup::Sync:
-      return "Sync line";
+      return "Sync and trigger lines";
     case SettingGroup::Fit:
       return "Fit";
     case SettingGroup::Knobs:

@@ -11,7 +11,7 @@ namespace hdrcam {
 // In the order in which they are printed: group by group.
 std::span<const SettingField> setting_fields();
 
-const char* title(SettingGroup group);  // "Sync line"
+const char* title(SettingGroup group);  // "Sync and trigger lines"
 
 // The field's flag for a verb of these groups: --record is -o where no HDR frames are written.
 const char* flag_of(const SettingField& field, std::span<const SettingGroup> groups);

@@ -14,6 +14,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/replay/replayed_camera.h"
+#include "hal/trigger_line.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"
 
@@ -45,10 +46,16 @@ struct Settings {
     Mains mains = Mains::Off;              // mains frequency (anti-flicker)
   } schedule;
   struct Sync {
-    std::string line;  // "": none; "gpiochip0:17" or a line's name: strobe edges
+    std::string line;  // "": none; "gpiochip0:17" or a line's name: strobe edges; "sim", as trigger_line
     StrobePulse strobe = StrobePulse::MarksFrame;
     std::string strobe_delay = "0us";  // from the driver's timestamp to the rising edge
     bool active_low = false;
+    std::string trigger_line;  // "": none; a GPIO line, or "sim": the wire of a simulated camera
+    TriggerMode trigger = TriggerMode::Off;
+    std::string trigger_width = "200us";  // of pulses that only start a frame
+    std::string trigger_gap = "1ms";      // between pulses, at least
+    std::string trigger_tolerance = "500us";
+    bool trigger_active_low = false;
   } sync;
   struct Fit {
     std::string deadline;  // per frame; "": a camera's frame interval, none of a recording; "33ms"; kOff

@@ -30,8 +30,6 @@ class FaultySyncLine : public SyncLine {
   FaultySyncLine(std::unique_ptr<SyncLine> inner, std::vector<LineFault> faults)
       : inner_(std::move(inner)), faults_(std::move(faults)) {}
 
-  SyncLineCapabilities capabilities() const override { return inner_->capabilities(); }
-  Result<void> pulse(Duration width) override { return inner_->pulse(width); }
   Result<Edge> wait_edge(Duration timeout) override;
   void close() override { inner_->close(); }
 

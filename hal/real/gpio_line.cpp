@@ -29,6 +29,23 @@ std::vector<std::string> gpio_chip_nodes() {
   return nodes;
 }
 
+namespace {
+
+// "gpiochip0:17" of a line's own name; any other text as it is.
+std::string place_of(const std::string& name) {
+  if (parse_line_name(name)) return name;
+  for (const std::string& node : gpio_chip_nodes()) {
+    const auto chip = inspect_gpio_chip(node);
+    for (std::size_t i = 0; chip && i < chip.value().lines.size(); ++i)
+      if (chip.value().lines[i].name == name) return fmt::format("{}:{}", chip.value().name, i);
+  }
+  return name;
+}
+
+}  // namespace
+
+bool same_gpio_line(const std::string& a, const std::string& b) { return place_of(a) == place_of(b); }
+
 Error line_error(int code, const std::string& name, const std::string& consumer) {
   switch (code) {
     case EBUSY:

@@ -10,9 +10,10 @@
 
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
-#include "hal/sync_line.h"
 
 namespace hdrcam {
+
+enum class LineDirection { Input, Output };
 
 struct GpioEvent {
   bool rising = true;
@@ -50,6 +51,8 @@ Result<GpioChipState> inspect_gpio_chip(const std::string& node);
 
 // For both versions: splits "gpiochip0:17"; nullopt for anything else.
 std::optional<GpioLineName> parse_line_name(const std::string& name);
+// Whether two names are those of one line: "gpiochip0:17" and "FSYNC". Lines that are not there differ.
+bool same_gpio_line(const std::string& a, const std::string& b);
 // The nodes of all GPIO chips, "/dev/gpiochip0" first.
 std::vector<std::string> gpio_chip_nodes();
 Error line_error(int code, const std::string& name, const std::string& consumer);

@@ -20,25 +20,7 @@ class GpioSyncLine : public SyncLine {
   GpioSyncLine(std::unique_ptr<GpioLine> line, GpioSettings settings, Clock& clock)
       : line_(std::move(line)), settings_(std::move(settings)), clock_(clock) {}
 
-  SyncLineCapabilities capabilities() const override { return {.output = output(), .input = !output()}; }
-
-  Result<void> pulse(Duration width) override {
-    if (!output())
-      return Error{ErrorCode::Unsupported,
-                   fmt::format("GPIO line '{}' is an input and drives no pulse", settings_.line)};
-    if (width <= Duration::zero())
-      return Error{ErrorCode::Invalid, fmt::format("a pulse width of {} ns on GPIO line '{}' is not positive",
-                                                   width.count(), settings_.line)};
-    if (closed_) return closed();
-    TRY(line_->set(true));
-    clock_.sleep_until(clock_.now() + width);  // counted from the active line, so that no pulse is too short
-    return line_->set(false);
-  }
-
   Result<Edge> wait_edge(Duration timeout) override {
-    if (output())
-      return Error{ErrorCode::Unsupported,
-                   fmt::format("GPIO line '{}' is an output and reports no edges", settings_.line)};
     const auto deadline = SteadyClock::now() + timeout;
     for (;;) {
       if (closed_) return closed();
@@ -62,7 +44,6 @@ class GpioSyncLine : public SyncLine {
   }
 
  private:
-  bool output() const { return settings_.direction == LineDirection::Output; }
   Error closed() const {
     return {ErrorCode::Interrupted, fmt::format("GPIO line '{}' is closed", settings_.line)};
   }
@@ -91,7 +72,7 @@ class GpioSyncLine : public SyncLine {
 }  // namespace
 
 Result<std::unique_ptr<SyncLine>> open_gpio_line(const GpioSettings& settings, Clock& clock) {
-  auto line = TRY(request_gpio_line(settings.line, settings.direction, settings.active_low));
+  auto line = TRY(request_gpio_line(settings.line, LineDirection::Input, settings.active_low));
   return std::unique_ptr<SyncLine>(std::make_unique<GpioSyncLine>(std::move(line), settings, clock));
 }
 

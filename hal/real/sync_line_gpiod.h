@@ -1,5 +1,5 @@
-// A sync line on a GPIO pin, through libgpiod. In a build without it every call returns Unsupported and names
-// the package to install.
+// The strobe line of a sensor on a GPIO pin, through libgpiod. In a build without it every call returns
+// Unsupported and names the package to install.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,6 @@ namespace hdrcam {
 
 struct GpioSettings {
   std::string line;  // "gpiochip0:17", or the line's name
-  LineDirection direction = LineDirection::Input;
   bool active_low = false;
 };
 

@@ -55,10 +55,10 @@ int near_size(int wanted, int otherwise, int multiple) {
 }  // namespace
 
 SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int threads,
-                                 SimulatedWire* strobe)
+                                 const SimulatedWiring& wiring)
     : simulation_(simulation),
       time_(time),
-      strobe_(strobe),
+      wiring_(wiring),
       pool_(threads),
       capabilities_(capabilities_of(simulation)),
       exposure_(delays_of(simulation).exposure, kFirstExposure),
@@ -67,9 +67,12 @@ SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int
   if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
   if (simulation.plan.on(Effect::ClockJitter))
     jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
+  if (triggered()) wiring_.trigger->listen([this](const Edge& edge) { trigger(edge); });
 }
 
-SimulatedCamera::~SimulatedCamera() = default;
+SimulatedCamera::~SimulatedCamera() {
+  if (triggered()) wiring_.trigger->listen({});
+}
 
 Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buffers) {
   {
@@ -110,7 +113,9 @@ Result<void> SimulatedCamera::start() {
                  "the simulated camera is not configured; configure it before starting it"};
   if (harm_->unplugged) return unplugged();
   started_ = true;
-  epoch_ = time_.now() + mode_.frame_duration;  // the sensor starts up
+  const Instant now = time_.now();
+  epoch_ = triggered() ? now : now + mode_.frame_duration;  // the sensor starts up
+  opened_.reset(), read_out_ = now;
   next_frame_ = 0;
   exposure_ = DelayedControl<Duration>(delays_of(simulation_).exposure, kFirstExposure);
   gain_ = DelayedControl<double>(delays_of(simulation_).gain, 1);
@@ -144,7 +149,9 @@ Result<CapturedBuffer> SimulatedCamera::wait(Duration timeout) {
     if (now >= deadline)
       return Error{ErrorCode::Timeout,
                    fmt::format("no frame came within {:.0f} ms", to_seconds(timeout) * 1e3)};
-    const Instant next = frames_.empty() ? begin_of(next_frame_) : frames_.front().ready;
+    const Instant next = !frames_.empty() ? frames_.front().ready
+                         : triggered()    ? deadline
+                                          : begin_of(next_frame_);
     time_.wait(lock, changed_, std::min(next, deadline));
   }
   const Frame frame = frames_.pop();
@@ -175,24 +182,50 @@ Instant SimulatedCamera::begin_of(std::uint64_t frame) const {
 
 // Starts every frame that is due.
 void SimulatedCamera::advance(Instant now) {
-  while (started_ && begin_of(next_frame_) <= now) {
-    begin_frame(next_frame_);
+  while (started_ && !triggered() && begin_of(next_frame_) <= now) {
+    begin_frame(next_frame_, begin_of(next_frame_), std::nullopt);
     ++next_frame_;
   }
 }
 
-void SimulatedCamera::begin_frame(std::uint64_t sequence) {
+// An edge of the trigger line.
+void SimulatedCamera::trigger(const Edge& edge) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!started_) return;
+    if (edge.rising) {
+      if (edge.at < read_out_) return;
+      opened_ = edge.at;
+      if (wiring_.mode == TriggerMode::PulseWidth) return;
+    }
+    if (!opened_) return;
+    const Instant begin = *opened_;
+    opened_.reset();
+    begin_frame(next_frame_++, begin,
+                edge.rising ? std::optional<Duration>() : std::optional(edge.at - begin));
+  }
+  changed_.notify_all();
+}
+
+Instant SimulatedCamera::ready_after(const Frame& frame) const {
+  return triggered() ? frame.begin + frame.exposure + readout_of(mode_.frame_duration)
+                     : begin_of(frame.sequence + 1);
+}
+
+// pulse: the exposure of a frame whose trigger pulse set it.
+void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::optional<Duration> pulse) {
   const bool delivered = !is_lost(sequence) && !requests_.empty();
   Request request;
   if (delivered) request = requests_.pop(), write_controls(sequence, request.asked);
   Frame frame;
   frame.sequence = sequence;
   frame.exposure = exposure_.latch(sequence), frame.gain = gain_.latch(sequence);
-  frame.begin = begin_of(sequence);
+  if (pulse) frame.exposure = *pulse;
+  frame.begin = begin;
   frame.stamp = jitter_ ? frame.begin + jitter_->latency(sequence) : frame.begin;
-  frame.ready = begin_of(sequence + 1);
+  frame.ready = read_out_ = ready_after(frame);
   harm_->history[sequence % Harm::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
-  if (strobe_ != nullptr) strobe_->strobe(frame.begin, frame.exposure);
+  if (wiring_.strobe != nullptr) wiring_.strobe->strobe(frame.begin, frame.exposure);
   if (!delivered) return;
   frame.buffer = request.buffer;
   tell(frame, request.asked.cookie);
@@ -229,7 +262,8 @@ void SimulatedCamera::tell(Frame& frame, std::uint64_t cookie) {
 }
 
 CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
-  const double begin_s = to_seconds(mode_.frame_duration) * static_cast<double>(frame.sequence);
+  const double begin_s = triggered() ? to_seconds(frame.begin - epoch_)
+                                     : to_seconds(mode_.frame_duration) * static_cast<double>(frame.sequence);
   sensor_->expose({frame.sequence, begin_s, to_seconds(frame.exposure), frame.gain}, codes_);
   std::vector<std::byte>& bytes = buffers_[static_cast<std::size_t>(frame.buffer)];
   pack_codes(codes_, mode_.format, bytes);
@@ -249,10 +283,10 @@ CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
   return buffer;
 }
 
-Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene) {
+Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene, const SimulatedWiring& wiring) {
   const Simulation simulation = TRY(simulation_of(scene));
   const int threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1u, 4u));
-  return std::unique_ptr<Camera>(std::make_unique<SimulatedCamera>(simulation, SimTime(), threads));
+  return std::unique_ptr<Camera>(std::make_unique<SimulatedCamera>(simulation, SimTime(), threads, wiring));
 }
 
 }  // namespace hdrcam

@@ -5,6 +5,10 @@
 // of exposure. wait() computes the pixels, on the waiting thread and a pool, so that no thread runs in
 // between.
 //
+// With a trigger the sensor does not run freely: each pulse on that wire is a frame, and no pulse is none. In
+// external trigger mode the pulse's width is the exposure, whatever is requested. A pulse that begins before
+// the frame before it is read out is ignored, as sensors do.
+//
 // A test sees the truth and injects faults through sim_bench.h. Thread-bound, except stop() and the return of
 // buffers; no allocation per frame after the first.
 #pragma once
@@ -18,15 +22,24 @@
 #include "hal/sim/effects/delayed_control.h"
 #include "hal/sim/simulated_sensor.h"
 #include "hal/sim/simulated_sync_line.h"
+#include "hal/trigger_line.h"
 
 namespace hdrcam {
 
 class SimBench;
 
+// The wires of a simulated sensor; they outlive it.
+struct SimulatedWiring {
+  SimulatedWire* strobe = nullptr;  // high during an exposure; may be null
+  SimulatedWire* trigger = nullptr;
+  TriggerMode mode = TriggerMode::Off;  // Off: the sensor runs freely
+};
+
 class SimulatedCamera : public Camera, private BufferLease::Owner {
  public:
-  // threads: for rendering, 1.. ; strobe: high during an exposure, may be null, outlives the camera.
-  SimulatedCamera(const Simulation& simulation, SimTime time, int threads, SimulatedWire* strobe = nullptr);
+  // threads: for rendering, 1..
+  SimulatedCamera(const Simulation& simulation, SimTime time, int threads,
+                  const SimulatedWiring& wiring = {});
   ~SimulatedCamera() override;
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
@@ -56,7 +69,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     int buffer = -1;
     Duration exposure{0};
     double gain = 1;
-    Instant begin, stamp, ready;
+    Instant begin, stamp, ready;  // ready: read out
     Report report;
     bool reported = true;
   };
@@ -87,7 +100,10 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   void give_back(int buffer) override;
   Instant begin_of(std::uint64_t frame) const;
   void advance(Instant now);
-  void begin_frame(std::uint64_t frame);
+  void begin_frame(std::uint64_t frame, Instant begin, std::optional<Duration> pulse);
+  Instant ready_after(const Frame& frame) const;
+  bool triggered() const { return wiring_.mode != TriggerMode::Off; }
+  void trigger(const Edge& edge);
   bool is_lost(std::uint64_t frame);
   void write_controls(std::uint64_t frame, const ExposureRequest& asked);
   void tell(Frame& frame, std::uint64_t cookie);
@@ -95,7 +111,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
 
   Simulation simulation_;
   const SimTime time_;
-  SimulatedWire* strobe_;
+  const SimulatedWiring wiring_;
   WorkerPool pool_;
   CameraCapabilities capabilities_;
   StreamMode mode_;
@@ -108,8 +124,10 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;
   bool started_ = false;
-  Instant epoch_;                 // frame 0 opens
-  std::uint64_t next_frame_ = 0;  // to open
+  Instant epoch_;                  // frame 0 opens; with a trigger: the camera starts
+  std::uint64_t next_frame_ = 0;   // to open
+  std::optional<Instant> opened_;  // by a pulse that lasts
+  Instant read_out_;               // the last triggered frame
   Ring<int> free_;
   Ring<Request> requests_;
   Ring<Frame> frames_;  // exposed, not waited for yet
@@ -121,6 +139,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
 
 // `scene`: what follows "sim:", see simulation.h. It runs in real time, on as many threads as the machine
 // has, at most 4.
-Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene);
+Result<std::unique_ptr<Camera>> open_simulated_camera(std::string_view scene,
+                                                      const SimulatedWiring& wiring = {});
 
 }  // namespace hdrcam

@@ -9,25 +9,36 @@ const Error kClosed{ErrorCode::Interrupted, "the simulated line was closed"};
 
 }  // namespace
 
-void SimulatedWire::add(Instant at, bool rising) {
-  edges_[count_ % kEdges] = {at, rising, count_};
-  ++count_;
+Edge SimulatedWire::add(Instant at, bool rising) {
+  const Edge edge{at, rising, count_};
+  edges_[count_++ % kEdges] = edge;
   level_ = rising;
+  return edge;
 }
 
-void SimulatedWire::drive(bool active) {
+Instant SimulatedWire::drive(bool active) {
+  const std::lock_guard one_at_a_time(listening_);
+  Edge edge;
   {
     const std::lock_guard lock(mutex_);
-    if (active == level_) return;
-    add(time_.now(), active);
+    const Instant now = time_.now();
+    if (active == level_) return now;
+    edge = add(now, active);
   }
   changed_.notify_all();
+  if (heard_) heard_(edge);
+  return edge.at;
+}
+
+void SimulatedWire::listen(std::function<void(const Edge&)> heard) {
+  const std::lock_guard lock(listening_);
+  heard_ = std::move(heard);
 }
 
 void SimulatedWire::strobe(Instant begin, Duration width) {
   {
     const std::lock_guard lock(mutex_);
-    add(begin, true), add(begin + width, false);
+    (void)add(begin, true), (void)add(begin + width, false);
   }
   changed_.notify_all();
 }
@@ -37,33 +48,12 @@ bool SimulatedWire::level() const {
   return level_;
 }
 
-SimulatedSyncLine::SimulatedSyncLine(SimulatedWire& wire, LineDirection direction)
-    : wire_(wire), direction_(direction) {
+SimulatedSyncLine::SimulatedSyncLine(SimulatedWire& wire) : wire_(wire) {
   const std::lock_guard lock(wire.mutex_);
   first_ = next_ = wire.count_;
 }
 
-SyncLineCapabilities SimulatedSyncLine::capabilities() const {
-  return {.output = direction_ == LineDirection::Output, .input = direction_ == LineDirection::Input};
-}
-
-Result<void> SimulatedSyncLine::pulse(Duration width) {
-  if (direction_ != LineDirection::Output)
-    return Error{ErrorCode::Unsupported, "the simulated line is an input; it drives nothing"};
-  if (width <= Duration::zero())
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("a pulse width of {} ns is out of range; ask for a positive width", width.count())};
-  if (closed_) return kClosed;
-  wire_.drive(true);
-  wire_.time_.sleep_until(wire_.time_.now() + width);
-  wire_.drive(false);
-  return {};
-}
-
 Result<Edge> SimulatedSyncLine::wait_edge(Duration timeout) {
-  if (direction_ != LineDirection::Input)
-    return Error{ErrorCode::Unsupported, "the simulated line is an output; it reports no edges"};
   std::unique_lock lock(wire_.mutex_);
   const Instant deadline = wire_.time_.now() + timeout;
   for (;;) {

@@ -117,10 +117,6 @@ class SensorModel : public Camera, private BufferLease::Owner {
 class StrobeModel : public SyncLine {
  public:
   explicit StrobeModel(SensorModel& sensor) : sensor_(sensor) {}
-  SyncLineCapabilities capabilities() const override { return {.output = false, .input = true}; }
-  Result<void> pulse(Duration) override {
-    return Error{ErrorCode::Unsupported, "the strobe line is an input"};
-  }
   Result<Edge> wait_edge(Duration timeout) override;
   void close() override {}
 

@@ -15,7 +15,6 @@ using std::chrono::milliseconds;
 void sees_edges_in_order(const InputLineUnderTest& facts) {
   facts.drive(false);
   auto line = value_of(facts.open());
-  CHECK(line->capabilities().input);
   Edge before{};
   for (int i = 0; i < 20; ++i) {
     facts.drive(i % 2 == 0);
@@ -67,38 +66,29 @@ void ends_a_wait_by_close(const InputLineUnderTest& facts) {
   line->close();  // once more is no harm
 }
 
-void drives_nothing_as_an_input(const InputLineUnderTest& facts) {
+void sets_the_level(const OutputLineUnderTest& facts) {
   auto line = value_of(facts.open());
-  CHECK_FALSE(line->capabilities().output);
-  require_error(line->pulse(milliseconds(1)), ErrorCode::Unsupported);
+  CHECK_FALSE(line->name().empty());
+  CHECK_FALSE(facts.level());
+  Instant before;
+  for (const LineLevel level :
+       {LineLevel::Active, LineLevel::Inactive, LineLevel::Active, LineLevel::Active, LineLevel::Inactive}) {
+    const DrivenEdge edge = value_of(line->drive(level));
+    CHECK(facts.level() == (level == LineLevel::Active));
+    CHECK(edge.within >= Duration::zero());
+    CHECK(edge.at >= before);
+    before = edge.at;
+  }
 }
 
-void drives_pulses(const OutputLineUnderTest& facts) {
-  auto line = value_of(facts.open());
-  CHECK(line->capabilities().output);
+void is_left_inactive(const OutputLineUnderTest& facts) {
+  {
+    auto line = value_of(facts.open());
+    value_of(line->drive(LineLevel::Active));
+    CHECK(facts.level());
+  }
   CHECK_FALSE(facts.level());
-  bool seen_active = false;
-  std::thread observer([&] {
-    const auto end = std::chrono::steady_clock::now() + milliseconds(150);
-    while (std::chrono::steady_clock::now() < end && !seen_active) seen_active = facts.level();
-  });
-  const auto begin = std::chrono::steady_clock::now();
-  const Result<void> pulsed = line->pulse(milliseconds(100));
-  const Duration width = std::chrono::steady_clock::now() - begin;
-  observer.join();
-  if (!pulsed.ok()) FAIL(pulsed.error().message);
-  CHECK(seen_active);
-  CHECK_FALSE(facts.level());
-  CHECK(width >= milliseconds(100));
-  CHECK(width <= milliseconds(100) + facts.overshoot);
-}
-
-void refuses_an_impossible_pulse(const OutputLineUnderTest& facts) {
-  auto line = value_of(facts.open());
-  require_error(line->pulse(Duration::zero()), ErrorCode::Invalid);
-  require_error(line->wait_edge(milliseconds(1)), ErrorCode::Unsupported);
-  line->close();
-  require_error(line->pulse(milliseconds(1)), ErrorCode::Interrupted);
+  CHECK(facts.open().ok());  // and free again
 }
 
 template <class Line>
@@ -111,11 +101,10 @@ constexpr Clause<InputLineUnderTest> kInputClauses[] = {
     {"does not allocate per edge", does_not_allocate_per_edge},
     {"times out when no edge comes", times_out_without_an_edge},
     {"ends a wait when another thread closes it", ends_a_wait_by_close},
-    {"drives nothing as an input", drives_nothing_as_an_input},
 };
 constexpr Clause<OutputLineUnderTest> kOutputClauses[] = {
-    {"drives a pulse as wide as asked", drives_pulses},
-    {"refuses what an output cannot do", refuses_an_impossible_pulse},
+    {"has the level that it was set to", sets_the_level},
+    {"is left inactive", is_left_inactive},
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The requirements of every SyncLine: libgpiod's, the simulated, the replayed and the faulty one. See
+// The requirements of every SyncLine and every TriggerLine: libgpiod's, the simulated and the faulty one. See
 // camera_contract.h.
 #pragma once
 
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "hal/sync_line.h"
+#include "hal/trigger_line.h"
 
 namespace hdrcam {
 
@@ -18,9 +19,8 @@ struct InputLineUnderTest {
 };
 struct OutputLineUnderTest {
   std::string name;
-  std::function<Result<std::unique_ptr<SyncLine>>()> open;  // an output
-  std::function<bool()> level;                              // what the line drives now
-  Duration overshoot = std::chrono::milliseconds(20);       // by which a pulse may be longer than requested
+  std::function<Result<std::unique_ptr<TriggerLine>>()> open;
+  std::function<bool()> level;  // of the line now, seen from its other end
 };
 
 void keeps_input_line_contract(const InputLineUnderTest& line);

@@ -1,6 +1,6 @@
 // Lines of the kernel's simulated GPIO chip.
 #include "hal/real/enumerate.h"
-#include "hal/real/sync_line_gpiod.h"
+#include "hal/real/trigger_line_gpiod.h"
 #include "tests/contracts/expect.h"
 #include "tests/contracts/sync_line_contract.h"
 #include "tests/hil/bed.h"
@@ -15,19 +15,27 @@ TEST_CASE("a GPIO input keeps the sync line contract") {
                              .drive = [&](bool active) { pin.drive(active); }});
 }
 
-TEST_CASE("a GPIO output keeps the sync line contract") {
+TEST_CASE("a GPIO output keeps the trigger line contract") {
   const SimulatedPin pin(0);
-  keeps_output_line_contract(
-      {.name = "gpio",
-       .open = [] { return open_gpio_line({.line = "gpiochip0:0", .direction = LineDirection::Output}); },
-       .level = [&] { return pin.level(); },
-       .overshoot = std::chrono::milliseconds(500)});
+  keeps_output_line_contract({.name = "gpio",
+                              .open = [] { return open_trigger_gpio({.line = "gpiochip0:0"}); },
+                              .level = [&] { return pin.level(); }});
 }
 
 TEST_CASE("a GPIO line that is held by another is refused with the holder's name") {
-  const auto held = open_gpio_line({.line = "HELD"});
-  require_error(held, ErrorCode::Busy);
-  CHECK(held.error().message.find("'pwm-fan'") != std::string::npos);
+  const auto heard = open_gpio_line({.line = "HELD"});
+  require_error(heard, ErrorCode::Busy);
+  CHECK(heard.error().message.find("'pwm-fan'") != std::string::npos);
+  const auto driven = open_trigger_gpio({.line = "gpiochip0:2"});
+  require_error(driven, ErrorCode::Busy);
+  CHECK(driven.error().message.find("'pwm-fan'") != std::string::npos);
+}
+
+TEST_CASE("a GPIO line is one line, by its name and by its place") {
+  CHECK(same_gpio_line("FSYNC", "gpiochip0:0"));
+  CHECK(same_gpio_line("gpiochip0:1", "STROBE"));
+  CHECK_FALSE(same_gpio_line("FSYNC", "STROBE"));
+  CHECK_FALSE(same_gpio_line("gpiochip0:0", "gpiochip0:1"));
 }
 
 TEST_CASE("GPIO lines that are not there are named") {

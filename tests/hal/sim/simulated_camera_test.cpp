@@ -19,7 +19,8 @@ const char* kTiny = "still?size=32x24&without=noise";
 
 std::unique_ptr<SimulatedCamera> virtual_camera(const std::string& spec, VirtualClock& clock,
                                                 SimulatedWire* strobe = nullptr) {
-  return std::make_unique<SimulatedCamera>(value_of(simulation_of(spec)), SimTime(clock), 1, strobe);
+  return std::make_unique<SimulatedCamera>(value_of(simulation_of(spec)), SimTime(clock), 1,
+                                           SimulatedWiring{.strobe = strobe});
 }
 
 // A running stream whose request n asks for 1, 4, 8 ms and gain 1, 2, 4 in turn.
@@ -210,7 +211,7 @@ TEST_CASE("disturbed controls act early, late, clipped or never") {
 TEST_CASE("the strobe is high while each frame is exposed, lost ones too") {
   VirtualClock clock;
   SimulatedWire wire{SimTime(clock)};
-  SimulatedSyncLine line(wire, LineDirection::Input);
+  SimulatedSyncLine line(wire);
   Stream stream(std::string(kTiny) + "&drops=0.3", &wire, &clock);
   for (int i = 0; i < 20; ++i) stream.next();
   for (std::uint64_t frame = 0; frame < 20; ++frame) {

@@ -1,0 +1,57 @@
+#include "capture/pulse_train.h"
+
+#include <algorithm>
+
+namespace hdrcam {
+
+Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule) {
+  const bool exposes = options.mode == TriggerMode::PulseWidth;
+  const Duration longest = options.interval - options.gap;
+  for (int i = 0; i < schedule.slots(); ++i) {
+    const Exposure& exposure = schedule.slot(i).exposure;
+    if (exposes && exposure.gain != schedule.slot(0).exposure.gain)
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("gains {} and {} differ; with --trigger pulse-width all exposures have one gain, "
+                      "because nothing ties a gain to a pulse: give one to --gain",
+                      schedule.slot(0).exposure.gain, exposure.gain)};
+    const Duration width = exposes ? exposure.time : options.width;
+    if (width > longest)
+      return Error{
+          ErrorCode::BadExposure,
+          fmt::format("a trigger pulse of {} does not fit a frame of {} with a gap of {}; shorten it to "
+                      "{} ({}), or lower --framerate or --trigger-gap",
+                      describe(width), describe(options.interval), describe(options.gap),
+                      describe(std::max(Duration(0), longest)), exposes ? "--shutter" : "--trigger-width")};
+  }
+  return {};
+}
+
+void PulseTrain::start(Instant first) {
+  first_ = not_before_ = first;
+  next_ = driven_ = 0;
+}
+
+PlannedPulse PulseTrain::next(Instant now) {
+  for (;;) {
+    PlannedPulse pulse;
+    pulse.number = next_++;
+    pulse.slot = schedule_.slot_of(pulse.number);
+    pulse.begin = first_ + options_.interval * static_cast<Duration::rep>(pulse.number);
+    pulse.width =
+        options_.mode == TriggerMode::PulseWidth ? schedule_.slot(pulse.slot).exposure.time : options_.width;
+    pulse.not_before = std::max(pulse.begin, not_before_);
+    const Instant begins = std::max(pulse.not_before, now);
+    const Instant successor = pulse.begin + options_.interval;
+    if (begins == pulse.begin || begins + pulse.width + options_.gap <= successor) return pulse;
+  }
+}
+
+TriggerPulse PulseTrain::driven(const PlannedPulse& planned, const DrivenEdge& rise, const DrivenEdge& fall) {
+  TriggerPulse pulse{.planned = planned, .index = driven_++, .rise = rise, .fall = fall};
+  pulse.late = pulse.begin_error() > options_.tolerance || pulse.width_error() > options_.tolerance;
+  not_before_ = fall.at + options_.gap;
+  return pulse;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,118 @@
+#include "capture/trigger_ledger.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+constexpr Duration kFirstBucket = std::chrono::microseconds(1);
+constexpr double kBucketsPerOctave = 4;
+// An answer's stamp may be earlier than the pulse's: the interrupt comes while the call that drives the line
+// has not returned.
+constexpr Duration kEarly = std::chrono::microseconds(500);
+
+}  // namespace
+
+void EdgeErrors::add(Duration error) {
+  error = std::chrono::abs(error);
+  ++count_, sum_ += error, most_ = std::max(most_, error);
+  const double octaves = std::log2(std::max(1.0, to_seconds(error) / to_seconds(kFirstBucket)));
+  ++buckets_[std::min(kBuckets - 1, static_cast<std::size_t>(octaves * kBucketsPerOctave))];
+}
+
+Duration EdgeErrors::mean() const {
+  return count_ == 0 ? Duration(0) : sum_ / static_cast<Duration::rep>(count_);
+}
+
+Duration EdgeErrors::p99() const {
+  const std::uint64_t wanted = count_ - count_ / 100;
+  std::uint64_t seen = 0;
+  for (std::size_t i = 0; i < kBuckets; ++i) {
+    seen += buckets_[i];
+    if (seen < wanted) continue;
+    const double top = to_seconds(kFirstBucket) * std::exp2(static_cast<double>(i + 1) / kBucketsPerOctave);
+    return std::min(most_, Duration(static_cast<Duration::rep>(top * 1e9)));
+  }
+  return most_;
+}
+
+void TriggerLedger::start(const TriggerOptions& options) {
+  *this = {};
+  options_ = options;
+}
+
+void TriggerLedger::pulse(const TriggerPulse& pulse) {
+  ++counters_.pulses;
+  counters_.late += pulse.late;
+  counters_.left_out += pulse.planned.number - next_number_;
+  next_number_ = pulse.planned.number + 1;
+  errors_.add(pulse.begin_error());
+  errors_.add(pulse.width_error());
+  counters_.edge_mean = errors_.mean();
+  counters_.edge_p99 = errors_.p99();
+  counters_.edge_most = errors_.most();
+  if (awaited_.full()) (void)settle_one(awaited_.front().until);
+  awaited_.push({pulse.planned.number, pulse.rise.at + -(kEarly + pulse.rise.within),
+                 pulse.rise.at + options_.interval / 2});
+}
+
+void TriggerLedger::answer(const Edge& edge) {
+  if (!edge.rising) return;
+  if (answers_.full()) (void)settle_one(answers_.front());
+  if (!answers_.full()) answers_.push(edge.at);
+}
+
+void TriggerLedger::count_silent(const Awaited& pulse) {
+  if (counters_.unanswered < counters_.silent.size()) counters_.silent[counters_.unanswered] = pulse.number;
+  ++counters_.unanswered;
+}
+
+// Settles the older of the oldest pulse and the oldest answer. False where neither is old enough.
+bool TriggerLedger::settle_one(Instant until) {
+  const bool asked = !awaited_.empty(), answered = !answers_.empty();
+  if (asked && answered && answers_.front() >= awaited_.front().from &&
+      answers_.front() <= awaited_.front().until) {
+    ++counters_.answered, ++awaited_.taken, ++answers_.taken;
+    return true;
+  }
+  if (answered && (!asked || answers_.front() < awaited_.front().from)) {
+    if (answers_.front() > until) return false;
+    if (counters_.unasked < counters_.unasked_at.size())
+      counters_.unasked_at[counters_.unasked] = answers_.front();
+    ++counters_.unasked, ++answers_.taken;
+    return true;
+  }
+  if (!asked || (!answered && awaited_.front().until > until)) return false;
+  count_silent(awaited_.front());
+  ++awaited_.taken;
+  return true;
+}
+
+void TriggerLedger::settle(Instant until) {
+  while (settle_one(until)) {
+  }
+}
+
+std::string sentence_of(const TriggerCounters& counters, const std::string& line,
+                        const TriggerOptions& options, bool listens) {
+  const auto us = [](Duration time) { return fmt::format("{:.0f} us", to_seconds(time) * 1e6); };
+  std::string text = fmt::format(
+      "trigger '{}' ({}): {} pulses, {} late (more than {}), {} left out; edges {} off on average, 99 % "
+      "within "
+      "{}, at most {}",
+      line, options.mode == TriggerMode::PulseWidth ? "pulse width" : "frame start", counters.pulses,
+      counters.late, us(options.tolerance), counters.left_out, us(counters.edge_mean), us(counters.edge_p99),
+      us(counters.edge_most));
+  if (!listens) return text;
+  text += fmt::format("; {} answered, {} not", counters.answered, counters.unanswered);
+  const auto named = std::min<std::uint64_t>(counters.unanswered, counters.silent.size());
+  for (std::size_t i = 0; i < named; ++i)
+    text += fmt::format("{}{}", i == 0 ? " (pulse " : ", ", counters.silent[i]);
+  if (named > 0) text += counters.unanswered > named ? ", ..)" : ")";
+  text += fmt::format(", {} answers without a pulse", counters.unasked);
+  if (counters.unasked > 0) text += fmt::format(" (the first at {:.6f} s)", counters.unasked_at[0].seconds());
+  return text;
+}
+
+}  // namespace hdrcam

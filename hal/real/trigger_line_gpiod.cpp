@@ -1,0 +1,55 @@
+#include "hal/real/trigger_line_gpiod.h"
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace hdrcam {
+namespace {
+
+class GpioTriggerLine : public TriggerLine {
+ public:
+  GpioTriggerLine(std::unique_ptr<GpioLine> line, std::string name, Clock& clock)
+      : line_(std::move(line)), name_(std::move(name)), clock_(clock) {}
+  ~GpioTriggerLine() override { (void)line_->set(false); }
+
+  const std::string& name() const override { return name_; }
+  Result<DrivenEdge> drive(LineLevel level) override {
+    const Instant before = clock_.now();
+    TRY(line_->set(level == LineLevel::Active));
+    const Duration half = (clock_.now() - before) / 2;
+    return DrivenEdge{before + half, half};
+  }
+
+ private:
+  std::unique_ptr<GpioLine> line_;
+  std::string name_;
+  Clock& clock_;
+};
+
+// The kernel takes the line from a dead process after it has closed that process's other files, so the first
+// attempts may find it held.
+void leave_inactive(const GpioSettings& settings) {
+  constexpr int kAttempts = 5000;
+  constexpr auto kPause = std::chrono::milliseconds(1);
+  for (int i = 0; i < kAttempts; ++i) {
+    const auto line = request_gpio_line(settings.line, LineDirection::Output, settings.active_low);
+    if (line) return std::this_thread::sleep_for(kHeldInactive);
+    if (line.error().code != ErrorCode::Busy) return;
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+}  // namespace
+
+Result<std::unique_ptr<TriggerLine>> open_trigger_gpio(const GpioSettings& settings, Clock& clock) {
+  auto line = TRY(request_gpio_line(settings.line, LineDirection::Output, settings.active_low));
+  return std::unique_ptr<TriggerLine>(
+      std::make_unique<GpioTriggerLine>(std::move(line), settings.line, clock));
+}
+
+Result<std::unique_ptr<LastAct>> guard_trigger_gpio(const GpioSettings& settings) {
+  return LastAct::prepare("hdrcam-guard", [settings] { leave_inactive(settings); });
+}
+
+}  // namespace hdrcam
