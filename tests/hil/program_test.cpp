@@ -1,18 +1,13 @@
 // The program itself, on a camera that says the truth in each picture: calibrate its delay, record, run live,
 // have the plug pulled.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <fstream>
-#include <sstream>
 #include <thread>
 #include <vector>
 
 #include "tests/contracts/expect.h"
 #include "tests/hil/bed.h"
 #include "tests/hil/label_tally.h"
+#include "tests/hil/program.h"
 
 namespace hdrcam::hil {
 namespace {
@@ -21,37 +16,6 @@ using namespace std::chrono_literals;
 
 constexpr int kRate_hz = 15;
 constexpr int kFrames = 120;
-
-// `./hdrcam ARGUMENT...`, its words going to a file.
-class Program {
- public:
-  explicit Program(const std::vector<std::string>& arguments) {
-    std::vector<const char*> words{"./hdrcam"};
-    for (const std::string& argument : arguments) words.push_back(argument.c_str());
-    words.push_back(nullptr);
-    process_ = ::fork();
-    REQUIRE(process_ >= 0);
-    if (process_ > 0) return;
-    const int file = ::open(kWords, O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    ::dup2(file, STDOUT_FILENO), ::dup2(file, STDERR_FILENO);
-    ::execv(words[0], const_cast<char**>(words.data()));
-    ::_exit(127);
-  }
-  int exit_code() {
-    int status = -1;
-    ::waitpid(process_, &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  static std::string words() {
-    std::ostringstream text;
-    text << std::ifstream(kWords).rdbuf();
-    return text.str();
-  }
-
- private:
-  static constexpr const char* kWords = "/tmp/hdrcam.txt";
-  pid_t process_ = -1;
-};
 
 void succeeds(const std::vector<std::string>& arguments) {
   const int code = Program(arguments).exit_code();
