@@ -279,7 +279,7 @@ void FrameMatcher::learn(double log_value) {
 int FrameMatcher::slot_of(const ExposureClaim& label) const {
   const double value = label.log_value();
   if (triggered_ && last_trigger_->planned.slot < schedule_.slots() && same(triggered_->log_value(), value))
-    return last_trigger_->planned.slot;
+    return last_trigger_->late ? -1 : last_trigger_->planned.slot;
   const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
   if (const Asked* asked = written_at(static_cast<std::int64_t>(index_) - delay); asked != nullptr)
     if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value))
