@@ -7,6 +7,7 @@
 #include "firmware_host/live/camera_source.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/ran.h"
 #include "tests/support/ran_here.h"
 
 using namespace hdrcam;
@@ -80,13 +81,13 @@ TEST_CASE(
 
 TEST_CASE("record drives a simulated camera by its trigger line and ends with the account of the pulses") {
   const std::string file = sample::scratch_folder("triggered") + "/walk.mkv";
-  const test::RanHere ended =
-      test::ran_here({"record", "--camera", "sim:walk?size=64x48&rays=1&fps=50", "--shutter", "1ms,4ms,12ms",
-                      "--trigger-line", "sim", "--trigger", "pulse-width", "--frames", "30", "-o", file});
-  INFO(ended.err);
+  const test::Ran ended = test::ran(std::vector<std::string>{
+      "record", "--camera", "sim:walk?size=64x48&rays=1&fps=50", "--shutter", "1ms,4ms,12ms",
+      "--trigger-line", "sim", "--trigger", "pulse-width", "--frames", "30", "-o", file});
+  INFO(ended.output);
   REQUIRE(ended.exit_code == 0);
-  CHECK_THAT(ended.out, Contains("captured 30 = recorded 30") && Contains("trigger 'sim' (pulse width): ") &&
-                            !Contains("answered"));
+  CHECK_THAT(ended.output, Contains("captured 30 = recorded 30") &&
+                               Contains("trigger 'sim' (pulse width): ") && !Contains("answered"));
 }
 
 TEST_CASE("lines that cannot be are refused with what to change") {
