@@ -189,7 +189,10 @@ TEST_CASE("one moving pixel stays one moving pixel", "[stability]") {
 TEST_CASE("half of the frames are missing", "[stability]") {
   const test::MovingScene scene;
   check_error_below(
-      0.5, emitted(scene, 24, [](RawFrame&, int i) { return (i * 2654435761u >> 16 & 1) == 0; }), scene);
+      0.5,
+      emitted(scene, 24,
+              [](RawFrame&, int i) { return (static_cast<unsigned>(i) * 2654435761u >> 16 & 1) == 0; }),
+      scene);
 }
 
 TEST_CASE("timestamps that stand still or run backwards", "[stability]") {

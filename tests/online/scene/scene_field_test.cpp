@@ -241,13 +241,13 @@ TEST_CASE("a view of the pixels that are wanted shows them as the whole view doe
   SceneView view = told.view();
   FieldPicture whole, part;
   field->snapshot()->look(view, pool, whole);
-  Image<std::uint8_t> wanted(1, view.rows, view.cols);
-  for (std::size_t i = 0; i < wanted.size(); ++i) wanted.samples()[i] = i % 7 == 3 || i % 40 < 4;
-  view.wanted = &wanted;
+  Image<std::uint8_t> asked(1, view.rows, view.cols);
+  for (std::size_t i = 0; i < asked.size(); ++i) asked.samples()[i] = i % 7 == 3 || i % 40 < 4;
+  view.wanted = &asked;
   field->snapshot()->look(view, pool, part);
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    REQUIRE(part.radiance.samples()[i] == (wanted.samples()[i] != 0 ? whole.radiance.samples()[i] : 0));
-    REQUIRE(part.depth.samples()[i] == (wanted.samples()[i] != 0 ? whole.depth.samples()[i] : 0));
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    REQUIRE(part.radiance.samples()[i] == (asked.samples()[i] != 0 ? whole.radiance.samples()[i] : 0));
+    REQUIRE(part.depth.samples()[i] == (asked.samples()[i] != 0 ? whole.depth.samples()[i] : 0));
   }
 }
 

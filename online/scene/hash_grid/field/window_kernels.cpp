@@ -33,7 +33,7 @@ void base(const BaseRow& row, int n) {
     const bool known = is_number(radiance[i]);
     const float light = clamped(known ? radiance[i] : 0.f, kDarkest, kBrightest);
     const bool seen = known & is_number(variance[i]) & (variance[i] < unseen);
-    const float spread = seen & (variance[i] > 0) ? variance[i] : 0.f;
+    const float spread = (seen & (variance[i] > 0)) ? variance[i] : 0.f;
     log_radiance[i] = log_of(light);
     const float trusted = spread / (spread + sigma2 * light * light);
     gate[i] = seen ? trusted : 1.f;
