@@ -54,7 +54,6 @@ class PulseTrain {
   PulseTrain(const TriggerOptions& options, const ExposureSchedule& schedule)
       : options_(options), schedule_(schedule) {}
 
-  const TriggerOptions& options() const { return options_; }
   void start(Instant first);
   void follow(const ExposureSchedule& schedule) { schedule_ = schedule; }
 

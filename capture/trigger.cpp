@@ -11,7 +11,7 @@ Result<void> Trigger::start(const ExposureSchedule& schedule) {
     train_.emplace(options_, schedule);
     train_->start(clock_.now() + options_.interval);
     ++starts_;
-    taken_ = put_.load(), driven_ = not_kept_ = 0;
+    taken_ = put_.load(), driven_ = 0;
     failure_.reset();
     started_ = true;
   }
@@ -81,6 +81,7 @@ Result<void> Trigger::drive(const PlannedPulse& planned) {
   ending_pulse_ = true;
   const auto fall = line_->drive(LineLevel::Inactive);
   if (fall) {
+    const std::lock_guard lock(mutex_);  // no edge waits for it
     ++driven_;
     keep(train_->driven(planned, rise, fall.value()));
   }
@@ -90,10 +91,7 @@ Result<void> Trigger::drive(const PlannedPulse& planned) {
 
 void Trigger::keep(const TriggerPulse& pulse) {
   const std::uint64_t place = put_;
-  if (place - taken_ >= kRing) {
-    ++not_kept_;
-    return;
-  }
+  if (place - taken_ >= kRing) return;
   ring_[place % kRing] = pulse;
   put_ = place + 1;
 }

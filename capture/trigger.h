@@ -42,9 +42,8 @@ class Trigger {
   // The next pulse that was driven, in order; none where all were taken. A pulse that is just ending is
   // waited for: its frame may be there before its record.
   std::optional<TriggerPulse> take();
-  // Pulses driven since the start; those that found the ring full were not kept for take().
+  // Pulses driven since the start; of those that found the ring full take() does not know.
   std::uint64_t driven() const { return driven_; }
-  std::uint64_t not_kept() const { return not_kept_; }
   // Why no further pulse comes, where the line failed.
   std::optional<Error> failure() const;
 
@@ -61,7 +60,7 @@ class Trigger {
 
   std::array<TriggerPulse, kRing> ring_{};
   std::atomic<bool> ending_pulse_{false};
-  std::atomic<std::uint64_t> put_{0}, taken_{0}, driven_{0}, not_kept_{0};
+  std::atomic<std::uint64_t> put_{0}, taken_{0}, driven_{0};
 
   mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;

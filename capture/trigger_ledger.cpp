@@ -99,8 +99,7 @@ std::string sentence_of(const TriggerCounters& counters, const std::string& line
   const auto us = [](Duration time) { return fmt::format("{:.0f} us", to_seconds(time) * 1e6); };
   std::string text = fmt::format(
       "trigger '{}' ({}): {} pulses, {} late (more than {}), {} left out; edges {} off on average, 99 % "
-      "within "
-      "{}, at most {}",
+      "within {}, at most {}",
       line, options.mode == TriggerMode::PulseWidth ? "pulse width" : "frame start", counters.pulses,
       counters.late, us(options.tolerance), counters.left_out, us(counters.edge_mean), us(counters.edge_p99),
       us(counters.edge_most));
