@@ -3,26 +3,10 @@
 // plain and vectorised by the compiler (-fopt-info-vec names them).
 #include "online/scene/hash_grid/field/field_kernels.h"
 
+#include "hal/core/register_lanes.h"
+
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
-
-#if defined(__AVX512F__)
-constexpr int kLanes = 16;
-#elif defined(__AVX__)
-constexpr int kLanes = 8;
-#else
-constexpr int kLanes = 4;
-#endif
-typedef float Lanes __attribute__((vector_size(kLanes * sizeof(float)), aligned(sizeof(float)), may_alias));
-
-inline Lanes load(const float* p) { return *reinterpret_cast<const Lanes*>(p); }
-inline void store(float* p, Lanes v) { *reinterpret_cast<Lanes*>(p) = v; }
-inline Lanes splat(float v) { return Lanes{} + v; }
-inline float sum(Lanes v) {
-  float total = 0;
-  for (int k = 0; k < kLanes; ++k) total += v[k];
-  return total;
-}
 
 // ---- hash grid: indices and weights of a block of samples first (arithmetic), then the table (memory)
 
@@ -74,10 +58,6 @@ inline void corner_weights(const Corners& corners, int corner, float* weight) {
     weight[s] = (corner & 1 ? u : 1 - u) * (corner & 2 ? v : 1 - v) * (corner & 4 ? d : 1 - d);
   }
 }
-
-// Reads the two features of an entry together.
-typedef float Pair __attribute__((vector_size(8), aligned(4), may_alias));
-inline Pair load_pair(const float* p) { return *reinterpret_cast<const Pair*>(p); }
 
 void encode(const HashLevel& level, const float* table, const GridQuery& at, float* feature0,
             float* feature1) {
