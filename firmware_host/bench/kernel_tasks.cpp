@@ -275,7 +275,7 @@ void add_window(Tasks& tasks, int rows, int cols) {
         {room->in.row(0, y), room->in.row(1, y), 1e6f, 0.1f, room->out.row(0, y), room->out.row(1, y)}, cols);
   });
   add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
-    const RayToAnchor camera{{{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}}};
+    const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
     const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
     window_kernels().lift({room->flow.row(0, y),
                            room->flow.row(1, y),

@@ -20,13 +20,6 @@ void for_blocks(WorkerPool& pool, int rows, int cols, Body&& body) {
   });
 }
 
-RayToAnchor ray_to_anchor(const ViewGeometry<float>& view) {
-  RayToAnchor to;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) to.row[i][j] = view.to_anchor()[i][j];
-  return to;
-}
-
 bool has_shape(const Image<float>* image, int channels, int rows, int cols) {
   return image != nullptr && image->channels() == channels && image->rows() == rows && image->cols() == cols;
 }
@@ -188,8 +181,7 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
 void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
                        WorkerPool& pool) const {
   const Intrinsics& camera = frustum_.camera;
-  const RayToAnchor here = ray_to_anchor({frustum_, from.T_anchor_camera}),
-                    there = ray_to_anchor({frustum_, to.T_anchor_camera});
+  const ViewGeometry<float> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
   std::atomic<int> moving = 0;
   for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
@@ -202,8 +194,8 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
                         surface,
                         static_cast<float>(x) + 0.5f,
                         static_cast<float>(y) + 0.5f,
-                        here,
-                        there,
+                        here.to_anchor(),
+                        there.to_anchor(),
                         {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
                         {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
                         ViewGeometry<float>::kNearest,

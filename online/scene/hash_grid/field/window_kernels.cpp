@@ -44,10 +44,10 @@ void base(const BaseRow& row, int n) {
 struct Ray {
   float x, y, z;
 };
-inline Ray in_anchor(const RayToAnchor& to, float nearest, float x, float y, float q) {
-  const float z = to.row[2][0] * x + to.row[2][1] * y + to.row[2][2] + to.row[2][3] * q;
-  return {to.row[0][0] * x + to.row[0][1] * y + to.row[0][2] + to.row[0][3] * q,
-          to.row[1][0] * x + to.row[1][1] * y + to.row[1][2] + to.row[1][3] * q, z > nearest ? z : nearest};
+inline Ray in_anchor(const float (*to)[4], float nearest, float x, float y, float q) {
+  const float z = to[2][0] * x + to[2][1] * y + to[2][2] + to[2][3] * q;
+  return {to[0][0] * x + to[0][1] * y + to[0][2] + to[0][3] * q,
+          to[1][0] * x + to[1][1] * y + to[1][2] + to[1][3] * q, z > nearest ? z : nearest};
 }
 
 void lift(const LiftedRow& row, int n) {
@@ -60,7 +60,8 @@ void lift(const LiftedRow& row, int n) {
     sure[i] = is_number(dx[i] + dy[i] + confidence[i]) ? clamped(confidence[i], 0, 1) : 0.f;
   const float* __restrict surface = row.surface;
   const float fx = row.focal[0], fy = row.focal[1], per_x = 1 / fx, per_y = 1 / fy, nearest = row.nearest;
-  const RayToAnchor here = row.here, there = row.there;
+  float here[3][4], there[3][4];
+  __builtin_memcpy(here, row.here, sizeof here), __builtin_memcpy(there, row.there, sizeof there);
   const float x0 = row.x - row.centre[0], y = row.y - row.centre[1];
   for (int i = 0; i < n; ++i) {
     const float x = x0 + static_cast<float>(i), q = surface[i];

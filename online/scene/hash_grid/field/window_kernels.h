@@ -20,22 +20,18 @@ struct BaseRow {
   float *log_radiance, *gate;
 };
 
-// A camera to the anchor, the translation over the near distance.
-struct RayToAnchor {
-  float row[3][4];
-};
-
 // A flow of pixels, lifted to the surfaces at both of its ends.
 struct LiftedRow {
   const float *dx, *dy, *confidence;  // px
   const float* surface;               // inverse depth
   float x, y;                         // centre of the first pixel
-  RayToAnchor here, there;            // the cameras at the flow's beginning and end
-  float focal[2], centre[2];          // px
-  float nearest;                      // z over the near distance, at least
-  float most;                         // length of a flow along an axis, px
-  float *u, *v;                       // displacement in pixels of the anchor
-  float* sure;                        // confidence, 0..1
+  // rows of [R | t / near] of the cameras at the flow's beginning and end, to the anchor
+  const float (*here)[4], (*there)[4];
+  float focal[2], centre[2];  // px
+  float nearest;              // z over the near distance, at least
+  float most;                 // length of a flow along an axis, px
+  float *u, *v;               // displacement in pixels of the anchor
+  float* sure;                // confidence, 0..1
 };
 
 struct WindowKernels {

@@ -3,41 +3,23 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include "online/scene/hash_grid/field/view_geometry.h"
+#include "tests/support/numbers.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::Numbers;
+using test::Row;
 
 namespace {
 
-using Row = std::vector<float>;
 constexpr std::array<int, 5> kSizes{1, 7, 8, 64, 331};  // around a vector and around a block
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
 
-class Numbers {
- public:
-  Row between(float low, float high, int n) {
-    Row row(static_cast<std::size_t>(n));
-    for (float& v : row) v = std::uniform_real_distribution<float>(low, high)(engine_);
-    return row;
-  }
-
- private:
-  std::mt19937 engine_{7};
-};
-
 const WindowFrustum kFrustum{{310, 305, 160, 118}, 240, 320, 1.25f, 0.8f};
-
-RayToAnchor ray_to_anchor(const ViewGeometry<float>& view) {
-  RayToAnchor to;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) to.row[i][j] = view.to_anchor()[i][j];
-  return to;
-}
 
 struct Lifted {
   Row u, v, sure;
@@ -46,14 +28,15 @@ Lifted lift(const Row& dx, const Row& dy, const Row& confidence, const Row& surf
             const RigidTransform& T_anchor_here, const RigidTransform& T_anchor_there) {
   Lifted out{Row(dx.size()), Row(dx.size()), Row(dx.size())};
   const Intrinsics& camera = kFrustum.camera;
+  const ViewGeometry<float> here(kFrustum, T_anchor_here), there(kFrustum, T_anchor_there);
   window_kernels().lift({dx.data(),
                          dy.data(),
                          confidence.data(),
                          surface.data(),
                          3.5f,
                          100.5f,
-                         ray_to_anchor({kFrustum, T_anchor_here}),
-                         ray_to_anchor({kFrustum, T_anchor_there}),
+                         here.to_anchor(),
+                         there.to_anchor(),
                          {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
                          {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
                          ViewGeometry<float>::kNearest,
@@ -68,7 +51,7 @@ Lifted lift(const Row& dx, const Row& dy, const Row& confidence, const Row& surf
 }  // namespace
 
 TEST_CASE("a lifted flow is the way between its two surface points, in pixels of the anchor", "[isa]") {
-  Numbers numbers;
+  Numbers numbers(7);
   const RigidTransform T_anchor_here{rotation({0.01, -0.02, 0.005}), {0.02, -0.01, 0.03}};
   const RigidTransform T_anchor_there{rotation({-0.015, 0.01, 0.01}), {-0.03, 0.02, 0.01}};
   const ViewGeometry<double> here(kFrustum, T_anchor_here), there(kFrustum, T_anchor_there);
@@ -105,7 +88,7 @@ TEST_CASE("a flow that is not a number is not believed, and a long one is cut", 
 
 TEST_CASE("the base of a pixel is its log radiance and what the networks may change", "[isa]") {
   constexpr float kUnseen = 1e6f, kSigma = 0.1f;
-  Numbers numbers;
+  Numbers numbers(7);
   for (const int n : kSizes) {
     Row radiance = numbers.between(-0.1f, 30, n), variance = numbers.between(-0.1f, 2, n);
     radiance[0] = kInf;
