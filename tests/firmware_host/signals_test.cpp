@@ -1,51 +1,28 @@
 // ^C as the process sees it. The program is held in a system call by a FIFO that nobody writes to.
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
-#include <vector>
 
 #include "firmware_host/exit_code.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/places.h"
+#include "tests/support/process.h"
 #include "tests/support/ran_here.h"
 
 #include <catch2/catch.hpp>
 
-namespace {
+using hdrcam::test::started;
+using hdrcam::test::status_word;
 
-// What it prints is not of this test. Returns once the program itself runs, with no handler of this process
-// left in it.
-pid_t started(std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t process = -1;
-  posix_spawn_file_actions_t silent;
-  posix_spawn_file_actions_init(&silent);
-  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
-  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
-  posix_spawn_file_actions_destroy(&silent);
-  return process;
-}
+namespace {
 
 // Whether the process has a handler for the signal now (the mask SigCgt of proc(5)).
 bool catches(pid_t process, int signal) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string word; status >> word;)
-    if (word == "SigCgt:") {
-      status >> word;
-      return (std::stoull(word, nullptr, 16) >> (signal - 1) & 1) != 0;
-    }
-  return false;
+  const std::string mask = status_word(process, "SigCgt:");
+  return !mask.empty() && (std::stoull(mask, nullptr, 16) >> (signal - 1) & 1) != 0;
 }
 
 bool becomes_true(const std::function<bool()>& condition) {
@@ -62,7 +39,7 @@ TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the pr
   const std::string fifo = hdrcam::sample::scratch_folder("signals") + "/fifo";
   REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
   for (const int signal : {SIGINT, SIGTERM}) {
-    const pid_t process = started({HDRCAM_BINARY, "info", fifo});
+    const pid_t process = started({"info", fifo});
     REQUIRE(becomes_true([&] { return catches(process, signal); }));
     kill(process, signal);
     REQUIRE(becomes_true([&] { return !catches(process, signal); }));

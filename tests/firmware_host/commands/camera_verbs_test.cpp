@@ -1,10 +1,5 @@
 // The verbs that run a camera, live, record and calibrate, as a user meets them, on simulated and replayed
 // cameras.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -17,12 +12,13 @@
 #include "hal/recording/recording.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/places.h"
+#include "tests/support/process.h"
 #include "tests/support/ran_here.h"
 
 using namespace hdrcam;
 using test::ran_here;
 using test::RanHere;
+using test::started;
 
 namespace {
 
@@ -312,21 +308,6 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
                 "/proc/nonexistent");
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
-}
-
-// The program as a process of its own, silent.
-pid_t started(std::vector<std::string> words) {
-  words.emplace(words.begin(), HDRCAM_BINARY);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t silent;
-  posix_spawn_file_actions_init(&silent);
-  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
-  pid_t process = -1;
-  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
-  posix_spawn_file_actions_destroy(&silent);
-  return process;
 }
 
 TEST_CASE("^C is how a run without limits ends well; one that was to go on says that it was stopped") {

@@ -1,24 +1,21 @@
 // What the program takes of memory, on honest recordings of two sizes: the most that was resident, as the
 // kernel counts it for the process.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "firmware_host/run/memory_need.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/places.h"
+#include "tests/support/process.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::started;
+using test::status_word;
 
 namespace {
 
@@ -67,34 +64,14 @@ std::string recorded(const std::string& folder, int width, int height, int frame
   return path;
 }
 
-// VmHWM of proc(5); 0 once the process has ended.
-std::uint64_t peak_so_far(pid_t process) {
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string word; status >> word;)
-    if (word == "VmHWM:") {
-      std::uint64_t kib = 0;
-      status >> kib;
-      return kib * 1024;
-    }
-  return 0;
-}
-
 // The most memory that the program takes for these arguments.
-std::uint64_t peak_bytes(std::vector<std::string> words) {
-  words.insert(words.begin(), HDRCAM_BINARY);
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t silent;
-  posix_spawn_file_actions_init(&silent);
-  for (const int stream : {1, 2}) posix_spawn_file_actions_addopen(&silent, stream, "/dev/null", O_WRONLY, 0);
-  pid_t process = -1;
-  REQUIRE(posix_spawn(&process, argv.front(), &silent, nullptr, argv.data(), environ) == 0);
-  posix_spawn_file_actions_destroy(&silent);
+std::uint64_t peak_bytes(const std::vector<std::string>& words) {
+  const pid_t process = started(words);
   std::uint64_t most = 0;
   int status = 0;
   while (waitpid(process, &status, WNOHANG) == 0) {
-    most = std::max(most, peak_so_far(process));
+    const std::string kib = status_word(process, "VmHWM:");  // none once it has ended
+    if (!kib.empty()) most = std::max<std::uint64_t>(most, std::stoull(kib) * 1024);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   REQUIRE(WIFEXITED(status));
