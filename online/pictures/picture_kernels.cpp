@@ -1,114 +1,208 @@
 // Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
-// A block of pixels is placed first (arithmetic), then each channel is read (memory).
+// Eight pixels are placed at once and then read from each channel; how depends on where they are.
 #include "online/pictures/picture_kernels.h"
+
+#include "hal/core/picture_lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
 typedef float Quad __attribute__((vector_size(16), aligned(4), may_alias));
 
-inline Quad load(const float* p) { return *reinterpret_cast<const Quad*>(p); }
+inline Quad load_quad(const float* p) { return *reinterpret_cast<const Quad*>(p); }
 inline int clamped(int v, int most) { return v > 0 ? (v < most ? v : most) : 0; }
-inline float least(float a, float b) { return a < b ? a : b; }
-inline float most(float a, float b) { return a > b ? a : b; }
+inline Whole clamped(Whole v, int most) {
+  v = v > 0 ? v : Whole{};
+  return v < most ? v : Whole{} + most;
+}
+template <class V>
+inline V least(V a, V b) {
+  return a < b ? a : b;
+}
+template <class V>
+inline V most(V a, V b) {
+  return a > b ? a : b;
+}
 
-constexpr int kSubpixels = 32, kBlock = 64;
-
-// Positions of a block of pixels, split into whole pixels and 1/32 pixels.
+// Positions of eight pixels, split into whole pixels and 1/32 pixels.
 struct Places {
-  alignas(64) int x[kBlock], y[kBlock];
-  alignas(64) float fx[kBlock], fy[kBlock];
+  Whole x, y;
+  Lanes fx, fy;
 };
 
-inline void place(const WarpBand& w, int y, int x0, int count, Places& at) {
+// Along one axis.
+inline void place(Lanes at, int size, Whole& pixel, Lanes& fraction) {
   // far outside or not finite: the border; keeps the integer conversion defined, and positive before the cut
-  constexpr int kOutside = 4;
-  const float limit_x = static_cast<float>(w.cols + kOutside),
-              limit_y = static_cast<float>(w.rows + kOutside);
-  const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * w.cols + x0;
-  const float *dx = w.dx + line, *dy = w.dy + line;
-  for (int i = 0; i < count; ++i) {
-    float px = static_cast<float>(x0 + i) + dx[i], py = static_cast<float>(y) + dy[i];
-    px = px > -kOutside ? (px < limit_x ? px : limit_x) : -kOutside;
-    py = py > -kOutside ? (py < limit_y ? py : limit_y) : -kOutside;
-    const int qx = static_cast<int>((px + kOutside) * kSubpixels + 0.5f);
-    const int qy = static_cast<int>((py + kOutside) * kSubpixels + 0.5f);
-    at.x[i] = qx / kSubpixels - kOutside, at.y[i] = qy / kSubpixels - kOutside;
-    at.fx[i] = static_cast<float>(qx % kSubpixels) / kSubpixels;
-    at.fy[i] = static_cast<float>(qy % kSubpixels) / kSubpixels;
+  constexpr int kOutside = 4, kSubpixels = 32, kShift = 5;
+  const float limit = static_cast<float>(size + kOutside);
+  at = at > -kOutside ? (at < limit ? at : all<Lanes>(limit)) : all<Lanes>(-kOutside);
+  const Whole q = whole((at + kOutside) * kSubpixels + 0.5f);
+  pixel = (q >> kShift) - kOutside;
+  fraction = lanes(q & (kSubpixels - 1)) / kSubpixels;
+}
+
+// Calls body(x, count, places) for a band, eight pixels at a time; `count` of them, fewer at a row's end.
+template <class Body>
+inline void across(const WarpBand& w, int y, Body&& body) {
+  const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * w.cols;
+  for (int x = 0; x < w.cols; x += kLanes) {
+    const int count = least(w.cols - x, kLanes);
+    Places at;
+    place(lanes(x + kEachLane) + load_some(w.dx + line + x, count), w.cols, at.x, at.fx);
+    place(static_cast<float>(y) + load_some(w.dy + line + x, count), w.rows, at.y, at.fy);
+    body(x, count, at);
+  }
+}
+
+// Bilinear where neighbours may be missing: the border's pixels stand in for them. Kept out of the loop over
+// all pixels, which is longer with it.
+[[gnu::noinline]] void read_at_border(const WarpBand& w, const Places& at, int count, float* out) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
+  const Whole above = clamped(at.y, w.rows - 1) * w.cols, below = clamped(at.y + 1, w.rows - 1) * w.cols;
+  const Whole left = clamped(at.x, w.cols - 1), right = clamped(at.x + 1, w.cols - 1);
+  for (int channel = 0; channel < w.channels; ++channel) {
+    const float* in = w.in + channel * plane;
+    store_some(out + channel * plane,
+               between({lanes_at(in, above + left), lanes_at(in, above + right)},
+                       {lanes_at(in, below + left), lanes_at(in, below + right)}, at.fx, at.fy),
+               count);
   }
 }
 
 void warp_linear(const WarpBand& w) {
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
-  Places at;
-  alignas(64) int a[kBlock], b[kBlock], c[kBlock], d[kBlock];  // where the four pixels around a place are
+  const float* const end = w.in + w.channels * plane;
   for (int y = w.y0; y < w.y1; ++y)
-    for (int x0 = 0; x0 < w.cols; x0 += kBlock) {
-      const int count = w.cols - x0 < kBlock ? w.cols - x0 : kBlock;
-      place(w, y, x0, count, at);
-      for (int i = 0; i < count; ++i) {
-        const int above = clamped(at.y[i], w.rows - 1) * w.cols,
-                  below = clamped(at.y[i] + 1, w.rows - 1) * w.cols;
-        const int left = clamped(at.x[i], w.cols - 1), right = clamped(at.x[i] + 1, w.cols - 1);
-        a[i] = above + left, b[i] = above + right, c[i] = below + left, d[i] = below + right;
-      }
-      for (int channel = 0; channel < w.channels; ++channel) {
-        const float* __restrict in = w.in + channel * plane;
-        float* __restrict out = w.out + channel * plane + static_cast<std::ptrdiff_t>(y) * w.cols + x0;
-        for (int i = 0; i < count; ++i) {
-          const float top = in[a[i]] + at.fx[i] * (in[b[i]] - in[a[i]]);
-          const float bottom = in[c[i]] + at.fx[i] * (in[d[i]] - in[c[i]]);
-          out[i] = top + at.fy[i] * (bottom - top);
-        }
-      }
-    }
+    across(w, y, [&](int x, int count, const Places& at) {
+      float* out = w.out + static_cast<std::ptrdiff_t>(y) * w.cols + x;
+      if (any_negative(at.x | at.y | (w.cols - 2 - at.x) | (w.rows - 2 - at.y)))
+        return read_at_border(w, at, count, out);
+      const Whole corner = at.y * w.cols + at.x;
+      const float* in = w.in;
+      if (in_a_row(corner))
+        for (in += corner[0]; in < end; in += plane, out += plane)
+          store_some(out, between_in_a_row(in, w.cols, at.fx, at.fy), count);
+      else
+        for (; in < end; in += plane, out += plane)
+          store_some(out, between_at(in, w.cols, corner, at.fx, at.fy), count);
+    });
 }
 
 // Catmull-Rom weights of the four pixels around a place, `f` beyond the second.
-inline Quad cubic_weights(float f) {
-  const float f2 = f * f, f3 = f2 * f;
-  return Quad{-0.5f * f3 + f2 - 0.5f * f, 1.5f * f3 - 2.5f * f2 + 1, -1.5f * f3 + 2 * f2 + 0.5f * f,
-              0.5f * f3 - 0.5f * f2};
+template <class V>
+struct CubicWeights {
+  V weight[4];
+};
+template <class V>
+inline CubicWeights<V> cubic_weights(V f) {
+  const V f2 = f * f, f3 = f2 * f;
+  return {{-0.5f * f3 + f2 - 0.5f * f, 1.5f * f3 - 2.5f * f2 + 1, -1.5f * f3 + 2 * f2 + 0.5f * f,
+           0.5f * f3 - 0.5f * f2}};
+}
+
+// Within what `limit` allows around the bilinear value.
+template <class V>
+inline V limited(V cubic, V linear, float limit) {
+  return least(most(cubic, linear * (1 - limit)), linear * (1 + limit));
+}
+
+// One pixel near the left or right border: the four of each row are a Quad.
+[[gnu::noinline]] void read_cubic(const WarpBand& w, int x, int y, float fx, float fy, float* out) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
+  const auto [across_x] = cubic_weights(fx);
+  const auto [down] = cubic_weights(fy);
+  const Quad across_quad{across_x[0], across_x[1], across_x[2], across_x[3]};
+  const Quad straight{0, 1 - fx, fx, 0};
+  std::ptrdiff_t line[4];
+  int column[4];
+  for (int k = 0; k < 4; ++k) {
+    line[k] = static_cast<std::ptrdiff_t>(clamped(y + k - 1, w.rows - 1)) * w.cols;
+    column[k] = clamped(x + k - 1, w.cols - 1);
+  }
+  for (int channel = 0; channel < w.channels; ++channel) {
+    const float* in = w.in + channel * plane;
+    Quad p[4];
+    for (int k = 0; k < 4; ++k) {
+      const float* q = in + line[k];
+      p[k] = Quad{q[column[0]], q[column[1]], q[column[2]], q[column[3]]};
+    }
+    const Quad cubic = across_quad * (down[0] * p[0] + down[1] * p[1] + down[2] * p[2] + down[3] * p[3]);
+    float value = (cubic[0] + cubic[1]) + (cubic[2] + cubic[3]);
+    if (w.limit > 0) {
+      const Quad between = straight * (p[1] + fy * (p[2] - p[1]));
+      value = limited(value, between[1] + between[2], w.limit);
+    }
+    out[channel * plane] = value;
+  }
+}
+
+// What four neighbours of eight pixels hold, a lane a pixel. p: where a row begins; in [x, x + 4) each.
+struct Fours {
+  Lanes column[4];
+};
+inline Fours fours_in_a_row(const float* p) { return {{load(p), load(p + 1), load(p + 2), load(p + 3)}}; }
+inline Fours fours_at(const float* p, Whole place) {
+  const auto both = [&](int k) {
+    return __builtin_shufflevector(load_quad(p + place[k]), load_quad(p + place[k + 4]), 0, 1, 2, 3, 4, 5, 6,
+                                   7);
+  };
+  const Lanes a = both(0), b = both(1), c = both(2), d = both(3);
+  const Lanes ab_low = __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes ab_high = __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
+  const Lanes cd_low = __builtin_shufflevector(c, d, 0, 8, 1, 9, 4, 12, 5, 13);
+  const Lanes cd_high = __builtin_shufflevector(c, d, 2, 10, 3, 11, 6, 14, 7, 15);
+  return {{__builtin_shufflevector(ab_low, cd_low, 0, 1, 8, 9, 4, 5, 12, 13),
+           __builtin_shufflevector(ab_low, cd_low, 2, 3, 10, 11, 6, 7, 14, 15),
+           __builtin_shufflevector(ab_high, cd_high, 0, 1, 8, 9, 4, 5, 12, 13),
+           __builtin_shufflevector(ab_high, cd_high, 2, 3, 10, 11, 6, 7, 14, 15)}};
+}
+
+// Eight pixels whose columns are all within the picture: the same sums as for one, a lane each. fours(in, k)
+// reads row k of a plane.
+template <class Rows>
+inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, float* out, Rows&& fours) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
+  const auto [across_x] = cubic_weights(at.fx);
+  const auto [down] = cubic_weights(at.fy);
+  for (int channel = 0; channel < w.channels; ++channel) {
+    const float* in = w.in + channel * plane;
+    const Fours a = fours(in, 0), b = fours(in, 1), c = fours(in, 2), d = fours(in, 3);
+    Lanes cubic[4];
+    for (int k = 0; k < 4; ++k)
+      cubic[k] = rounded(across_x[k] * (down[0] * a.column[k] + down[1] * b.column[k] +
+                                        down[2] * c.column[k] + down[3] * d.column[k]));
+    Lanes value = (cubic[0] + cubic[1]) + (cubic[2] + cubic[3]);
+    if (w.limit > 0) {
+      const auto middle = [&](int k) { return b.column[k] + at.fy * (c.column[k] - b.column[k]); };
+      value = limited(value, rounded((1 - at.fx) * middle(1)) + rounded(at.fx * middle(2)), w.limit);
+    }
+    store_some(out + channel * plane, value, count);
+  }
 }
 
 void warp_cubic(const WarpBand& w) {
-  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
-  Places at;
   for (int y = w.y0; y < w.y1; ++y)
-    for (int x0 = 0; x0 < w.cols; x0 += kBlock) {
-      const int count = w.cols - x0 < kBlock ? w.cols - x0 : kBlock;
-      place(w, y, x0, count, at);
-      for (int i = 0; i < count; ++i) {
-        const int x = at.x[i], top = at.y[i];
-        const float fx = at.fx[i], fy = at.fy[i];
-        const Quad across = cubic_weights(fx), down = cubic_weights(fy);
-        const Quad straight{0, 1 - fx, fx, 0};
-        const bool within = x >= 1 && x + 2 < w.cols;
-        std::ptrdiff_t line[4];
-        for (int k = 0; k < 4; ++k)
-          line[k] = static_cast<std::ptrdiff_t>(clamped(top + k - 1, w.rows - 1)) * w.cols;
-        const int column[4] = {clamped(x - 1, w.cols - 1), clamped(x, w.cols - 1), clamped(x + 1, w.cols - 1),
-                               clamped(x + 2, w.cols - 1)};
-        float* out = w.out + static_cast<std::ptrdiff_t>(y) * w.cols + x0 + i;
-        for (int channel = 0; channel < w.channels; ++channel) {
-          const float* in = w.in + channel * plane;
-          Quad p[4];
-          for (int k = 0; k < 4; ++k) {
-            const float* q = in + line[k];
-            p[k] = within ? load(q + x - 1) : Quad{q[column[0]], q[column[1]], q[column[2]], q[column[3]]};
-          }
-          const Quad cubic = across * (down[0] * p[0] + down[1] * p[1] + down[2] * p[2] + down[3] * p[3]);
-          float value = (cubic[0] + cubic[1]) + (cubic[2] + cubic[3]);
-          if (w.limit > 0) {
-            const Quad between = straight * (p[1] + fy * (p[2] - p[1]));
-            const float linear = between[1] + between[2];
-            value = least(most(value, linear * (1 - w.limit)), linear * (1 + w.limit));
-          }
-          out[channel * plane] = value;
-        }
+    across(w, y, [&](int x, int count, const Places& at) {
+      float* out = w.out + static_cast<std::ptrdiff_t>(y) * w.cols + x;
+      if (any_negative((at.x - 1) | (w.cols - 3 - at.x))) {
+        for (int i = 0; i < count; ++i) read_cubic(w, at.x[i], at.y[i], at.fx[i], at.fy[i], out + i);
+        return;
       }
-    }
+      const auto row = [&](auto top, int k) { return clamped(top + (k - 1), w.rows - 1) * w.cols; };
+      const Whole apart = (at.x - at.x[0] - kEachLane) | (at.y - at.y[0]);
+      if (!any_negative(apart | -apart)) {
+        const int left = at.x[0] - 1, top = at.y[0];
+        const std::ptrdiff_t first[4] = {row(top, 0) + left, row(top, 1) + left, row(top, 2) + left,
+                                         row(top, 3) + left};
+        read_cubic_inside(w, at, count, out,
+                          [&](const float* in, int k) { return fours_in_a_row(in + first[k]); });
+      } else {
+        const Whole left = at.x - 1;
+        const Whole place[4] = {row(at.y, 0) + left, row(at.y, 1) + left, row(at.y, 2) + left,
+                                row(at.y, 3) + left};
+        read_cubic_inside(w, at, count, out, [&](const float* in, int k) { return fours_at(in, place[k]); });
+      }
+    });
 }
 
 inline int mirrored(int i, int n) {
@@ -158,7 +252,7 @@ void window(const WindowRow& w) {
         x0, count, 1, w.cols, sums,
         [&](int x) { return l[0][x] * l[0][x] + l[1][x] * l[1][x] + l[2][x] * l[2][x]; }, squares);
     float* __restrict variance = w.variance + x0;
-    for (int i = 0; i < count; ++i) variance[i] = most(0, squares[i] * share - mean[i] * mean[i]);
+    for (int i = 0; i < count; ++i) variance[i] = most(0.f, squares[i] * share - mean[i] * mean[i]);
   }
 }
 

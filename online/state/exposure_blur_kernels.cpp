@@ -1,8 +1,8 @@
 // Compiled once per instruction set into namespace HDRCAM_TARGET (see hdrcam_kernels() in CMakeLists.txt).
-// A block of pixels at a time: each instant is placed first (arithmetic), then each channel is read (memory).
+// Eight pixels at a time: each instant is placed first, then each channel is read.
 #include "online/state/exposure_blur_kernels.h"
 
-#include <cstddef>
+#include "hal/core/picture_lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
@@ -10,78 +10,87 @@ namespace {
 constexpr float kLeastBlur = 0.3f;            // pixels: a shorter one changes nothing visible
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
 constexpr float kLongest = 64;                // pixels that the taps still resolve
-constexpr int kBlock = 64;
 
-inline float least(float a, float b) { return a < b ? a : b; }
-inline float most(float a, float b) { return a > b ? a : b; }
-inline float clamped(float v, float low, float high) { return least(most(v, low), high); }
+template <class V>
+inline V least(V a, V b) {
+  return a < b ? a : b;
+}
+template <class V>
+inline V most(V a, V b) {
+  return a > b ? a : b;
+}
+template <class V>
+inline V clamped(V v, float low, float high) {
+  return least(most(v, V{} + low), V{} + high);
+}
 
-// The instants of a block's exposures, by pixel; none where the motion is short.
+// The instants of eight pixels' exposures; none where the motion is short.
 struct Instants {
-  alignas(64) float count[kBlock], share[kBlock];  // share: 1 / count
-  int most = 0;
+  Lanes count, share;  // share: 1 / count
 };
+inline Instants instants_of(Lanes dx, Lanes dy, float fraction) {
+  const Lanes length = root(dx * dx + dy * dy) * fraction, span = least(length, Lanes{} + kLongest);
+  const Lanes complete = lanes(whole(span));
+  const Lanes taps = complete + (span > complete ? Lanes{} + 2.f : Lanes{} + 1.f);
+  const Lanes count = clamped(taps, kLeastTaps, kMostTaps);
+  const Whole moves = length >= kLeastBlur;
+  return {moves ? count : Lanes{}, moves ? 1 / count : Lanes{}};
+}
 
-void count_instants(const float* dx, const float* dy, float fraction, int n, Instants& at) {
-  for (int i = 0; i < n; ++i) {
-    const float length = __builtin_sqrtf(dx[i] * dx[i] + dy[i] * dy[i]) * fraction;
-    const float span = least(length, kLongest);
-    const int whole = static_cast<int>(span);
-    const float taps = static_cast<float>(whole) + (span > static_cast<float>(whole) ? 2.f : 1.f);
-    const float count = clamped(taps, kLeastTaps, kMostTaps), moves = length >= kLeastBlur ? 1.f : 0.f;
-    at.count[i] = moves * count, at.share[i] = moves / count;
+// Where eight pixels see the scene at an instant of the exposure, in parts of the interval from its middle.
+struct Seen {
+  Whole corner;  // the pixel to the upper left
+  Lanes fx, fy;
+};
+inline Seen seen(const BlurBand& b, Lanes px, float py, Lanes dx, Lanes dy, Lanes instant) {
+  const float right = static_cast<float>(b.cols - 1), bottom = static_cast<float>(b.rows - 1);
+  // what is seen then moves as the place does where it is seen
+  const Whole qx = whole(clamped(px + instant * dx, 0, right) + 0.5f);
+  const Whole qy = whole(clamped(py + instant * dy, 0, bottom) + 0.5f);
+  const Whole near = qy * b.cols + qx;
+  const bool together = in_a_row(near);
+  const Lanes sx = clamped(px + instant * (together ? load(b.dx + near[0]) : lanes_at(b.dx, near)), 0, right);
+  const Lanes sy =
+      clamped(py + instant * (together ? load(b.dy + near[0]) : lanes_at(b.dy, near)), 0, bottom);
+  const Whole ix = least(whole(sx), Whole{} + (b.cols - 2)), iy = least(whole(sy), Whole{} + (b.rows - 2));
+  return {iy * b.cols + ix, sx - lanes(ix), sy - lanes(iy)};
+}
+
+// The difference at `n` of eight pixels from x on.
+template <int kChannels>
+inline void blur_eight(const BlurBand& b, int x, int y, int n) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(b.rows) * b.cols;
+  const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * b.cols + x;
+  const Lanes px = lanes(x + kEachLane), dx = load_some(b.dx + first, n), dy = load_some(b.dy + first, n);
+  const auto [count, share] = instants_of(dx, dy, b.fraction);
+  Lanes sum[kChannels]{};
+  Whole goes_on = 0 < count;
+  for (float k = 0; any_negative(goes_on); k += 1, goes_on = k < count) {
+    const Lanes instant = b.fraction * ((k + 0.5f) * share - 0.5f), part = goes_on ? share : Lanes{};
+    const Seen at = seen(b, px, static_cast<float>(y), dx, dy, instant);
+    if (in_a_row(at.corner))
+      for (int c = 0; c < kChannels; ++c)
+        sum[c] += part * between_in_a_row(b.radiance + c * plane + at.corner[0], b.cols, at.fx, at.fy);
+    else
+      for (int c = 0; c < kChannels; ++c)
+        sum[c] += part * between_at(b.radiance + c * plane, b.cols, at.corner, at.fx, at.fy);
   }
-  float longest = 0;
-  for (int i = 0; i < n; ++i) longest = most(longest, at.count[i]);
-  at.most = static_cast<int>(longest);
+  for (int c = 0; c < kChannels; ++c) {
+    const std::ptrdiff_t i = c * plane + first;
+    store_some(b.difference + i, count > 0 ? sum[c] - load_some(b.radiance + i, n) : Lanes{}, n);
+  }
+}
+
+template <int kChannels>
+void blur_band(const BlurBand& b) {
+  for (int y = b.y0; y < b.y1; ++y)
+    for (int x = 0; x < b.cols; x += kLanes) blur_eight<kChannels>(b, x, y, least(b.cols - x, kLanes));
 }
 
 void blur(const BlurBand& b) {
-  const float right = static_cast<float>(b.cols - 1), bottom = static_cast<float>(b.rows - 1);
-  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(b.rows) * b.cols;
-  Instants at;
-  alignas(64) int place[kBlock];  // of the pixel to the upper left of what an instant shows
-  alignas(64) float fx[kBlock], fy[kBlock], part[kBlock], sum[kBlurChannels][kBlock];
-  for (int y = b.y0; y < b.y1; ++y)
-    for (int x0 = 0; x0 < b.cols; x0 += kBlock) {
-      const int n = b.cols - x0 < kBlock ? b.cols - x0 : kBlock;
-      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * b.cols + x0;
-      const float *dx = b.dx + first, *dy = b.dy + first;
-      count_instants(dx, dy, b.fraction, n, at);
-      __builtin_memset(sum, 0, sizeof sum);
-      for (int k = 0; k < at.most; ++k) {
-        const float from_start = static_cast<float>(k) + 0.5f;
-        for (int i = 0; i < n; ++i) {
-          const float px = static_cast<float>(x0 + i), py = static_cast<float>(y);
-          const float instant = b.fraction * (from_start * at.share[i] - 0.5f);
-          // what is seen then moves as the place does where it is seen
-          const int qx = static_cast<int>(clamped(px + instant * dx[i], 0, right) + 0.5f);
-          const int qy = static_cast<int>(clamped(py + instant * dy[i], 0, bottom) + 0.5f);
-          const float sx = clamped(px + instant * b.dx[qy * b.cols + qx], 0, right);
-          const float sy = clamped(py + instant * b.dy[qy * b.cols + qx], 0, bottom);
-          const int cx = static_cast<int>(sx), cy = static_cast<int>(sy);
-          const int ix = cx < b.cols - 2 ? cx : b.cols - 2, iy = cy < b.rows - 2 ? cy : b.rows - 2;
-          place[i] = iy * b.cols + ix;
-          fx[i] = sx - static_cast<float>(ix), fy[i] = sy - static_cast<float>(iy);
-          part[i] = static_cast<float>(k) < at.count[i] ? at.share[i] : 0;
-        }
-        for (int c = 0; c < b.channels; ++c) {
-          const float *above = b.radiance + c * plane, *below = above + b.cols;
-          float* __restrict total = sum[c];
-          for (int i = 0; i < n; ++i) {
-            const int p = place[i];
-            const float upper = above[p] + (above[p + 1] - above[p]) * fx[i];
-            const float lower = below[p] + (below[p + 1] - below[p]) * fx[i];
-            total[i] += part[i] * (upper + (lower - upper) * fy[i]);
-          }
-        }
-      }
-      for (int c = 0; c < b.channels; ++c) {
-        const float* in = b.radiance + c * plane + first;
-        float* out = b.difference + c * plane + first;
-        for (int i = 0; i < n; ++i) out[i] = at.count[i] > 0 ? sum[c][i] - in[i] : 0;
-      }
-    }
+  static_assert(kBlurChannels == 3);
+  constexpr void (*kBand[])(const BlurBand&) = {&blur_band<1>, &blur_band<2>, &blur_band<3>};
+  kBand[b.channels - 1](b);
 }
 
 }  // namespace

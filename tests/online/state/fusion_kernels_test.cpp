@@ -177,26 +177,37 @@ TEST_CASE("the blur of an exposure is the mean over its instants, a third of a p
   constexpr int kRows = 9, kCols = 75;
   constexpr float kFraction = 0.7f;
   const Row picture = numbers.between(0, 1, 3 * kRows * kCols);
-  // one motion everywhere, so that the place where it is seen does not matter
-  for (const auto& [dx, dy] : {std::pair{0.4f, 0.f}, {2.3f, -1.2f}, {-30.f, 4.f}, {200.f, 0.f}}) {
-    const Row u(kRows * kCols, dx), v(kRows * kCols, dy);
+  struct Motion {
+    float dx, dy, apart;  // apart: between neighbours
+  };
+  for (const auto& [dx, dy, apart] :
+       {Motion{0.4f, 0, 0}, {2.3f, -1.2f, 0}, {-30, 4, 0}, {200, 0, 0}, {2.3f, -1.2f, 5}}) {
+    const Row u = numbers.between(dx - apart, dx + apart, kRows * kCols);
+    const Row v = numbers.between(dy - apart, dy + apart, kRows * kCols);
     Row difference(picture.size(), 7), expected(picture.size());
     exposure_blur_kernels().blur(
         {picture.data(), u.data(), v.data(), kFraction, difference.data(), 3, kRows, kCols, 0, kRows});
-    const float length = std::hypot(dx, dy) * kFraction;
-    const int count =
-        length < 0.3f ? 0 : std::clamp(static_cast<int>(std::ceil(std::min(length, 64.f))) + 1, 3, 9);
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < kRows; ++y)
         for (int x = 0; x < kCols; ++x) {
           const float* plane = picture.data() + c * kRows * kCols;
-          const auto at = static_cast<std::size_t>((c * kRows + y) * kCols + x);
+          const auto own = static_cast<std::size_t>(y * kCols + x);
+          const auto at = static_cast<std::size_t>(c * kRows * kCols) + own;
+          const float length = std::hypot(u[own], v[own]) * kFraction;
+          const int count =
+              length < 0.3f ? 0 : std::clamp(static_cast<int>(std::ceil(std::min(length, 64.f))) + 1, 3, 9);
           float sum = 0;
           for (int k = 0; k < count; ++k) {
             const float instant =
                 kFraction * ((static_cast<float>(k) + 0.5f) / static_cast<float>(count) - 0.5f);
-            const float sx = std::clamp(static_cast<float>(x) + instant * dx, 0.f, kCols - 1.f);
-            const float sy = std::clamp(static_cast<float>(y) + instant * dy, 0.f, kRows - 1.f);
+            const auto along = [](int from, float by, int size) {
+              return std::clamp(static_cast<float>(from) + by, 0.f, static_cast<float>(size - 1));
+            };
+            // it moves as the place does where it is seen
+            const auto seen =
+                static_cast<std::size_t>(static_cast<int>(along(y, instant * v[own], kRows) + 0.5f) * kCols +
+                                         static_cast<int>(along(x, instant * u[own], kCols) + 0.5f));
+            const float sx = along(x, instant * u[seen], kCols), sy = along(y, instant * v[seen], kRows);
             const int ix = std::min(static_cast<int>(sx), kCols - 2),
                       iy = std::min(static_cast<int>(sy), kRows - 2);
             const float fx = sx - static_cast<float>(ix), fy = sy - static_cast<float>(iy);
@@ -206,7 +217,7 @@ TEST_CASE("the blur of an exposure is the mean over its instants, a third of a p
           expected[at] = count == 0 ? 0 : sum / static_cast<float>(count) - picture[at];
         }
     for (std::size_t i = 0; i < expected.size(); ++i) {
-      INFO("motion " << dx << ", " << dy << "; sample " << i);
+      INFO("motion " << dx << ", " << dy << ", apart " << apart << "; sample " << i);
       REQUIRE(difference[i] == Approx(expected[i]).margin(2e-5));
     }
   }

@@ -1,0 +1,104 @@
+// Eight places of a picture read at once, for the kernels that are compiled once per instruction set. Where
+// pictures move, neighbours mostly show neighbours: one load then reads what eight would, and elsewhere the
+// two pixels that an interpolation needs of a row come together; both are faster than a gather and give the
+// same bits. Internal linkage, as for lanes.h.
+#pragma once
+
+#include <cstddef>
+
+#include "hal/core/lanes.h"
+
+namespace hdrcam::HDRCAM_TARGET {
+namespace {
+
+typedef int Whole __attribute__((vector_size(kLanes * sizeof(int)), aligned(sizeof(int)), may_alias));
+constexpr Whole kEachLane{0, 1, 2, 3, 4, 5, 6, 7};
+
+[[maybe_unused]] inline Whole whole(Lanes v) { return __builtin_convertvector(v, Whole); }
+[[maybe_unused]] inline Lanes lanes(Whole v) { return __builtin_convertvector(v, Lanes); }
+
+[[maybe_unused]] inline bool any_negative(Whole v) {
+#if defined(__AVX__)
+  return __builtin_ia32_movmskps256((Lanes)v) != 0;
+#else
+  return (v[0] | v[1] | v[2] | v[3] | v[4] | v[5] | v[6] | v[7]) < 0;
+#endif
+}
+// Whether the places follow one another.
+[[maybe_unused]] inline bool in_a_row(Whole place) {
+  const Whole apart = place - place[0] - kEachLane;
+  return !any_negative(apart | -apart);
+}
+
+[[maybe_unused]] inline Lanes root(Lanes v) {
+#if defined(__AVX__)
+  return __builtin_ia32_sqrtps256(v);
+#else
+  for (int k = 0; k < kLanes; ++k) v[k] = __builtin_sqrtf(v[k]);
+  return v;
+#endif
+}
+
+// A product that is rounded before it is added to, on every target: no compiler makes one operation of both.
+[[maybe_unused]] inline Lanes rounded(Lanes v) {
+#if defined(__AVX__)
+  __asm__("" : "+x"(v));
+#elif defined(__aarch64__)
+  typedef float Quad __attribute__((vector_size(16)));
+  Quad low = __builtin_shufflevector(v, v, 0, 1, 2, 3), high = __builtin_shufflevector(v, v, 4, 5, 6, 7);
+  __asm__("" : "+w"(low), "+w"(high));
+  v = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
+  return v;
+}
+
+// The first `count` of eight; the others are zero.
+[[maybe_unused]] inline Lanes load_some(const float* p, int count) {
+  if (count >= kLanes) return load(p);
+  Lanes v{};
+  for (int k = 0; k < count; ++k) v[k] = p[k];
+  return v;
+}
+[[maybe_unused]] inline void store_some(float* p, Lanes v, int count) {
+  if (count >= kLanes) return store(p, v);
+  for (int k = 0; k < count; ++k) p[k] = v[k];
+}
+
+// Eight pixels, each at a place of its own.
+[[maybe_unused]] inline Lanes lanes_at(const float* p, Whole place) {
+  return Lanes{p[place[0]], p[place[1]], p[place[2]], p[place[3]],
+               p[place[4]], p[place[5]], p[place[6]], p[place[7]]};
+}
+
+// A pixel and its right neighbour, at eight places.
+struct PixelPairs {
+  Lanes left, right;
+};
+[[maybe_unused]] inline PixelPairs pairs_at(const float* p, Whole place) {
+  typedef double Couple __attribute__((aligned(sizeof(float)), may_alias));
+  typedef double Couples __attribute__((vector_size(32), may_alias));
+  const auto at = [&](int k) { return *reinterpret_cast<const Couple*>(p + place[k]); };
+  const Lanes outer = (Lanes)Couples{at(0), at(1), at(4), at(5)};
+  const Lanes inner = (Lanes)Couples{at(2), at(3), at(6), at(7)};
+  return {__builtin_shufflevector(outer, inner, 0, 2, 8, 10, 4, 6, 12, 14),
+          __builtin_shufflevector(outer, inner, 1, 3, 9, 11, 5, 7, 13, 15)};
+}
+
+// Between four pixels; one formula for all who interpolate, so that they agree to the bit.
+[[maybe_unused]] inline Lanes between(PixelPairs above, PixelPairs below, Lanes fx, Lanes fy) {
+  const Lanes top = above.left + fx * (above.right - above.left);
+  const Lanes bottom = below.left + fx * (below.right - below.left);
+  return top + fy * (bottom - top);
+}
+// Where the pixels to the upper left are: in a row from `p` on, or each at its place. Their neighbours to the
+// right and below are within the picture.
+[[maybe_unused]] inline Lanes between_in_a_row(const float* p, std::ptrdiff_t pitch, Lanes fx, Lanes fy) {
+  return between({load(p), load(p + 1)}, {load(p + pitch), load(p + pitch + 1)}, fx, fy);
+}
+[[maybe_unused]] inline Lanes between_at(const float* p, std::ptrdiff_t pitch, Whole place, Lanes fx,
+                                         Lanes fy) {
+  return between(pairs_at(p, place), pairs_at(p + pitch, place), fx, fy);
+}
+
+}  // namespace
+}  // namespace hdrcam::HDRCAM_TARGET
