@@ -2,7 +2,14 @@
 
 #include <cmath>
 
+#include "online/pictures/for_samples.h"
+
 namespace hdrcam {
+namespace {
+
+constexpr int code(Provenance from) { return static_cast<int>(from); }
+
+}  // namespace
 
 void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   constexpr float kDarkOffset =
@@ -17,10 +24,10 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.lens = estimate.view.lens;
   frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
-  frame.radiance.copy_from(estimate.state.radiance);
+  copy(estimate.state.radiance, frame.radiance, pool_);
   if (estimate.budget.shrinks) shrinkage_.apply(frame.radiance, estimate.state.variance, offset);
   if (estimate.to_previous != nullptr)
-    frame.flow.copy_from(estimate.to_previous->vectors);
+    copy(estimate.to_previous->vectors, frame.flow, pool_);
   else
     frame.flow.reshape(0, 0, 0);
 }
@@ -33,25 +40,30 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
   frame.sigma.reshape(1, rows, cols);
   frame.provenance.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
+    for (int y = y0; y < y1; ++y) {
+      const std::array<const float*, 3> radiance{state.radiance.row(0, y), state.radiance.row(1, y),
+                                                 state.radiance.row(2, y)};
+      const std::array<const float*, 3> variance{state.variance.row(0, y), state.variance.row(1, y),
+                                                 state.variance.row(2, y)};
+      const float *later = state.later_share.row(0, y), *own = state.own_share.row(0, y);
+      float* sigma = frame.sigma.row(0, y);
+      std::uint8_t* provenance = frame.provenance.row(0, y);
       for (int x = 0; x < cols; ++x) {
-        float worst = 0, relative = 0;
-        for (int c = 0; c < 3; ++c) {
-          const float r = state.radiance.at(c, y, x) + offset, v = state.variance.at(c, y, x);
-          worst = std::max(worst, v);
+        float relative = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+          const float r = radiance[c][x] + offset, v = variance[c][x];
           relative += v / (r * r) * (1 / 3.f);
         }
-        const float later = state.later_share.at(0, y, x), own = state.own_share.at(0, y, x) * (1 - later);
-        Provenance from = Provenance::Carried;
-        if (worst >= known)
-          from = Provenance::Bound;
-        else if (later > 0.5f)
-          from = Provenance::LookAhead;
-        else if (own > 0.5f)
-          from = Provenance::Own;
-        frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(from);
-        frame.sigma.at(0, y, x) = std::min(10.f, std::sqrt(relative));
+        sigma[x] = std::min(10.f, std::sqrt(relative));
       }
+      for (int x = 0; x < cols; ++x) {  // without branches, so that it becomes vectors
+        const float worst = std::max(std::max(std::max(0.f, variance[0][x]), variance[1][x]), variance[2][x]);
+        int from = own[x] * (1 - later[x]) > 0.5f ? code(Provenance::Own) : code(Provenance::Carried);
+        from = later[x] > 0.5f ? code(Provenance::LookAhead) : from;
+        from = worst >= known ? code(Provenance::Bound) : from;
+        provenance[x] = static_cast<std::uint8_t>(from);
+      }
+    }
   });
 }
 

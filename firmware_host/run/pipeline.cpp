@@ -154,11 +154,11 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   record_.pose = frame_.pose;
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
-  std::array<double, kProvenances> pixels{};
-  for (const std::uint8_t from : frame_.provenance.samples()) pixels[from] += 1;
-  for (std::size_t i = 0; i < kProvenances; ++i)
-    record_.provenance_share[i] =
-        static_cast<float>(pixels[i] / static_cast<double>(frame_.provenance.size()));
+  for (std::size_t i = 0; i < kProvenances; ++i) {
+    int pixels = 0;
+    for (const std::uint8_t from : frame_.provenance.samples()) pixels += from == i ? 1 : 0;
+    record_.provenance_share[i] = static_cast<float>(pixels / static_cast<double>(frame_.provenance.size()));
+  }
   auto delivered = deliver(frame_, estimate, record_);
   record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
   record_.fit_steps = 0;

@@ -60,35 +60,71 @@ Prior prior_around(double code_noise) {
 
 }  // namespace
 
+// What is kept of a pixel and channel while its row is compared; planes of one picture.
+enum NoiseEstimator::Compared : int {
+  kBin,
+  kDifference,
+  kExposure,
+  kSlopeA,
+  kSlopeB,
+  kLeft,  // of b's noise, after interpolation
+  kComparedPlanes
+};
+
 void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                               const Response& response, PairGains gains) {
+  const int rows = (a.codes.rows() - 2 * kMargin + kStride - 1) / kStride,
+            cols = (a.codes.cols() - 2 * kMargin + kStride - 1) / kStride;
+  if (rows <= 0 || cols <= 0) return;
   const Borrowed room(pool_.scratch(), b.codes.rows(), b.codes.cols(), {{&warped_, 3}, {&warped_mean_, 3}});
+  const Borrowed more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});
   warp_linear(b.codes, a_to_b.vectors, warped_, pool_);
   box_mean(warped_, 1, warped_mean_, pool_);
   const float ratio = a.exposure / b.exposure;
+  found_.resize(static_cast<std::size_t>(rows));
+  pool_.for_each(rows, [&](int row) {
+    found_[static_cast<std::size_t>(row)] = compare_row(a, a_to_b, response, ratio, row);
+  });
   const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * 4));
   std::array<Bin, kBrightnesses>& bins = bins_[ratio_key];
-  for (int y = kMargin; y < a.codes.rows() - kMargin; y += kStride)
-    for (int x = kMargin; x < a.codes.cols() - kMargin; x += kStride) {
-      if (a_to_b.confidence.at(0, y, x) < kMinConfidence) continue;
-      const float left = interpolated_variance(a_to_b.vectors.at(0, y, x), a_to_b.vectors.at(1, y, x));
-      for (int c = 0; c < 3; ++c) {
-        const float za = a.codes.at(c, y, x), zb = warped_.at(c, y, x), mean_b = warped_mean_.at(c, y, x);
-        if (za > kLastCode || zb > kLastCode || mean_b < kFirstCode) continue;
-        if (range_5x5(warped_mean_, c, y, x) > kSmoothRange) continue;
-        const float exposure = response.exposure_of(c, mean_b) * ratio;  // of a, as b predicts it
-        const float expected = response.code_of(c, exposure);
-        if (expected < kFirstCode || expected > kLastCode) continue;
-        const float slope_a = response.slope(c, expected), slope_b = response.slope(c, mean_b) * ratio;
-        const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(1e-4f, exposure))));
-        Bin& bin = bins[static_cast<std::size_t>(std::clamp(half_stops, 0, kBrightnesses - 1))];
-        bin.add(response.exposure_of(c, za) - response.exposure_of(c, zb) * ratio);
-        bin.shot_sum += static_cast<double>(exposure * (gains.a + left * ratio * gains.b));
-        bin.read_sum += static_cast<double>(gains.a * gains.a + left * ratio * ratio * gains.b * gains.b);
-        bin.code_sum += static_cast<double>(slope_a * slope_a + left * slope_b * slope_b);
-        bin.relative_sum += static_cast<double>(exposure * exposure);
-      }
+  for (int row = 0; row < rows; ++row)
+    for (int i = 0; i < found_[static_cast<std::size_t>(row)]; ++i) {
+      const auto of = [&](Compared plane) { return compared_.at(plane, row, i); };
+      const float exposure = of(kExposure), left = of(kLeft), slope_a = of(kSlopeA), slope_b = of(kSlopeB);
+      Bin& bin = bins[static_cast<std::size_t>(of(kBin))];
+      bin.add(of(kDifference));
+      bin.shot_sum += static_cast<double>(exposure * (gains.a + left * ratio * gains.b));
+      bin.read_sum += static_cast<double>(gains.a * gains.a + left * ratio * ratio * gains.b * gains.b);
+      bin.code_sum += static_cast<double>(slope_a * slope_a + left * slope_b * slope_b);
+      bin.relative_sum += static_cast<double>(exposure * exposure);
     }
+}
+
+// One row of those looked at; how many pixels and channels of it tell of the noise.
+int NoiseEstimator::compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response,
+                                float ratio, int row) {
+  const int y = kMargin + row * kStride;
+  int found = 0;
+  for (int x = kMargin; x < a.codes.cols() - kMargin; x += kStride) {
+    if (a_to_b.confidence.at(0, y, x) < kMinConfidence) continue;
+    const float left = interpolated_variance(a_to_b.vectors.at(0, y, x), a_to_b.vectors.at(1, y, x));
+    for (int c = 0; c < 3; ++c) {
+      const float za = a.codes.at(c, y, x), zb = warped_.at(c, y, x), mean_b = warped_mean_.at(c, y, x);
+      if (za > kLastCode || zb > kLastCode || mean_b < kFirstCode) continue;
+      if (range_5x5(warped_mean_, c, y, x) > kSmoothRange) continue;
+      const float exposure = response.exposure_of(c, mean_b) * ratio;  // of a, as b predicts it
+      const float expected = response.code_of(c, exposure);
+      if (expected < kFirstCode || expected > kLastCode) continue;
+      const int half_stops = static_cast<int>(std::floor(-2 * std::log2(std::max(1e-4f, exposure))));
+      const auto keep = [&](Compared plane, float value) { compared_.at(plane, row, found) = value; };
+      keep(kBin, static_cast<float>(std::clamp(half_stops, 0, kBrightnesses - 1)));
+      keep(kDifference, response.exposure_of(c, za) - response.exposure_of(c, zb) * ratio);
+      keep(kExposure, exposure), keep(kLeft, left);
+      keep(kSlopeA, response.slope(c, expected)), keep(kSlopeB, response.slope(c, mean_b) * ratio);
+      ++found;
+    }
+  }
+  return found;
 }
 
 NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector<float>& sorted) {

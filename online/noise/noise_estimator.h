@@ -62,13 +62,17 @@ class NoiseEstimator {
   struct Equation {
     double shot_factor, read_factor, code_factor, relative_factor, variance, sigma;
   };
+  enum Compared : int;
+  int compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response, float ratio,
+                  int row);
   static Equation equation_of(const Bin& bin, std::vector<float>& sorted);
 
   static constexpr int kBrightnesses = 28;  // half stops below full exposure
 
   WorkerPool& pool_;
   std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
-  Image<float> warped_, warped_mean_;                   // borrowed during a call
+  Image<float> warped_, warped_mean_, compared_;        // borrowed during a call
+  std::vector<int> found_;                              // by row of compared_
   std::vector<Equation> equations_;                     // of the last solve()
   std::vector<float> sorted_;
 };

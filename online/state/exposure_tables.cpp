@@ -33,4 +33,24 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
   }
 }
 
+void ExposureTables::codes(int channel, std::span<const float> radiance, float* code) const {
+  constexpr std::size_t kBlock = 64;  // the places first, which become vectors, then the look-ups
+  std::array<float, kBlock> roots;
+  const auto& table = code_[static_cast<std::size_t>(channel)];
+  for (std::size_t first = 0; first < radiance.size(); first += kBlock) {
+    const std::size_t n = std::min(kBlock, radiance.size() - first);
+    const float* in = radiance.data() + first;
+    float* out = code + first;
+    for (std::size_t k = 0; k < n; ++k) {
+      const float x = in[k] * exposure_, positive = x < 0 ? 0.f : x;
+      roots[k] = std::sqrt(1 < positive ? 1.f : positive) * kSegments;
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      const auto i = static_cast<int>(roots[k]);
+      const float* at = table.data() + i;
+      out[k] = at[0] + (at[1] - at[0]) * (roots[k] - static_cast<float>(i));
+    }
+  }
+}
+
 }  // namespace hdrcam

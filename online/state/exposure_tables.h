@@ -24,8 +24,8 @@ struct VarianceExcess {
   static float place_of(float x) {
     return std::clamp(-2 * std::log2(std::max(x, 1e-7f)) - 0.5f, 0.f, static_cast<float>(kBins - 1));
   }
-  float at(std::size_t channel, float x) const {
-    const float place = place_of(x);
+  float at(std::size_t channel, float x) const { return at_place(channel, place_of(x)); }
+  float at_place(std::size_t channel, float place) const {
     const auto i = std::min(static_cast<std::size_t>(place), kBins - 2);
     const auto& b = bins[channel];
     return b[i] + (b[i + 1] - b[i]) * (place - static_cast<float>(i));
@@ -70,6 +70,8 @@ class ExposureTables {
     const auto& table = code_[static_cast<std::size_t>(channel)];
     return table[i] + (table[i + 1] - table[i]) * (root - static_cast<float>(i));
   }
+  // The same for many pixels.
+  void codes(int channel, std::span<const float> radiance, float* code) const;
 
  private:
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)

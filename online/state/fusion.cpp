@@ -17,14 +17,15 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
                     Samples& samples) {
   for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
     image->reshape_like(codes);
-  samples.blur.fill(0);
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y)
+      for (int y = y0; y < y1; ++y) {
+        std::fill_n(samples.blur.row(c, y), codes.cols(), 0.f);
         fusion_kernels().sample(
             {codes.row(c, y), brightest.row(c, y), tables.radiances(c).data(), samples.radiance.row(c, y),
              samples.weight.row(c, y), samples.comparable.row(c, y)},
             codes.cols());
+      }
   });
 }
 
@@ -40,7 +41,10 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
         const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
                     *r = samples.radiance.row(c, y), *trust = confidence.row(0, y);
         float* shown = shown_.row(c, y);
-        for (int x = 0; x < cols; ++x) shown[x] = trust[x] > kBelieved && v[x] < known ? s[x] : r[x];
+        for (int x = 0; x < cols; ++x) {  // both are read, so that it becomes vectors
+          const float sampled = r[x], carried = v[x] < known ? s[x] : sampled;
+          shown[x] = trust[x] > kBelieved ? carried : sampled;
+        }
       }
   });
   blur_difference(shown_, flow, fraction, samples.blur, pool_);
@@ -109,7 +113,10 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
         const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
                     *r = samples.radiance.row(c, y);
         float* guess = guess_.row(c, y);
-        for (int x = 0; x < cols; ++x) guess[x] = v[x] > known ? r[x] : s[x];
+        for (int x = 0; x < cols; ++x) {
+          const float sampled = r[x], carried = s[x];
+          guess[x] = v[x] > known ? sampled : carried;
+        }
       }
   });
   box_mean(guess_, 1, mean_, pool_);

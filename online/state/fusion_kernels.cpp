@@ -4,7 +4,7 @@
 
 #include "capture/clip_policy.h"
 #include "hal/core/lane_functions.h"
-#include "hal/core/lanes.h"
+#include "hal/core/picture_lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
@@ -65,25 +65,26 @@ inline void across_noise(const SampleVariances& noise, const float* mean, int n,
   });
 }
 
+// A table between its entries; the two that it needs come together.
+inline float table_at(const float* table, float place) {
+  const int z = static_cast<int>(place);
+  return table[z] + (table[z + 1] - table[z]) * (place - static_cast<float>(z));
+}
+inline Lanes table_at(const float* table, Lanes place) {
+  const Whole z = whole(place);
+  const PixelPairs entries = pairs_at(table, z);
+  return entries.left + (entries.right - entries.left) * (place - lanes(z));
+}
+
 void sample(const SampledRow& row, int n) {
   using namespace clip_policy;
-  in_blocks(n, [&](int x0, int count) {
-    const float *codes = row.codes + x0, *brightest = row.brightest + x0;
-    alignas(64) float place[kBlock];
-    across(count, [&](int i, auto lane) {
-      using V = decltype(lane);
-      const V code = get<V>(codes + i), bright = most(code, get<V>(brightest + i));
-      put(place + i, clamped(code, 0, 255));
-      put<V>(row.weight + x0 + i, 1 - step(kFadeBegin, kFadeEnd, bright));
-      put<V>(row.comparable + x0 + i, (1 - step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
-                                          step(kCompareDarkBegin, kCompareDarkEnd, code));
-    });
-    float* __restrict radiance = row.radiance + x0;
-    for (int i = 0; i < count; ++i) {
-      const int z = static_cast<int>(place[i]);
-      const float low = row.radiances[z], high = row.radiances[z + 1];
-      radiance[i] = low + (high - low) * (place[i] - static_cast<float>(z));
-    }
+  across(n, [&](int x, auto lane) {
+    using V = decltype(lane);
+    const V code = get<V>(row.codes + x), bright = most(code, get<V>(row.brightest + x));
+    put<V>(row.weight + x, 1 - step(kFadeBegin, kFadeEnd, bright));
+    put<V>(row.comparable + x, (1 - step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
+                                   step(kCompareDarkBegin, kCompareDarkEnd, code));
+    put<V>(row.radiance + x, table_at(row.radiances, clamped(code, 0, 255)));
   });
 }
 
@@ -158,8 +159,7 @@ inline float beyond(float v) {
   return f + (f < 0 ? 1 : 0);
 }
 inline Lanes beyond(Lanes v) {
-  typedef int Whole __attribute__((vector_size(sizeof(Lanes))));
-  const Lanes f = v - __builtin_convertvector(__builtin_convertvector(v, Whole), Lanes);
+  const Lanes f = v - lanes(whole(v));
   return f < 0 ? f + 1 : f;
 }
 

@@ -1,5 +1,6 @@
 #include "online/state/look_ahead.h"
 
+#include "online/pictures/for_samples.h"
 #include "online/pictures/warp.h"
 
 namespace hdrcam {
@@ -25,7 +26,9 @@ void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
 
 void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> later, Fusion& fusion,
                      JoinedState& joined) {
-  joined.copy_from(state);
+  copy(state.radiance, joined.radiance, pool_);
+  copy(state.variance, joined.variance, pool_);
+  copy(state.own_share, joined.own_share, pool_);
   joined.later_share.reshape(1, state.radiance.rows(), state.radiance.cols());
   joined.later_share.fill(0);
   if (later.empty()) return;
@@ -43,10 +46,11 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     fusion.gate(joined, samples_, *ahead.tables, path_.confidence, gate_, extra_);
     fusion.warp_variance(extra_, path_.vectors, extra_);
     fusion.update(joined, samples_, *ahead.tables, &gate_, &extra_, share_);
-    for (std::size_t i = 0; i < share_.size(); ++i) {
-      float& total = joined.later_share.samples()[i];
-      total = total * (1 - share_.samples()[i]) + share_.samples()[i];
-    }
+    for_samples(share_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
+      const float* share = share_.plane(0);
+      float* total = joined.later_share.plane(0);
+      for (std::size_t i = i0; i < i1; ++i) total[i] = total[i] * (1 - share[i]) + share[i];
+    });
   }
 }
 
@@ -64,8 +68,8 @@ void LookAhead::take_samples(const LaterFrame& ahead, Fusion& fusion) {
 // Lengthens the path by one interval: flows are chained, confidences multiplied.
 void LookAhead::follow(const FlowField& from_previous, bool nearest) {
   if (nearest) {
-    path_.vectors.copy_from(from_previous.vectors);
-    path_.confidence.copy_from(from_previous.confidence);
+    copy(from_previous.vectors, path_.vectors, pool_);
+    copy(from_previous.confidence, path_.confidence, pool_);
     return;
   }
   const Borrowed room(pool_.scratch(), path_.vectors.rows(), path_.vectors.cols(), {{&warped_, 2}});

@@ -59,9 +59,10 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
       const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);
       if (misplaced > variance + how.relative * how.relative * s[x] * s[x]) continue;
       const float x_seen = s[x] * tables.exposure();
-      const auto bin = static_cast<int>(std::lround(VarianceExcess::place_of(x_seen)));
+      const float place = VarianceExcess::place_of(x_seen);
+      const auto bin = static_cast<int>(static_cast<double>(place) + 0.5);  // to the nearest, without a call
       take(c, bin, (r[x] - s[x] - b[x]) * tables.exposure(),
-           variance * exposure2 - tables.excess().at(static_cast<std::size_t>(c), x_seen));
+           variance * exposure2 - tables.excess().at_place(static_cast<std::size_t>(c), place));
     }
   }
 }

@@ -72,9 +72,10 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
   {
     const Borrowed room(pool_.scratch(), rows >> finest, cols >> finest,
                         {{&there.flow, 2}, {&back.flow, 2}, {&there.weight, 1}, {&back.weight, 1}});
+    // each about as large as three planes, which most pictures of others are, who use them too
+    const auto piece = static_cast<int>(refinement_kernels().piece_floats(rows >> finest, cols >> finest));
     for (Direction& direction : directions_)
-      for (Image<float>& picture : direction.scratch)
-        pool_.scratch().lend(picture, kScratchPlanes, rows >> finest, cols >> finest);
+      for (Image<float>& picture : direction.room) pool_.scratch().lend(picture, 1, 1, piece);
     for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
     pool_.for_each(2, [&](int i) {
       Direction& direction = directions_[static_cast<std::size_t>(i)];
@@ -82,7 +83,7 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
     });
   }
   for (Direction& direction : directions_)
-    for (Image<float>& picture : direction.scratch) pool_.scratch().take_back(picture);
+    for (Image<float>& picture : direction.room) pool_.scratch().take_back(picture);
   for (Pyramid& pyramid : pyramids_)
     for (Level& level : pyramid) pool_.scratch().take_back(level.planes);
 }
@@ -175,15 +176,9 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
   constexpr float kSmallest = 0.1f;   // pixels
   const auto at = static_cast<std::size_t>(scale);
   FlowRefinement refinement{
-      (*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), {},           nullptr, kPictures,
+      (*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), {},           kPictures,
       kLeastSlope2,          kSmallest,           effort.rounds,     effort.sweeps};
-  for (int i = 0; i < kRefinementPlanes; ++i) {
-    Image<float>& picture = d.scratch[static_cast<std::size_t>(i / kScratchPlanes)];
-    picture.reshape(kScratchPlanes, d.flow.rows(), d.flow.cols());
-    refinement.planes[i] = picture.plane(i % kScratchPlanes);
-  }
-  d.lines.reshape(kRefinementLines, 1, d.flow.cols());
-  refinement.lines = d.lines.plane(0);
+  for (std::size_t i = 0; i < d.room.size(); ++i) refinement.room[i] = d.room[i].plane(0);
   refinement_kernels().refine(refinement);
 }
 

@@ -32,7 +32,6 @@ class DenseFlow {
   void compute(FlowQuality quality, const FlowRequest& request);
 
  private:
-  static constexpr int kScratchPlanes = 3;  // as many as most pictures of others, who use them too
   struct Level {
     Image<float> planes;  // [gray dx dy, rows, cols] with a border; borrowed during a call
     FlowPicture picture{};
@@ -43,10 +42,9 @@ class DenseFlow {
     const Image<float>* start;
     Image<float>* answer;
     Image<float> patches, starts;  // [dx dy, rows, cols] of the patches
-    // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's, of the scale
+    // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's room, of the scale
     Image<float> flow, weight;
-    std::array<Image<float>, (kRefinementPlanes + kScratchPlanes - 1) / kScratchPlanes> scratch;
-    Image<float> lines;  // its own
+    std::array<Image<float>, kRefinementPieces> room;
   };
   struct Effort;
 

@@ -125,6 +125,7 @@ struct Descent {
   }
   Fit look(Vector at) const { return compare(patch, window(search.to, x, y, at), search.to.pitch); }
   void consider(Vector guess) {
+    if (guess.u == best.u && guess.v == best.v) return;  // often: neighbours at rest, or that took this one
     const Fit other = look(guess);
     if (other.error < fit.error) best = guess, fit = other;
   }

@@ -4,6 +4,7 @@
 
 #include "capture/clip_policy.h"
 #include "hal/core/interpolate.h"
+#include "online/pictures/for_samples.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 #include "online/priors/motion/flow_kernels.h"
@@ -20,9 +21,11 @@ void gray_of_frame(const ExposedFrame& frame, Image<float>& gray, WorkerPool& po
   const auto& codes = frame.codes;
   gray.reshape(1, codes.rows(), codes.cols());
   pool.for_rows(codes.rows(), [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < codes.cols(); ++x)
-        gray.at(0, y, x) = to_gray(codes.at(0, y, x), codes.at(1, y, x), codes.at(2, y, x));
+    for (int y = y0; y < y1; ++y) {
+      const float *r = codes.row(0, y), *g = codes.row(1, y), *b = codes.row(2, y);
+      float* out = gray.row(0, y);
+      for (int x = 0; x < codes.cols(); ++x) out[x] = to_gray(r[x], g[x], b[x]);
+    }
   });
 }
 
@@ -31,19 +34,29 @@ void gray_of_state(const Image<float>& radiance, const ExposureTables& tables, I
                    WorkerPool& pool) {
   gray.reshape(1, radiance.rows(), radiance.cols());
   pool.for_rows(radiance.rows(), [&](int y0, int y1) {
+    constexpr int kBlock = 64;
+    std::array<std::array<float, kBlock>, 3> codes;
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < radiance.cols(); ++x)
-        gray.at(0, y, x) = to_gray(tables.code(0, radiance.at(0, y, x)), tables.code(1, radiance.at(1, y, x)),
-                                   tables.code(2, radiance.at(2, y, x)));
+      for (int x0 = 0; x0 < radiance.cols(); x0 += kBlock) {
+        const int n = std::min(kBlock, radiance.cols() - x0);
+        for (int c = 0; c < 3; ++c)
+          tables.codes(c, {radiance.row(c, y) + x0, static_cast<std::size_t>(n)},
+                       codes[static_cast<std::size_t>(c)].data());
+        const auto& [r, g, b] = codes;
+        float* out = gray.row(0, y) + x0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) out[i] = to_gray(r[i], g[i], b[i]);
+      }
   });
 }
 
-struct CodeRange {
-  float least, most;  // over the channels
-};
-CodeRange range_of(const Image<float>& codes, int y, int x) {
-  const float r = codes.at(0, y, x), g = codes.at(1, y, x), b = codes.at(2, y, x);
-  return {std::min({r, g, b}), std::max({r, g, b})};
+// 1 where all channels of a row are clipped, bright or dark, 0 elsewhere.
+void mark_clipped(const Image<float>& codes, int y, const clip_policy::UsableCodes& usable, float* clipped) {
+  const float *r = codes.row(0, y), *g = codes.row(1, y), *b = codes.row(2, y);
+  for (int x = 0; x < codes.cols(); ++x) {
+    const float least = std::min(std::min(r[x], g[x]), b[x]), most = std::max(std::max(r[x], g[x]), b[x]);
+    const float dark = most <= usable.darkest ? 1.f : 0.f;
+    clipped[x] = least >= usable.brightest ? 1.f : dark;
+  }
 }
 
 // Forward-backward agreement: exp(-|there and back|^2 / 2); 0 where the flow leaves the picture.
@@ -61,14 +74,17 @@ void rate_flow(FlowField& flow, const FlowField& back, Image<float>& warped, Wor
 void forget_outside(FlowField& flow, WorkerPool& pool) {
   const int rows = flow.vectors.rows(), cols = flow.vectors.cols();
   pool.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; ++x) {
-        const float px = static_cast<float>(x) + flow.vectors.at(0, y, x);
-        const float py = static_cast<float>(y) + flow.vectors.at(1, y, x);
-        const bool inside = px >= -0.5f && py >= -0.5f && px <= static_cast<float>(cols) - 0.5f &&
-                            py <= static_cast<float>(rows) - 0.5f;
-        if (!inside) flow.confidence.at(0, y, x) = 0;
+    const float right = static_cast<float>(cols) - 0.5f, bottom = static_cast<float>(rows) - 0.5f;
+    for (int y = y0; y < y1; ++y) {
+      const float *u = flow.vectors.row(0, y), *v = flow.vectors.row(1, y);
+      float* confidence = flow.confidence.row(0, y);
+      for (int x = 0; x < cols; ++x) {  // without branches, so that it becomes vectors
+        const float px = static_cast<float>(x) + u[x], py = static_cast<float>(y) + v[x];
+        float kept = px >= -0.5f ? confidence[x] : 0;
+        kept = px <= right ? kept : 0, kept = py >= -0.5f ? kept : 0, kept = py <= bottom ? kept : 0;
+        confidence[x] = kept;
       }
+    }
   });
 }
 
@@ -92,15 +108,17 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     const float step_ratio = last_interval_s_ > 0 && interval_s > 0
                                  ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
                                  : 1.f;
-    start_from_.reshape_like(last_);
-    for (std::size_t i = 0; i < last_.size(); ++i)
-      start_from_.samples()[i] = -step_ratio * last_.samples()[i];
+    scale(last_, -step_ratio, start_from_, pool_);
     warp_linear(last_, last_, start_to_, pool_);
-    for (float& v : start_to_.samples()) v *= step_ratio;
+    scale(start_to_, step_ratio, start_to_, pool_);
     {
       const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
       blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
-      for (std::size_t i = 0; i < blur_.size(); ++i) blur_.samples()[i] += state.radiance.samples()[i];
+      for_samples(blur_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
+        const float* sharp = state.radiance.plane(0);
+        float* seen = blur_.plane(0);
+        for (std::size_t i = i0; i < i1; ++i) seen[i] += sharp[i];
+      });
       gray_of_state(blur_, tables, state_gray_, pool_);
     }
     flow_.compute(quality, {&frame_gray_, &state_gray_, &motion.to_previous.vectors,
@@ -147,7 +165,7 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   rate(&frame, motion);
   if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
   last_time_ = frame.facts.timestamp;
-  last_.copy_from(motion.to_previous.vectors);
+  copy(motion.to_previous.vectors, last_, pool_);
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at
@@ -156,25 +174,27 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
 // read there (a fixed point, three iterations) and averaged.
 void MotionEstimator::bridge(float r, StateMotion& motion) {
   constexpr int kRounds = 3;
+  const auto half_difference = [&](const Image<float>& a, const Image<float>& b) {
+    for_samples(bridged_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
+      const float *from_after = a.plane(0), *from_state = b.plane(0);
+      float* bridged = bridged_.plane(0);
+      for (std::size_t i = i0; i < i1; ++i) bridged[i] = 0.5f * r * (from_after[i] - from_state[i]);
+    });
+  };
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
   const Borrowed room(
       pool_.scratch(), rows_, cols_,
       {{&bridged_, 2}, {&ahead_, 2}, {&seen_from_after_, 2}, {&seen_from_state_, 2}, {&clipped_seen_, 1}});
   const float onward = -(1 - r) / r;
-  for (int round = 0; round < kRounds; ++round) {
-    if (round == 0) {
-      for (std::size_t i = 0; i < bridged_.size(); ++i)
-        bridged_.samples()[i] = 0.5f * r * (after_to_state_.samples()[i] - state_to_after_.samples()[i]);
-      continue;
-    }
-    for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+  half_difference(after_to_state_, state_to_after_);
+  for (int round = 1; round < kRounds; ++round) {
+    scale(bridged_, onward, ahead_, pool_);
     warp_linear(after_to_state_, ahead_, seen_from_after_, pool_);
     warp_linear(state_to_after_, bridged_, seen_from_state_, pool_);
-    for (std::size_t i = 0; i < bridged_.size(); ++i)
-      bridged_.samples()[i] = 0.5f * r * (seen_from_after_.samples()[i] - seen_from_state_.samples()[i]);
+    half_difference(seen_from_after_, seen_from_state_);
   }
   // to the state, at the pixels of the frame
-  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = onward * bridged_.samples()[i];
+  scale(bridged_, onward, ahead_, pool_);
   warp_linear(clipped_after_, ahead_, mask_, pool_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
@@ -185,7 +205,7 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
       }
   });
   // from the state, at its own pixels
-  for (std::size_t i = 0; i < ahead_.size(); ++i) ahead_.samples()[i] = r * state_to_after_.samples()[i];
+  scale(state_to_after_, r, ahead_, pool_);
   warp_linear(clipped_, ahead_, mask_, pool_);
   warp_linear(clipped_after_, state_to_after_, clipped_seen_, pool_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -202,11 +222,7 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
 void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& share) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionShare;
   pool_.for_rows(rows_, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols_; ++x) {
-        const CodeRange range = range_of(frame.codes, y, x);
-        mask_.at(0, y, x) = range.least >= usable.brightest || range.most <= usable.darkest ? 1 : 0;
-      }
+    for (int y = y0; y < y1; ++y) mark_clipped(frame.codes, y, usable, mask_.row(0, y));
   });
   box_mean(mask_, 2, share, pool_);
 }
@@ -219,13 +235,14 @@ void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
   rate_flow(motion.from_previous, motion.to_previous, warped_, pool_);
   if (frame != nullptr)
     pool_.for_rows(rows_, [&](int y0, int y1) {
-      for (int y = y0; y < y1; ++y)
+      for (int y = y0; y < y1; ++y) {
+        float *clipped = warped_.row(0, y), *confidence = motion.to_previous.confidence.row(0, y);
+        mark_clipped(frame->codes, y, usable, clipped);
         for (int x = 0; x < cols_; ++x) {
-          const CodeRange range = range_of(frame->codes, y, x);
-          float& confidence = motion.to_previous.confidence.at(0, y, x);
-          if (range.least >= usable.brightest || range.most <= usable.darkest)
-            confidence = std::max(kClippedConfidence, confidence);
+          const float known = confidence[x], assumed = std::max(kClippedConfidence, known);
+          confidence[x] = clipped[x] > 0 ? assumed : known;
         }
+      }
     });
   forget_outside(motion.to_previous, pool_);
   forget_outside(motion.from_previous, pool_);
