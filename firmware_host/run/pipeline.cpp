@@ -155,8 +155,9 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
   for (std::size_t i = 0; i < kProvenances; ++i) {
+    const auto kind = static_cast<std::uint8_t>(i);
     int pixels = 0;
-    for (const std::uint8_t from : frame_.provenance.samples()) pixels += from == i ? 1 : 0;
+    for (const std::uint8_t from : frame_.provenance.samples()) pixels += from == kind ? 1 : 0;
     record_.provenance_share[i] = static_cast<float>(pixels / static_cast<double>(frame_.provenance.size()));
   }
   auto delivered = deliver(frame_, estimate, record_);

@@ -212,10 +212,11 @@ inline int mirrored(int i, int n) {
 
 constexpr int kMostRadius = 2;
 
-// Sums over the columns around x0 .. x0 + count of what term(x) adds up from a column; `sums` needs
-// kMostRadius more at either end.
-template <class Term>
-inline void sum_columns(int x0, int count, int radius, int cols, float* sums, Term&& term, float* out) {
+// Calls put(i, sum) for the columns x0 .. x0 + count of what term(x) adds up from the columns around each;
+// `sums` needs kMostRadius more at either end.
+template <class Term, class Put>
+inline void sum_columns(int x0, int count, int radius, int cols, float* __restrict sums, Term&& term,
+                        Put&& put) {
   const int begin = x0 > radius ? x0 - radius : 0,
             end = x0 + count + radius < cols ? x0 + count + radius : cols;
   float* at = sums + kMostRadius - x0;  // at[x]: column x
@@ -224,14 +225,14 @@ inline void sum_columns(int x0, int count, int radius, int cols, float* sums, Te
   for (int x = end; x < x0 + count + radius; ++x) at[x] = at[mirrored(x, cols)];
   const float* s = sums + kMostRadius;
   if (radius == 1)
-    for (int i = 0; i < count; ++i) out[i] = s[i - 1] + s[i] + s[i + 1];
+    for (int i = 0; i < count; ++i) put(i, s[i - 1] + s[i] + s[i + 1]);
   else
-    for (int i = 0; i < count; ++i) out[i] = (s[i - 2] + s[i - 1]) + s[i] + (s[i + 1] + s[i + 2]);
+    for (int i = 0; i < count; ++i) put(i, (s[i - 2] + s[i - 1]) + s[i] + (s[i + 1] + s[i + 2]));
 }
 
 void window(const WindowRow& w) {
   constexpr int kWide = 256;  // columns at a time
-  alignas(64) float sums[kWide + 2 * kMostRadius], total[kWide], squares[kWide];
+  alignas(64) float sums[kWide + 2 * kMostRadius];
   const float* l[2 * kMostRadius + 1];  // the rows around y, from above to below
   for (int k = 0; k <= 2 * w.radius; ++k)
     l[k] = w.plane + static_cast<std::ptrdiff_t>(mirrored(w.y + k - w.radius, w.rows)) * w.cols;
@@ -239,20 +240,20 @@ void window(const WindowRow& w) {
   for (int x0 = 0; x0 < w.cols; x0 += kWide) {
     const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;
     float* __restrict mean = w.mean + x0;
+    const auto put_mean = [&](int i, float total) { mean[i] = total * share; };
     if (w.radius == 1)
       sum_columns(
-          x0, count, 1, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x]; }, total);
+          x0, count, 1, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x]; }, put_mean);
     else
       sum_columns(
           x0, count, 2, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x] + l[3][x] + l[4][x]; },
-          total);
-    for (int i = 0; i < count; ++i) mean[i] = total[i] * share;
+          put_mean);
     if (w.variance == nullptr) continue;
+    float* __restrict variance = w.variance + x0;
     sum_columns(
         x0, count, 1, w.cols, sums,
-        [&](int x) { return l[0][x] * l[0][x] + l[1][x] * l[1][x] + l[2][x] * l[2][x]; }, squares);
-    float* __restrict variance = w.variance + x0;
-    for (int i = 0; i < count; ++i) variance[i] = most(0.f, squares[i] * share - mean[i] * mean[i]);
+        [&](int x) { return l[0][x] * l[0][x] + l[1][x] * l[1][x] + l[2][x] * l[2][x]; },
+        [&](int i, float squares) { variance[i] = most(0.f, squares * share - mean[i] * mean[i]); });
   }
 }
 

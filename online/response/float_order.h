@@ -22,15 +22,18 @@ inline void sort_floats(std::vector<float>& values, std::vector<float>& scratch)
   for (const float v : values)
     for (int pass = 0; pass < kPasses; ++pass)
       ++place[static_cast<std::size_t>(pass)][key(v) >> (pass * kBits) & (kDigits - 1)];
-  for (auto& digits : place) {
+  std::array<bool, kPasses> all_alike{};  // as the last digits of 8-bit codes are: nothing to order
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
     std::uint32_t begin = 0;
-    for (std::uint32_t& digit : digits) {
+    for (std::uint32_t& digit : place[pass]) {
       const std::uint32_t count = digit;
+      if (count == values.size()) all_alike[pass] = true;
       digit = begin, begin += count;
     }
   }
   scratch.resize(values.size());
   for (int pass = 0; pass < kPasses; ++pass) {
+    if (all_alike[static_cast<std::size_t>(pass)]) continue;
     auto& begins = place[static_cast<std::size_t>(pass)];
     for (const float v : values) scratch[begins[key(v) >> (pass * kBits) & (kDigits - 1)]++] = v;
     values.swap(scratch);

@@ -42,8 +42,8 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
                     *r = samples.radiance.row(c, y), *trust = confidence.row(0, y);
         float* shown = shown_.row(c, y);
         for (int x = 0; x < cols; ++x) {  // both are read, so that it becomes vectors
-          const float sampled = r[x], carried = v[x] < known ? s[x] : sampled;
-          shown[x] = trust[x] > kBelieved ? carried : sampled;
+          const float sampled = r[x], carried = s[x], believed = trust[x] > kBelieved ? carried : sampled;
+          shown[x] = v[x] < known ? believed : sampled;
         }
       }
   });

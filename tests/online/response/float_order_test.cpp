@@ -25,3 +25,13 @@ TEST_CASE("numbers are put in order by their bits as comparisons would put them"
     CHECK(values == expected);
   }
 }
+
+TEST_CASE("whole codes, whose last digits are all alike, are put in order, too") {
+  std::mt19937 random(4);
+  std::vector<float> values(3000), scratch;
+  for (float& v : values) v = static_cast<float>(std::uniform_int_distribution<int>(0, 255)(random));
+  std::vector<float> expected = values;
+  std::sort(expected.begin(), expected.end());
+  sort_floats(values, scratch);
+  CHECK(values == expected);
+}
