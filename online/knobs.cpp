@@ -155,9 +155,15 @@ void add_priors_and_scene(std::vector<Knob>& table) {
   table.push_back(
       choice<&K::field>("field", kAtStart, {"none", "hash_grid"},
                         {"", "pose, depth, fit and view", "radiance for unseen pixels, depth, novel views"}));
+  table.push_back(choice<&K::field_step>(
+      "field_step", kAtStart, {"auto", "1", "2", "4", "8"},
+      {"px", "more is cheaper: memory and time of the field's passes fall with its square",
+       "side of the blocks that are the field's pixels; auto: 1 where the field itself is seen, 2 to 8 where "
+       "it only fills"}));
   table.push_back(whole<&K::hash_grid, &F::window, &WindowOptions::frames>(
       "window_frames", kAtStart, 2, 14,
-      {"frames", "memory, 6 MB each at 320x240", "motion that is smooth over the window"}));
+      {"frames", "memory, 6 MB each at 320x240 and a field_step of 1",
+       "motion that is smooth over the window"}));
   table.push_back(real<&K::hash_grid, &F::window, &WindowOptions::trusted_sigma>(
       "trusted_sigma", kAtStart, 0.01, 1,
       {"of ln radiance", "nothing", "sigma of the state at which networks and state have equal weight"}));

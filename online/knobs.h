@@ -35,6 +35,7 @@ struct Knobs {
   PoseKind pose = PoseKind::Given;
   DepthOptions depth;
   FieldKind field = FieldKind::HashGrid;
+  FieldStep field_step = FieldStep::Auto;
   FieldOptions hash_grid;
 };
 Knobs knobs_of(Preset preset);

@@ -219,7 +219,9 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
   depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
   if (field_) return field_->restart();
-  field_ = make_scene_field(knobs_.field, knobs_.hash_grid,
+  FieldOptions options = knobs_.hash_grid;
+  options.step_px = field_step_px(knobs_.field_step, camera_.height, camera_.width);
+  field_ = make_scene_field(knobs_.field, options,
                             {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
 }
 

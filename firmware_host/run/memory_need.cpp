@@ -14,9 +14,10 @@ namespace {
 // Bytes for each pixel of the stream.
 constexpr std::uint64_t kState = 250;
 constexpr std::uint64_t kLongerLookAhead = 150;  // beside it: states that wait for a second frame
-constexpr std::uint64_t kFieldFrame = 100;       // of the field's window, and of two more
-constexpr std::uint64_t kQueuedFrame = 66;       // of a sink's copy of an HDR frame with all its layers
-constexpr std::uint64_t kWrittenFrame = 20;      // of what the sink makes of it
+constexpr std::uint64_t kFieldFrame = 100;   // of the field's window, and of two more, a pixel of the field
+constexpr std::uint64_t kBesideField = 40;   // its priors, and its view of unseen pixels
+constexpr std::uint64_t kQueuedFrame = 66;   // of a sink's copy of an HDR frame with all its layers
+constexpr std::uint64_t kWrittenFrame = 20;  // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
 constexpr std::uint64_t kCodec = 24;  // packets and pictures of FFV1
 
@@ -40,8 +41,11 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
   const Knobs knobs = options_of(settings, use).knobs;
   std::uint64_t per_pixel = kState;
   if (knobs.look_ahead > 1) per_pixel += kLongerLookAhead;
-  if (knobs.field != FieldKind::None)
-    per_pixel += kFieldFrame * static_cast<std::uint64_t>(knobs.hash_grid.window.frames + 2);
+  if (knobs.field != FieldKind::None) {
+    const auto step = static_cast<std::uint64_t>(field_step_px(knobs.field_step, height, width));
+    per_pixel += kBesideField +
+                 kFieldFrame * static_cast<std::uint64_t>(knobs.hash_grid.window.frames + 2) / (step * step);
+  }
   return kProgramBytes + per_pixel * pixels(width, height) + sinks;
 }
 

@@ -42,7 +42,8 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   options.knobs = knobs_of(preset);
   options.render.layer = layer;
   if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
-  if (layer == EmitLayer::Field) options.knobs.budget.fit.steps = options.knobs.view_steps;
+  if (layer == EmitLayer::Field)
+    options.knobs.budget.fit.steps = options.knobs.view_steps, options.knobs.field_step = FieldStep::One;
   return options;
 }
 
@@ -63,13 +64,14 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   // a field that is to be seen, or that poses are tracked beside, is there whatever the preset
   if ((shows_field(settings, use) || needs.poses) && fit.emit != EmitLayer::State)
     options.knobs.field = Knobs().field;
-  bool steps_told = false;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
-    steps_told |= name == "steps";
   }
-  if (shows_field(settings, use) && !steps_told) options.knobs.budget.fit.steps = options.knobs.view_steps;
+  if (shows_field(settings, use)) {
+    if (!fit.knobs.contains("steps")) options.knobs.budget.fit.steps = options.knobs.view_steps;
+    if (options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
+  }
   return options;
 }
 

@@ -4,6 +4,14 @@
 
 namespace hdrcam {
 
+int field_step_px(FieldStep step, int rows, int cols) {
+  if (step != FieldStep::Auto) return 1 << (static_cast<int>(step) - static_cast<int>(FieldStep::One));
+  constexpr double kMostPixels = 60'000;  // of the field
+  int side = 2;
+  while (side < 8 && static_cast<double>(rows) * cols > kMostPixels * side * side) side *= 2;
+  return side;
+}
+
 std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions& hash_grid,
                                              const SceneSetup& setup, WorkerPool& pool) {
   switch (kind) {

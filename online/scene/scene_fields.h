@@ -10,6 +10,12 @@ namespace hdrcam {
 
 enum class FieldKind { None, HashGrid };
 
+// The blocks of the stream's pixels that are one pixel of a field.
+enum class FieldStep { Auto, One, Two, Four, Eight };
+// The side of a block for a stream of this size, px. Auto: what serves a field that only fills unseen pixels;
+// 2 at 320x240, 4 at 640x480, 8 at 1920x1080, so that a block is about as large in the scene.
+int field_step_px(FieldStep step, int rows, int cols);
+
 // Settings of every field, fixed at the start.
 struct SceneSetup {
   Intrinsics lens;

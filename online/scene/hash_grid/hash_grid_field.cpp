@@ -40,10 +40,6 @@ Result<void> HashGridField::observe(const SceneObservation& seen) {
   for (const auto& snapshot : snapshots_)
     if (!snapshot->is_held()) Window::release(snapshot->window_);
 
-  // a pixel that the state hardly knows counts as unseen
-  const float known = known_limit(seen.white);
-  variance_.copy_from(seen.state.variance);
-  for (float& v : variance_.samples()) v = v < known ? v : kUnseenVariance;
   const ExposedFrame& frame = seen.frame;
   FieldObservation told;
   told.index = frame.index;
@@ -52,11 +48,12 @@ Result<void> HashGridField::observe(const SceneObservation& seen) {
   told.blur_fraction = frame.blur_fraction;
   told.codes = &frame.codes;
   told.radiance = &seen.state.radiance;
-  told.variance = &variance_;
+  told.variance = &seen.state.variance;
+  told.unseen_variance = known_limit(seen.white);  // a pixel that the state hardly knows counts as unseen
   told.to_previous = &seen.motion.to_previous;
   told.from_previous = &seen.motion.from_previous;
   if (!seen.depth.empty()) {
-    spread(seen.depth, variance_.rows(), variance_.cols());
+    spread(seen.depth);
     told.inverse_depth = &inverse_depth_;
   }
   told.T_world_camera = seen.pose.T_world_camera;
@@ -104,18 +101,26 @@ SnapshotHold HashGridField::snapshot() {
   return SnapshotHold(*free);
 }
 
-// The prior on the frame's own pixels, in the window's units; NaN where its weight is too low.
-void HashGridField::spread(const DepthMap& depth, int rows, int cols) {
+// The prior on the window's pixels and in its units: the mean of what is believed of it there, NaN where
+// nothing is.
+void HashGridField::spread(const DepthMap& depth) {
   constexpr float kBelieved = 0.5f;  // weight of a prior with a sigma of 100 percent
+  const int rows = fit_.window().frustum().rows, cols = fit_.window().frustum().cols;
   const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
   inverse_depth_.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols; ++x) {
-        const int v = y * grid_rows / rows, u = x * grid_cols / cols;
-        inverse_depth_.at(0, y, x) = depth.weight.at(0, v, u) >= kBelieved
-                                         ? std::min(1.f, depth.inverse_depth.at(0, v, u) * near_)
-                                         : std::numeric_limits<float>::quiet_NaN();
+        const int v0 = y * grid_rows / rows, v1 = std::max(v0 + 1, (y + 1) * grid_rows / rows);
+        const int u0 = x * grid_cols / cols, u1 = std::max(u0 + 1, (x + 1) * grid_cols / cols);
+        float sum = 0;
+        int believed = 0;
+        for (int v = v0; v < v1; ++v)
+          for (int u = u0; u < u1; ++u)
+            if (depth.weight.at(0, v, u) >= kBelieved)
+              sum += std::min(1.f, depth.inverse_depth.at(0, v, u) * near_), ++believed;
+        inverse_depth_.at(0, y, x) =
+            believed > 0 ? sum / static_cast<float>(believed) : std::numeric_limits<float>::quiet_NaN();
       }
   });
 }

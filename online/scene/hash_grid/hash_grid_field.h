@@ -42,13 +42,13 @@ class HashGridField final : public SceneField {
   SnapshotHold snapshot() override;
 
  private:
-  void spread(const DepthMap& depth, int rows, int cols);
+  void spread(const DepthMap& depth);
 
   WorkerPool& pool_;
   GpuDevice* gpu_;
   float near_;
   FieldFit fit_;
-  Image<float> variance_, inverse_depth_;
+  Image<float> inverse_depth_;  // prior of the newest frame, on the window's pixels
   std::vector<std::unique_ptr<HashGridSnapshot>> snapshots_;  // one more than were ever held at once
 };
 

@@ -79,14 +79,18 @@ struct BranchPass {
   int n = 0;  // a multiple of kSampleMultiple
 
   void reserve(const Branch<T>& branch, int ld) {
-    for (Image<T>* rows : {&position, &d_position}) *rows = Image<T>(3, 1, ld);
-    for (Image<T>* rows : {&features, &d_features}) *rows = Image<T>(branch.mlp.inputs(), 1, ld);
-    for (Image<T>* rows : {&raw, &d_raw}) *rows = Image<T>(branch.mlp.outputs(), 1, ld);
-    for (int k = 0; k < 2; ++k) {
-      trace.hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
-      trace.d_hidden[k] = Image<T>(branch.mlp.hidden(), 1, ld);
-    }
+    position = Image<T>(3, 1, ld);
+    features = Image<T>(branch.mlp.inputs(), 1, ld);
+    raw = Image<T>(branch.mlp.outputs(), 1, ld);
+    for (Image<T>& hidden : trace.hidden) hidden = Image<T>(branch.mlp.hidden(), 1, ld);
     slot.assign(static_cast<std::size_t>(ld), 0);
+  }
+  // Beside reserve(): the room of backward().
+  void reserve_gradient(const Branch<T>& branch, int ld) {
+    d_position = Image<T>(3, 1, ld);
+    d_features = Image<T>(branch.mlp.inputs(), 1, ld);
+    d_raw = Image<T>(branch.mlp.outputs(), 1, ld);
+    for (Image<T>& d_hidden : trace.d_hidden) d_hidden = Image<T>(branch.mlp.hidden(), 1, ld);
   }
   GridSamples<T> samples() const { return {position, slot, n}; }
 

@@ -83,8 +83,9 @@ class HashGrid {
     level_size_ = static_cast<std::size_t>(shape.slots) * levels_[0].entries * kFeatures;
     table_.reshape(shape.levels, 1, static_cast<int>(level_size_));
     for (T& value : table_.samples()) value = static_cast<T>(random.uniform(-spread, spread));
-    d_table_ = Image<T>(shape.levels, 1, static_cast<int>(level_size_));
   }
+  // Room for d_table(), which only a fit needs.
+  void reserve_gradient() { d_table_ = Image<T>(shape_.levels, 1, static_cast<int>(level_size_)); }
 
   const HashGridShape& shape() const { return shape_; }
   int features() const { return shape_.levels * kFeatures; }

@@ -17,6 +17,7 @@ struct WindowFrustum {
   int rows = 0, cols = 0;  // of the picture
   float margin = 1.25f;    // width of the window over the width of the picture
   float near = 1;          // distance of the near plane, in the poses' unit
+  int step_px = 1;         // 1, 2, 4, 8: a pixel here is a block of step_px x step_px of the stream's
 
   // One pixel of the anchor's picture, in window units along u and v; the unit of flow along d is kDepthUnit.
   double u_per_px() const { return 1 / (static_cast<double>(cols) * static_cast<double>(margin)); }

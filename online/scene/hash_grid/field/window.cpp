@@ -3,13 +3,16 @@
 #include <atomic>
 #include <cmath>
 
+#include "capture/clip_policy.h"
+#include "capture/exposed_frame.h"
 #include "online/scene/hash_grid/field/window_kernels.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;
-constexpr int kBlock = 64;  // pixels of a row that a kernel takes at once
+constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;  // of the stream
+constexpr float kClippedCode = clip_policy::kLossOfOne.brightest * kMaxCode;
+constexpr int kBlock = kMostBlocks;  // pixels of a row that a kernel takes at once
 
 // Calls body(y, x, count) for all blocks of all rows.
 template <class Body>
@@ -20,13 +23,25 @@ void for_blocks(WorkerPool& pool, int rows, int cols, Body&& body) {
   });
 }
 
-bool has_shape(const Image<float>* image, int channels, int rows, int cols) {
-  return image != nullptr && image->channels() == channels && image->rows() == rows && image->cols() == cols;
+// Whether it is a picture of the stream that the window's pixels cover.
+bool is_of_stream(const Image<float>* image, int channels, const WindowFrustum& window) {
+  const int step = window.step_px;
+  return image != nullptr && image->channels() == channels &&
+         (image->rows() + step - 1) / step == window.rows && (image->cols() + step - 1) / step == window.cols;
 }
 
-bool usable(const FlowField* flow, int rows, int cols) {
-  return flow != nullptr && has_shape(&flow->vectors, 2, rows, cols) &&
-         has_shape(&flow->confidence, 1, rows, cols);
+bool usable(const FlowField* flow, const WindowFrustum& window) {
+  return flow != nullptr && is_of_stream(&flow->vectors, 2, window) &&
+         is_of_stream(&flow->confidence, 1, window);
+}
+
+// The pixels of the stream behind n pixels of the window, from (y, x) on.
+BlockRow blocks_of(const Image<float>& picture, int channel, int y, int x, int n, int step) {
+  BlockRow blocks;
+  blocks.step = step, blocks.cols = std::min(n * step, picture.cols() - x * step);
+  for (int k = 0; k < step; ++k)
+    blocks.row[k] = picture.row(channel, std::min(y * step + k, picture.rows() - 1)) + x * step;
+  return blocks;
 }
 
 float guide_at(const Image<float>& guide, int y, int x) {
@@ -63,6 +78,7 @@ Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
     : WindowFrames(frustum), options_(options) {
   CHECK(options.frames >= 2 && options.frames <= 14);
   CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
+  CHECK(frustum.step_px == 1 || frustum.step_px == 2 || frustum.step_px == 4 || frustum.step_px == kMostStep);
   for (int i = 0; i < slots(); ++i) storage_.push_back(make_frame());
   order_.reserve(storage_.size());
 }
@@ -109,13 +125,13 @@ void Window::release(WindowFrames& held) {
 }
 
 Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
-  const int rows = frustum_.rows, cols = frustum_.cols;
-  if (!has_shape(seen.codes, 3, rows, cols) || !has_shape(seen.radiance, 3, rows, cols) ||
-      !has_shape(seen.variance, 3, rows, cols))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("the pictures of frame {} for the field are not 3 x {} x {}; start a "
-                             "new field for another size",
-                             seen.index, rows, cols)};
+  for (const Image<float>* picture : {seen.codes, seen.radiance, seen.variance})
+    if (!is_of_stream(picture, 3, frustum_))
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("the pictures of frame {} for the field are not 3 x {} x {}; start a "
+                      "new field for another size",
+                      seen.index, frustum_.rows * frustum_.step_px, frustum_.cols * frustum_.step_px)};
   if (!std::isfinite(seen.exposure) || seen.exposure <= 0)
     return Error{
         ErrorCode::BadExposure,
@@ -137,16 +153,16 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
   if (previous == nullptr) T_world_anchor_ = frame.T_world_camera;
   frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
   take_base(seen, frame, pool);
-  if (previous != nullptr && usable(seen.to_previous, rows, cols))
+  if (previous != nullptr && usable(seen.to_previous, frustum_))
     carry_guide(*previous, *seen.to_previous, frame);
   else
     frame.guide.fill(options_.default_inverse_depth);
   guide_by_prior(frame);
   take_surface(frame, pool);
   if (previous != nullptr) {
-    if (usable(seen.to_previous, rows, cols))
+    if (usable(seen.to_previous, frustum_))
       take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous, pool);
-    if (usable(seen.from_previous, rows, cols))
+    if (usable(seen.from_previous, frustum_))
       take_flow(*seen.from_previous, writable(size() - 2), frame, Neighbour::Next, pool);
   }
   return {};
@@ -154,15 +170,24 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
 
 void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const {
   const WindowKernels& kernels = window_kernels();
+  const int step = frustum_.step_px;
   for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &frame.base.at(0, y, x);
     for (int i = 0; i < n; ++i) base[i].fill(0);
     for (int c = 0; c < 3; ++c) {
-      kernels.values({seen.codes->row(c, y) + x, kNoValue, frame.values.row(c, y) + x}, n);
-      alignas(64) float log_radiance[kBlock], gate[kBlock];
-      kernels.base({seen.radiance->row(c, y) + x, seen.variance->row(c, y) + x, kUnseenVariance,
-                    options_.trusted_sigma, log_radiance, gate},
-                   n);
+      float* const values = frame.values.row(c, y) + x;
+      alignas(64) float mean[kBlock], spread[kBlock], log_radiance[kBlock], gate[kBlock];
+      BaseRow row{mean, spread, seen.unseen_variance, options_.trusted_sigma, log_radiance, gate};
+      if (step == 1) {
+        kernels.values({seen.codes->row(c, y) + x, kNoValue, values}, n);
+        row.radiance = seen.radiance->row(c, y) + x, row.variance = seen.variance->row(c, y) + x;
+      } else {
+        kernels.block_values({blocks_of(*seen.codes, c, y, x, n, step), kClippedCode, kNoValue, values}, n);
+        kernels.block_state({blocks_of(*seen.radiance, c, y, x, n, step),
+                             blocks_of(*seen.variance, c, y, x, n, step), seen.unseen_variance, mean, spread},
+                            n);
+      }
+      kernels.base(row, n);
       for (int i = 0; i < n; ++i) {
         base[i][static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance[i];
         base[i][static_cast<std::size_t>(kBaseGate + c)] = gate[i];
@@ -172,7 +197,7 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
   frame.has_flow[0] = frame.has_flow[1] = false;
   frame.moving_share = 0;
   frame.depth_prior.reshape(0, 0, 0);
-  if (has_shape(seen.inverse_depth, 1, frustum_.rows, frustum_.cols))
+  if (seen.inverse_depth != nullptr && seen.inverse_depth->same_shape(frame.base))
     frame.depth_prior.copy_from(*seen.inverse_depth);
 }
 
@@ -183,14 +208,21 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   const Intrinsics& camera = frustum_.camera;
   const ViewGeometry<float> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
+  const int step = frustum_.step_px;
+  const float still = kStill_px / static_cast<float>(step);
   std::atomic<int> moving = 0;
   for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &from.base.at(0, y, x);
-    alignas(64) float surface[kBlock], u[kBlock], v[kBlock], sure[kBlock];
+    alignas(64) float surface[kBlock], dx[kBlock], dy[kBlock], u[kBlock], v[kBlock], sure[kBlock];
     for (int i = 0; i < n; ++i) surface[i] = base[i][kBaseSurface];
-    const LiftedRow row{flow.vectors.row(0, y) + x,
-                        flow.vectors.row(1, y) + x,
-                        flow.confidence.row(0, y) + x,
+    if (step > 1)
+      window_kernels().block_flow(
+          {blocks_of(flow.vectors, 0, y, x, n, step), blocks_of(flow.vectors, 1, y, x, n, step),
+           blocks_of(flow.confidence, 0, y, x, n, step), dx, dy, sure},
+          n);
+    const LiftedRow row{step > 1 ? dx : flow.vectors.row(0, y) + x,
+                        step > 1 ? dy : flow.vectors.row(1, y) + x,
+                        step > 1 ? sure : flow.confidence.row(0, y) + x,
                         surface,
                         static_cast<float>(x) + 0.5f,
                         static_cast<float>(y) + 0.5f,
@@ -199,7 +231,7 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
                         {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
                         {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
                         ViewGeometry<float>::kNearest,
-                        kMaxFlow_px,
+                        kMaxFlow_px / static_cast<float>(step),
                         u,
                         v,
                         sure};
@@ -210,7 +242,7 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
       if (!from.has_flow[other])
         base[i][kBaseFlow + 2 * other] = -u[i], base[i][kBaseFlow + 2 * other + 1] = -v[i];
       base[i][kBaseConfidence + k] = sure[i];
-      moving_here += std::abs(u[i]) > kStill_px || std::abs(v[i]) > kStill_px;
+      moving_here += std::abs(u[i]) > still || std::abs(v[i]) > still;
     }
     moving.fetch_add(moving_here, std::memory_order_relaxed);
   });
@@ -221,16 +253,18 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
 
 // The guide of a new frame: the previous one's, warped along the flow.
 void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const {
+  const int step = frustum_.step_px;
   for (int y = 0; y < to.guide.rows(); ++y)
     for (int x = 0; x < to.guide.cols(); ++x) {
       const int px = std::min(x * kGuideStep + kGuideStep / 2, frustum_.cols - 1);
       const int py = std::min(y * kGuideStep + kGuideStep / 2, frustum_.rows - 1);
       const auto moved = [&](int axis, int at, int size) {
-        const float flow = to_previous.vectors.at(axis, py, px);
+        const float flow = to_previous.vectors.at(axis, py * step, px * step);
         return std::isfinite(flow)
                    ? std::clamp(
-                         at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px))), 0,
-                         size - 1)
+                         at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px) /
+                                                           static_cast<float>(step))),
+                         0, size - 1)
                    : at;
       };
       to.guide.at(0, y, x) = guide_at(from.guide, moved(1, py, frustum_.rows), moved(0, px, frustum_.cols));
@@ -318,7 +352,8 @@ bool Window::anchor_is_stale() const {
 bool WindowFrames::has_parallax() const {
   for (const WindowFrame* frame : order_) {
     const double moved = frame->T_anchor_camera.t.norm();
-    if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px > 0.5) return true;
+    if (moved / static_cast<double>(frustum_.near) * frustum_.camera.fx_px * frustum_.step_px > 0.5)
+      return true;
   }
   return false;
 }

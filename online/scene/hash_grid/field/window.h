@@ -1,10 +1,11 @@
 // The window: the last few frames, each with its codes, its exposure, its pose and its base. The base
 // holds the state of a frame as planes: log radiance, the share that the networks may change (the gate),
 // and the flow to both neighbours. The networks of the field add a residual to the base, so that a field
-// of zero steps renders the state's picture. Frames are ordered by arrival; neighbours are neighbours in
-// that order. Readers (snapshots) hold frames; a held frame is never written: the writer continues in a
-// copy. The constructor allocates all buffers except those copies. Writing is thread-bound, reading is
-// reentrant.
+// of zero steps renders the state's picture. A pixel of the window may be a block of the stream's pixels
+// (WindowFrustum::step_px): the window then keeps the blocks' means. Frames are ordered by arrival;
+// neighbours are neighbours in that order. Readers (snapshots) hold frames; a held frame is never written:
+// the writer continues in a copy. The constructor allocates all buffers except those copies. Writing is
+// thread-bound, reading is reentrant.
 #pragma once
 
 #include <array>
@@ -20,8 +21,8 @@
 
 namespace hdrcam {
 
-// One frame with its state. Pictures are [rgb, rows, cols], borrowed for the call; values that are not finite
-// are treated as unseen. Flow may be empty or null at the first frame and after a cut.
+// One frame with its state. Pictures are [rgb, rows, cols] of the stream, borrowed for the call; values that
+// are not finite are treated as unseen. Flow may be empty or null at the first frame and after a cut.
 struct FieldObservation {
   int index = 0;                             // increasing; gaps are dropped frames
   double time_s = 0;                         // centre of the exposure
@@ -29,11 +30,12 @@ struct FieldObservation {
   float blur_fraction = 0;                   // exposure time over frame interval
   const Image<float>* codes = nullptr;       // 0..255
   const Image<float>* radiance = nullptr;    // state
-  const Image<float>* variance = nullptr;    // of radiance; >= kUnseenVariance: unseen pixel
+  const Image<float>* variance = nullptr;    // of radiance
+  float unseen_variance = kUnseenVariance;   // from which on a pixel counts as unseen
   const FlowField* to_previous = nullptr;    // this frame -> previous
   const FlowField* from_previous = nullptr;  // previous frame -> this one
   const Image<float>* inverse_depth =
-      nullptr;                    // [1, rows, cols] prior: near / z, NaN where unknown; null: none
+      nullptr;                    // [1, rows, cols] of the window: near / z, NaN where unknown; null: none
   RigidTransform T_world_camera;  // identity where the camera is fixed or unknown
 };
 

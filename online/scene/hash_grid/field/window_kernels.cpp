@@ -72,9 +72,108 @@ void lift(const LiftedRow& row, int n) {
   }
 }
 
+template <int step>
+inline void add_across(const float* __restrict columns, int n, float* __restrict sums) {
+  for (int i = 0; i < n; ++i) {
+    float sum = 0;
+    for (int k = 0; k < step; ++k) sum += columns[i * step + k];
+    sums[i] = sum;
+  }
+}
+
+// The sum over each block of pixel(row, column); `row` is 0..step - 1, `column` counts from the first block.
+template <class Pixel>
+inline void sum_blocks(int step, int cols, int n, float* sums, Pixel&& pixel) {
+  alignas(64) float columns[kMostBlocks * kMostStep];
+  for (int x = 0; x < cols; ++x) columns[x] = pixel(0, x);
+  for (int k = 1; k < step; ++k)
+    for (int x = 0; x < cols; ++x) columns[x] += pixel(k, x);
+  for (int x = cols; x < n * step; ++x) columns[x] = columns[cols - 1];
+  switch (step) {
+    case 2:
+      return add_across<2>(columns, n, sums);
+    case 4:
+      return add_across<4>(columns, n, sums);
+    case 8:
+      return add_across<8>(columns, n, sums);
+    default:
+      return add_across<1>(columns, n, sums);
+  }
+}
+
+inline float pixels_of(int step) { return static_cast<float>(step * step); }
+
+void block_values(const ValueBlocks& blocks, int n) {
+  const BlockRow& codes = blocks.codes;
+  const int step = codes.step, cols = codes.cols;
+  alignas(64) float sum[kMostBlocks], missing[kMostBlocks], clipped[kMostBlocks];
+  sum_blocks(step, cols, n, sum, [&](int k, int x) {
+    const float code = codes.row[k][x];
+    return is_number(code) ? code : 0.f;
+  });
+  sum_blocks(step, cols, n, missing, [&](int k, int x) { return is_number(codes.row[k][x]) ? 0.f : 1.f; });
+  const float bound = blocks.clipped;
+  sum_blocks(step, cols, n, clipped, [&](int k, int x) { return codes.row[k][x] >= bound ? 1.f : 0.f; });
+  const float all = pixels_of(step), share = 1 / (all * kMaxCodeValue), no_value = blocks.no_value;
+  float* __restrict out = blocks.values;
+  for (int i = 0; i < n; ++i) {
+    const bool in_part = (clipped[i] > 0) & (clipped[i] < all);
+    out[i] = (in_part | (missing[i] > 0)) ? no_value : clamped(sum[i] * share, 0, 1);
+  }
+}
+
+void block_state(const StateBlocks& blocks, int n) {
+  const BlockRow &radiance = blocks.radiance, &variance = blocks.variance;
+  const int step = radiance.step, cols = radiance.cols;
+  const float unseen = blocks.unseen;
+  alignas(64) float light[kMostBlocks], spread[kMostBlocks], lost[kMostBlocks];
+  sum_blocks(step, cols, n, light, [&](int k, int x) {
+    const float value = radiance.row[k][x];
+    return is_number(value) ? value : 0.f;
+  });
+  sum_blocks(step, cols, n, spread, [&](int k, int x) {
+    const float value = variance.row[k][x];
+    return value > 0 ? value : 0.f;
+  });
+  sum_blocks(step, cols, n, lost, [&](int k, int x) {
+    const float value = variance.row[k][x];
+    return (is_number(radiance.row[k][x] + value) & (value < unseen)) ? 0.f : 1.f;
+  });
+  const float share = 1 / pixels_of(step);
+  for (int i = 0; i < n; ++i) {
+    blocks.mean[i] = light[i] * share;
+    blocks.variance_of_mean[i] = lost[i] > 0 ? unseen : spread[i] * share * share;
+  }
+}
+
+void block_flow(const FlowBlocks& blocks, int n) {
+  const BlockRow &dx = blocks.dx, &dy = blocks.dy, &confidence = blocks.confidence;
+  const int step = dx.step, cols = dx.cols;
+  // what is not believed counts a little, so that a block of nothing else has its mean
+  constexpr float kLeast = 1e-3f;
+  const auto sure = [&](int k, int x) {
+    const float value = confidence.row[k][x];
+    return is_number(dx.row[k][x] + dy.row[k][x] + value) ? clamped(value, 0, 1) : 0.f;
+  };
+  const auto weighed = [&](const BlockRow& along, int k, int x) {
+    const float value = along.row[k][x];
+    return is_number(value) ? (sure(k, x) + kLeast) * value : 0.f;
+  };
+  alignas(64) float sum_x[kMostBlocks], sum_y[kMostBlocks], sum_sure[kMostBlocks];
+  sum_blocks(step, cols, n, sum_x, [&](int k, int x) { return weighed(dx, k, x); });
+  sum_blocks(step, cols, n, sum_y, [&](int k, int x) { return weighed(dy, k, x); });
+  sum_blocks(step, cols, n, sum_sure, [&](int k, int x) { return sure(k, x); });
+  const float all = pixels_of(step), per_step = 1 / static_cast<float>(step);
+  for (int i = 0; i < n; ++i) {
+    const float scale = per_step / (sum_sure[i] + kLeast * all);
+    blocks.mean_dx[i] = sum_x[i] * scale, blocks.mean_dy[i] = sum_y[i] * scale;
+    blocks.confidence_of_mean[i] = sum_sure[i] / all;
+  }
+}
+
 }  // namespace
 
 extern const WindowKernels kWindowKernels;
-const WindowKernels kWindowKernels = {values, base, lift};
+const WindowKernels kWindowKernels = {values, base, lift, block_values, block_state, block_flow};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -2,17 +2,21 @@
 
 #include <numeric>
 
+#include "online/scene/field_snapshot.h"
 #include "online/scene/hash_grid/fit/losses/response_smoothness.h"
 
 namespace hdrcam {
 namespace {
 
-WindowFrustum frustum_of(const FieldOptions& options, const Intrinsics& camera, int rows, int cols) {
-  WindowFrustum frustum{camera, rows, cols, options.margin, options.near};
+// Of a stream of pictures of this camera and size.
+WindowFrustum frustum_of(const FieldOptions& options, Intrinsics camera, int rows, int cols) {
   // without a calibration: a normal lens, 53 degrees across; only novel views notice
-  if (!(frustum.camera.fx_px > 0) || !(frustum.camera.fy_px > 0))
-    frustum.camera = {static_cast<double>(cols), static_cast<double>(cols), 0.5 * cols, 0.5 * rows};
-  return frustum;
+  if (!(camera.fx_px > 0) || !(camera.fy_px > 0))
+    camera = {static_cast<double>(cols), static_cast<double>(cols), 0.5 * cols, 0.5 * rows};
+  SceneView view;
+  view.lens = camera, view.rows = rows, view.cols = cols;
+  view = reduced(view, options.step_px);
+  return {view.lens, view.rows, view.cols, options.margin, options.near, options.step_px};
 }
 
 FieldShape shape_of(const FieldOptions& options, int rows, int cols) {
@@ -66,6 +70,7 @@ void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
 
 FieldFit::Optimised::Optimised(Branch<float>& b)
     : branch(b), network(b.mlp.parameters().size()), d_network(b.mlp.parameters().size(), 0) {
+  branch.grid.reserve_gradient();
   const Image<float>& tables = branch.grid.tables();
   table_mean = Image<float>(tables.channels(), 1, tables.cols());
   table_variance = Image<float>(tables.channels(), 1, tables.cols());
@@ -97,7 +102,8 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
       moving_(networks_.moving),
       probe_(networks_, kMaxSamples),
       response_moments_(3 * LearnedResponse<float>::kSegments) {
-  for (int i = 0; i < window_.slots(); ++i) pickers_.emplace_back(rows, cols);
+  for (int i = 0; i < window_.slots(); ++i)
+    pickers_.emplace_back(window_.frustum().rows, window_.frustum().cols);
   for (HashGrid<float>* grid : {&networks_.still.grid, &networks_.moving.grid})
     for (int l = 0; l < grid->shape().levels; ++l)
       table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));

@@ -12,7 +12,8 @@ namespace hdrcam {
 
 struct FieldOptions {
   // size
-  FieldShape shape;      // grids, hidden width, form of the blend
+  int step_px = 1;   // 1, 2, 4 or 8: the field's pixels are blocks of so many pixels of the stream, squared
+  FieldShape shape;  // grids, hidden width, form of the blend
   WindowOptions window;  // frames and gates
   float margin = 1.25f;  // 1..2: width of window space over the picture; larger allows more camera motion
   float near = 1;        // near plane in the poses' unit, > 0

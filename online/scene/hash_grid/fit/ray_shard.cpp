@@ -6,9 +6,9 @@ template <class T>
 RayShard<T>::RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples) {
   CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
   const int ld = (most_rays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  still_.reserve(networks.still, ld);
-  moving_.reserve(networks.moving, ld);
-  warped_.reserve(networks.moving, ld);
+  for (auto [pass, branch] :
+       {std::pair(&still_, &networks.still), {&moving_, &networks.moving}, {&warped_, &networks.moving}})
+    pass->reserve(*branch, ld), pass->reserve_gradient(*branch, ld);
   d_static_.resize(networks.still.mlp.parameters().size());
   d_dynamic_.resize(networks.moving.mlp.parameters().size());
   ray_.resize(static_cast<std::size_t>(most_rays));

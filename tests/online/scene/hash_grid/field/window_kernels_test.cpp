@@ -117,3 +117,154 @@ TEST_CASE("values are codes from 0 to 1, and what is not a code is none", "[isa]
   const Row expected{0, 1, 0.2f, 0, 1, -1, -1};
   for (std::size_t i = 0; i < codes.size(); ++i) CHECK(values[i] == Approx(expected[i]));
 }
+
+namespace {
+
+// Pictures of blocks: their rows, the last block of a row being cut off by the picture's edge.
+struct Blocked {
+  int step, n, cols;
+  std::vector<Row> rows;
+
+  Blocked(int step_, int n_, int missing, Numbers& numbers, float low, float high)
+      : step(step_), n(n_), cols(n * step - missing) {
+    for (int k = 0; k < step; ++k) rows.push_back(numbers.between(low, high, cols));
+  }
+  BlockRow row() const {
+    BlockRow of;
+    of.step = step, of.cols = cols;
+    for (int k = 0; k < step; ++k) of.row[k] = rows[static_cast<std::size_t>(k)].data();
+    return of;
+  }
+  float& at(int block, int y, int x) {
+    return rows[static_cast<std::size_t>(y)][static_cast<std::size_t>(block * step + x)];
+  }
+  // The scalar twin's pixels of a block, the last ones of a row repeated past the edge.
+  std::vector<float> pixels(int block) const {
+    std::vector<float> all;
+    for (const Row& row : rows)
+      for (int x = 0; x < step; ++x)
+        all.push_back(row[static_cast<std::size_t>(std::min(block * step + x, cols - 1))]);
+    return all;
+  }
+};
+
+struct BlockSize {
+  int step, blocks, missing;  // pixels of the last block
+};
+constexpr std::array<BlockSize, 7> kBlockSizes{
+    {{1, 9, 0}, {2, 1, 1}, {2, 64, 0}, {2, 17, 1}, {4, 33, 3}, {8, 64, 0}, {8, 5, 7}}};
+
+double mean_of(const std::vector<float>& all) {
+  double sum = 0;
+  for (const float v : all) sum += static_cast<double>(v);
+  return sum / static_cast<double>(all.size());
+}
+
+Row values_of(const Blocked& codes) {
+  Row values(static_cast<std::size_t>(codes.n));
+  window_kernels().block_values({codes.row(), 250, -1, values.data()}, codes.n);
+  return values;
+}
+
+}  // namespace
+
+TEST_CASE("the value of a block is the mean of its codes", "[isa]") {
+  Numbers numbers(7);
+  for (const auto& [step, n, missing] : kBlockSizes) {
+    INFO(n << " blocks of " << step);
+    const Blocked codes(step, n, missing, numbers, 0, 249);
+    const Row values = values_of(codes);
+    for (int i = 0; i < n; ++i)
+      REQUIRE(values[static_cast<std::size_t>(i)] == Approx(mean_of(codes.pixels(i)) / 255).margin(1e-6));
+  }
+}
+
+TEST_CASE("a block that is clipped stays a bound, and one that is clipped in part has no value", "[isa]") {
+  Numbers numbers(7);
+  for (const int step : {2, 4, 8}) {
+    INFO("blocks of " << step);
+    Blocked codes(step, 5, 0, numbers, 10, 200);
+    for (int y = 0; y < step; ++y)
+      for (int x = 0; x < step; ++x) codes.at(1, y, x) = 255;
+    codes.at(2, step - 1, step - 1) = 255;
+    codes.at(3, 0, 1) = kNan;
+    const Row values = values_of(codes);
+    CHECK(values[0] > 0);
+    CHECK(values[0] < 0.8f);
+    CHECK(values[1] == 1);
+    CHECK(values[2] == -1);
+    CHECK(values[3] == -1);
+    CHECK(values[4] > 0);
+  }
+}
+
+TEST_CASE("the state of a block is its mean light, and unseen where one of its pixels is", "[isa]") {
+  constexpr float kUnseen = 40;
+  Numbers numbers(7);
+  for (const auto& [step, n, missing] : kBlockSizes) {
+    INFO(n << " blocks of " << step);
+    Blocked radiance(step, n, missing, numbers, 0, 30), variance(step, n, missing, numbers, 0, 2);
+    if (n > 4) {
+      variance.at(0, 0, 0) = kUnseen;
+      variance.at(2, step - 1, 0) = kNan;
+      radiance.at(3, 0, 0) = kInf;
+    }
+    Row mean(static_cast<std::size_t>(n)), spread(mean.size());
+    window_kernels().block_state({radiance.row(), variance.row(), kUnseen, mean.data(), spread.data()}, n);
+    for (int i = 0; i < n; ++i) {
+      INFO("block " << i);
+      const auto at = static_cast<std::size_t>(i);
+      const bool lost = n > 4 && (i == 0 || i == 2 || i == 3);
+      REQUIRE(std::isfinite(mean[at]));
+      if (!(n > 4 && i == 3)) REQUIRE(mean[at] == Approx(mean_of(radiance.pixels(i))).margin(1e-5));
+      if (lost)
+        REQUIRE(spread[at] == kUnseen);
+      else
+        REQUIRE(spread[at] == Approx(mean_of(variance.pixels(i)) / (step * step)).margin(1e-6));
+    }
+  }
+}
+
+TEST_CASE("the motion of a block, in blocks, is that of its pixels as far as it is believed", "[isa]") {
+  Numbers numbers(7);
+  for (const auto& [step, n, missing] : kBlockSizes) {
+    INFO(n << " blocks of " << step);
+    Blocked dx(step, n, missing, numbers, -20, 20), dy(step, n, missing, numbers, -20, 20);
+    const Blocked sure(step, n, missing, numbers, 0, 1);
+    if (n > 4) dx.at(1, 0, 0) = kNan;
+    Row x(static_cast<std::size_t>(n)), y(x.size()), confidence(x.size());
+    window_kernels().block_flow({dx.row(), dy.row(), sure.row(), x.data(), y.data(), confidence.data()}, n);
+    for (int i = 0; i < n; ++i) {
+      INFO("block " << i);
+      const auto at = static_cast<std::size_t>(i);
+      const auto us = dx.pixels(i), vs = dy.pixels(i), weights = sure.pixels(i);
+      double u = 0, v = 0, weight = 0;
+      for (std::size_t p = 0; p < us.size(); ++p) {
+        if (!std::isfinite(us[p])) continue;
+        const auto w = static_cast<double>(weights[p]);
+        u += w * static_cast<double>(us[p]), v += w * static_cast<double>(vs[p]), weight += w;
+      }
+      REQUIRE(std::isfinite(x[at]));
+      REQUIRE(confidence[at] == Approx(weight / static_cast<double>(us.size())).margin(1e-6));
+      if (weight < 0.1 * static_cast<double>(us.size())) continue;  // then the rest has a say
+      REQUIRE(x[at] == Approx(u / weight / step).margin(0.2));
+      REQUIRE(y[at] == Approx(v / weight / step).margin(0.2));
+    }
+  }
+}
+
+TEST_CASE("a pixel that lost its match does not turn its block's motion, and a block of them has the mean",
+          "[isa]") {
+  Numbers numbers(7);
+  Blocked dx(2, 2, 0, numbers, 4, 4), dy(2, 2, 0, numbers, -2, -2), sure(2, 2, 0, numbers, 1, 1);
+  dx.at(0, 1, 1) = 400, sure.at(0, 1, 1) = 0;
+  for (int y = 0; y < 2; ++y)
+    for (int x = 0; x < 2; ++x) sure.at(1, y, x) = 0;
+  float x[2], y[2], confidence[2];
+  window_kernels().block_flow({dx.row(), dy.row(), sure.row(), x, y, confidence}, 2);
+  CHECK(x[0] == Approx(2).margin(0.1));  // 4 px are two blocks
+  CHECK(y[0] == Approx(-1).margin(1e-3));
+  CHECK(confidence[0] == 0.75f);
+  CHECK(x[1] == Approx(2).margin(1e-3));
+  CHECK(confidence[1] == 0);
+}

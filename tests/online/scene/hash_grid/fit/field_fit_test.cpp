@@ -65,6 +65,60 @@ TEST_CASE("a field of zero steps renders the state's picture and the state's mot
   CHECK(view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * share).margin(0.3));
 }
 
+TEST_CASE("a field of blocks renders the state's means, and motion in pixels of whoever looks",
+          "[isa][field]") {
+  FieldOptions options = MovingScene::small_options();
+  options.step_px = 2;
+  Run run(options);
+  for (int i = 0; i < 5; ++i) run.take(i, 0);
+  const FieldPicture& view = run.look();
+  REQUIRE(view.radiance.rows() == run.scene.rows / 2);
+  REQUIRE(view.radiance.cols() == run.scene.cols / 2);
+  const Image<float>& truth = run.scene.radiance;
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < view.radiance.rows(); ++y)
+      for (int x = 0; x < view.radiance.cols(); ++x) {
+        const float mean = (truth.at(c, 2 * y, 2 * x) + truth.at(c, 2 * y, 2 * x + 1) +
+                            truth.at(c, 2 * y + 1, 2 * x) + truth.at(c, 2 * y + 1, 2 * x + 1)) /
+                           4;
+        REQUIRE(view.radiance.at(c, y, x) == Approx(mean).epsilon(0.01));
+      }
+  // on the square, away from its border
+  CHECK(view.flow[1].at(0, 7, 7) ==
+        Approx(-run.scene.speed_px / 2 * view.dynamic_share.at(0, 7, 7)).margin(0.15));
+  SceneView whole;
+  whole.time_s = run.last_time_s;
+  whole.rows = run.scene.rows, whole.cols = run.scene.cols;
+  whole.lens = {1.0 * whole.cols, 1.0 * whole.cols, 0.5 * whole.cols, 0.5 * whole.rows};
+  run.renderer.render(run.fit.field(), whole, run.pool, run.view);
+  CHECK(run.view.flow[1].at(0, 14, 14) ==
+        Approx(-run.scene.speed_px * run.view.dynamic_share.at(0, 14, 14)).margin(0.3));
+  CHECK(run.view.radiance.at(1, 14, 16) == Approx(run.scene.radiance.at(1, 14, 16)).epsilon(0.01));
+}
+
+TEST_CASE("a picture that is no multiple of the blocks keeps its edges", "[isa][field]") {
+  const int step = GENERATE(2, 4, 8);
+  WorkerPool pool(1);
+  MovingScene scene;
+  scene.rows = 33, scene.cols = 47;
+  FieldOptions options = MovingScene::small_options();
+  options.step_px = step;
+  FieldFit fit(options, {}, scene.rows, scene.cols, pool);
+  for (int i = 0; i < 4; ++i) REQUIRE(fit.observe(scene.frame(i), scene.response).ok());
+  FieldRenderer renderer;
+  FieldPicture view;
+  renderer.render(fit.field(), MovingScene::view(fit, {}, 3 / 30.0, 1), pool, view);
+  REQUIRE(view.radiance.rows() == (33 + step - 1) / step);
+  REQUIRE(view.radiance.cols() == (47 + step - 1) / step);
+  // the corner's block has one row of the picture, which stands for all of them, and all but one of its
+  // columns
+  float sum = 0;
+  for (int x = 0; x < step; ++x)
+    sum += scene.radiance.at(0, 32, std::min((view.radiance.cols() - 1) * step + x, 46));
+  CHECK(view.radiance.at(0, view.radiance.rows() - 1, view.radiance.cols() - 1) ==
+        Approx(sum / static_cast<float>(step)).epsilon(0.01));
+}
+
 TEST_CASE("the picture of any size is finite and positive", "[isa][field]") {
   Run run;
   for (int i = 0; i < 3; ++i) run.take(i, 5);

@@ -52,9 +52,7 @@ struct Bench {
   }
 
   void gradients() {
-    for (auto* branch : {&networks.still, &networks.moving})
-      for (int l = 0; l < branch->grid.shape().levels; ++l)
-        std::fill(branch->grid.d_table(l).begin(), branch->grid.d_table(l).end(), 0.0);
+    for (auto* branch : {&networks.still, &networks.moving}) branch->grid.reserve_gradient();
     loss();
     for (int l = 0; l < networks.still.grid.shape().levels; ++l) shard.scatter_static(l, networks.still.grid);
     for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
