@@ -59,7 +59,7 @@ void log_to_standard_error() {
 // soon as a large block was freed once, in a heap that no other size fits into.
 void give_back_large_blocks() {
 #ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 4 << 20);
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
 #endif
 }
 

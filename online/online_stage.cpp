@@ -39,6 +39,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
     : knobs_(knobs),
       budget_(knobs.budget),
       camera_(camera),
+      field_step_(field_step_px(knobs.field_step, camera.height, camera.width)),
       lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
       gpu_(gpu),
@@ -56,6 +57,7 @@ OnlineStage::~OnlineStage() = default;
 
 Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit) {
   budget_ = budget;
+  budget_.render_step = std::max(budget.render_step, field_step_);  // nothing more between the field's pixels
   if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
   if (!started_ && response_known_) {
     black_level_ = frame.facts.black_level.value_or(BlackLevel());
@@ -217,10 +219,12 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
   field_rested_ = false;
   ++world_;
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
-  depth_ = std::make_unique<MultiViewDepth>(knobs_.depth, lens_, camera_.height, camera_.width, pool_);
+  DepthOptions depth = knobs_.depth;
+  depth.step_px = std::max(depth.step_px, field_step_ / 2);  // no finer than the field's blocks can use
+  depth_ = std::make_unique<MultiViewDepth>(depth, lens_, camera_.height, camera_.width, pool_);
   if (field_) return field_->restart();
   FieldOptions options = knobs_.hash_grid;
-  options.step_px = field_step_px(knobs_.field_step, camera_.height, camera_.width);
+  options.step_px = field_step_;
   field_ = make_scene_field(knobs_.field, options,
                             {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
 }

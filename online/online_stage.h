@@ -72,6 +72,7 @@ class OnlineStage {
   const Knobs knobs_;
   FrameBudget budget_;
   const CameraFacts camera_;
+  const int field_step_;   // px
   const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;
   GpuDevice* const gpu_;

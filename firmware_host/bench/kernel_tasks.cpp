@@ -282,6 +282,18 @@ void add_window(Tasks& tasks, int rows, int cols) {
     window_kernels().base(
         {room->in.row(0, y), room->in.row(1, y), 1e6f, 0.1f, room->out.row(0, y), room->out.row(1, y)}, cols);
   });
+  // half as many blocks as a row has pixels: two rows each
+  add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, 16, 10, [room, cols](int y) {
+    const auto blocks = [&](int channel, int x, int n) {
+      return BlockRow{
+          {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x}, 2, 2 * n};
+    };
+    for (int x = 0; x < cols / 2; x += kMostBlocks) {
+      const int n = std::min(kMostBlocks, cols / 2 - x);
+      window_kernels().block_state(
+          {blocks(0, x, n), blocks(1, x, n), 1e6f, room->out.row(0, y) + x, room->out.row(1, y) + x}, n);
+    }
+  });
   add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
     const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
     const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;

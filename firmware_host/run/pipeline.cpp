@@ -68,10 +68,10 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
   }
-  if (shows_field(settings, use)) {
-    if (!fit.knobs.contains("steps")) options.knobs.budget.fit.steps = options.knobs.view_steps;
-    if (options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
-  }
+  if (shows_field(settings, use) && !fit.knobs.contains("steps"))
+    options.knobs.budget.fit.steps = options.knobs.view_steps;
+  if ((shows_field(settings, use) || needs.points) && options.knobs.field_step == FieldStep::Auto)
+    options.knobs.field_step = FieldStep::One;
   return options;
 }
 

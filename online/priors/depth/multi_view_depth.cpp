@@ -44,12 +44,8 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
   const double step = options.step_px, first = options.step_px / 2 + 0.5;
   lens_.fx_px /= step, lens_.fy_px /= step;
   lens_.cx_px = (lens_.cx_px - first) / step + 0.5, lens_.cy_px = (lens_.cy_px - first) / step + 0.5;
-  for (Keyframe& keyframe : keyframes_) {
-    keyframe.seen = Image<float>(3, rows_, cols_);
-    keyframe.carried = Image<float>(3, rows_, cols_);
-  }
+  for (Keyframe& keyframe : keyframes_) keyframe.seen = Image<float>(3, rows_, cols_);
   learnt_ = Image<float>(2, rows_, cols_);
-  carried_learnt_ = Image<float>(2, rows_, cols_);
   prior_.inverse_depth = Image<float>(1, rows_, cols_);
   prior_.weight = Image<float>(1, rows_, cols_);
 }
@@ -98,6 +94,8 @@ void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_cam
 // T_previous_camera.
 void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previous) {
   const float per_step = 1 / static_cast<float>(options_.step_px);
+  const Borrowed room(pool_.scratch(), rows_, cols_,
+                      {{&keyframes_[0].carried, 3}, {&keyframes_[1].carried, 3}, {&carried_learnt_, 2}});
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
@@ -114,8 +112,8 @@ void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previou
         carry_depth(previous, from, y, x);
       }
   });
-  for (Keyframe& keyframe : keyframes_) std::swap(keyframe.seen, keyframe.carried);
-  std::swap(learnt_, carried_learnt_);
+  for (Keyframe& keyframe : keyframes_) keyframe.seen.copy_from(keyframe.carried);
+  learnt_.copy_from(carried_learnt_);
 }
 
 // Where the point was in the keyframe: interpolated on one surface, taken from the nearest neighbour across

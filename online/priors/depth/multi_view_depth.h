@@ -45,8 +45,9 @@ class MultiViewDepth final : public DepthPrior {
  private:
   struct Keyframe {
     RigidTransform T_world_camera;
-    Image<float> seen, carried;  // [x y known, rows, cols]: where this grid point was in the keyframe, px
-    int age = 0;                 // frames
+    Image<float> seen;     // [x y known, rows, cols]: where this grid point was in the keyframe, px
+    Image<float> carried;  // the same of the next frame, borrowed meanwhile
+    int age = 0;           // frames
   };
   struct Estimate {
     float inverse_depth = 0, information = 0;  // information: 1 / variance, 0 unknown
@@ -68,8 +69,9 @@ class MultiViewDepth final : public DepthPrior {
   int rows_, cols_;  // of the grid
   WorkerPool& pool_;
   RigidTransform T_world_camera_;
-  std::array<Keyframe, 2> keyframes_;     // old, young
-  Image<float> learnt_, carried_learnt_;  // [inverse depth, information, rows, cols] from earlier keyframes
+  std::array<Keyframe, 2> keyframes_;  // old, young
+  Image<float> learnt_;                // [inverse depth, information, rows, cols] from earlier keyframes
+  Image<float> carried_learnt_;        // the same of the next frame, borrowed meanwhile
   std::vector<float> parallaxes_;
   bool started_ = false;
   DepthMap prior_;

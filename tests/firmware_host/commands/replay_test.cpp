@@ -107,10 +107,10 @@ TEST_CASE("a run that needs more memory than it may take is refused in one sente
   for (RawFrame& frame : frames) std::ranges::fill(frame.codes.samples(), std::uint16_t{7});
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
   const auto begin = std::chrono::steady_clock::now();
-  const RanHere refused = ran_here({"replay", path, "--memory", "2048", "-o", folder + "/%06d.exr"});
+  const RanHere refused = ran_here({"replay", path, "--memory", "1024", "-o", folder + "/%06d.exr"});
   CHECK(refused.exit_code == exit_code_of(ErrorCode::Unsupported));
   for (const char* words :
-       {"the fit of pictures of 16384x240 needs about", "2048 MiB are allowed", "--memory"})
+       {"the fit of pictures of 16384x240 needs about", "1024 MiB are allowed", "--memory"})
     CHECK(refused.err.find(words) != std::string::npos);
   CHECK(files_in(folder, ".exr").empty());
   CHECK(ran_here({"export", path, "--memory", "64", "-o", folder + "/clip"})
