@@ -121,6 +121,11 @@ void add_stream(std::vector<Knob>& table) {
   table.push_back(choice<&K::noise>(
       "noise", kAtStart, {"assumed", "learned"},
       {"", "learned: about a tenth of the motion", "samples weighed by the noise they have"}));
+  table.push_back(choice<&K::response>(
+      "response", kAtStart, {"curve", "network", "mean", "linear"},
+      {"", "nothing",
+       "an unknown response: a curve under the prior of real cameras; for comparison a small network without "
+       "one, the mean of real cameras, or none"}));
   table.push_back(real<&K::state, &StateOptions::variance_growth>(
       "state.variance_growth", kAtStart, 0, 1,
       {"per frame", "nothing", "larger values forget the past sooner"}));
@@ -181,6 +186,9 @@ void add_priors_and_scene(std::vector<Knob>& table) {
   table.push_back(whole<&K::hash_grid, &F::shape, &FieldShape::hidden>(
       "hidden", kAtStart, 4, 128,
       {"neurons", "time of a step, with its square", "capacity of the two networks"}, 4));
+  table.push_back(choice<&K::hash_grid, &F::shape, &FieldShape::branches>(
+      "branches", kAtStart, {"both", "static", "dynamic"},
+      {"", "nothing", "static and dynamic content, or for comparison one of them alone"}));
   table.push_back(choice<&K::hash_grid, &F::shape, &FieldShape::blend>(
       "blend", kAtStart, {"density_sum", "weight"},
       {"", "nothing", "blending of static and dynamic: densities add up, or the paper's blending weight"}));

@@ -12,6 +12,7 @@
 #include "hal/core/result.h"
 #include "online/frame_budget.h"
 #include "online/priors/depth/multi_view_depth.h"
+#include "online/response/response_estimator.h"
 #include "online/scene/scene_fields.h"
 #include "online/state/state_filter.h"
 
@@ -31,6 +32,7 @@ struct Knobs {
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
   NoiseKind noise = NoiseKind::Learned;
+  ResponseModel response = ResponseModel::Curve;  // of frames whose response is unknown
   StateOptions state;
   PoseKind pose = PoseKind::Given;
   DepthOptions depth;

@@ -82,7 +82,7 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   add_pairs(SceneCuts::Possible, estimator);
   if (estimator.pairs() == 0) add_pairs(SceneCuts::None, estimator);  // not every pair of frames spans a cut
   response_measured_ = estimator.pairs() > 0;
-  const ResponseEstimate estimate = estimator.estimate(noise_);
+  const ResponseEstimate estimate = estimator.estimate(noise_, knobs_.response);
   response_ = estimate.response;
   black_level_ = estimate.black_level;
   ExposedFrame frame;

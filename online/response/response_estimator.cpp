@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "capture/clip_policy.h"
+#include "online/response/curve_network.h"
 #include "online/response/float_order.h"
 
 namespace hdrcam {
@@ -173,6 +174,13 @@ class Ranking {
 
 }  // namespace
 
+// Robust squares, linear at a curve: g'A g - 2 b'g.
+struct ResponseEstimator::Agreement {
+  Matrix A;
+  Vector b;
+  double misfit = 0;  // -2 ln of the likelihood of the matches
+};
+
 struct ResponseEstimator::Curve {
   Vector g;
   Matrix precision;                           // of g, given the matches and the prior
@@ -228,7 +236,7 @@ std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
   return levels;
 }
 
-ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
+ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model) const {
   std::array<Curve, 3> best;
   BlackLevel best_black;
   double least = std::numeric_limits<double>::max();
@@ -244,6 +252,18 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
     }
     if (misfit < least) least = misfit, best = std::move(curves), best_black = black;
   }
+  if (model == ResponseModel::Linear) return {Response::linear(), best_black};
+  if (model == ResponseModel::Mean) return {prior_mean_response(), best_black};
+  if (model == ResponseModel::Network) {
+    std::array<Vector, 3> g;
+    for (std::size_t c = 0; c < 3; ++c)
+      g[c] = fit_curve_network(prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
+        Agreement agreed{Matrix::Zero(kKnots, kKnots), Vector::Zero(kKnots)};
+        add_matches(c, best_black[c], noise, at, agreed);
+        A = std::move(agreed.A), b = std::move(agreed.b);
+      });
+    return {Response(curves_of(g)), best_black};
+  }
   // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
   // fixed.
   std::array<Response::Curve, 3> uncertainty;
@@ -257,63 +277,66 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise) const {
   return {Response(curves_of({best[0].g, best[1].g, best[2].g}), uncertainty), best_black};
 }
 
-ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
-                                                  const NoiseModel& noise) const {
-  constexpr int kIterations = 4;
+void ResponseEstimator::add_matches(std::size_t channel, float black_level, const NoiseModel& noise,
+                                    const Vector& g, Agreement& agreed) const {
   constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
-  const Prior& p = prior();
   const float stretch = kMaxCode / (kMaxCode - black_level);
+  const double top = g[250];
+  const auto variance = [&](const Knots& k) {
+    const double slope = k.slope(g), x = std::exp(k.of(g) - top);
+    return slope * slope / 12 +
+           0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
+  };
 
+  for (const auto& [key, matches] : matches_[channel]) {
+    if (matches.codes.empty()) continue;
+    const double scale =
+        kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
+    double sum = 0, used = 0, usable = 0;
+    for (const Match& match : matches.codes) {
+      const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
+      usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
+      if (z1 < first || z2 > last) continue;
+      const Knots k1(z1), k2(z2);
+      const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
+      const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
+      const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
+      sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
+      used += 1;
+      // r is linear in four knots: (1-f1, f1) at z1, -(1-f2, f2) at z2
+      const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
+      const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
+      for (std::size_t i = 0; i < 4; ++i) {
+        agreed.b[at[i]] += w * matches.log_ratio * by[i];
+        for (std::size_t j = 0; j < 4; ++j) agreed.A(at[i], at[j]) += w * by[i] * by[j];
+      }
+    }
+    // matches that a higher black level drops count like the mean of the others, so that dropping gives no
+    // advantage
+    if (used > 0) agreed.misfit += sum * std::max(used, usable) / used;
+  }
+}
+
+ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
+                                                  const NoiseModel& noise) const {
+  constexpr int kIterations = 4;
+  const Prior& p = prior();
   Curve curve{p.mean, {}};
   Vector& g = curve.g;
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
-    Matrix A = p.precision;
-    Vector b = p.precision * p.mean;
-    A(kGaugeKnot, kGaugeKnot) += 1e4;
-    const double top = g[250];
-    const auto variance = [&](const Knots& k) {
-      const double slope = k.slope(g), x = std::exp(k.of(g) - top);
-      return slope * slope / 12 +
-             0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
-    };
-    double misfit = 0;
-    for (const auto& [key, matches] : matches_[channel]) {
-      if (matches.codes.empty()) continue;
-      const double scale =
-          kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
-      double sum = 0, used = 0, usable = 0;
-      for (const Match& match : matches.codes) {
-        const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
-        usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
-        if (z1 < first || z2 > last) continue;
-        const Knots k1(z1), k2(z2);
-        const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
-        const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
-        const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
-        sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
-        used += 1;
-        // r is linear in four knots: (1-f1, f1) at z1, -(1-f2, f2) at z2
-        const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
-        const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
-        for (std::size_t i = 0; i < 4; ++i) {
-          b[at[i]] += w * matches.log_ratio * by[i];
-          for (std::size_t j = 0; j < 4; ++j) A(at[i], at[j]) += w * by[i] * by[j];
-        }
-      }
-      // matches that a higher black level drops count like the mean of the others, so that dropping gives no
-      // advantage
-      if (used > 0) misfit += sum * std::max(used, usable) / used;
-    }
+    Agreement agreed{p.precision, p.precision * p.mean};
+    agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
+    add_matches(channel, black_level, noise, g, agreed);
     const Vector d = g - p.mean;
-    curve.match_misfit = misfit;
+    curve.match_misfit = agreed.misfit;
     curve.prior_misfit = d.dot(p.precision * d);
     if (iteration == kIterations) break;
-    g = A.llt().solve(b);
-    curve.precision = A;
+    g = agreed.A.llt().solve(agreed.b);
+    curve.precision = std::move(agreed.A);
     for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
   }
   return curve;

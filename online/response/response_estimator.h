@@ -8,6 +8,7 @@
 // matches agree best with each other and with real cameras. Thread-bound.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <map>
 #include <optional>
@@ -23,6 +24,14 @@ namespace hdrcam {
 struct ResponseEstimate {
   Response response;
   BlackLevel black_level;
+};
+
+// What the curve may be.
+enum class ResponseModel {
+  Curve,    // 255 knots under the prior of real cameras
+  Network,  // a small network without a prior
+  Mean,     // the mean of real cameras, whatever the frames show
+  Linear,   // none
 };
 
 // Whether a pair may span a cut: then it counts only where both frames seem to show one scene.
@@ -45,8 +54,9 @@ class ResponseEstimator {
   // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
   int pairs() const { return pairs_; }
 
-  // Takes about 40 ms. `noise` gives the uncertainty of the codes.
-  ResponseEstimate estimate(const NoiseModel& noise) const;
+  // Takes about 40 ms. `noise` gives the uncertainty of the codes. Every model has the black level of the
+  // curve.
+  ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve) const;
 
  private:
   struct Match {
@@ -56,9 +66,12 @@ class ResponseEstimator {
     double log_ratio = 0;  // ln E1/E2 < 0
     std::vector<Match> codes;
   };
-  struct Curve;  // of one channel
+  struct Curve;      // of one channel
+  struct Agreement;  // of a curve with the matches
 
   std::vector<BlackLevel> possible_black_levels() const;
+  void add_matches(std::size_t channel, float black_level, const NoiseModel& noise, const Eigen::VectorXd& g,
+                   Agreement& agreed) const;
   Curve solve(std::size_t channel, float black_level, const NoiseModel& noise) const;
 
   std::optional<BlackLevel> stated_black_;

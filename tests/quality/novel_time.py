@@ -7,10 +7,8 @@ were left out. Beside it, from the film's other frames, which are those of `hdrc
 neighbours, and the two neighbours warped half way along OpenCV's DIS flow between them and blended.
 FLAGS go to render. Needs python3-opencv. Prints one line of PSNR-mu in dB, mean over the frames left out."""
 import argparse
-import json
 import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
@@ -18,26 +16,7 @@ os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
 import cv2
 import numpy as np
 
-
-def run(*words):
-    subprocess.run([str(word) for word in words], check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-
-def half_of(clip, folder):
-    facts = json.loads((clip / "clip.json").read_text())
-    facts["frames"] = facts["frames"][::2]
-    facts["fps"] = facts["fps"] / 2
-    folder.mkdir()
-    (folder / "ldr").symlink_to((clip / "ldr").resolve())
-    (folder / "clip.json").write_text(json.dumps(facts))
-
-
-def score(hdrcam, clip, folder, missing):
-    """PSNR-mu of the frames of `missing`; the clip's gain is that of all frames in the folder."""
-    out = folder / "scores.json"
-    run(hdrcam, "compare", clip, folder, "--json", out)
-    values = {frame["frame"]: frame["psnr_mu"] for frame in json.loads(out.read_text())["per_frame"]}
-    return np.mean([values[frame] for frame in missing if frame in values])
+from half_clips import half_of, run, score
 
 
 def read(path):

@@ -20,10 +20,11 @@ std::vector<ExposedFrame> exposed(const test::MovingScene& scene, int count) {
   return frames;
 }
 
-ResponseEstimate estimated(const std::vector<ExposedFrame>& frames) {
+ResponseEstimate estimated(const std::vector<ExposedFrame>& frames,
+                           ResponseModel model = ResponseModel::Curve) {
   ResponseEstimator estimator;
   for (std::size_t i = 1; i < frames.size(); ++i) CHECK(estimator.add_pair(frames[i - 1], frames[i]));
-  return estimator.estimate({});
+  return estimator.estimate({}, model);
 }
 
 }  // namespace
@@ -52,6 +53,27 @@ TEST_CASE("the response is found from six frames of an unknown camera") {
           1.5 * response_error(estimate.response, Response::gamma(exponent)));
     for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] < 2);
   }
+}
+
+TEST_CASE("the models of a response that are there for comparison are what they are called") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  const auto frames = exposed(scene, 6);
+  const auto is = [](const Response& a, const Response& b) { return a.inverse(1) == b.inverse(1); };
+  CHECK(is(estimated(frames, ResponseModel::Linear).response, Response::linear()));
+  CHECK(is(estimated(frames, ResponseModel::Mean).response, prior_mean_response()));
+  for (const float exponent : {1.6f, 2.2f, 2.5f}) {
+    scene.gamma = exponent;
+    const Response found = estimated(exposed(scene, 6), ResponseModel::Network).response;
+    INFO("gamma " << exponent);
+    CHECK(response_error(found, Response::gamma(exponent)) < 0.3);
+    for (std::size_t z = 1; z < 256; ++z) REQUIRE(found.inverse(1)[z] > found.inverse(1)[z - 1]);
+  }
+  // an exposure ratio that the frames do not show: the network ignores no frame
+  scene.gamma = 2.2f;
+  auto wrong = exposed(scene, 6);
+  for (ExposedFrame& frame : wrong) frame.exposure = std::sqrt(frame.exposure);
+  CHECK(response_error(estimated(wrong, ResponseModel::Network).response, Response::gamma(2.2f)) > 0.5);
 }
 
 TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {

@@ -22,11 +22,15 @@ enum class Blend {
   Weight,      // the paper's: v sigma_static and (1 - v) sigma_dynamic
 };
 
+// One branch alone is for ablation.
+enum class Branches { Both, Static, Dynamic };
+
 struct FieldShape {
   HashGridShape static_grid{8, 15, 1, 16, 320, 0.75f, 0.25f};
   HashGridShape dynamic_grid{4, 13, 8, 16, 160, 0.75f, 0.125f};
   int hidden = 32;  // neurons per hidden layer, a multiple of 4
   Blend blend = Blend::DensitySum;
+  Branches branches = Branches::Both;
 };
 
 struct StaticHead {
@@ -60,12 +64,14 @@ struct FieldNetworks {
         moving(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
         blend(shape.blend) {
     for (int k = 0; k < 2; ++k) moving.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
+    if (shape.branches == Branches::Dynamic) still.mlp.head_bias(StaticHead::kDensity) = T(kNowhere);
   }
   void copy_parameters(const FieldNetworks& from) {
     still.copy_parameters(from.still);
     moving.copy_parameters(from.moving);
   }
   static constexpr float kHeadGain = 0.1f;
+  static constexpr float kNowhere = -60;  // log density, far below its bound: neither seen nor fitted
 };
 
 // One evaluation of a branch on up to ld samples, with the activations that backward needs. All images are

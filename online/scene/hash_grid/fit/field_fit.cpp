@@ -141,7 +141,8 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   for (int i = 0; i < window.size(); ++i)
     pickers_[static_cast<std::size_t>(window.frame(i).slot)].prepare(options_.uniform_share);
   if (window.anchor_is_stale()) reanchor();
-  has_dynamic_ = window.has_motion();
+  has_dynamic_ = options_.shape.branches == Branches::Dynamic ||
+                 (options_.shape.branches == Branches::Both && window.has_motion());
   prepare(budget_);
   still_.keep();
   moving_.keep();
