@@ -93,7 +93,8 @@ def rows_of(hdrcam, clip, scratch):
 def page(command, clips, table):
     yield "# What each part is worth"
     yield ""
-    yield f"Made by `{command}`: means over {len(clips)} clips ({', '.join(clip.name for clip in clips)}), `--preset balanced`."
+    names = ", ".join(clip.name for clip in clips)
+    yield f"Made by `{command}`: {'means over' if len(clips) > 1 else 'one clip,'} {names}; `--preset balanced`."
     yield "One part is exchanged or left out at a time. HDR frames and flicker are those that leave the program (state and field"
     yield "merged); novel views, depth and the motion of moving objects are the field's; novel time is the film between the frames,"
     yield "with every second frame left out."
@@ -132,7 +133,7 @@ def main():
                     table[name].append(row)
             except subprocess.CalledProcessError as failed:
                 sys.exit(f"ablation.py: '{shlex.join(failed.cmd)}' failed: {failed.stderr.decode().strip()}")
-    command = "./run ablation " + " ".join(clip.name for clip in given.clips)
+    command = "./run ablation " + " ".join(clip.name for clip in given.clips) + f" -o {given.out}"
     given.out.parent.mkdir(parents=True, exist_ok=True)
     given.out.write_text("\n".join(page(command, given.clips, table)) + "\n")
     print(f"the page is {given.out}")
