@@ -329,6 +329,7 @@ void add_field(Tasks& tasks) {
     Planes moments{2, 1, 1 << 16, 0, 1e-3f, 8}, gradient{2, 1, 1 << 16, -1e-3f, 1e-3f, 9};
   };
   const auto room = std::make_shared<Room>();
+  room->grid.reserve_gradient();
   const FieldKernels& kernels = field_kernels();
   const auto query = [room] {
     Planes& p = room->position;

@@ -65,8 +65,9 @@ std::vector<ExrImage> film(const std::string& name, const std::vector<std::strin
   return frames;
 }
 
+// With the field's pixels of a film, which are those of the picture.
 const std::vector<ExrImage>& replayed() {
-  static const std::vector<ExrImage> frames = film("replayed", {}, "replay");
+  static const std::vector<ExrImage> frames = film("replayed", {"--set", "field_step=1"}, "replay");
   return frames;
 }
 

@@ -118,151 +118,151 @@ TEST_CASE("a picture that is no multiple of the blocks keeps its edges", "[isa][
     sum += scene.radiance.at(0, 32, std::min((view.radiance.cols() - 1) * step + x, 46));
   CHECK(view.radiance.at(0, view.radiance.rows() - 1, view.radiance.cols() - 1) ==
         Approx(sum / static_cast<float>(step)).epsilon(0.01));
+}
 
-  TEST_CASE("a field of one branch has no light of the other, whatever moves", "[field]") {
-    for (const auto& [branches, least, most] :
-         {std::tuple(Branches::Static, 0.f, 0.f), {Branches::Dynamic, 0.99f, 1.f}}) {
-      FieldOptions options = MovingScene::small_options();
-      options.shape.branches = branches;
-      Run run(options);
-      for (int i = 0; i < 5; ++i) run.take(i, 20);
-      for (const float share : run.look().dynamic_share.samples()) {
-        REQUIRE(share >= least);
-        REQUIRE(share <= most);
-      }
-      CHECK(log_error(run.scene, run.view, 4, false) < 0.1);
-    }
-    Run both;
-    for (int i = 0; i < 5; ++i) both.take(i, 20);
-    const FieldPicture& view = both.look();
-    CHECK(view.dynamic_share.at(0, 14, 16) > 0.4f);  // on the square
-    CHECK(view.dynamic_share.at(0, 28, 40) < 0.6f);
-  }
-
-  TEST_CASE("the picture of any size is finite and positive", "[isa][field]") {
-    Run run;
-    for (int i = 0; i < 3; ++i) run.take(i, 5);
-    for (int step : {1, 2, 3, 7}) {
-      const FieldPicture& view = run.look(step);
-      CHECK(view.radiance.cols() == (run.scene.cols + step - 1) / step);
-      for (float v : view.radiance.samples()) CHECK((std::isfinite(v) && v > 0));
-      for (float v : view.depth.samples()) CHECK((std::isfinite(v) && v >= 1));
-    }
-  }
-
-  TEST_CASE("steps lower the loss", "[isa][field]") {
+TEST_CASE("a field of one branch has no light of the other, whatever moves", "[field]") {
+  for (const auto& [branches, least, most] :
+       {std::tuple(Branches::Static, 0.f, 0.f), {Branches::Dynamic, 0.99f, 1.f}}) {
     FieldOptions options = MovingScene::small_options();
+    options.shape.branches = branches;
     Run run(options);
-    for (int i = 0; i < 4; ++i) run.take(i, 0, true);
-    double first = 0, last = 0;
-    for (int s = 0; s < 300; ++s) {
-      const StepReport report = run.fit.step();
-      REQUIRE(report.verdict == StepVerdict::Taken);
-      REQUIRE(std::isfinite(report.total));
-      if (s < 20) first += report.total;
-      if (s >= 280) last += report.total;
+    for (int i = 0; i < 5; ++i) run.take(i, 20);
+    for (const float share : run.look().dynamic_share.samples()) {
+      REQUIRE(share >= least);
+      REQUIRE(share <= most);
     }
-    INFO("loss " << first / 20 << " -> " << last / 20);
-    CHECK(last < 0.9 * first);
+    CHECK(log_error(run.scene, run.view, 4, false) < 0.1);
   }
+  Run both;
+  for (int i = 0; i < 5; ++i) both.take(i, 20);
+  const FieldPicture& view = both.look();
+  CHECK(view.dynamic_share.at(0, 14, 16) > 0.4f);  // on the square
+  CHECK(view.dynamic_share.at(0, 28, 40) < 0.6f);
+}
 
-  TEST_CASE("what a neighbour saw reaches the frame that was blind", "[isa][field]") {
-    // the long exposure clips the square, and this state forgets at once: only the window knows
-    const auto error_after = [](int steps) {
-      Run run;
-      for (int i = 0; i < 3; ++i) run.take(i, steps, true);
-      return log_error(run.scene, run.look(), 2, true);
-    };
-    const double blind = error_after(0), filled = error_after(200);
-    INFO("log error on the clipped square " << blind << " -> " << filled);
-    CHECK(blind > 1);
-    CHECK(filled < 0.5 * blind);
+TEST_CASE("the picture of any size is finite and positive", "[isa][field]") {
+  Run run;
+  for (int i = 0; i < 3; ++i) run.take(i, 5);
+  for (int step : {1, 2, 3, 7}) {
+    const FieldPicture& view = run.look(step);
+    CHECK(view.radiance.cols() == (run.scene.cols + step - 1) / step);
+    for (float v : view.radiance.samples()) CHECK((std::isfinite(v) && v > 0));
+    for (float v : view.depth.samples()) CHECK((std::isfinite(v) && v >= 1));
   }
+}
 
-  TEST_CASE("one and two threads give the same bytes", "[isa][field]") {
-    const auto bytes = [](int threads) {
-      Run run(MovingScene::small_options(), threads);
-      for (int i = 0; i < 4; ++i) run.take(i, 7);
-      return run.look().radiance.clone();
-    };
-    const Image<float> one = bytes(1), two = bytes(2), three = bytes(3);
-    CHECK(std::memcmp(one.plane(0), two.plane(0), one.size() * sizeof(float)) == 0);
-    CHECK(std::memcmp(one.plane(0), three.plane(0), one.size() * sizeof(float)) == 0);
+TEST_CASE("steps lower the loss", "[isa][field]") {
+  FieldOptions options = MovingScene::small_options();
+  Run run(options);
+  for (int i = 0; i < 4; ++i) run.take(i, 0, true);
+  double first = 0, last = 0;
+  for (int s = 0; s < 300; ++s) {
+    const StepReport report = run.fit.step();
+    REQUIRE(report.verdict == StepVerdict::Taken);
+    REQUIRE(std::isfinite(report.total));
+    if (s < 20) first += report.total;
+    if (s >= 280) last += report.total;
   }
+  INFO("loss " << first / 20 << " -> " << last / 20);
+  CHECK(last < 0.9 * first);
+}
 
-  TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[isa][field]") {
+TEST_CASE("what a neighbour saw reaches the frame that was blind", "[isa][field]") {
+  // the long exposure clips the square, and this state forgets at once: only the window knows
+  const auto error_after = [](int steps) {
     Run run;
-    run.scene.speed_px = 0;
-    for (int i = 0; i < 3; ++i) run.take(i, 4);
-    CHECK_FALSE(run.fit.field().has_dynamic);
-    CHECK(run.fit.counts().without_dynamic == 12);
-    const FieldPicture& view = run.look();
-    for (float v : view.dynamic_share.samples()) CHECK(v == 0);
-  }
+    for (int i = 0; i < 3; ++i) run.take(i, steps, true);
+    return log_error(run.scene, run.look(), 2, true);
+  };
+  const double blind = error_after(0), filled = error_after(200);
+  INFO("log error on the clipped square " << blind << " -> " << filled);
+  CHECK(blind > 1);
+  CHECK(filled < 0.5 * blind);
+}
 
-  TEST_CASE("between two frames the content is between its places", "[isa][field]") {
-    Run run;
-    run.scene.speed_px = 4;
-    for (int i = 0; i < 3; ++i) run.take(i, 0);
-    const double half = run.last_time_s - 0.5 / 30;
-    FieldPicture between;
-    run.renderer.render(run.fit.field(), MovingScene::view(run.fit, {}, half, 1), run.pool, between);
-    // at frame 1 the square's front edge is at 20, at frame 2 at 24
-    const auto is_bright = [&](int x) { return between.radiance.at(1, 14, x) > 1; };
-    CHECK(is_bright(19));
-    CHECK_FALSE(is_bright(23));
-  }
+TEST_CASE("one and two threads give the same bytes", "[isa][field]") {
+  const auto bytes = [](int threads) {
+    Run run(MovingScene::small_options(), threads);
+    for (int i = 0; i < 4; ++i) run.take(i, 7);
+    return run.look().radiance.clone();
+  };
+  const Image<float> one = bytes(1), two = bytes(2), three = bytes(3);
+  CHECK(std::memcmp(one.plane(0), two.plane(0), one.size() * sizeof(float)) == 0);
+  CHECK(std::memcmp(one.plane(0), three.plane(0), one.size() * sizeof(float)) == 0);
+}
 
-  TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture",
-            "[isa][field]") {
-    Run run;
-    run.scene.speed_px = 0;
-    RigidTransform pose;
-    for (int i = 0; i < 12; ++i) {
-      FieldObservation seen = run.scene.frame(i);
-      pose.t.x() = 0.12 * i;
-      seen.T_world_camera = pose;
-      REQUIRE(run.fit.observe(seen, run.scene.response).ok());
-      run.last_time_s = seen.time_s;
-    }
-    CHECK(run.fit.counts().anchors_moved >= 1);
-    CHECK(run.fit.field().window.has_parallax());
-    FieldPicture view;
-    run.renderer.render(run.fit.field(), MovingScene::view(run.fit, pose, run.last_time_s, 1), run.pool,
-                        view);
-    for (std::size_t p = 0; p < view.radiance.size(); ++p)
-      REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
-  }
+TEST_CASE("nothing moves, so the dynamic branch is not evaluated", "[isa][field]") {
+  Run run;
+  run.scene.speed_px = 0;
+  for (int i = 0; i < 3; ++i) run.take(i, 4);
+  CHECK_FALSE(run.fit.field().has_dynamic);
+  CHECK(run.fit.counts().without_dynamic == 12);
+  const FieldPicture& view = run.look();
+  for (float v : view.dynamic_share.samples()) CHECK(v == 0);
+}
 
-  TEST_CASE("a field that starts anew knows only the frames that follow", "[isa][field]") {
-    Run run;
-    for (int i = 0; i < 4; ++i) run.take(i, 3);
-    run.fit.restart();
-    run.take(30, 0);
-    CHECK(run.fit.field().window.size() == 1);
-    const FieldPicture& view = run.look();
-    for (std::size_t p = 0; p < view.radiance.size(); ++p)
-      REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
-    run.take(31, 3);
-    CHECK(run.fit.field().window.size() == 2);
-  }
+TEST_CASE("between two frames the content is between its places", "[isa][field]") {
+  Run run;
+  run.scene.speed_px = 4;
+  for (int i = 0; i < 3; ++i) run.take(i, 0);
+  const double half = run.last_time_s - 0.5 / 30;
+  FieldPicture between;
+  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, {}, half, 1), run.pool, between);
+  // at frame 1 the square's front edge is at 20, at frame 2 at 24
+  const auto is_bright = [&](int x) { return between.radiance.at(1, 14, x) > 1; };
+  CHECK(is_bright(19));
+  CHECK_FALSE(is_bright(23));
+}
 
-  TEST_CASE("a frame that does not fit is refused and changes nothing", "[isa][field]") {
-    Run run;
-    run.take(0, 2);
-    FieldObservation seen = run.scene.frame(1);
-    SECTION("exposure") {
-      seen.exposure = GENERATE(0.f, -1.f, std::numeric_limits<float>::quiet_NaN());
-      const auto result = run.fit.observe(seen, run.scene.response);
-      REQUIRE_FALSE(result.ok());
-      CHECK(result.error().code == ErrorCode::BadExposure);
-    }
-    SECTION("size") {
-      Image<float> other(3, 8, 8);
-      seen.codes = &other;
-      const auto result = run.fit.observe(seen, run.scene.response);
-      REQUIRE_FALSE(result.ok());
-      CHECK(result.error().code == ErrorCode::Invalid);
-    }
-    CHECK(run.fit.field().window.size() == 1);
+TEST_CASE("the anchor follows a camera that leaves it, and the field stays the state's picture",
+          "[isa][field]") {
+  Run run;
+  run.scene.speed_px = 0;
+  RigidTransform pose;
+  for (int i = 0; i < 12; ++i) {
+    FieldObservation seen = run.scene.frame(i);
+    pose.t.x() = 0.12 * i;
+    seen.T_world_camera = pose;
+    REQUIRE(run.fit.observe(seen, run.scene.response).ok());
+    run.last_time_s = seen.time_s;
   }
+  CHECK(run.fit.counts().anchors_moved >= 1);
+  CHECK(run.fit.field().window.has_parallax());
+  FieldPicture view;
+  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, pose, run.last_time_s, 1), run.pool, view);
+  for (std::size_t p = 0; p < view.radiance.size(); ++p)
+    REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
+}
+
+TEST_CASE("a field that starts anew knows only the frames that follow", "[isa][field]") {
+  Run run;
+  for (int i = 0; i < 4; ++i) run.take(i, 3);
+  run.fit.restart();
+  run.take(30, 0);
+  CHECK(run.fit.field().window.size() == 1);
+  const FieldPicture& view = run.look();
+  for (std::size_t p = 0; p < view.radiance.size(); ++p)
+    REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
+  run.take(31, 3);
+  CHECK(run.fit.field().window.size() == 2);
+}
+
+TEST_CASE("a frame that does not fit is refused and changes nothing", "[isa][field]") {
+  Run run;
+  run.take(0, 2);
+  FieldObservation seen = run.scene.frame(1);
+  SECTION("exposure") {
+    seen.exposure = GENERATE(0.f, -1.f, std::numeric_limits<float>::quiet_NaN());
+    const auto result = run.fit.observe(seen, run.scene.response);
+    REQUIRE_FALSE(result.ok());
+    CHECK(result.error().code == ErrorCode::BadExposure);
+  }
+  SECTION("size") {
+    Image<float> other(3, 8, 8);
+    seen.codes = &other;
+    const auto result = run.fit.observe(seen, run.scene.response);
+    REQUIRE_FALSE(result.ok());
+    CHECK(result.error().code == ErrorCode::Invalid);
+  }
+  CHECK(run.fit.field().window.size() == 1);
+}
