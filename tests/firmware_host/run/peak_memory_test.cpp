@@ -111,10 +111,12 @@ void check_taken(int width, int height, int frames, EmitLayer emit, std::vector<
 TEST_CASE("an honest recording of 640x480 takes less than 256 MB, and no more than was estimated",
           "[memory]") {
   check_taken(640, 480, 9, EmitLayer::State, {Preset::Realtime, Preset::Balanced}, 256 * kMegabyte);
+  check_taken(640, 480, 9, EmitLayer::Merged, {Preset::Balanced}, 256 * kMegabyte);
 }
 
 // They take some ten seconds each: by name only.
 TEST_CASE("an honest recording of 1920x1080 takes less than 1 GB, and no more than was estimated",
           "[.memory-1080]") {
   check_taken(1920, 1080, 9, EmitLayer::State, {Preset::Realtime, Preset::Balanced}, 1000 * kMegabyte);
+  check_taken(1920, 1080, 9, EmitLayer::Merged, {Preset::Balanced}, 1000 * kMegabyte);
 }
