@@ -68,6 +68,7 @@ TEST_CASE("the models of a response that are there for comparison are what they 
     INFO("gamma " << exponent);
     CHECK(response_error(found, Response::gamma(exponent)) < 0.3);
     for (std::size_t z = 1; z < 256; ++z) REQUIRE(found.inverse(1)[z] > found.inverse(1)[z - 1]);
+    CHECK(found.uncertainty(1, 60) == 0);  // which only the curve has
   }
   // an exposure ratio that the frames do not show: the network ignores no frame
   scene.gamma = 2.2f;
