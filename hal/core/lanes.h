@@ -33,5 +33,19 @@ inline V all(float value) {
   return V{} + value;
 }
 
+// Lane by lane; also of single numbers. Where one of them is not a number: b, and `low` of a clamped one.
+template <class V>
+inline V least(V a, V b) {
+  return a < b ? a : b;
+}
+template <class V>
+inline V most(V a, V b) {
+  return a > b ? a : b;
+}
+template <class V>
+inline V clamped(V v, float low, float high) {
+  return least(most(v, all<V>(low)), all<V>(high));
+}
+
 }  // namespace
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -15,14 +15,6 @@ inline Whole clamped(Whole v, int most) {
   v = v > 0 ? v : Whole{};
   return v < most ? v : Whole{} + most;
 }
-template <class V>
-inline V least(V a, V b) {
-  return a < b ? a : b;
-}
-template <class V>
-inline V most(V a, V b) {
-  return a > b ? a : b;
-}
 
 // Positions of eight pixels, split into whole pixels and 1/32 pixels.
 struct Places {

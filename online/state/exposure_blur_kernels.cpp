@@ -11,19 +11,6 @@ constexpr float kLeastBlur = 0.3f;            // pixels: a shorter one changes n
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
 constexpr float kLongest = 64;                // pixels that the taps still resolve
 
-template <class V>
-inline V least(V a, V b) {
-  return a < b ? a : b;
-}
-template <class V>
-inline V most(V a, V b) {
-  return a > b ? a : b;
-}
-template <class V>
-inline V clamped(V v, float low, float high) {
-  return least(most(v, V{} + low), V{} + high);
-}
-
 // The instants of eight pixels' exposures; none where the motion is short.
 struct Instants {
   Lanes count, share;  // share: 1 / count

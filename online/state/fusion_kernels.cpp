@@ -14,18 +14,6 @@ constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own
 
 // V is Lanes, or float for what is over at the end of a row.
 template <class V>
-inline V least(V a, V b) {
-  return a < b ? a : b;
-}
-template <class V>
-inline V most(V a, V b) {
-  return a > b ? a : b;
-}
-template <class V>
-inline V clamped(V v, float low, float high) {
-  return least(most(v, all<V>(low)), all<V>(high));
-}
-template <class V>
 inline V step(float begin, float end, V x) {
   const V t = clamped((x - begin) * (1 / (end - begin)), 0, 1);
   return t * t * (3 - 2 * t);

@@ -24,10 +24,6 @@ inline Quad sums(Lanes a, Lanes b, Lanes c, Lanes d) {
   return __builtin_shufflevector(pq, rs, 0, 2, 4, 6) + __builtin_shufflevector(pq, rs, 1, 3, 5, 7);
 }
 
-inline int least(int a, int b) { return a < b ? a : b; }
-inline int most(int a, int b) { return a > b ? a : b; }
-inline float clamped(float v, float low, float high) { return v > low ? (v < high ? v : high) : low; }
-
 constexpr float kPixels = kPatchSize * kPatchSize;
 constexpr int kOutside = 16;  // pixels that a patch may leave the picture by
 static_assert(kOutside + kPatchSize <= kFlowBorder);

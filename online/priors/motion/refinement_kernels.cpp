@@ -7,11 +7,6 @@
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
-inline Lanes clamped(Lanes v, float low, float high) {
-  const Lanes least = all<Lanes>(low), most = all<Lanes>(high);
-  return v > least ? (v < most ? v : most) : least;
-}
-
 // What a row of pixels is solved with, one value per pixel in each line. The equations of a pixel are
 // (a11 + w) u + a12 v = c1 + sum of linked u, and so for v, for the whole vector (not its change); w is the
 // sum of its links. The lines of a row lie side by side, each with a margin of zeros before it and behind it,
