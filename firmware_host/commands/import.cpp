@@ -98,6 +98,9 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options) 
                            {{"--output", options.output, OutputKind::Recording}}));
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
   if (options.list) return say("{}", described(plan)), Result<void>{};
+  if (!plan.time_trouble.empty())
+    remark("note: the stills come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
+           plan.time_trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");
   return write_recording(around, options, TRY(open_planned(around.storage, footage, plan)));
@@ -138,7 +141,8 @@ void add_import(CLI::App& app, Verb& chosen) {
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
       "relative [as EXIF states them]");
   verb->add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
-  verb->add_option("--framerate", footage.framerate_hz, "frames per second of stills [30]")
+  verb->add_option("--framerate", footage.framerate_hz,
+                   "frames per second of stills [when EXIF says they were taken, else 30]")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
   verb->add_flag("--strict", options->strict,

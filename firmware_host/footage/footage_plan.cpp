@@ -20,6 +20,7 @@ struct Scan {
   CameraFacts camera;
   std::string about;
   std::vector<FrameFacts> facts;
+  std::vector<std::optional<ExifTime>> taken;
   StepsByLag steps;
 };
 
@@ -39,6 +40,7 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
     for (std::size_t lag = 1; lag <= std::min(kLags, i); ++lag)
       seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));
     seen.facts.push_back(frame.facts);
+    seen.taken.push_back(footage.taken());
   }
   if (seen.facts.size() < 2)
     return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {} frame(s); a clip has at least two",
@@ -46,8 +48,18 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
   return seen;
 }
 
-// The usual time from a frame to the next, and what is missing where it is longer.
-void read_times(Scan& seen) {
+// Stills get the times at which they were taken, where EXIF says them well enough.
+TimeOrigin take_exif_times(Scan& seen, std::string& trouble) {
+  StillTimes times = times_of(seen.taken);
+  trouble = std::move(times.trouble);
+  if (times.since_first.empty()) return TimeOrigin::Files;
+  for (std::size_t i = 0; i < seen.facts.size(); ++i) seen.facts[i].timestamp = times.since_first[i];
+  return TimeOrigin::Exif;
+}
+
+// The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
+// taken when somebody wishes.
+void read_times(Scan& seen, TimeOrigin times) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < seen.facts.size(); ++i)
     intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
@@ -56,6 +68,7 @@ void read_times(Scan& seen) {
   const double usual_s = sorted[sorted.size() / 2];
   if (!(usual_s > 0)) return;  // no times worth the name
   seen.camera.framerate_hz = 1 / usual_s;
+  if (times == TimeOrigin::Exif) return;
   for (std::size_t i = 0; i < intervals_s.size(); ++i)
     seen.steps[0][i].missing = std::max(0, static_cast<int>(std::lround(intervals_s[i] / usual_s)) - 1);
 }
@@ -129,8 +142,9 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
                                  const std::atomic<bool>& stop) {
   const auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
   Scan seen = TRY(scan(*footage, stop));
-  read_times(seen);
   FootagePlan plan;
+  if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
+  read_times(seen, plan.times);
   plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts;
   if (request.shutter.empty()) {
     if (!all_stated(seen))
@@ -163,6 +177,10 @@ std::string described(const FootagePlan& plan) {
       fmt::format("{}: {}; {}x{}, {} frames, {:.4g} frames per second; recorded as {} of {} bits\n",
                   camera.name, plan.about, camera.width, camera.height, plan.facts.size(),
                   camera.framerate_hz, name(camera.layout), camera.bits);
+  if (plan.times == TimeOrigin::Exif) text += "times: as EXIF says, when each still was taken\n";
+  if (!plan.time_trouble.empty())
+    text +=
+        fmt::format("times: at {:.4g} frames per second, for {}\n", camera.framerate_hz, plan.time_trouble);
   if (plan.origin == ExposureOrigin::Stated)
     text += plan.cycle.empty()
                 ? "exposures: stated by the files, no cycle\n"

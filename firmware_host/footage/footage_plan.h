@@ -20,7 +20,7 @@ inline constexpr const char* kAutoShutter = "auto";
 struct FootageRequest {
   std::vector<std::string> files;
   std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures
-  double framerate_hz = 0;    // of stills; 0: 30
+  double framerate_hz = 0;    // of stills; 0: as EXIF says when they were taken, or 30
 };
 
 enum class ExposureOrigin {
@@ -29,9 +29,17 @@ enum class ExposureOrigin {
   Estimated,  // from the pictures: relative
 };
 
+// Where the times of the frames come from.
+enum class TimeOrigin {
+  Files,  // a video's own times; stills one after the other at the frame rate
+  Exif,   // when each still was taken
+};
+
 struct FootagePlan {
   CameraFacts camera;
   std::string about;  // "h264, yuv420p"
+  TimeOrigin times = TimeOrigin::Files;
+  std::string time_trouble;  // why the times that stills have in EXIF are not taken, a clause; "": they are
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle

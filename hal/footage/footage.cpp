@@ -79,6 +79,8 @@ class FootageFiles : public FootageReader {
   const CameraFacts& camera() const override { return camera_; }
   std::string about() const override { return about_; }
 
+  std::optional<ExifTime> taken() const override { return taken_; }
+
   Result<bool> next(RawFrame& frame) override {
     if (std::exchange(has_ahead_, false)) {
       std::swap(frame.facts, ahead_.facts);
@@ -112,6 +114,7 @@ class FootageFiles : public FootageReader {
     }
     frame.facts.timestamp = begin_ + frame.facts.timestamp.since_boot;
     frame.facts.sequence = frames_++;
+    taken_ = file_->taken();
     last_ = frame.facts.timestamp;
     return true;
   }
@@ -131,6 +134,7 @@ class FootageFiles : public FootageReader {
   std::uint64_t frames_ = 0;
   Instant begin_;
   std::optional<Instant> last_;
+  std::optional<ExifTime> taken_;
   RawFrame ahead_;  // the first frame, which says what the clip is
   bool has_ahead_ = false;
 };

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
+#include "hal/footage/exif_time.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -27,11 +29,12 @@ class FootageReader {
   // and the exposure with its source, Unknown where the file says none. Errors: Corrupt, SizeChanged,
   // Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
+  // When the frame of the last next() was taken, of stills that say it.
+  virtual std::optional<ExifTime> taken() const = 0;
 };
 
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
-// it; 0:
-// 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
+// it; 0: 30. Errors: NotFound, Permission; NotRecording for what is neither video nor picture; Unsupported,
 // SizeChanged.
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz);

@@ -2,10 +2,12 @@
 // still of a camera (raw_still.h). Thread-bound.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
+#include "hal/footage/exif_time.h"
 
 namespace hdrcam {
 
@@ -26,6 +28,8 @@ class PictureFile {
   // The next frame; false at the end. Its timestamp is the time in the file; its exposure what the file says.
   // Errors: Corrupt, SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
+  // When the frame of the last next() was taken, of stills that say it.
+  virtual std::optional<ExifTime> taken() const { return std::nullopt; }
 };
 
 }  // namespace hdrcam

@@ -18,6 +18,27 @@ constexpr std::string_view kExtensions[] = {".arw", ".cr2", ".cr3", ".dng", ".ne
                                             ".orf", ".pef", ".raf", ".rw2"};
 constexpr double kIsoOfUnitGain = 100;
 
+constexpr int kMostTextBytes = 64;  // of EXIF's times
+
+// The texts of EXIF that say when the still was taken.
+struct TimeTexts {
+  std::string date_time, sub_second, offset;
+};
+
+// Called by LibRaw for every entry of the EXIF directory, with the file at its value.
+void read_time_text(void* texts, int tag, int, int length, unsigned, void* file, INT64) {
+  constexpr int kDateTimeOriginal = 0x9003, kOffsetTimeOriginal = 0x9011, kSubSecTimeOriginal = 0x9291;
+  auto& found = *static_cast<TimeTexts*>(texts);
+  std::string* const text = tag == kDateTimeOriginal     ? &found.date_time
+                            : tag == kOffsetTimeOriginal ? &found.offset
+                            : tag == kSubSecTimeOriginal ? &found.sub_second
+                                                         : nullptr;
+  if (text == nullptr || length <= 0 || length > kMostTextBytes) return;
+  text->resize(static_cast<std::size_t>(length));
+  const int read = static_cast<LibRaw_abstract_datastream*>(file)->read(text->data(), 1, text->size());
+  text->resize(static_cast<std::size_t>(std::max(read, 0)));
+}
+
 // By the colours of the first two rows.
 std::optional<PixelLayout> layout_of(LibRaw& raw) {
   const auto color = [&raw](int row, int col) { return raw.imgdata.idata.cdesc[raw.COLOR(row, col)]; };
@@ -49,7 +70,9 @@ class RawStill : public PictureFile {
     return true;
   }
 
-  Result<void> develop(LibRaw& raw, const std::string& path) {
+  std::optional<ExifTime> taken() const override { return taken_; }
+
+  Result<void> develop(LibRaw& raw, const TimeTexts& times, const std::string& path) {
     const auto layout = layout_of(raw);
     const auto& sizes = raw.imgdata.sizes;
     const ushort* const codes = raw.imgdata.rawdata.raw_image;
@@ -70,6 +93,7 @@ class RawStill : public PictureFile {
       std::transform(row, row + sizes.width, frame_.codes.row(0, y),
                      [&](ushort code) { return code >= white ? largest : static_cast<std::uint16_t>(code); });
     }
+    taken_ = exif_time(times.date_time, times.sub_second, times.offset);
     add_facts(raw);
     return {};
   }
@@ -89,6 +113,7 @@ class RawStill : public PictureFile {
   }
 
   PictureFileFacts facts_;
+  std::optional<ExifTime> taken_;
   RawFrame frame_;
   bool read_ = false;
 };
@@ -105,13 +130,15 @@ bool is_raw_still(const std::string& path) {
 Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path) {
   std::string bytes = TRY(read_whole(storage, path));
   const auto raw = std::make_unique<LibRaw>();  // some hundred kilobytes
+  TimeTexts times;
+  raw->set_exifparser_handler(read_time_text, &times);
   if (const int code = raw->open_buffer(bytes.data(), bytes.size()); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is no raw still that LibRaw knows: {}", path, libraw_strerror(code))};
   if (const int code = raw->unpack(); code != LIBRAW_SUCCESS)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is damaged: {}", path, libraw_strerror(code))};
   auto still = std::make_unique<RawStill>();
-  TRY(still->develop(*raw, path));
+  TRY(still->develop(*raw, times, path));
   return std::unique_ptr<PictureFile>(std::move(still));
 }
 

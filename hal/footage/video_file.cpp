@@ -68,6 +68,11 @@ std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
   return std::isfinite(value) && value > 0 ? std::optional(value) : std::nullopt;
 }
 
+std::string_view exif_text(const AVFrame& frame, const char* tag) {
+  const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
+  return entry != nullptr ? entry->value : "";
+}
+
 // The exposure time; sensitivity and aperture are factors beside it, as far as the file says them.
 void add_exposure(const AVFrame& frame, FrameFacts& facts) {
   const auto time_s = exif_number(frame, "ExposureTime");
@@ -246,6 +251,12 @@ Result<bool> VideoFile::next(RawFrame& frame) {
         frame_->best_effort_timestamp - (start == AV_NOPTS_VALUE ? 0 : start), tick, {1, 1'000'000'000}));
   add_exposure(*frame_, frame.facts);
   return true;
+}
+
+std::optional<ExifTime> VideoFile::taken() const {
+  constexpr const char* kOffsetTimeOriginal = "0x9011";  // FFmpeg has no name for it
+  return exif_time(exif_text(*frame_, "DateTimeOriginal"), exif_text(*frame_, "SubSecTimeOriginal"),
+                   exif_text(*frame_, kOffsetTimeOriginal));
 }
 
 }  // namespace hdrcam

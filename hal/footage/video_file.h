@@ -25,6 +25,7 @@ class VideoFile : public PictureFile {
   // Beyond what PictureFile says: Unsupported for interlaced video, floating point, a colour space without
   // RGB.
   Result<bool> next(RawFrame& frame) override;
+  std::optional<ExifTime> taken() const override;
 
  private:
   VideoFile(std::unique_ptr<StorageFile> file, std::string path)

@@ -56,30 +56,60 @@ struct Exif {
   std::uint32_t time_numerator = 1, time_denominator = 250;
   std::uint16_t iso = 100;
   std::uint32_t f_number_tenths = 28;
+  std::string date_time = {}, sub_second = {},
+              offset = {};  // DateTimeOriginal and what goes with it; "": none
 };
 
-// The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory of three entries.
+// The APP1 segment of a JPEG file: a TIFF structure, little endian, with an EXIF directory.
 inline std::vector<std::uint8_t> exif_segment(const Exif& exif) {
-  std::vector<std::uint8_t> bytes{'E', 'x', 'i', 'f', 0, 0};
-  const auto put = [&](std::uint32_t value, int size) {
-    for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  using Bytes = std::vector<std::uint8_t>;
+  const auto put = [](Bytes& to, std::uint32_t value, int size) {
+    for (int i = 0; i < size; ++i) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
   };
-  const auto entry = [&](std::uint32_t tag, std::uint32_t type, std::uint32_t count, std::uint32_t value) {
-    put(tag, 2), put(type, 2), put(count, 4), put(value, 4);
+  constexpr std::uint32_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kDirectory = 26;
+  struct Entry {
+    std::uint32_t tag, type, count;
+    Bytes value;
   };
-  constexpr std::uint32_t kShort = 3, kLong = 4, kRational = 5;
-  put('I', 1), put('I', 1), put(42, 2);
-  put(8, 4);
-  put(1, 2);                        // at 8: one entry
-  entry(0x8769, kLong, 1, 26);      // the EXIF directory
-  put(0, 4);                        // no further directory
-  put(3, 2);                        // at 26
-  entry(0x829a, kRational, 1, 68);  // ExposureTime
-  entry(0x829d, kRational, 1, 76);  // FNumber
-  entry(0x8827, kShort, 1, exif.iso);
-  put(0, 4);
-  put(exif.time_numerator, 4), put(exif.time_denominator, 4);  // at 68
-  put(exif.f_number_tenths, 4), put(10, 4);                    // at 76
+  std::vector<Entry> entries;
+  const auto rational = [&](std::uint32_t tag, std::uint32_t numerator, std::uint32_t denominator) {
+    Bytes value;
+    put(value, numerator, 4), put(value, denominator, 4);
+    entries.push_back({tag, kRational, 1, value});
+  };
+  const auto text = [&](std::uint32_t tag, const std::string& value) {
+    if (value.empty()) return;
+    Bytes bytes(value.begin(), value.end());
+    bytes.push_back(0);
+    entries.push_back({tag, kAscii, static_cast<std::uint32_t>(bytes.size()), bytes});
+  };
+  rational(0x829a, exif.time_numerator, exif.time_denominator);  // ExposureTime
+  rational(0x829d, exif.f_number_tenths, 10);                    // FNumber
+  entries.push_back(
+      {0x8827, kShort, 1, {static_cast<std::uint8_t>(exif.iso), static_cast<std::uint8_t>(exif.iso >> 8)}});
+  text(0x9003, exif.date_time), text(0x9011, exif.offset), text(0x9291, exif.sub_second);
+
+  Bytes bytes{'E', 'x', 'i', 'f', 0, 0, 'I', 'I'}, far;
+  put(bytes, 42, 2), put(bytes, 8, 4);
+  put(bytes, 1, 2);  // at 8: one entry, the EXIF directory
+  put(bytes, 0x8769, 2), put(bytes, kLong, 2), put(bytes, 1, 4), put(bytes, kDirectory, 4);
+  put(bytes, 0, 4);                                           // no further directory
+  put(bytes, static_cast<std::uint32_t>(entries.size()), 2);  // at kDirectory
+  const std::size_t begin_of_far =
+      kDirectory + 2 + 12 * entries.size() + 4;  // what does not fit into an entry
+  for (Entry& entry : entries) {
+    put(bytes, entry.tag, 2), put(bytes, entry.type, 2), put(bytes, entry.count, 4);
+    if (entry.value.size() > 4) {
+      put(bytes, static_cast<std::uint32_t>(begin_of_far + far.size()), 4);
+      if (entry.value.size() % 2 == 1) entry.value.push_back(0);
+      far.insert(far.end(), entry.value.begin(), entry.value.end());
+    } else {
+      entry.value.resize(4);
+      bytes.insert(bytes.end(), entry.value.begin(), entry.value.end());
+    }
+  }
+  put(bytes, 0, 4);
+  bytes.insert(bytes.end(), far.begin(), far.end());
   return bytes;
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/footage/footage_plan.h"
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/footage_files.h"
@@ -101,6 +102,71 @@ TEST_CASE("a folder of brackets with EXIF needs no flag") {
   REQUIRE(import_verb(folder + " -o " + out).ok());
   check_labels(out, frames);
   CHECK(sample::replay(posix_storage(), out).frames[0].facts.exposure_source == ExposureSource::Embedded);
+}
+
+namespace {
+
+// A bracket of nine stills, taken at these times.
+std::string write_bracket(const std::string& name, const std::vector<std::string>& times,
+                          const std::vector<std::string>& sub_seconds) {
+  const std::string folder = sample::scratch_folder(name);
+  for (int i = 0; i < 9; ++i) {
+    const auto place = static_cast<std::size_t>(i);
+    test::Exif exif{static_cast<std::uint32_t>(std::lround(scene().exposures_s[place % 3] * 1000)), 1000, 100,
+                    80};
+    exif.date_time = times[place], exif.sub_second = sub_seconds[place];
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes, exif);
+  }
+  return folder;
+}
+
+std::vector<double> times_in(const std::string& recording) {
+  const auto replayed = sample::replay(posix_storage(), recording);
+  REQUIRE_FALSE(replayed.error);
+  std::vector<double> times_s;
+  for (const RawFrame& frame : replayed.frames) times_s.push_back(frame.facts.timestamp.seconds());
+  return times_s;
+}
+
+}  // namespace
+
+TEST_CASE("stills come at the times that EXIF states, brackets close together and pauses between them") {
+  const std::string t = "2026:11:22 17:00:0";
+  const std::vector<std::string> seconds{t + "0", t + "0", t + "0", t + "4", t + "4",
+                                         t + "4", t + "8", t + "8", t + "8"};
+  const std::vector<std::string> parts{"10", "35", "60", "00", "25", "50", "00", "25", "50"};
+  const std::string folder = write_bracket("import_times", seconds, parts);
+  const std::string out = sample::scratch_folder("import_times_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  const std::vector<double> expected{0, .25, .5, 3.9, 4.15, 4.4, 7.9, 8.15, 8.4};
+  const std::vector<double> times = times_in(out);
+  REQUIRE(times.size() == 9);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(expected[i]).margin(1e-9));
+  check_labels(out, filmed(0, 9, {}));  // a pause is no loss
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(4));
+
+  // A frame rate that the user names comes first.
+  REQUIRE(import_verb(folder + " --framerate 10 --force -o " + out).ok());
+  const std::vector<double> named = times_in(out);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(named[i] == Approx(0.1 * static_cast<double>(i)).margin(1e-9));
+}
+
+TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and the list says why") {
+  const std::string t = "2026:11:22 17:00:0";
+  const std::string folder = write_bracket(
+      "import_coarse", {t + "0", t + "0", t + "1", t + "1", t + "2", t + "2", t + "3", t + "3", t + "4"},
+      std::vector<std::string>(9));
+  const std::string out = sample::scratch_folder("import_coarse_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  const std::vector<double> times = times_in(out);
+  for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(static_cast<double>(i) / 30).margin(1e-8));
+  const std::atomic<bool> stop = false;
+  FootageRequest request;
+  request.files = footage_in(folder).value();
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  CHECK_THAT(described(plan.value()),
+             Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
 }
 
 TEST_CASE("with no exposures at all the ratios are estimated, and called photometric") {

@@ -1,0 +1,91 @@
+#include "hal/footage/exif_time.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+
+namespace hdrcam {
+namespace {
+
+constexpr int kFewestTicks = 4;         // between two stills
+constexpr std::size_t kMostDigits = 9;  // of a second: nanoseconds
+
+// Numbers where `form` has digits, the same characters elsewhere: "0000:00:00".
+template <std::size_t kCount>
+std::optional<std::array<int, kCount>> numbers_in(std::string_view text, std::string_view form) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  if (text.size() < form.size()) return std::nullopt;
+  std::array<int, kCount> numbers{};
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < form.size(); ++i) {
+    if (digit(form[i]) != digit(text[i]) || (!digit(form[i]) && form[i] != text[i])) return std::nullopt;
+    if (!digit(form[i])) continue;
+    if (i == 0 || !digit(form[i - 1])) ++found;
+    numbers[found - 1] = 10 * numbers[found - 1] + (text[i] - '0');
+  }
+  return numbers;
+}
+
+std::optional<Duration> offset_of(std::string_view text) {
+  if (text.empty() || (text[0] != '+' && text[0] != '-')) return std::nullopt;
+  const auto parts = numbers_in<2>(text.substr(1), "00:00");
+  if (!parts || (*parts)[0] > 14 || (*parts)[1] > 59) return std::nullopt;
+  const Duration offset = std::chrono::hours((*parts)[0]) + std::chrono::minutes((*parts)[1]);
+  return text[0] == '-' ? -offset : offset;
+}
+
+}  // namespace
+
+std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view sub_second,
+                                  std::string_view offset) {
+  using namespace std::chrono;
+  const auto parts = numbers_in<6>(date_time, "0000:00:00 00:00:00");
+  if (!parts) return std::nullopt;
+  const auto [y, mo, d, h, mi, s] = *parts;
+  const year_month_day day{year(y), month(static_cast<unsigned>(mo)),
+                           std::chrono::day(static_cast<unsigned>(d))};
+  if (!day.ok() || y < 1970 || h > 23 || mi > 59 || s > 60) return std::nullopt;
+  ExifTime time;
+  time.local = sys_days(day).time_since_epoch() + hours(h) + minutes(mi) + seconds(s);
+  time.tick = seconds(1);
+  for (const char c : sub_second.substr(0, std::min(kMostDigits, sub_second.size()))) {
+    if (c < '0' || c > '9') break;
+    time.tick /= 10;
+    time.local += (c - '0') * time.tick;
+  }
+  time.from_utc = offset_of(offset);
+  return time;
+}
+
+StillTimes times_of(std::span<const std::optional<ExifTime>> stills) {
+  StillTimes result;
+  const auto has_time = [](const auto& still) { return still.has_value(); };
+  const auto with_time = std::ranges::count_if(stills, has_time);
+  if (with_time == 0) return result;
+  if (static_cast<std::size_t>(with_time) < stills.size()) {
+    result.trouble =
+        fmt::format("EXIF of {} of the {} stills says when they were taken", with_time, stills.size());
+    return result;
+  }
+  const bool zoned =
+      std::ranges::all_of(stills, [](const auto& still) { return still->from_utc.has_value(); });
+  const auto at = [&](const ExifTime& time) { return zoned ? time.local - *time.from_utc : time.local; };
+  for (std::size_t i = 1; i < stills.size(); ++i) {
+    const Duration apart = at(*stills[i]) - at(*stills[i - 1]),
+                   tick = std::max(stills[i]->tick, stills[i - 1]->tick);
+    if (apart >= kFewestTicks * tick) continue;
+    result.trouble =
+        apart < Duration::zero()
+            ? fmt::format("still {} was taken before still {} by EXIF", i, i - 1)
+            : fmt::format("EXIF has times in steps of {:g} s, and stills {} and {} are {:g} s apart by it",
+                          to_seconds(tick), i - 1, i, to_seconds(apart));
+    return result;
+  }
+  for (const auto& still : stills) result.since_first.push_back(Instant{at(*still) - at(*stills.front())});
+  return result;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,36 @@
+// When stills were taken, as EXIF says it (Exif 2.32, 4.6.5: DateTimeOriginal, SubSecTimeOriginal,
+// OffsetTimeOriginal), and whether that is good enough to be the times of a clip. Plain values; reentrant.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hal/core/instant.h"
+
+namespace hdrcam {
+
+struct ExifTime {
+  Duration local{};                  // since 1970 by the camera's clock, in whatever zone it is
+  std::optional<Duration> from_utc;  // of that clock
+  Duration tick{};                   // what the text resolves: 1 s, 100 ms for one digit of SubSecTime ..
+};
+
+// "2026:11:22 17:03:04", "25", "+01:00"; the last two may be empty. nullopt where the first is no time, as
+// the blanks and zeros of a camera without a clock.
+std::optional<ExifTime> exif_time(std::string_view date_time, std::string_view sub_second,
+                                  std::string_view offset);
+
+// The times of stills in their order: from the first one on, empty where they cannot be used, and then why,
+// as a clause; no clause where no still has any.
+struct StillTimes {
+  std::vector<Instant> since_first;
+  std::string trouble;
+};
+// Usable: every still has one, they increase, and none is closer to the next than four ticks, so that
+// rounding moves no interval by more than a quarter. Zones count where every still states its own.
+StillTimes times_of(std::span<const std::optional<ExifTime>> stills);
+
+}  // namespace hdrcam

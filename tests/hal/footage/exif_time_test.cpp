@@ -1,0 +1,82 @@
+#include "hal/footage/exif_time.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+using namespace std::chrono_literals;
+
+namespace {
+
+std::vector<std::optional<ExifTime>> stills(const std::vector<std::array<const char*, 3>>& texts) {
+  std::vector<std::optional<ExifTime>> times;
+  for (const auto& [date_time, sub_second, offset] : texts)
+    times.push_back(exif_time(date_time, sub_second, offset));
+  return times;
+}
+
+}  // namespace
+
+TEST_CASE("a time of EXIF has the resolution of its digits, and its zone where it states one") {
+  const auto whole = exif_time("1970:01:02 00:00:03", "", "");
+  REQUIRE(whole);
+  CHECK(whole->local == 24h + 3s);
+  CHECK(whole->tick == 1s);
+  CHECK_FALSE(whole->from_utc);
+  const auto fine = exif_time("2026:02:28 23:59:59", "042  ", "-05:30");
+  REQUIRE(fine);
+  CHECK(fine->local % 1s == 42ms);
+  CHECK(fine->tick == 1ms);
+  CHECK(fine->from_utc == -(5h + 30min));
+  CHECK(exif_time("2026:02:28 23:59:59", "1234567891", "")->tick == 1ns);
+}
+
+TEST_CASE("a clock that was never set, or a text that is no time, is no time") {
+  for (const char* text :
+       {"", "    :  :     :  :  ", "0000:00:00 00:00:00", "2026:02:29 12:00:00", "2026:13:01 12:00:00",
+        "2026:01:01 24:00:00", "2026-01-01 12:00:00", "2026:01:01T12:00:00", "2026:01:01 12:00"}) {
+    INFO(text);
+    CHECK_FALSE(exif_time(text, "5", "+00:00"));
+  }
+  for (const char* offset : {"", "   :  ", "01:00", "+1:00", "+25:00", "+01:60"}) {
+    INFO(offset);
+    CHECK_FALSE(exif_time("2026:01:01 12:00:00", "", offset)->from_utc);
+  }
+}
+
+TEST_CASE("stills whose times increase have those times, from the first on") {
+  const StillTimes times = times_of(stills({{"2026:03:01 23:59:59", "90", ""},
+                                            {"2026:03:02 00:00:00", "00", ""},
+                                            {"2026:03:02 00:00:07", "25", ""}}));
+  CHECK(times.trouble.empty());
+  CHECK(times.since_first == std::vector<Instant>{{0s}, {100ms}, {7350ms}});
+}
+
+TEST_CASE("a clock that is set to another zone on the way goes on, where every still states its zone") {
+  const StillTimes zoned = times_of(stills({{"2026:03:29 01:59:58", "", "+01:00"},
+                                            {"2026:03:29 03:00:02", "", "+02:00"},
+                                            {"2026:03:29 02:00:06", "", "+01:00"}}));
+  CHECK(zoned.since_first == std::vector<Instant>{{0s}, {4s}, {8s}});
+  const StillTimes unknown =
+      times_of(stills({{"2026:03:29 01:00:00", "", "+01:00"}, {"2026:03:29 01:00:10", "", ""}}));
+  CHECK(unknown.since_first == std::vector<Instant>{{0s}, {10s}});
+}
+
+TEST_CASE("times that are missing, run backward or are too coarse are not used, and it is said why") {
+  CHECK(times_of(stills({{"", "", ""}, {"", "", ""}})).trouble.empty());
+  const struct {
+    std::vector<std::array<const char*, 3>> texts;
+    const char* why;
+  } cases[] = {
+      {{{"2026:03:01 12:00:00", "", ""}, {"", "", ""}, {"2026:03:01 12:00:10", "", ""}}, "2 of the 3"},
+      {{{"2026:03:01 12:00:10", "", ""}, {"2026:03:01 12:00:20", "", ""}, {"2026:03:01 12:00:00", "", ""}},
+       "still 2 was taken before still 1"},
+      {{{"2026:03:01 12:00:10", "", ""}, {"2026:03:01 12:00:13", "", ""}}, "steps of 1 s"},
+      {{{"2026:03:01 12:00:10", "0", ""}, {"2026:03:01 12:00:10", "3", ""}}, "steps of 0.1 s"},
+      {{{"2026:03:01 12:00:10", "00", ""}, {"2026:03:01 12:00:10", "00", ""}}, "0 s apart"}};
+  for (const auto& [texts, why] : cases) {
+    const StillTimes times = times_of(stills(texts));
+    CHECK(times.since_first.empty());
+    CHECK_THAT(times.trouble, Contains(why));
+  }
+}
