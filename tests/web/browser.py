@@ -8,7 +8,7 @@ ELEMENT = 'element-6066-11e4-a52e-4f735466cecf'  # the key of an element's id, o
 
 
 class Browser:
-    def __init__(self, width, height):
+    def __init__(self, width, height, *flags):
         self.driver = subprocess.Popen(['chromedriver', '--port=0'], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
                                        text=True)
         self.root = None
@@ -18,7 +18,7 @@ class Browser:
                 break
         assert self.root, 'chromedriver did not start'
         options = {'args': ['--headless=new', '--no-sandbox', '--disable-gpu', '--hide-scrollbars',
-                            f'--window-size={width},{height}']}
+                            f'--window-size={width},{height}', *flags]}
         wish = {'capabilities': {'alwaysMatch': {'browserName': 'chrome', 'goog:chromeOptions': options,
                                                  'goog:loggingPrefs': {'browser': 'ALL'}}}}
         session = self.ask('POST', '/session', wish)

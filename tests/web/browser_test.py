@@ -2,62 +2,17 @@
 """The live view in a real browser: browser_test.py HDRCAM [SCREENSHOT.jpg]. Starts `hdrcam live` on the simulator and
 Debian's Chromium without a screen, and ends with an error at the first thing that is not as docs/live-view.md says."""
 import base64
-import http.client
 import json
-import os
 import pathlib
-import re
-import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import threading
 import time
-import urllib.request
 
 from browser import Browser
+from crowd import DAWDLING, LOOKING, Crowd
 from exr_reader import read_pixel
-
-TOKEN = 'token-of-the-browser-test'
-
-
-class Program:
-    """`hdrcam live` on the simulated camera, with a live view on a free port."""
-
-    def __init__(self, program, folder):
-        self.process = subprocess.Popen(
-            [program, 'live', '--camera', 'sim:walk', '--format', 'RGB24', '--preset', 'fast', '--http', '127.0.0.1:0',
-             '--http-token', TOKEN, '--http-record', f'{folder}/%03d.mkv', '--log-format', 'json'],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.log = []
-        self.url = None
-        for line in self.process.stderr:
-            self.log.append(json.loads(line))
-            found = re.search(r'live view: (http://127\.0\.0\.1:(\d+)/)', self.log[-1]['message'])
-            if found:
-                self.url, self.port = found[1], int(found[2])
-                break
-        assert self.url, f'no live view: {self.log}'
-        threading.Thread(target=self.read_log, daemon=True).start()
-
-    def read_log(self):
-        for line in self.process.stderr:
-            self.log.append(json.loads(line))  # every line is an object
-
-    def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=60) as reply:
-            return reply.headers, reply.read()
-
-    def status(self):
-        return json.loads(self.get('status.json')[1])
-
-    def end(self):
-        self.process.send_signal(signal.SIGINT)
-        out, _ = self.process.communicate(timeout=120)
-        assert self.process.returncode == 0, f'exit code {self.process.returncode}: {self.log[-3:]}'
-        return out
-
+from program import TOKEN, Program
 
 def step(text):
     print(f'  {text}', flush=True)
@@ -131,6 +86,49 @@ def check_looks(browser):
     step('mean code at -3, 0, +3 stops: ' + ', '.join(f'{m:.0f}' for m in means))
 
 
+def check_light(program):
+    """On a display of high dynamic range, which Chromium takes this one for, the picture is one with its light."""
+    browser = Browser(1180, 1220, '--force-color-profile=hdr10')
+    try:
+        browser.open(program.url)
+        look = '''const light = document.getElementById('light');
+                  return light.hidden || !light.naturalWidth ? null
+                      : {canvas: document.getElementById('picture').checkVisibility(), width: light.naturalWidth,
+                         sequence: Number(document.getElementById('picture').dataset.sequence)};'''
+        first = browser.wait_for(look, 'a picture with its light')
+        assert not first['canvas'], 'both pictures are shown'
+        browser.wait_for(f'return Number(document.getElementById("picture").dataset.sequence) > {first["sequence"] + 3}',
+                         'newer pictures with their light')
+        # The same bytes as the browser shows them, and with the chunk that says what they are renamed.
+        means = browser.wait_for('''if (!window.means) {
+            window.means = [];
+            (async () => {
+              const bytes = new Uint8Array(await (await fetch('frame.png')).arrayBuffer());
+              const text = Array.from(bytes.slice(0, 200), (byte) => String.fromCharCode(byte)).join('');
+              const chunk = text.indexOf('cICP') - 4, plain = new Uint8Array(bytes.length - 16);
+              plain.set(bytes.subarray(0, chunk));
+              plain.set(bytes.subarray(chunk + 16), chunk);
+              for (const file of [bytes, plain]) {
+                const bitmap = await createImageBitmap(new Blob([file], {type: 'image/png'}));
+                const pen = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+                pen.drawImage(bitmap, 0, 0);
+                const codes = pen.getImageData(0, 0, bitmap.width, bitmap.height).data;
+                window.means.push(codes.reduce((sum, value, i) => i % 4 === 3 ? sum : sum + value, 0) / codes.length * 4 / 3);
+              }
+            })();
+          }
+          return window.means.length === 2 ? window.means : null;''', 'two pictures')
+        assert abs(means[0] - means[1]) > 5, f'the browser does not heed what the file says of its light: {means}'
+        browser.run('document.getElementById("look").value = "false"')
+        browser.wait_for('return document.getElementById("picture").checkVisibility()', 'false colours on the canvas')
+        complaints = [line for line in browser.complaints() if 'status of 503' not in line]
+        assert not complaints, f'the browser complains: {complaints}'
+        step(f'with an HDR display: {first["width"]} pixels wide with their light; mean code {means[0]:.0f}, as plain codes '
+             f'{means[1]:.0f}')
+    finally:
+        browser.close()
+
+
 def check_figures(browser):
     drawn = '''const canvas = document.getElementById('histogram');
                const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
@@ -171,8 +169,7 @@ def check_actions(browser, program, hdrcam):
 
 
 def check_many_clients(program):
-    """Rates of capture without and with twenty clients that ask as the page does, and five that read a byte a second. The
-    clients would be other machines: here they have what processor time the program leaves."""
+    """Rates of capture without and with the crowd; clients_test.py measures it for longer."""
     def rate(seconds):
         before = program.status()['counters']
         begin = time.monotonic()
@@ -182,37 +179,13 @@ def check_many_clients(program):
         return (after['captured'] - before['captured']) / (time.monotonic() - begin), lost
 
     alone, lost_alone = rate(10)
-    ending, pictures = threading.Event(), [0] * 20
-
-    def yield_to_program():
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), 19)
-
-    def look(i):
-        yield_to_program()
-        client, newest = http.client.HTTPConnection('127.0.0.1', program.port, timeout=60), ''
-        while not ending.wait(0.02):
-            client.request('GET', '/frame.jpg?after=' + newest)
-            reply = client.getresponse()
-            pictures[i] += 1 if reply.read() else 0
-            newest = reply.headers['X-Sequence'] or newest
-
-    def dawdle():
-        yield_to_program()
-        with socket.create_connection(('127.0.0.1', program.port)) as client:
-            client.sendall(b'GET /frame.exr HTTP/1.1\r\nHost: localhost\r\n\r\n')
-            while not ending.wait(1):
-                client.recv(1)
-
-    threads = [threading.Thread(target=look, args=(i,)) for i in range(20)]
-    threads += [threading.Thread(target=dawdle) for _ in range(5)]
-    for thread in threads:
-        thread.start()
-    crowded, lost_crowded = rate(10)
-    ending.set()
-    for thread in threads:
-        thread.join()
-    step(f'captured frames per second: {alone:.1f} alone, {crowded:.1f} with 20 clients ({sum(pictures)} pictures) and 5 '
-         f'that read a byte a second; frames lost: {lost_alone}, {lost_crowded}')
+    crowd = Crowd(program.port)
+    try:
+        crowded, lost_crowded = rate(10)
+    finally:
+        pictures = crowd.leave()
+    step(f'captured frames per second: {alone:.1f} alone, {crowded:.1f} with {LOOKING} clients ({sum(pictures)} pictures) and '
+         f'{DAWDLING} that read a byte a second; frames lost: {lost_alone}, {lost_crowded}')
     assert crowded > 0.8 * alone, 'clients slow capture down'
     assert min(pictures) > 0, 'a client got no picture'
 
@@ -237,6 +210,7 @@ def main():
             expected = ('/record - Failed to load resource', 'status of 503')
             refused = [line for line in browser.complaints() if not any(words in line for words in expected)]
             assert not refused, f'the browser complains: {refused}'
+            check_light(program)
             check_many_clients(program)
         finally:
             browser.close()
