@@ -39,7 +39,8 @@ Opened open_frames(const SinkRequest& request) {
 }
 
 Opened open_live_view(const SinkRequest& request) {
-  const LiveViewOptions options{request.http_token, request.compression, request.camera.framerate_hz};
+  const LiveViewOptions options{request.http_token, request.compression, request.camera.framerate_hz,
+                                request.video};
   return std::unique_ptr<FrameSink>(TRY(LiveView::open(request.path, options, request.control)));
 }
 

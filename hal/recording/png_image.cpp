@@ -13,7 +13,7 @@ namespace hdrcam {
 namespace {
 
 constexpr png_uint_32 kMaxSidePng = 1u << 20;  // larger ones are refused before anything is allocated
-constexpr int kCompression = 4;
+constexpr int kCompression = 4, kFastCompression = 1;
 
 // libpng reports errors through longjmp, so the functions that call it hold no object with a destructor:
 // their state is here, in the caller.
@@ -89,14 +89,20 @@ bool read_pixels(Reading& reading) {
   return true;
 }
 
-bool write_all(Writing& writing, int cols, int rows, int bits_per_sample, int channels) {
+bool write_all(Writing& writing, const PngImage& image, int compression) {
+  const int rows = image.samples.rows(), cols = image.samples.cols(), channels = image.samples.channels();
   if (setjmp(png_jmpbuf(writing.png)) != 0) return false;
   png_set_write_fn(writing.png, &writing, give_bytes, no_flush);
-  png_set_compression_level(writing.png, kCompression);
+  png_set_compression_level(writing.png, compression);
   png_set_IHDR(writing.png, writing.info, static_cast<png_uint_32>(cols), static_cast<png_uint_32>(rows),
-               bits_per_sample, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+               image.bits_per_sample, channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(writing.png, writing.info);
+  if (image.colors) {  // the library has no function for it
+    constexpr png_byte kMatrixRgb = 0, kFullRange = 1;
+    const png_byte fields[] = {image.colors->primaries, image.colors->transfer, kMatrixRgb, kFullRange};
+    png_write_chunk(writing.png, reinterpret_cast<png_const_bytep>("cICP"), fields, sizeof fields);
+  }
   png_write_image(writing.png, writing.lines.data());
   png_write_end(writing.png, nullptr);
   return true;
@@ -189,7 +195,7 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
   return image;
 }
 
-Result<void> write_png(Storage& storage, const std::string& path, const PngImage& image) {
+Result<std::vector<std::byte>> png_file(const PngImage& image, PngEase ease) {
   const int channels = image.samples.channels(), rows = image.samples.rows(), cols = image.samples.cols();
   CHECK(channels == 1 || channels == 3);
   Writing writing;
@@ -199,9 +205,14 @@ Result<void> write_png(Storage& storage, const std::string& path, const PngImage
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &writing, keep_failure<Writing>, ignore_warning);
   writing.info = writing.png ? png_create_info_struct(writing.png) : nullptr;
   CHECK(writing.info != nullptr);
-  if (!write_all(writing, cols, rows, image.bits_per_sample, channels))
-    return Error{ErrorCode::Io, fmt::format("cannot write '{}': {}", path, writing.failure)};
-  return write_whole(storage, path, writing.file);
+  if (!write_all(writing, image, ease == PngEase::Fast ? kFastCompression : kCompression))
+    return Error{ErrorCode::Io,
+                 fmt::format("a PNG of {}x{} pixels cannot be encoded: {}", cols, rows, writing.failure)};
+  return std::move(writing.file);
+}
+
+Result<void> write_png(Storage& storage, const std::string& path, const PngImage& image) {
+  return write_whole(storage, path, TRY(png_file(image)));
 }
 
 }  // namespace hdrcam

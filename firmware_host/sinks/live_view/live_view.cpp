@@ -28,6 +28,14 @@ std::optional<T> number_in(const HttpRequest& request, std::string_view name) {
   return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(value) : std::nullopt;
 }
 
+// Stops brighter; 0 where none are asked for, nullopt where they are none.
+constexpr const char* kNoExposure = "ev is a number of stops, -16 to 16";
+std::optional<double> exposure_in(const HttpRequest& request) {
+  if (!request.query.contains("ev")) return 0;
+  const auto ev = number_in<double>(request, "ev");
+  return ev && std::abs(*ev) <= 16 ? ev : std::nullopt;
+}
+
 HttpAnswer no_frame() { return http_error(503, "no frame has been emitted yet"); }
 
 HttpAnswer answer_of(const Error& error) {
@@ -100,6 +108,7 @@ std::vector<HttpRoute> LiveView::routes() {
         {path, access, [this, answer](const HttpRequest& request) { return (this->*answer)(request); }});
   };
   add("/frame.jpg", &LiveView::picture);
+  add("/frame.png", &LiveView::light);
   add("/frame.exr", &LiveView::exr);
   add("/pixel", &LiveView::pixel);
   add("/status.json", &LiveView::status);
@@ -121,14 +130,23 @@ HttpAnswer LiveView::picture(const HttpRequest& request) {
     if (!known) return http_error(400, "look is tone, false or provenance");
     wish.look = *known;
   }
-  if (request.query.contains("ev")) {
-    const auto ev = number_in<double>(request, "ev");
-    if (!ev || !(std::abs(*ev) <= 16)) return http_error(400, "ev is a number of stops, -16 to 16");
-    wish.exposure_ev = *ev;
-  }
+  const auto ev = exposure_in(request);
+  if (!ev) return http_error(400, kNoExposure);
+  wish.exposure_ev = *ev;
   const Result<HttpBody> jpeg = pictures_.jpeg(*frame, wish);
   if (!jpeg) return answer_of(jpeg.error());
   return {.type = "image/jpeg", .body = jpeg.value(), .headers = {sequence_header(*frame)}};
+}
+
+HttpAnswer LiveView::light(const HttpRequest& request) {
+  const ShownFrame* const frame = newest_.read();
+  if (frame == nullptr) return no_frame();
+  if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
+  const auto ev = exposure_in(request);
+  if (!ev) return http_error(400, kNoExposure);
+  const Result<HttpBody> png = lights_.png(*frame, *ev);
+  if (!png) return answer_of(png.error());
+  return {.type = "image/png", .body = png.value(), .headers = {sequence_header(*frame)}};
 }
 
 HttpAnswer LiveView::exr(const HttpRequest&) {

@@ -13,6 +13,7 @@
 #include "firmware_host/sinks/frame_sink.h"
 #include "firmware_host/sinks/live_view/emission_tally.h"
 #include "firmware_host/sinks/live_view/frame_picture.h"
+#include "firmware_host/sinks/live_view/light_picture.h"
 #include "firmware_host/sinks/live_view/live_figures.h"
 #include "firmware_host/sinks/live_view/newest_frame.h"
 #include "firmware_host/sinks/run_control.h"
@@ -25,6 +26,7 @@ struct LiveViewOptions {
   std::string token;                                 // for actions; "": made at the start and printed
   ExrCompression compression = ExrCompression::Zip;  // of /frame.exr
   double framerate_hz = 30;                          // of the camera
+  VideoOptions video = {};                           // how bright HDR pictures are
 };
 
 class LiveView : public FrameSink {
@@ -42,10 +44,12 @@ class LiveView : public FrameSink {
   const HttpAddress& address() const { return server_->address(); }
 
  private:
-  LiveView(LiveViewOptions options, RunControl* control) : options_(std::move(options)), control_(control) {}
+  LiveView(LiveViewOptions options, RunControl* control)
+      : options_(std::move(options)), control_(control), lights_(options_.video) {}
 
   std::vector<HttpRoute> routes();
   HttpAnswer picture(const HttpRequest& request);
+  HttpAnswer light(const HttpRequest& request);
   HttpAnswer exr(const HttpRequest& request);
   HttpAnswer pixel(const HttpRequest& request);
   HttpAnswer status(const HttpRequest& request);
@@ -62,6 +66,7 @@ class LiveView : public FrameSink {
   EmissionTally tally_;
   std::optional<Instant> start_;        // of the run; written before the first frame is put
   FramePicture pictures_;               // of the server's thread
+  LightPicture lights_;                 // of the server's thread
   std::unique_ptr<HttpServer> server_;  // last: its thread uses all of them
 };
 

@@ -15,25 +15,49 @@ function say(text, bad) {
 
 // --- the picture
 
+// Where display and browser can, the picture keeps its light; false colours and provenance have none.
+const hdr_display = matchMedia('(dynamic-range: high)');
+
 function picture_url() {
-  const query = new URLSearchParams({ ev: $('ev').value, look: $('look').value });
+  const look = $('look').value, keeps_light = hdr_display.matches && look === 'tone';
+  const query = new URLSearchParams(keeps_light ? { ev: $('ev').value } : { ev: $('ev').value, look });
   const wish = query.toString();
   if (state.shown && state.shown.wish === wish) query.set('after', state.shown.sequence);
-  return { url: 'frame.jpg?' + query, wish };
+  return { url: (keeps_light ? 'frame.png?' : 'frame.jpg?') + query, wish, keeps_light };
 }
 
-async function show_picture() {
-  const { url, wish } = picture_url();
-  const answer = await fetch(url);
-  if (answer.status === 204) return wait(20);
-  if (!answer.ok) return wait(300);
-  const bitmap = await createImageBitmap(await answer.blob());
+async function draw(bytes) {
+  const bitmap = await createImageBitmap(bytes);
   if (picture.width !== bitmap.width || picture.height !== bitmap.height) {
     picture.width = bitmap.width;
     picture.height = bitmap.height;
   }
   picture.getContext('2d').drawImage(bitmap, 0, 0);
   bitmap.close();
+}
+
+// A canvas has the range of SDR; an image has that of the display. The new one takes the place of the old when it
+// has been decoded, so that nothing flickers.
+async function show_light(bytes) {
+  const next = $('light').cloneNode();
+  next.src = URL.createObjectURL(bytes);
+  try {
+    await next.decode();
+    $('light').replaceWith(next);
+  } finally {
+    URL.revokeObjectURL(next.src);
+  }
+}
+
+async function show_picture() {
+  const { url, wish, keeps_light } = picture_url();
+  const answer = await fetch(url);
+  if (answer.status === 204) return wait(20);
+  if (!answer.ok) return wait(300);
+  const bytes = await answer.blob();
+  await (keeps_light ? show_light(bytes) : draw(bytes));
+  picture.hidden = keeps_light;
+  $('light').hidden = !keeps_light;
   state.shown = { sequence: answer.headers.get('X-Sequence'), wish };
   picture.dataset.sequence = state.shown.sequence;
 }
@@ -56,11 +80,11 @@ async function show_pixel() {
   return wait(60);
 }
 
-picture.addEventListener('pointermove', (event) => {
-  const box = picture.getBoundingClientRect();
+$('screen').addEventListener('pointermove', (event) => {
+  const box = $('screen').getBoundingClientRect();
   state.pointer = { x: (event.clientX - box.left) / box.width, y: (event.clientY - box.top) / box.height };
 });
-picture.addEventListener('pointerleave', () => { state.pointer = null; });
+$('screen').addEventListener('pointerleave', () => { state.pointer = null; });
 
 // --- the figures
 

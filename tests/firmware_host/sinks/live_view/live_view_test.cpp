@@ -9,9 +9,12 @@
 #include <thread>
 
 #include "hal/jpeg_decoder.h"
+#include "hal/recording/png_image.h"
+#include "render/display_light.h"
 #include "tests/contracts/expect.h"
 #include "tests/firmware_host/sinks/example_frames.h"
 #include "tests/firmware_host/web/http_client.h"
+#include "tests/hal/recording/sample_recordings.h"
 
 #include <catch2/catch.hpp>
 
@@ -142,6 +145,42 @@ TEST_CASE("the picture is the newest frame, at the exposure and in the look that
   CHECK(looks.size() == 3);
   for (const char* wrong : {"/frame.jpg?look=x", "/frame.jpg?ev=nan", "/frame.jpg?ev=17", "/frame.jpg?ev=x"})
     CHECK(get(*view, wrong).status == 400);
+}
+
+TEST_CASE("the picture for HDR displays holds the light of the radiance in PQ and says so") {
+  const auto view = open_view();
+  const HdrFrame frame = example_frame(7);  // up to radiance 166, saturated at 16
+  REQUIRE(emit(*view, frame).ok());
+  const HttpReply reply = get(*view, "/frame.png?ev=-1");
+  CHECK(reply.status == 200);
+  CHECK(reply.headers.at("content-type") == "image/png");
+  CHECK(reply.headers.at("x-sequence") == "7");
+  const std::string cicp{"\0\0\0\4cICP\11\20\0\1", 12};  // BT.2020, PQ, RGB, full range
+  CHECK(reply.body.find(cicp) < reply.body.find("IDAT"));
+
+  const std::string path = sample::scratch_folder("light_picture") + "/x.png";
+  require_done(write_whole(posix_storage(), path, std::as_bytes(std::span(reply.body))));
+  const PngImage png = value_of(read_png(posix_storage(), path, 32, 24));
+  REQUIRE(png.bits_per_sample == 16);
+  const VideoOptions usual;
+  const DisplayLight display(usual.white_nits / 2, usual.peak_nits, static_cast<double>(frame.white));
+  Image<float> light(3, 24, 32);
+  display.show(frame.radiance, light);
+  double furthest = 0;  // codes of 10 bits
+  for (std::size_t i = 0; i < light.size(); ++i)
+    furthest = std::max(furthest, std::abs(png.samples.samples()[i] / 65535.0 * 1023 -
+                                           1023 * pq_signal(static_cast<double>(light.samples()[i]))));
+  CHECK(furthest < 1);
+  CHECK(get(*view, "/frame.png?after=7").status == 204);
+  CHECK(get(*view, "/frame.png?ev=x").status == 400);
+  CHECK(get(*view, "/frame.png?ev=1").body != reply.body);
+  CHECK(get(*view, "/frame.png?ev=-1").body == reply.body);
+
+  // Wider than a page, and of another size than before.
+  REQUIRE(emit(*view, example_frame(8, test::With::RadianceOnly, 40, FramePicture::kWidest_px * 2)).ok());
+  const HttpReply smaller = get(*view, "/frame.png");
+  require_done(write_whole(posix_storage(), path, std::as_bytes(std::span(smaller.body))));
+  CHECK(read_png(posix_storage(), path, FramePicture::kWidest_px, 20).ok());
 }
 
 TEST_CASE("a client that has the newest picture gets no second copy of it") {
