@@ -301,6 +301,8 @@ TEST_CASE("letters beyond ASCII belong in quotes or comments") {
   CHECK(from_toml("[record]\nfile = 'é'\n").value().record.file == "é");
   CHECK_THAT(sentence(from_toml("[record]\nfile = é\n")), Contains("live.toml:2: a letter outside ASCII"));
   CHECK_THAT(sentence(from_toml("[record]\nhöhe = 3\n")), Contains("live.toml:2: a letter outside ASCII"));
+  // a quote in the wrong place: the parser meets the letter outside of a text
+  CHECK_THAT(sentence(from_toml("[fit]\nseed = 640\"simƪlk?3\"\n")), Contains("live.toml:2: not TOML"));
   CHECK(sentence(from_toml("\n[record]\nfile = \"\"\"\nwalk.mkv\"\"\"\n")) ==
         "live.toml:3: no setting is a multi-line text");
 }
