@@ -10,7 +10,8 @@ namespace hdrcam {
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
   FitBudget fit;
-  int render_step = 2;  // 1..8: unseen pixels are filled from every n-th pixel of the field
+  bool fills = false;   // unseen pixels get the field's radiance where it exceeds the state's lower bound
+  int render_step = 2;  // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
   bool shrinks = true;  // the emitted picture by its known variance (render/shrinkage.h)
   // No pose, depth, fit or view of the field for this frame; the field starts anew when its rest ends.
   bool field_rests = false;

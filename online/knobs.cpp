@@ -83,6 +83,10 @@ void add_frame_budget(std::vector<Knob>& table) {
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::steps>(
       "steps", kPerFrame, 0, 1000,
       {"steps", "time of the fit, in proportion", "a field fitted to the frame; 0 renders the state"}));
+  table.push_back(whole<&K::budget, &B::fit, &FitBudget::interval>(
+      "fit_interval", kPerFrame, 1, 64,
+      {"frames", "more is cheaper: the steps are taken at each n-th frame",
+       "a field that follows each frame; 1 where the field itself is seen, if nothing else is said"}));
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::rays_per_step>(
       "rays_per_step", kPerFrame, 32, 4096,
       {"rays", "time of a step, in proportion", "a less noisy step; many small steps beat few large ones"},
@@ -93,10 +97,14 @@ void add_frame_budget(std::vector<Knob>& table) {
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::samples_without_parallax>(
       "samples_without_parallax", kPerFrame, 1, kMaxSamples,
       {"samples", "time of a step and of a view", "layers where depth cannot be observed"}));
+  table.push_back(
+      choice<&K::budget, &B::fills>("fill", kPerFrame, {"off", "on"},
+                                    {"", "on: a view of the field where no frame saw a pixel unclipped",
+                                     "on: there the field's radiance, where it is above the lower bound"}));
   table.push_back(whole<&K::budget, &B::render_step>(
       "render_step", kPerFrame, 1, 8,
       {"px", "more is cheaper: time of the field's view falls with its square",
-       "less is sharper where the field fills unseen pixels"}));
+       "less is sharper where the field fills unseen pixels and in its depth"}));
   table.push_back(choice<&K::budget, &B::shrinks>(
       "shrinkage", kPerFrame, {"off", "on"},
       {"", "time of the emission, about half of it", "less noise in the output; the state is unchanged"}));
@@ -159,7 +167,8 @@ void add_priors_and_scene(std::vector<Knob>& table) {
       "depth_step", kAtStart, 1, 8, {"px", "1 costs five times as much as 2", "2 is as accurate as 1"}));
   table.push_back(
       choice<&K::field>("field", kAtStart, {"none", "hash_grid"},
-                        {"", "pose, depth, fit and view", "radiance for unseen pixels, depth, novel views"}));
+                        {"", "pose, depth, fit and view",
+                         "depth, novel views, its motion; radiance of unseen pixels where it fills"}));
   table.push_back(choice<&K::field_step>(
       "field_step", kAtStart, {"auto", "1", "2", "4", "8"},
       {"px", "more is cheaper: memory and time of the field's passes fall with its square",
@@ -261,19 +270,19 @@ Knobs knobs_of(Preset preset) {
       break;
     case Preset::Fast:
       knobs.budget.render_step = 4;
-      fit.steps = 1, fit.samples_per_ray = 6, fit.samples_without_parallax = 1;
+      fit.steps = 1, fit.interval = 4, fit.samples_per_ray = 6, fit.samples_without_parallax = 1;
       knobs.view_steps = 10;
       knobs.hash_grid.shape.static_grid.log2_entries = 14;
       knobs.hash_grid.shape.dynamic_grid.log2_entries = 12;
       break;
     case Preset::Balanced:
       knobs.budget.flow = FlowQuality::Fine;
-      fit.steps = 1;
+      fit.steps = 1, fit.interval = 4;
       break;
     case Preset::Best:
       knobs.budget.flow = FlowQuality::Fine;
       knobs.budget.render_step = 1;
-      fit.steps = 4;
+      fit.steps = 1, fit.interval = 2;
       knobs.view_steps = 100;
       break;
   }

@@ -114,8 +114,8 @@ bool RenderStage::mark_unseen(const FrameEstimate& estimate, int step) {
   return any;
 }
 
-// Where no frame saw a channel unclipped the state holds a lower bound; the field may raise it. It is
-// rendered there, and elsewhere only where another of its layers is asked for.
+// Where no frame saw a channel unclipped the state holds a lower bound; the field may raise it, if it shall.
+// It is rendered there, and elsewhere only where another of its layers is asked for.
 void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   constexpr int kGlanceStep = 8;
   const int step = estimate.budget.render_step;
@@ -123,7 +123,7 @@ void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   if (options_.depth == DepthLayer::Glance && !whole)
     look_at_all(estimate, std::max(step, kGlanceStep), frame);
   if (whole) look_at_all(estimate, step, frame);
-  if (!mark_unseen(estimate, step)) return;
+  if (!estimate.budget.fills || !mark_unseen(estimate, step)) return;
   if (!whole) {
     SceneView view = reduced(estimate.view, step);
     view.wanted = &unseen_;

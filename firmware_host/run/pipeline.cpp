@@ -42,8 +42,10 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   options.knobs = knobs_of(preset);
   options.render.layer = layer;
   if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
-  if (layer == EmitLayer::Field)
-    options.knobs.budget.fit.steps = options.knobs.view_steps, options.knobs.field_step = FieldStep::One;
+  if (layer == EmitLayer::Field) {
+    options.knobs.budget.fit.steps = options.knobs.view_steps, options.knobs.budget.fit.interval = 1;
+    options.knobs.field_step = FieldStep::One;
+  }
   return options;
 }
 
@@ -68,8 +70,11 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
   }
-  if (shows_field(settings, use) && !fit.knobs.contains("steps"))
-    options.knobs.budget.fit.steps = options.knobs.view_steps;
+  if (shows_field(settings, use)) {
+    FitBudget& budget = options.knobs.budget.fit;
+    if (!fit.knobs.contains("steps")) budget.steps = options.knobs.view_steps;
+    if (!fit.knobs.contains("fit_interval")) budget.interval = 1;
+  }
   if ((shows_field(settings, use) || needs.points) && options.knobs.field_step == FieldStep::Auto)
     options.knobs.field_step = FieldStep::One;
   return options;

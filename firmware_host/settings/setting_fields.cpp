@@ -243,7 +243,8 @@ std::vector<SettingField> fit_fields() {
           "fit.preset", "--preset", "quality against time; realtime has no field",
           {"realtime", "fast", "balanced", "best"}),
       choice<kGroup, &F::emit, EmitLayer::Merged, EmitLayer::State, EmitLayer::Field>(
-          "fit.emit", "--emit", "HDR frames from both layers, or from one alone",
+          "fit.emit", "--emit",
+          "HDR frames of the state with the field fitted beside it, of the state alone, or of the field",
           {"merged", "state", "field"}),
       deadline_field(),
       number<&Settings::fit, &F::lookahead>("fit.lookahead", "--lookahead",

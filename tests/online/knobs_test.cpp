@@ -76,7 +76,7 @@ TEST_CASE("a value beyond the range, of another kind or for no knob is refused w
 }
 
 TEST_CASE("the presets are ordered by what they spend", "[knobs]") {
-  for (const char* name : {"flow", "steps", "samples_per_ray"}) {
+  for (const char* name : {"flow", "view_steps", "samples_per_ray"}) {
     INFO(name);
     std::vector<double> values;
     for (const Knob& knob : knob_table())

@@ -27,6 +27,7 @@ inline constexpr FloorClip kDim{"fast?size=128x96&seed=2&full-well=500", "1.5ms,
 inline void leave(PipelineOptions&) {}
 inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead = 0; }
 inline void two_frames_ahead(PipelineOptions& options) { options.knobs.look_ahead = 2; }
+inline void fill(PipelineOptions& options) { options.knobs.budget.fills = true; }
 inline void no_shrinkage(PipelineOptions& options) { options.knobs.budget.shrinks = false; }
 inline void no_warp_variance(PipelineOptions& options) { options.knobs.state.fusion.misalignment = 0; }
 inline void no_blur_variance(PipelineOptions& options) {
@@ -73,7 +74,7 @@ inline constexpr PartWorth kPartWorths[] = {
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
-inline constexpr double kFinerFlow_db = 0.05, kNotWorse_db = -0.05;
+inline constexpr double kFinerFlow_db = 0.01, kNotWorse_db = -0.05;
 
 // The field's radiance of unseen pixels: at least so many samples on kShortWalk, and their error (mean
 // |log2|) at most this share of the lower bound's that the state holds there.

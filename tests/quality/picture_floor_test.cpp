@@ -96,11 +96,23 @@ TEST_CASE("fast, balanced and best rise in work and in quality", "[floor]") {
   }
 }
 
-TEST_CASE("merged is the state, and the field's answer where nobody saw the pixel is as near to the truth",
-          "[floor]") {
-  const SimulatedClip& clip = clip_of(kShortWalk);
+TEST_CASE("a field that is fitted beside the state leaves its picture as it is", "[floor]") {
   const Outcome& state = outcome_of(kShortWalk, Preset::Fast, EmitLayer::State, leave);
   const Outcome& merged = outcome_of(kShortWalk, Preset::Fast, EmitLayer::Merged, leave);
+  CHECK(merged.emitted.fit_steps > 0);
+  REQUIRE(merged.emitted.frames.size() == state.emitted.frames.size());
+  for (std::size_t i = 0; i < state.emitted.frames.size(); ++i)
+    CHECK(std::ranges::equal(merged.emitted.frames[i].radiance.samples(),
+                             state.emitted.frames[i].radiance.samples()));
+}
+
+TEST_CASE(
+    "a field that fills leaves the rest as it is, and its answer where nobody saw the pixel is as near to "
+    "the truth",
+    "[floor]") {
+  const SimulatedClip& clip = clip_of(kShortWalk);
+  const Outcome& state = outcome_of(kShortWalk, Preset::Fast, EmitLayer::State, leave);
+  const Outcome& merged = outcome_of(kShortWalk, Preset::Fast, EmitLayer::Merged, fill);
   const GroundTruth truth = value_of(GroundTruth::open(posix_storage(), clip.folder));
   int answers = 0, elsewhere = 0, lower = 0;
   double of_bound = 0, of_answer = 0;  // |log2| errors

@@ -64,6 +64,7 @@ FitReport HashGridField::fit(const FitBudget& budget) {
   FitReport report;
   LossValues<double> losses{};
   fit_.prepare(budget);
+  if (frames_++ % budget.interval != 0) return report;
   for (int i = 0; i < budget.steps; ++i) {
     const StepReport step = fit_.step();
     ++report.steps;
@@ -83,6 +84,7 @@ void HashGridField::restart() {
   for (const auto& snapshot : snapshots_)
     if (!snapshot->is_held()) Window::release(snapshot->window_);
   fit_.restart();
+  frames_ = 0;
 }
 
 SnapshotHold HashGridField::snapshot() {

@@ -206,6 +206,23 @@ TEST_CASE("each step that a budget grants is taken, frame by frame", "[field]") 
   }
 }
 
+TEST_CASE(
+    "an interval takes the steps at the first frame and at each n-th after it, and anew after a restart",
+    "[field]") {
+  WorkerPool pool(1);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  const FitBudget budget{.steps = 2, .rays_per_step = 32, .interval = 3};
+  const auto steps_at = [&](int i) {
+    told.take(*field, i);
+    return field->fit(budget).steps;
+  };
+  for (const int first : {0, 7}) {
+    field->restart();
+    for (int i = 0; i < 7; ++i) CHECK(steps_at(first + i) == (i % 3 == 0 ? 2 : 0));
+  }
+}
+
 TEST_CASE("a view with half the pixels sees what lies between, a longer exposure blurs what moves",
           "[field]") {
   WorkerPool pool(1);
@@ -251,14 +268,14 @@ TEST_CASE("a view of the pixels that are wanted shows them as the whole view doe
   }
 }
 
-TEST_CASE("merged asks the field for unseen pixels only, and for all where depth is wanted", "[field]") {
+TEST_CASE("merged asks the field for what it fills only, and for all where depth is wanted", "[field]") {
   WorkerPool pool(1);
   Told told;
   OneColour field;
   told.take(field, 0);
   FitReport fit = field.fit({1, 32, 1, 1});
   FrameBudget budget;
-  budget.render_step = 2;
+  budget.fills = true, budget.render_step = 2;
   HdrFrame frame;
   const auto asked = [&](DepthLayer depth) {
     wanted = 0;
@@ -285,6 +302,8 @@ TEST_CASE("merged asks the field for unseen pixels only, and for all where depth
   CHECK(frame.depth.rows() == told.scene.rows);
   CHECK(asked(DepthLayer::Glance) < quarter / 4);
   CHECK(frame.depth.cols() == told.scene.cols);
+  budget.fills = false;
+  CHECK(asked(DepthLayer::None) == 0);
 }
 
 TEST_CASE("a field that is nothing like hash grids is emitted through the same seam", "[field]") {
@@ -304,7 +323,7 @@ TEST_CASE("a field that is nothing like hash grids is emitted through the same s
                 .field = field.snapshot(),
                 .view = told.view(),
                 .fit = &fit,
-                .budget = {},
+                .budget = {.fit = {}, .fills = true},
                 .white = 4,
                 .reference_exposure = 1},
                frame);

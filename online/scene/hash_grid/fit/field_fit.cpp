@@ -138,15 +138,22 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
     pickers_[static_cast<std::size_t>(slot)] = pickers_[static_cast<std::size_t>(previous_slot)];
   }
   pickers_[static_cast<std::size_t>(slot)].look_at(window.newest());
-  for (int i = 0; i < window.size(); ++i)
-    pickers_[static_cast<std::size_t>(window.frame(i).slot)].prepare(options_.uniform_share);
   if (window.anchor_is_stale()) reanchor();
   has_dynamic_ = options_.shape.branches == Branches::Dynamic ||
                  (options_.shape.branches == Branches::Both && window.has_motion());
   prepare(budget_);
+  ready_ = false;
+  return {};
+}
+
+// What only a frame with steps pays for.
+void FieldFit::make_ready() {
+  if (ready_) return;
+  for (int i = 0; i < window_.size(); ++i)
+    pickers_[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
   still_.keep();
   moving_.keep();
-  return {};
+  ready_ = true;
 }
 
 void FieldFit::restart() {
@@ -159,6 +166,7 @@ void FieldFit::restart() {
 StepReport FieldFit::step() {
   StepReport report;
   if (window_.size() == 0) return report;
+  make_ready();
   draw_rays();
   const std::span<RayShard<float>> used = shards();
   const StepSetting<float> setting{networks_,

@@ -59,6 +59,7 @@ class FieldFit {
   };
 
   std::span<RayShard<float>> shards() { return {shards_.data(), rays_.size() / kRaysPerShard}; }
+  void make_ready();
   void draw_rays();
   TrainingRay ray_at(int frame, int x, int y);
   void aim_at_neighbour(TrainingRay& ray);
@@ -90,6 +91,7 @@ class FieldFit {
   FitHealth health_;
   long taken_ = 0;  // Adam steps
   bool response_started_ = false;
+  bool ready_ = false;  // for steps on the newest frame
 };
 
 }  // namespace hdrcam
