@@ -103,14 +103,11 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
                   {&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors});
   } else {
     const Borrowed more(pool_.scratch(), rows_, cols_, {{&start_from_, 2}, {&start_to_, 2}});
-    // constant velocity, at the state's pixels and at the frame's
     const double interval_s = to_seconds(frame.facts.timestamp - last_time_);
-    const float step_ratio = last_interval_s_ > 0 && interval_s > 0
-                                 ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
-                                 : 1.f;
-    scale(last_, -step_ratio, start_from_, pool_);
-    warp_linear(last_, last_, start_to_, pool_);
-    scale(start_to_, step_ratio, start_to_, pool_);
+    start_at_last(last_interval_s_ > 0 && interval_s > 0
+                      ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
+                      : 1.f,
+                  start_to_, start_from_);
     {
       const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
       blur_difference(state.radiance, start_from_, frame.blur_fraction, blur_, pool_);
@@ -129,43 +126,74 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
                                const MotionContext& context, FlowQuality quality, StateMotion& motion) {
-  const auto [before_ratio, after, after_tables, after_ratio] = context;
-  Image<float>& to = motion.to_previous.vectors;
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
-  if (!last_.empty()) {
-    const Borrowed more(pool_.scratch(), rows_, cols_, {{&warped_, 2}});
-    warp_linear(last_, to, warped_, pool_);
-    pool_.for_rows(rows_, [&, ratio = before_ratio](int y0, int y1) {
-      for (int y = y0; y < y1; ++y)
-        for (int x = 0; x < cols_; ++x) {
-          const float a = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
-          for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (ratio * warped_.at(d, y, x) - to.at(d, y, x));
-        }
-    });
-  }
-  if (after != nullptr) {
+  continue_last(context.before_ratio, motion.to_previous.vectors);
+  if (context.after != nullptr) {
     const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
-    clipped_share(*after, clipped_after_);
+    clipped_share(*context.after, clipped_after_);
     double useful = 0;
     for (std::size_t i = 0; i < clipped_.size(); ++i)
       useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
     constexpr double kWorthwhile = 0.005;  // share of the picture
     if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
       const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
-      {
-        const Borrowed grays(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
-        gray_of_frame(*after, frame_gray_, pool_);
-        gray_of_state(state.radiance, *after_tables, state_gray_, pool_);
-        flow_.compute(quality, {&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_});
-      }
-      bridge(after_ratio, motion);
+      match_after(state, context, quality);
+      bridge(context.after_ratio, motion);
     }
   }
   rate(&frame, motion);
   if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
   last_time_ = frame.facts.timestamp;
   copy(motion.to_previous.vectors, last_, pool_);
+}
+
+// Where a search starts: the last motion goes on at constant velocity, for `ratio` of its own time. At the
+// state's pixels, and at those of the picture that the state is matched with.
+void MotionEstimator::start_at_last(float ratio, Image<float>& to, Image<float>& from) {
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&warped_, 2}});
+  scale(last_, ratio, warped_, pool_);
+  warp_linear(warped_, warped_, to, pool_);
+  scale(warped_, -1, from, pool_);
+}
+
+// Where the frame is clipped, its motion is that of the last step. What is clipped in one frame after the
+// other has nobody who measures it, and a motion that was wrong once would stay; so it gives way, more with
+// each such frame, to what the search spreads over it from its surroundings.
+void MotionEstimator::continue_last(float ratio, Image<float>& to) {
+  constexpr float kKept = 0.9f;  // of what was measured, for each frame that continues it
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&warped_, 2}, {&still_measured_, 1}});
+  if (last_.empty()) {
+    measured_.reshape(1, rows_, cols_);
+    warped_.fill(0), still_measured_.fill(0);
+  } else {
+    warp_linear(last_, to, warped_, pool_);
+    warp_linear(measured_, to, still_measured_, pool_);
+  }
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols_; ++x) {
+        const float clipped = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
+        const float still = still_measured_.at(0, y, x), a = clipped * smooth_step(0, 1, still);
+        measured_.at(0, y, x) = 1 - a * (1 - kKept * still);
+        for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (ratio * warped_.at(d, y, x) - to.at(d, y, x));
+      }
+  });
+}
+
+// The flow between the state and the frame after the one that is completed. The guesses lie where the answers
+// go: the search has read them before it writes.
+void MotionEstimator::match_after(const RadianceState& state, const MotionContext& context,
+                                  FlowQuality quality) {
+  const Borrowed grays(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
+  gray_of_frame(*context.after, frame_gray_, pool_);
+  gray_of_state(state.radiance, *context.after_tables, state_gray_, pool_);
+  FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
+  if (!last_.empty()) {
+    start_at_last(context.before_ratio / context.after_ratio, after_to_state_, state_to_after_);
+    request.start_a_to_b = &after_to_state_, request.start_b_to_a = &state_to_after_;
+  }
+  flow_.compute(quality, request);
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at
@@ -202,6 +230,7 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
         const float a =
             smooth_step(0.4f, 0.9f, clipped_.at(0, y, x)) * (1 - smooth_step(0.1f, 0.6f, mask_.at(0, y, x)));
         for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (bridged_.at(d, y, x) - to.at(d, y, x));
+        measured_.at(0, y, x) += a * (1 - measured_.at(0, y, x));
       }
   });
   // from the state, at its own pixels

@@ -22,6 +22,9 @@ class MotionEstimator final : public MotionPrior {
                 FlowQuality quality, StateMotion& motion) override;
 
  private:
+  void start_at_last(float ratio, Image<float>& to, Image<float>& from);
+  void continue_last(float ratio, Image<float>& to);
+  void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
   void bridge(float r, StateMotion& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
   void rate(const ExposedFrame* frame, StateMotion& motion);
@@ -30,11 +33,12 @@ class MotionEstimator final : public MotionPrior {
   WorkerPool& pool_;
   DenseFlow flow_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
-  Instant last_time_;  // where that step ended
+  Image<float> measured_;       // [1, rows, cols] 0..1: how much of that was measured, and how lately
+  Instant last_time_;           // where that step ended
   double last_interval_s_ = 0;  // its duration; 0 where it is unknown
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_;
-  Image<float> mask_, clipped_, clipped_after_, warped_, after_to_state_, state_to_after_;
+  Image<float> mask_, clipped_, clipped_after_, warped_, still_measured_, after_to_state_, state_to_after_;
   Image<float> start_to_, start_from_, blur_;  // start of the search; the state with motion blur
   Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
 };

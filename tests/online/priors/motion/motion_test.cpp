@@ -9,6 +9,36 @@
 
 using namespace hdrcam;
 
+namespace {
+
+constexpr int kRows = 64, kCols = 96;
+
+// What a linear camera shows of a picture of codes, all channels the same.
+template <class Code>
+ExposedFrame frame_of(int index, float exposure, Code&& code_at) {
+  ExposedFrame frame;
+  frame.index = index;
+  frame.facts.timestamp = Instant::from_seconds(index / 30.);
+  frame.exposure = exposure;
+  frame.codes = Image<float>(3, kRows, kCols);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x)
+        frame.codes.at(c, y, x) = code_at(static_cast<float>(x), static_cast<float>(y));
+  return frame;
+}
+
+// A state that knows what this frame shows.
+RadianceState state_of(const ExposedFrame& frame, const ExposureTables& tables, WorkerPool& pool) {
+  StateFilter filter({}, kRows, kCols, pool);
+  filter.restart(frame, tables);
+  RadianceState state;
+  state.copy_from(filter.state());
+  return state;
+}
+
+}  // namespace
+
 TEST_CASE("the drift of a scene is found between frames of different exposure, both ways") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
@@ -66,4 +96,60 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
     if (rows == 8)
       for (const float v : results[0]) REQUIRE(v == 0);
   }
+}
+
+TEST_CASE("what a frame clips is followed over it as fast as it moved before, though its texture repeats") {
+  constexpr float kPeriod = 16, kStep = 6;  // pixels; two steps look like 4 pixels back
+  const auto stripes = [&](int index) {
+    return frame_of(index, 1, [&](float x, float) {
+      return 100 + 60 * std::sin(6.2831853f * (x - kStep * static_cast<float>(index)) / kPeriod);
+    });
+  };
+  WorkerPool pool(1);
+  const Response response = Response::linear();
+  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const ExposedFrame second = stripes(1), after = stripes(3);
+  const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
+  const RadianceState at_first = state_of(stripes(0), usual, pool);
+  estimator.match(at_first, second, usual, FlowQuality::Fine, motion);
+  estimator.complete(at_first, second, {}, FlowQuality::Fine, motion);
+  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
+  const RadianceState at_second = state_of(second, usual, pool);
+  estimator.match(at_second, clipped, longer, FlowQuality::Fine, motion);
+  estimator.complete(at_second, clipped,
+                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
+                     FlowQuality::Fine, motion);
+  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
+  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(kStep).margin(0.5));
+}
+
+TEST_CASE("a motion that no frame measures any more gives way to that of its surroundings") {
+  constexpr float kStep = 5;  // pixels, of everything, in the first step; afterwards nothing moves
+  const auto texture = [](float x, float y) {
+    return 110 + 40 * std::sin(0.31f * x + 0.17f * y) + 40 * std::sin(0.23f * y - 0.11f * x);
+  };
+  const auto lamp = [](float x, float y) { return std::abs(x - 48) < 14 && std::abs(y - 32) < 14; };
+  WorkerPool pool(1);
+  const ExposureTables tables(Response::linear(), {}, 1);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const ExposedFrame first = frame_of(0, 1, [&](float x, float y) { return texture(x + kStep, y); });
+  const ExposedFrame second = frame_of(1, 1, texture);
+  const RadianceState at_first = state_of(first, tables, pool);
+  estimator.match(at_first, second, tables, FlowQuality::Fine, motion);
+  estimator.complete(at_first, second, {}, FlowQuality::Fine, motion);
+  REQUIRE(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(0.5));
+  // a lamp comes on, which no frame shows unclipped
+  const auto lit = [&](int index) {
+    return frame_of(index, 1, [&](float x, float y) { return lamp(x, y) ? kMaxCode : texture(x, y); });
+  };
+  const RadianceState at_lamp = state_of(lit(2), tables, pool);
+  for (int index = 2; index < 20; ++index) {
+    estimator.match(at_lamp, lit(index), tables, FlowQuality::Fine, motion);
+    estimator.complete(at_lamp, lit(index), {}, FlowQuality::Fine, motion);
+    if (index == 2) CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(1));
+  }
+  CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(0).margin(0.5));
 }
