@@ -4,6 +4,10 @@
 // same bits. Internal linkage, as for lanes.h.
 #pragma once
 
+#if defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
 #include <cstddef>
 
 #include "hal/core/lanes.h"
@@ -20,6 +24,9 @@ constexpr Whole kEachLane{0, 1, 2, 3, 4, 5, 6, 7};
 [[maybe_unused]] inline bool any_negative(Whole v) {
 #if defined(__AVX__)
   return __builtin_ia32_movmskps256((Lanes)v) != 0;
+#elif defined(__aarch64__)
+  return vminvq_s32(__builtin_shufflevector(v, v, 0, 1, 2, 3) | __builtin_shufflevector(v, v, 4, 5, 6, 7)) <
+         0;
 #else
   return (v[0] | v[1] | v[2] | v[3] | v[4] | v[5] | v[6] | v[7]) < 0;
 #endif
@@ -33,6 +40,10 @@ constexpr Whole kEachLane{0, 1, 2, 3, 4, 5, 6, 7};
 [[maybe_unused]] inline Lanes root(Lanes v) {
 #if defined(__AVX__)
   return __builtin_ia32_sqrtps256(v);
+#elif defined(__aarch64__)
+  const auto low = vsqrtq_f32(__builtin_shufflevector(v, v, 0, 1, 2, 3));
+  return __builtin_shufflevector(low, vsqrtq_f32(__builtin_shufflevector(v, v, 4, 5, 6, 7)), 0, 1, 2, 3, 4, 5,
+                                 6, 7);
 #else
   for (int k = 0; k < kLanes; ++k) v[k] = __builtin_sqrtf(v[k]);
   return v;

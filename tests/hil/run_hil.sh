@@ -17,36 +17,18 @@ build=$(cd "$1" && pwd); shift
 cache=${HIL_CACHE:-$here/../../build/hil}
 mkdir -p "$cache" && cache=$(cd "$cache" && pwd)
 cd "$cache"
-mkdir -p lists/partial cache/archives/partial host guest kernel build share
+mkdir -p host guest kernel build share
 : > no-packages
 
 started=$(date +%s)
 say() { printf '%4d s  %s\n' $(($(date +%s) - started)) "$*"; }
 setup_failed() { echo "hil: $*" >&2; exit 2; }
 
-# Debian's own lists, in files of our own.
-apt_options=(-o Dir::Etc::sourcelist="${HIL_SOURCES:-/etc/apt/sources.list.d/debian.sources}" -o Dir::Etc::sourceparts=/dev/null
-  -o Dir::State::lists="$cache/lists" -o Dir::Cache="$cache/cache" -o APT::Install-Recommends=false
-  -o APT::Sandbox::User=root -o Debug::NoLocking=1)
-
-download() {  # FOLDER PACKAGE...
-  mkdir -p "$1"
-  (cd "$1" && shift && apt-get "${apt_options[@]}" -qq download "$@") || setup_failed "cannot download $*"
-}
-
-# With everything that they depend on, as if nothing were installed (or, with HOST, as it is).
-download_closure() {  # FOLDER STATUS_FILE PACKAGE...
-  local folder=$1 status=$2
-  shift 2
-  apt-get "${apt_options[@]}" ${status:+-o Dir::State::status="$status"} -qq -y -d install "$@" > /dev/null ||
-    setup_failed "cannot download $*"
-  mkdir -p "$folder" && mv cache/archives/*.deb "$folder/"
-}
-
-unpack() { for package in "$1"/*.deb; do dpkg-deb -x "$package" "$2"; done; }
+# shellcheck source=tests/unpacked_packages.sh
+. "$here/../unpacked_packages.sh"
 
 fetch() {
-  apt-get "${apt_options[@]}" -qq update || setup_failed "apt-get update failed"
+  packages_in "$cache"
   local image version release
   image=$(apt-cache "${apt_options[@]}" depends linux-image-amd64 | awk '/Depends: linux-image-/{print $2; exit}')
   [ -n "$image" ] || setup_failed "apt knows no linux-image-amd64"

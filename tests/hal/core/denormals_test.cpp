@@ -23,7 +23,7 @@ bool keeps_denormals() {
 }  // namespace
 
 TEST_CASE("a thread that flushes denormals neither reads nor makes them, and no other thread is changed") {
-#if defined(__x86_64__)
+#if defined(__x86_64__) || defined(__aarch64__)
   bool before = false, after = true;
   std::thread([&] {
     before = keeps_denormals();
@@ -37,7 +37,7 @@ TEST_CASE("a thread that flushes denormals neither reads nor makes them, and no 
 }
 
 TEST_CASE("the threads of a pool flush denormals") {
-#if defined(__x86_64__)
+#if defined(__x86_64__) || defined(__aarch64__)
   WorkerPool pool(3);
   const std::thread::id caller = std::this_thread::get_id();
   std::array<bool, 3> kept{};
