@@ -9,7 +9,7 @@ struct FitBudget {
   int rays_per_step = 256;  // 32..4096, a multiple of 32: many small steps beat few large ones on a CPU
   int samples_per_ray = 8;  // 1..16 where the camera moves and depth is observable; a view costs as many
   int samples_without_parallax = 2;  // 1..16 where depth is not observable: two layers suffice
-  int interval = 1;                  // 1..64 frames: steps are taken at the first one and at each n-th after it
+  int interval = 1;                  // 1..64 frames: steps are taken at each n-th, from the first on
 };
 
 }  // namespace hdrcam

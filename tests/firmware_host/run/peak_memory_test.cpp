@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "firmware_host/run/memory_need.h"
-#include "tests/hal/recording/sample_recordings.h"
 #include "tests/allocations.h"
+#include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/process.h"
 
 #include <catch2/catch.hpp>
