@@ -170,17 +170,22 @@ TEST_CASE("one thread and two leave the same bytes, another seed leaves others")
   CHECK(one != replay_to("other", "1", "8"));
 }
 
-TEST_CASE("each layer can be had alone") {
+TEST_CASE("each layer can be had alone, and the field fills the state's picture where it is asked to") {
   const std::string folder = sample::scratch_folder("replay_layers");
-  std::vector<ExrImage> state, merged, field;
-  for (auto& [layer, pictures] : {std::pair{"state", &state}, {"merged", &merged}, {"field", &field}}) {
-    REQUIRE(ran_here({"replay", kDemo, "-o", folder + "/" + layer + "/%06d.exr", "--emit", layer, "--preset",
-                      "fast", "--layers", "provenance", "--frames", "8"})
-                .exit_code == 0);
-    for (const auto& path : files_in(folder + "/" + layer, ".exr"))
-      pictures->push_back(read_exr(posix_storage(), path).value());
-    REQUIRE(pictures->size() == 8);
-  }
+  const auto replayed = [&](const char* layer, const char* fill) {
+    const std::string frames = fmt::format("{}/{}_{}", folder, layer, fill);
+    REQUIRE(
+        ran_here({"replay", kDemo, "-o", frames + "/%06d.exr", "--emit", layer, "--set",
+                  std::string("fill=") + fill, "--preset", "fast", "--layers", "provenance", "--frames", "8"})
+            .exit_code == 0);
+    std::vector<ExrImage> pictures;
+    for (const auto& path : files_in(frames, ".exr"))
+      pictures.push_back(read_exr(posix_storage(), path).value());
+    REQUIRE(pictures.size() == 8);
+    return pictures;
+  };
+  const auto state = replayed("state", "off"), beside = replayed("merged", "off"),
+             merged = replayed("merged", "on"), field = replayed("field", "off");
   const auto plane = [](const ExrImage& picture, std::string_view name) {
     const auto channel = picture.find(name);
     REQUIRE(channel.has_value());
@@ -190,6 +195,7 @@ TEST_CASE("each layer can be had alone") {
   std::size_t answers = 0, elsewhere = 0, own = 0, of_field = 0, pixels = 0;
   for (std::size_t i = 0; i < 8; ++i) {
     const auto s = plane(state[i], "G"), m = plane(merged[i], "G"), f = plane(field[i], "G");
+    CHECK(std::ranges::equal(plane(beside[i], "G"), s));
     const auto from_s = plane(state[i], exr_channel::kProvenance),
                from_m = plane(merged[i], exr_channel::kProvenance),
                from_f = plane(field[i], exr_channel::kProvenance);
@@ -200,7 +206,7 @@ TEST_CASE("each layer can be had alone") {
     }
     pixels += s.size();
   }
-  CHECK(answers > 0);                 // merged is the state's picture ..
+  CHECK(answers > 0);                 // filled, it is the state's picture ..
   CHECK(elsewhere == 0);              // .. but where the field answers,
   CHECK(own == pixels);               // the state knows no field,
   CHECK(10 * of_field > 9 * pixels);  // and the field alone is another picture
