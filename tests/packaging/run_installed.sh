@@ -41,7 +41,7 @@ quiet "zsh parses its completion" zsh -n "$work/usr/share/zsh/vendor-completions
 quiet "fish parses its completion" fish --no-execute "$work/usr/share/fish/vendor_completions.d/hdrcam.fish"
 verbs=$(hdrcam --help | sed -n 's/^ *\$ hdrcam \([a-z]*\).*/\1/p')
 flags_in_help() {
-  { hdrcam "$1" --help; [ "$1" != bench ] || hdrcam bench pareto --help; } |
+  { hdrcam "$1" --help; [ "$1" != bench ] || for part in pareto kernels; do hdrcam bench $part --help; done; } |
     sed -n 's/^  \(-[^ =]*\).*/\1/p' | tr , '\n' | grep '^--' | sort -u
 }
 by_fish() { fish --no-config -c "source $work/usr/share/fish/vendor_completions.d/hdrcam.fish; complete -C 'hdrcam $1 --'" | cut -f1 | sort; }
