@@ -12,6 +12,9 @@ void CaptureCounters::count(const Judgement& judgement) {
     case Verdict::Plausible:
       ++plausible;
       break;
+    case Verdict::Estimated:
+      ++estimated;
+      break;
     case Verdict::Contradicted:
       ++contradicted;
       break;
@@ -23,8 +26,10 @@ void CaptureCounters::count(const Judgement& judgement) {
 }
 
 std::string proof_of(const CaptureCounters& camera) {
-  return fmt::format("exposures: {} proved, {} plausible, {} contradicted, {} unknown", camera.proved,
-                     camera.plausible, camera.contradicted, camera.unknown);
+  return fmt::format("exposures: {} proved, {} plausible, {}{} contradicted, {} unknown", camera.proved,
+                     camera.plausible,
+                     camera.estimated > 0 ? fmt::format("{} estimated, ", camera.estimated) : "",
+                     camera.contradicted, camera.unknown);
 }
 
 }  // namespace hdrcam

@@ -19,7 +19,7 @@ struct CaptureCounters {
   std::uint64_t damaged = 0;         // dropped: the driver reports incomplete pixels
   std::uint64_t undecodable = 0;     // dropped: too short, or a JPEG that does not decode
   std::uint64_t lost_by_camera = 0;  // never captured: gaps in sequence numbers and timestamps
-  std::uint64_t proved = 0, plausible = 0, contradicted = 0, unknown = 0;  // of the emitted
+  std::uint64_t proved = 0, plausible = 0, estimated = 0, contradicted = 0, unknown = 0;  // of the emitted
   std::uint64_t relabelled = 0;  // among the plausible: by the pictures alone
   std::uint64_t unreported = 0;  // frames whose exposure the driver did not report
   std::uint64_t repeated_cookies = 0;

@@ -65,7 +65,9 @@ struct Judgement {
   double within_ev = 0;          // remaining uncertainty of a proved label, stops
   std::optional<double> unique;  // ln E from pictures and strobe alone, where they are unanimous
 
-  bool trusted() const { return verdict == Verdict::Proved || verdict == Verdict::Plausible; }
+  bool trusted() const {
+    return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;
+  }
 };
 
 class ExposureProof {

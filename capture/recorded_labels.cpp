@@ -63,7 +63,8 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
 void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   constexpr std::size_t kRemembered = 16;  // labels: four rounds of the longest cycle
   if (!is_exposure(facts)) return;
-  const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot};
+  const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot,
+                    facts.exposure_source == ExposureSource::Estimated};
   const auto same = [](const Label& a) {
     return
         [value = a.log_value()](const Label& b) { return std::abs(value - b.log_value()) <= kSameExposure; };
@@ -144,6 +145,8 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
     frame.proof.verdict = Verdict::Proved;
   }
+  if (facts.exposure_source == ExposureSource::Estimated && frame.proof.trusted())
+    frame.proof.verdict = Verdict::Estimated;
   if (frame.proof.verdict == Verdict::Contradicted && is_exposure(facts)) {
     contradicted_.object("frame {}: its pictures contradict its exposure of {:.6g} s", facts.sequence,
                          facts.exposure());
@@ -169,14 +172,16 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;
   facts.slot = found->slot;
-  facts.exposure_source = ExposureSource::Photometric;
+  facts.exposure_source = found->estimated ? ExposureSource::Estimated : ExposureSource::Photometric;
   facts.exposure_within_ev.reset();
 }
 
 // An exposure cannot outlast its frame: its duration is wrong, though its ratio to the others may be right.
+// An estimated one has no duration.
 void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration> interval) {
   FrameFacts& facts = frame.raw.facts;
-  if (!interval || !outlasts_frame(facts.exposure_s, to_seconds(*interval))) return;
+  if (!interval || !facts.has_exposure_time() || !outlasts_frame(facts.exposure_s, to_seconds(*interval)))
+    return;
   if (frame.proof.verdict == Verdict::Proved) facts.verdict = frame.proof.verdict = Verdict::Plausible;
   overlong_.object("frame {}: an exposure of {:.6g} s does not fit into {:.6g} s", facts.sequence,
                    facts.exposure_s, to_seconds(*interval));

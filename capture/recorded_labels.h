@@ -2,7 +2,8 @@
 // (exposure_proof.h) and with two things that only a file allows. The first frames are judged backward as
 // well, from the frames after them, since none precede them. A label that all pictures contradict is replaced
 // where they agree on another of the clip's own exposures; otherwise the frame is flagged. An exposure that
-// was proved on the camera stays proved unless the pictures contradict it. Thread-bound.
+// was proved on the camera stays proved unless the pictures contradict it. Exposures that were estimated from
+// the pictures are at best estimated: pictures do not prove what was taken from them. Thread-bound.
 #pragma once
 
 #include <optional>
@@ -44,6 +45,7 @@ class RecordedLabels {
   struct Label {
     double exposure_s = 0, analogue_gain = 1, digital_gain = 1;
     int slot = -1;
+    bool estimated = false;
     double log_value() const;
   };
 

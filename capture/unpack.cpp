@@ -21,7 +21,8 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   frame.index = index;
   frame.reference_exposure = settings.reference_exposure;
   frame.exposure = static_cast<float>(raw.facts.exposure() / settings.reference_exposure);
-  const bool blurs = interval_s > 0 && !outlasts_frame(raw.facts.exposure_s, interval_s);
+  const bool blurs =
+      interval_s > 0 && raw.facts.has_exposure_time() && !outlasts_frame(raw.facts.exposure_s, interval_s);
   frame.blur_fraction = blurs ? static_cast<float>(std::min(1.0, raw.facts.exposure_s / interval_s)) : 0;
 
   const float scale = code_scale(settings.bits);

@@ -33,6 +33,7 @@ struct HdrFrame {
   float exposure = 1;                          // E / E_ref of the frame it belongs to
   double reference_exposure = 1;               // E_ref, seconds x gains
   float white = 1;                             // radiance that saturates the shortest exposure of the cycle
+  std::optional<ChannelGains> white_balance;   // applied to the radiance; none: the camera's own colours
   Image<float> radiance;                       // [rgb, rows, cols], finite, >= 0
   Image<float> sigma;                          // [1, rows, cols] standard deviation of ln radiance
   Image<std::uint8_t> provenance;              // [1, rows, cols] Provenance
@@ -55,6 +56,7 @@ inline void copy_picture(const HdrFrame& from, HdrFrame& to) {
   to.exposure = from.exposure;
   to.reference_exposure = from.reference_exposure;
   to.white = from.white;
+  to.white_balance = from.white_balance;
   to.pose = from.pose;
   to.length_unit = from.length_unit;
   to.lens = from.lens;

@@ -1,5 +1,7 @@
 #include "firmware_host/commands/recording_summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -60,11 +62,26 @@ void count(RecordingSummary& summary, const FrameFacts& facts, const FrameFacts*
       summary.shortest_exposure_s > 0 ? std::min(summary.shortest_exposure_s, exposure) : exposure;
 }
 
-std::string schedule_text(const ExposureCycle& cycle) {
+// Exposures that were estimated from the pictures are no times.
+bool is_relative(const RecordingSummary& summary) {
+  return summary.sources.contains(name(ExposureSource::Estimated));
+}
+
+std::string schedule_text(const RecordingSummary& summary) {
+  const ExposureCycle& cycle = summary.cycle;
   if (cycle.period == 0) return "none found";
   std::string text;
   for (const double slot : slots_ev(cycle)) text += fmt::format("{}{:+.2f}", text.empty() ? "" : " / ", slot);
-  return fmt::format("{} slot(s): {} EV about {:.6g} s", cycle.period, text, reference_s(cycle));
+  return fmt::format("{} slot(s): {} EV{}", cycle.period, text,
+                     is_relative(summary) ? "" : fmt::format(" about {:.6g} s", reference_s(cycle)));
+}
+
+std::string exposures_text(const RecordingSummary& summary) {
+  if (!(summary.longest_exposure_s > 0)) return "unknown";
+  if (is_relative(summary))
+    return fmt::format("estimated from the pictures, relative, {:.2f} EV", range_ev(summary));
+  return fmt::format("{:.6g} .. {:.6g} s, {:.2f} EV", summary.shortest_exposure_s, summary.longest_exposure_s,
+                     range_ev(summary));
 }
 
 }  // namespace
@@ -105,11 +122,9 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
     row("lens", fmt::format("f {:.6g} x {:.6g} px, centre {:.6g}, {:.6g}", lens->fx_px, lens->fy_px,
                             lens->cx_px, lens->cy_px));
   row("response", camera.linear ? "linear" : camera.response.empty() ? "unknown" : "known");
-  row("schedule", schedule_text(summary.cycle));
-  row("exposures", summary.longest_exposure_s > 0
-                       ? fmt::format("{:.6g} .. {:.6g} s, {:.2f} EV", summary.shortest_exposure_s,
-                                     summary.longest_exposure_s, range_ev(summary))
-                       : "unknown");
+  if (camera.white_balance) row("white", fmt::format("gains {:.4g}", fmt::join(*camera.white_balance, ", ")));
+  row("schedule", schedule_text(summary));
+  row("exposures", exposures_text(summary));
   row("verdict", counts_text(summary.verdicts));
   row("source", counts_text(summary.sources));
   if (summary.black_level) row("black level", fmt::format("{:.2f} codes of 255", (*summary.black_level)[1]));

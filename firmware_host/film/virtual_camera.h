@@ -22,7 +22,7 @@ namespace hdrcam {
 class VirtualCamera {
  public:
   // A film frame with the newest input at that time. Valid during the call.
-  using Show = std::function<Result<void>(const HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
+  using Show = std::function<Result<void>(HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
 
   // The pool outlives the camera.
   VirtualCamera(const FilmPlan& plan, WorkerPool& pool);

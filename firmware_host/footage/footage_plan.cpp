@@ -106,7 +106,7 @@ void take_walk(FootagePlan& plan) {
     facts.analogue_gain = exposure.gain, facts.digital_gain = 1;
     facts.slot = slot;
     facts.exposure_source =
-        plan.origin == ExposureOrigin::Cycle ? ExposureSource::Declared : ExposureSource::Photometric;
+        plan.origin == ExposureOrigin::Cycle ? ExposureSource::Declared : ExposureSource::Estimated;
   }
 }
 

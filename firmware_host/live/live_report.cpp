@@ -89,6 +89,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.lost", camera.lost_by_camera},
       {"camera.proved", camera.proved},
       {"camera.plausible", camera.plausible},
+      {"camera.estimated", camera.estimated},
       {"camera.contradicted", camera.contradicted},
       {"camera.unknown", camera.unknown},
       {"camera.relabelled", camera.relabelled},

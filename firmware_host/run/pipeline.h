@@ -33,8 +33,8 @@ FieldUse field_use(const Settings& settings, const PipelineOptions& options, Fie
 
 class Pipeline {
  public:
-  // An emitted frame with its estimate. Valid during the call.
-  using Deliver = std::function<Result<void>(const HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
+  // An emitted frame, which the receiver may change, with its estimate. Valid during the call.
+  using Deliver = std::function<Result<void>(HdrFrame&, const FrameEstimate&, const FrameRecord&)>;
   // A frame that is not emitted, because its budget said so.
   using LeftOut = std::function<void()>;
 

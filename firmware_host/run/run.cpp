@@ -22,6 +22,7 @@
 #include "hal/core/thread_name.h"
 #include "online/exposure/cycle_choice.h"
 #include "render/scores/scores.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
@@ -189,6 +190,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   TRY(check_needs(settings));
   const CameraFacts& camera = source.camera();
   const RunPace pace = source.pace();
+  const std::optional<ChannelGains> balance = TRY(white_balance_gains(settings.output.white_balance, camera));
 
   // The method and the sinks.
   const bool field_is_seen = !plan.truth.empty() || plan.film != nullptr;
@@ -223,11 +225,11 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
 
   // Output: each HDR frame goes to the sinks, and its record is kept.
   bool response_told = camera.linear;
-  const VirtualCamera::Show show = [&](const HdrFrame& hdr, const ExposedFrame& input,
-                                       const FrameRecord& made) {
+  const VirtualCamera::Show show = [&](HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+    if (balance) apply_white_balance(*balance, hdr);
     return sinks.emit({hdr, input, made});
   };
-  const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate& estimate,
+  const Pipeline::Deliver deliver = [&](HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
     FrameRecord& kept = keep(made, pace, record);
     if (governor) kept.rung = governor->rung();
@@ -235,6 +237,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     Stopwatch watch;
     const bool previews = !governor || governor->previews();
     const TraceSpan span(plan.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
+    if (balance && !film) apply_white_balance(*balance, hdr);
     if (film)
       TRY(film->take(hdr, estimate, pipeline.online(), show));
     else

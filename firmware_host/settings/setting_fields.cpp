@@ -305,6 +305,10 @@ std::vector<SettingField> output_fields() {
       {"depth", "flow", "flow_forward", "field_flow", "field_flow_forward", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
+  fields.push_back(choice<&Settings::output, &O::white_balance, WhiteBalance::None, WhiteBalance::Camera>(
+      "output.white_balance", "--white-balance",
+      "of all outputs: the sensor's own colours, or white as the camera's file states it",
+      {"none", "camera"}));
   fields.push_back(any<&Settings::output, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
   fields.back().secret = true;

@@ -17,6 +17,7 @@
 #include "hal/trigger_line.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 
@@ -74,6 +75,7 @@ struct Settings {
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
     ExrCompression compression = ExrCompression::Zip;
+    WhiteBalance white_balance = WhiteBalance::None;
     std::string http_token;  // of the live view's actions; "": made at the start
     std::string http_takes;  // recordings that its page starts: "takes/%03d.mkv"; "": none
 

@@ -67,7 +67,7 @@ void describe(const FramePose& pose, ExrAttributes& attributes) {
 ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& options, Instant start) {
   const FrameFacts& facts = frame.facts;
   ExrAttributes attributes;
-  attributes.exposure_s = facts.exposure_s;
+  if (facts.has_exposure_time()) attributes.exposure_s = facts.exposure_s;
   attributes.framerate_hz = options.framerate_hz;
   attributes.white_cd_m2 = options.white_cd_m2;
   attributes.chromaticities = Chromaticities{};
@@ -76,6 +76,8 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   if (frame.pose) describe(*frame.pose, attributes);
   attributes.owner = options.owner;
   describe(options.layers, frame.length_unit, attributes.texts);
+  if (frame.white_balance)
+    attributes.texts["hdrcam.whiteBalance"] = fmt::format("{:.6g}", fmt::join(*frame.white_balance, ", "));
   attributes.texts["hdrcam.gain"] = fmt::format("{:.6g}", facts.analogue_gain * facts.digital_gain);
   attributes.texts["hdrcam.exposureSource"] = name(facts.exposure_source);
   if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
@@ -84,9 +86,12 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   attributes.texts[kSinceStart] = fmt::format("{:.9f}", to_seconds(facts.timestamp - start));
   attributes.texts[kWhite] = fmt::format("{}", frame.white);
   attributes.comments = fmt::format(
-      "hdrcam {}; frame {}; radiance 1 saturates the reference exposure {:.6g} s; this frame's exposure is "
+      "hdrcam {}; frame {}; radiance 1 saturates the reference exposure{}; this frame's exposure is "
       "{:.6g} of it",
-      kVersion, facts.sequence, frame.reference_exposure, frame.exposure);
+      kVersion, facts.sequence,
+      facts.has_exposure_time() ? fmt::format(" {:.6g} s", frame.reference_exposure)
+                                : ", which is estimated: no time is known",
+      frame.exposure);
   return attributes;
 }
 

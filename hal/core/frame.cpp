@@ -14,6 +14,8 @@ const char* name(ExposureSource source) {
       return "predicted";
     case ExposureSource::Photometric:
       return "photometric";
+    case ExposureSource::Estimated:
+      return "estimated";
     case ExposureSource::Unknown:
       break;
   }
@@ -26,6 +28,8 @@ const char* name(Verdict verdict) {
       return "proved";
     case Verdict::Plausible:
       return "plausible";
+    case Verdict::Estimated:
+      return "estimated";
     case Verdict::Contradicted:
       return "contradicted";
     case Verdict::Unknown:

@@ -23,17 +23,28 @@ struct Intrinsics {
 // A rigid transform T_world_camera, row-major 3x4; camera axes x right, y down, z forward, metres.
 using PoseMatrix = std::array<double, 12>;
 
-// Where the exposure value of a frame comes from, best first.
-enum class ExposureSource { Embedded, Reported, Declared, Predicted, Photometric, Unknown };
+// Where the exposure value of a frame comes from, best first. Estimated: nobody stated any exposure of the
+// clip; the pictures' ratios gave them all, so they are relative to each other and no times.
+enum class ExposureSource { Embedded, Reported, Declared, Predicted, Photometric, Estimated, Unknown };
+inline constexpr ExposureSource kExposureSources[] = {ExposureSource::Embedded,    ExposureSource::Reported,
+                                                      ExposureSource::Declared,    ExposureSource::Predicted,
+                                                      ExposureSource::Photometric, ExposureSource::Estimated,
+                                                      ExposureSource::Unknown};
 const char* name(ExposureSource source);
 
 // How certain the exposure of a frame is, judged by pictures and strobe (capture/exposure_proof.h).
-enum class Verdict { Proved, Plausible, Contradicted, Unknown };
+// Estimated: the pictures agree with an exposure that has itself been estimated from them.
+enum class Verdict { Proved, Plausible, Estimated, Contradicted, Unknown };
+inline constexpr Verdict kVerdicts[] = {Verdict::Proved, Verdict::Plausible, Verdict::Estimated,
+                                        Verdict::Contradicted, Verdict::Unknown};
 const char* name(Verdict verdict);
 
 enum class PixelLayout { Rgb, Mono, BayerRggb, BayerGrbg, BayerGbrg, BayerBggr };
 const char* name(PixelLayout layout);
 inline int channels(PixelLayout layout) { return layout == PixelLayout::Rgb ? 3 : 1; }
+
+// Factors of R, G and B.
+using ChannelGains = std::array<double, 3>;
 
 struct CameraFacts {
   std::string name;           // of the camera or clip
@@ -44,6 +55,8 @@ struct CameraFacts {
   bool linear = false;  // codes are proportional to light (raw)
   std::optional<Intrinsics> intrinsics;
   std::vector<std::vector<double>> response;  // [rgb][256] code/max -> relative exposure, empty if unknown
+  // What the camera would multiply its codes with to make the scene's light grey, G = 1. It is not applied.
+  std::optional<ChannelGains> white_balance;
 };
 
 // The facts of one frame. Exposure product E = exposure_s * analogue_gain * digital_gain.
@@ -61,6 +74,8 @@ struct FrameFacts {
   std::optional<PoseMatrix> T_world_camera;
 
   double exposure() const { return exposure_s * analogue_gain * digital_gain; }
+  // Whether exposure_s is a time, and not only a ratio to the clip's other exposures.
+  bool has_exposure_time() const { return exposure_source != ExposureSource::Estimated; }
 };
 
 enum FrameFlag : std::uint32_t {

@@ -72,6 +72,7 @@ class FootageFiles : public FootageReader {
     camera_.bits = file_->facts().bits, camera_.layout = file_->facts().layout;
     camera_.framerate_hz = file_->facts().framerate_hz > 0 ? file_->facts().framerate_hz : stills_hz_;
     camera_.linear = file_->facts().linear;
+    camera_.white_balance = file_->facts().white_balance;
     about_ = file_->facts().format;
     return {};
   }

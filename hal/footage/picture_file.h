@@ -16,8 +16,9 @@ struct PictureFileFacts {
   int bits = 8;
   PixelLayout layout = PixelLayout::Rgb;
   bool linear = false;
-  std::string format;       // "h264, yuv420p"
-  double framerate_hz = 0;  // 0 of a still
+  std::string format;                              // "h264, yuv420p"
+  double framerate_hz = 0;                         // 0 of a still
+  std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 
 class PictureFile {

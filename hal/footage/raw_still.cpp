@@ -39,6 +39,15 @@ void read_time_text(void* texts, int tag, int, int length, unsigned, void* file,
   text->resize(static_cast<std::size_t>(std::max(read, 0)));
 }
 
+// The gains as shot, green 1; none where the file does not state them.
+std::optional<ChannelGains> white_balance_of(const libraw_colordata_t& color) {
+  const auto gain = [&color](int c) { return static_cast<double>(color.cam_mul[c]); };
+  for (int c = 0; c < 3; ++c)
+    if (!(gain(c) > 0)) return std::nullopt;
+  const double green = gain(3) > 0 ? 0.5 * (gain(1) + gain(3)) : gain(1);
+  return ChannelGains{gain(0) / green, 1, gain(2) / green};
+}
+
 // By the colours of the first two rows.
 std::optional<PixelLayout> layout_of(LibRaw& raw) {
   const auto color = [&raw](int row, int col) { return raw.imgdata.idata.cdesc[raw.COLOR(row, col)]; };
@@ -93,6 +102,7 @@ class RawStill : public PictureFile {
       std::transform(row, row + sizes.width, frame_.codes.row(0, y),
                      [&](ushort code) { return code >= white ? largest : static_cast<std::uint16_t>(code); });
     }
+    facts_.white_balance = white_balance_of(raw.imgdata.color);
     taken_ = exif_time(times.date_time, times.sub_second, times.offset);
     add_facts(raw);
     return {};

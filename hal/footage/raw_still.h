@@ -1,7 +1,7 @@
 // The raw still of a camera (DNG, CR2, NEF and what else LibRaw knows): the codes of its sensor as a Bayer
 // mosaic, linear, with the black level and the exposure that the file states. Codes at the sensor's white
-// level become the largest code, so that clipped is clipped. White balance is not applied: the mosaic stays
-// what the sensor saw.
+// level become the largest code, so that clipped is clipped. The camera's white balance is a fact beside the
+// mosaic, which stays what the sensor saw.
 #pragma once
 
 #include <memory>

@@ -146,6 +146,10 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   if (clip.has("fx"))
     camera.intrinsics = Intrinsics{TRY(clip.number("fx")), TRY(clip.number("fy")), TRY(clip.number("cx")),
                                    TRY(clip.number("cy"))};
+  if (clip.has("white_balance")) {
+    const auto gains = TRY(clip.numbers("white_balance", 3));
+    std::copy(gains.begin(), gains.end(), camera.white_balance.emplace().begin());
+  }
   if (const auto objection = objection_to(camera))
     return Error{ErrorCode::Invalid, fmt::format("{}: {}", clip.where(), *objection)};
   if (clip.has("response")) {
@@ -188,14 +192,15 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   if (fields.has("exposure_source")) {
     const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
     if (!source)
-      return fields.wrong("exposure_source",
-                          "it is one of embedded, reported, declared, predicted, photometric, unknown");
+      return fields.wrong(
+          "exposure_source",
+          "it is one of embedded, reported, declared, predicted, photometric, estimated, unknown");
     facts.exposure_source = *source;
   }
   if (fields.has("verdict")) {
     facts.verdict = verdict_named(TRY(fields.text("verdict")));
     if (!facts.verdict)
-      return fields.wrong("verdict", "it is one of proved, plausible, contradicted, unknown");
+      return fields.wrong("verdict", "it is one of proved, plausible, estimated, contradicted, unknown");
   }
   if (fields.has("exposure_within_ev")) facts.exposure_within_ev = TRY(fields.number("exposure_within_ev"));
   if (fields.has("c2w")) {
@@ -278,6 +283,7 @@ std::string clip_to_json(const Clip& clip) {
     head["layout"] = name(camera.layout);
   if (camera.linear) head["linear"] = true;
   if (!camera.response.empty()) head["response"] = camera.response;
+  if (camera.white_balance) head["white_balance"] = *camera.white_balance;
 
   const auto told = slots_of(clip.frames);
   bool with_slots = false;

@@ -61,6 +61,10 @@ CameraFacts camera_of(const Json& json) {
       auto& values = camera.response.emplace_back();
       for (const Json& value : row) values.push_back(number(value));
     }
+  if (const auto gains = json.find("white_balance"); gains != json.end()) {
+    auto& balance = camera.white_balance.emplace();
+    for (std::size_t c = 0; c < balance.size(); ++c) balance[c] = number(gains->at(c));
+  }
   return camera;
 }
 
@@ -95,6 +99,7 @@ std::string to_json(const CameraFacts& camera) {
     json["intrinsics"] = {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
   if (!camera.response.empty()) json["response"] = camera.response;
+  if (camera.white_balance) json["white_balance"] = *camera.white_balance;
   return dumped(json);
 }
 
@@ -164,14 +169,13 @@ std::optional<PixelLayout> layout_named(std::string_view wanted) {
 }
 
 std::optional<ExposureSource> exposure_source_named(std::string_view wanted) {
-  for (const auto source : {ExposureSource::Embedded, ExposureSource::Reported, ExposureSource::Declared,
-                            ExposureSource::Predicted, ExposureSource::Photometric, ExposureSource::Unknown})
+  for (const ExposureSource source : kExposureSources)
     if (wanted == name(source)) return source;
   return std::nullopt;
 }
 
 std::optional<Verdict> verdict_named(std::string_view wanted) {
-  for (const auto verdict : {Verdict::Proved, Verdict::Plausible, Verdict::Contradicted, Verdict::Unknown})
+  for (const Verdict verdict : kVerdicts)
     if (wanted == name(verdict)) return verdict;
   return std::nullopt;
 }

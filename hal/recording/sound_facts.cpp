@@ -10,7 +10,8 @@ constexpr double kMostPictures = 10;     // between the principal point and the 
 constexpr double kMostDistance_m = 1e7;  // from the world's origin
 constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotation from 0 or 1
 constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
-constexpr Duration kLatest{4'000'000'000'000'000'000};  // differences of two still fit 64 bits
+constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;  // of a white balance
+constexpr Duration kLatest{4'000'000'000'000'000'000};   // differences of two still fit 64 bits
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
 
@@ -55,6 +56,11 @@ std::optional<std::string> objection_to(const CameraFacts& camera) {
   if (!within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
     return fmt::format("the frame rate is {:g}; {:g} to {:g} frames a second are possible",
                        camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
+  if (camera.white_balance)
+    for (const double gain : *camera.white_balance)
+      if (!within(gain, kLeastGain, kMostGain))
+        return fmt::format("the white balance has a gain of {:g}; {:g} to {:g} are possible", gain,
+                           kLeastGain, kMostGain);
   if (camera.intrinsics) return objection_to(*camera.intrinsics, camera.width, camera.height);
   return std::nullopt;
 }

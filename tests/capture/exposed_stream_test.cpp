@@ -43,6 +43,25 @@ TEST_CASE("the first frames of a stream wait for their cycle, then each is hande
   }
 }
 
+TEST_CASE("a frame is blurred for as long as it was exposed, and not at all where only the ratio is known") {
+  test::MovingScene scene;
+  scene.exposures_s = {0.001, 0.004, 0.016};
+  for (const ExposureSource source : {ExposureSource::Declared, ExposureSource::Estimated}) {
+    ExposedStream stream(scene.camera(), 3, StatedBlack::Kept);
+    Handed handed;
+    for (int i = 0; i < 6; ++i) {
+      RawFrame frame = scene.frame(i);
+      frame.facts.exposure_source = source;
+      REQUIRE(stream.take(frame, handed.keep()).ok());
+    }
+    for (std::size_t i = 0; i < 6; ++i) {
+      const double expected =
+          source == ExposureSource::Declared ? scene.exposures_s[i % 3] * scene.framerate_hz : 0;
+      CHECK(handed.frames[i].blur_fraction == Approx(expected));
+    }
+  }
+}
+
 TEST_CASE("a short stream is handed on at its end, and one frame is too few") {
   const test::MovingScene scene;
   for (const int frames : {1, 2, 5}) {

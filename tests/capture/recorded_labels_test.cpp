@@ -103,6 +103,30 @@ TEST_CASE("right exposures of a recording stay as they are, and pictures prove t
   }
 }
 
+TEST_CASE(
+    "exposures that were estimated from the pictures are estimated, never proved, and right among each other",
+    "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  std::vector<RawFrame> frames = with_labels(scene, 24, [](int i, int) { return i == 7 ? 8 : i; });
+  for (RawFrame& frame : frames) {
+    frame.facts.exposure_source = ExposureSource::Estimated;
+    frame.facts.exposure_s *= 100;  // relative: longer than the frames, which nothing says against
+  }
+  const Judged result = judged(scene, std::move(frames));
+  CHECK(result.counters.estimated == 24);
+  CHECK(result.counters.relabelled == 1);
+  CHECK(proof_of(result.counters) ==
+        "exposures: 0 proved, 0 plausible, 24 estimated, 0 contradicted, 0 unknown");
+  for (const FrameFacts& facts : result.facts) {
+    CHECK(facts.verdict == Verdict::Estimated);
+    CHECK(facts.exposure_source == ExposureSource::Estimated);
+    CHECK(facts.exposure_s == Approx(100 * true_exposure_s(scene, facts)));
+    CHECK(facts.flags == 0);
+  }
+  REQUIRE(result.warnings.size() == 1);  // of frame 7, and not of times that are none
+  CHECK(result.warnings.front().find("frame 7") != std::string::npos);
+}
+
 TEST_CASE("exposures shifted by a frame, or told in reverse, are found from the first frame on",
           "[capture]") {
   const std::pair<const char*, Relabelling> errors[] = {

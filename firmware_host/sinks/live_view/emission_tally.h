@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <iterator>
 #include <mutex>
 #include <vector>
 
@@ -22,13 +23,13 @@ struct EmissionFigures {
   using Clock = std::chrono::steady_clock;
 
   std::uint64_t frames = 0;
-  Clock::time_point begin{}, newest{};        // newest: none without frames
-  double per_second = 0;                      // of the latest frames
-  double latency_ms = 0;                      // of the newest frame, on a camera
-  double processing_ms = 0;                   // in all
-  FrameValues stages_ms = {};                 // in all
-  std::array<std::uint64_t, 4> verdicts{};    // by enum Verdict
-  std::vector<ExposureInUse> exposures = {};  // short to long
+  Clock::time_point begin{}, newest{};                         // newest: none without frames
+  double per_second = 0;                                       // of the latest frames
+  double latency_ms = 0;                                       // of the newest frame, on a camera
+  double processing_ms = 0;                                    // in all
+  FrameValues stages_ms = {};                                  // in all
+  std::array<std::uint64_t, std::size(kVerdicts)> verdicts{};  // by enum Verdict
+  std::vector<ExposureInUse> exposures = {};                   // short to long
 };
 
 class EmissionTally {

@@ -17,8 +17,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr Verdict kVerdicts[] = {Verdict::Proved, Verdict::Plausible, Verdict::Contradicted,
-                                 Verdict::Unknown};
 constexpr std::string_view kDropped = "dropped.";
 constexpr float kLargestHalf = 65504;
 

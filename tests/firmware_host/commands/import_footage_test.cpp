@@ -169,7 +169,7 @@ TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and t
              Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
 }
 
-TEST_CASE("with no exposures at all the ratios are estimated, and called photometric") {
+TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(frames)).ok());
@@ -178,7 +178,8 @@ TEST_CASE("with no exposures at all the ratios are estimated, and called photome
   REQUIRE(replayed.frames.size() == 36);
   for (std::size_t i = 0; i + 3 < 36; ++i) {
     const FrameFacts &a = replayed.frames[i].facts, &b = replayed.frames[i + 1].facts;
-    CHECK(a.exposure_source == ExposureSource::Photometric);
+    CHECK(a.exposure_source == ExposureSource::Estimated);
+    CHECK(a.verdict == Verdict::Estimated);
     const bool brighter = frames[i + 1] % 3 != 0;
     const double stops = std::log2(b.exposure_s / a.exposure_s);
     CHECK(stops ==

@@ -216,6 +216,32 @@ TEST_CASE("names in a recording cannot move the cursor of a terminal") {
   CHECK(table.find("\\u001B[2Jgone\\u0007") != std::string::npos);
 }
 
+TEST_CASE("info says that estimated exposures are relative, and what white balance the camera states") {
+  const std::string path = sample::scratch_folder("info_estimated") + "/x.mkv";
+  CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  camera.white_balance = ChannelGains{2.125, 1, 1.5};
+  auto frames = sample::frames(camera, 8, 2);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    FrameFacts& facts = frames[i].facts;
+    facts.exposure_s = i % 2 == 0 ? 0.001 : 0.016;
+    facts.analogue_gain = facts.digital_gain = 1;
+    facts.exposure_source = ExposureSource::Estimated, facts.verdict = Verdict::Estimated;
+  }
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto summary = summarize(posix_storage(), path);
+  REQUIRE(summary.ok());
+  const std::string table = as_table(summary.value(), path);
+  for (const char* words :
+       {"estimated from the pictures, relative, 4.00 EV", "8 estimated", "gains 2.125, 1, 1.5"}) {
+    INFO(table << words);
+    CHECK(table.find(words) != std::string::npos);
+  }
+  CHECK(table.find("EV about") == std::string::npos);
+  const auto json = nlohmann::json::parse(as_json(summary.value(), path));
+  CHECK(json.at("verdicts").at("estimated") == 8);
+  CHECK(json.at("exposure_sources").at("estimated") == 8);
+}
+
 TEST_CASE("info counts what is there and what is missing") {
   const std::string path = sample::scratch_folder("info") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
@@ -226,6 +252,7 @@ TEST_CASE("info counts what is there and what is missing") {
     facts.exposure_s = facts.sequence % 2 == 0 ? 0.001 : 0.016;
     facts.analogue_gain = facts.digital_gain = 1;
     facts.flags = i == 5 ? kFrameAfterDrop | kFrameExposureUnproved : 0;
+    facts.exposure_source = ExposureSource::Declared;
   }
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
   const auto summary = summarize(posix_storage(), path);

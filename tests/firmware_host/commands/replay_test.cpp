@@ -1,5 +1,8 @@
 // The main job from outside: the program, a recording, and what it leaves on the disk.
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +17,7 @@
 #include "render/hdr_frame.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
+#include "tests/support/dng_file.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/ran_here.h"
 
@@ -168,6 +172,53 @@ TEST_CASE("one thread and two leave the same bytes, another seed leaves others")
   REQUIRE(one.size() == 7);
   CHECK(one == replay_to("two", "2", "7"));
   CHECK(one != replay_to("other", "1", "8"));
+}
+
+TEST_CASE(
+    "a grey scene filmed as raw stills is grey with the white balance of its camera, and the sensor's "
+    "colours without") {
+  const std::string folder = sample::scratch_folder("replay_white");
+  constexpr double kSensitivity[] = {0.5, 1,
+                                     1 / 1.5};  // of red, green, blue; the stills state what undoes it
+  for (int i = 0; i < 9; ++i) {
+    test::DngStill still;
+    still.shutter_per_s = std::array{1000u, 250u, 62u}[static_cast<std::size_t>(i % 3)];
+    still.code_at = [&](int y, int x) {
+      const double radiance =
+          std::exp2(3 + 2 * std::sin(x * 0.21) * std::cos(y * 0.17) + std::sin(x * 0.05 + y * 0.09));
+      const int color = still.pattern[static_cast<std::size_t>(2 * (y % 2) + x % 2)];
+      const double codes = 12000 * radiance * kSensitivity[color] / still.shutter_per_s;
+      return static_cast<std::uint16_t>(std::min<double>(still.black + std::round(codes), still.white));
+    };
+    test::write_dng(fmt::format("{}/{}.dng", folder, i), still);
+  }
+  const std::string clip = folder + "/clip.mkv";
+  REQUIRE(ran_here({"import", folder, "-o", clip}).exit_code == 0);
+  const auto ratios = [&](const std::string& balance) {
+    const std::string frames = folder + "/" + balance;
+    REQUIRE(ran_here({"replay", clip, "-o", frames + "/%06d.exr", "--emit", "state", "--preset", "fast",
+                      "--white-balance", balance})
+                .exit_code == 0);
+    const ExrImage last = read_exr(posix_storage(), files_in(frames, ".exr").back()).value();
+    std::array<double, 3> mean{};
+    for (std::size_t c = 0; c < 3; ++c)
+      for (const float value :
+           std::span(last.samples.plane(*last.find(exr_channel::kRadiance[c])), last.samples.plane_size()))
+        mean[c] += static_cast<double>(value);
+    CHECK(last.attributes.texts.contains("hdrcam.whiteBalance") == (balance == "camera"));
+    return std::pair(mean[0] / mean[1], mean[2] / mean[1]);
+  };
+  const auto [red, blue] = ratios("camera");
+  CHECK(red == Approx(1).epsilon(0.04));
+  CHECK(blue == Approx(1).epsilon(0.04));
+  const auto [sensor_red, sensor_blue] = ratios("none");
+  CHECK(sensor_red == Approx(kSensitivity[0]).epsilon(0.04));
+  CHECK(sensor_blue == Approx(kSensitivity[2]).epsilon(0.04));
+
+  const RanHere refused =
+      ran_here({"replay", kDemo, "-o", folder + "/x/%06d.exr", "--white-balance", "camera"});
+  CHECK(refused.exit_code != 0);
+  CHECK(refused.err.find("states no white balance") != std::string::npos);
 }
 
 TEST_CASE("each layer can be had alone, and the field fills the state's picture where it is asked to") {

@@ -58,6 +58,24 @@ TEST_CASE("each frame becomes one EXR, numbered by the sensor's sequence, with r
   CHECK(*second.value().attributes.time_code == TimeCode{0, 0, 0, 2});
 }
 
+TEST_CASE("a file says of an estimated exposure that it is one, and states no time that nobody knows") {
+  const std::string folder = scratch_folder("exr-estimated");
+  auto sink = create_exr_sequence(posix_storage(), folder + "/%04d.exr", {});
+  REQUIRE(sink.ok());
+  HdrFrame frame = example_frame(1);
+  frame.facts.exposure_source = ExposureSource::Estimated, frame.facts.verdict = Verdict::Estimated;
+  frame.white_balance = ChannelGains{2, 1, 1.5};
+  REQUIRE(emit(*sink.value(), frame).ok());
+  const auto read = read_exr(posix_storage(), folder + "/0001.exr");
+  REQUIRE(read.ok());
+  const ExrAttributes& facts = read.value().attributes;
+  CHECK(facts.texts.at("hdrcam.exposureSource") == "estimated");
+  CHECK(facts.texts.at("hdrcam.exposureVerdict") == "estimated");
+  CHECK(facts.texts.at("hdrcam.whiteBalance") == "2, 1, 1.5");
+  CHECK_FALSE(facts.exposure_s);
+  CHECK_THAT(facts.comments, Contains("estimated: no time is known"));
+}
+
 TEST_CASE("the layers that were asked for are in the file, and no others") {
   const std::string folder = scratch_folder("exr-layers");
   const ExrLayers all{.depth = true,

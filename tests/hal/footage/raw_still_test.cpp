@@ -55,13 +55,18 @@ TEST_CASE("a raw still is the mosaic of its sensor, linear, with black level and
   }
 }
 
-TEST_CASE("a raw still says when it was taken") {
-  const std::string folder = sample::scratch_folder("raw_still_time");
+TEST_CASE("a raw still carries the white balance of its camera and the time at which it was taken") {
+  const std::string folder = sample::scratch_folder("raw_still_facts");
   test::DngStill still;
   still.code_at = code_at;
   still.date_time = "2026:11:22 17:03:04", still.sub_second = "25";
   auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/a.dng", still)}, 0);
   REQUIRE(footage.ok());
+  REQUIRE(footage.value()->camera().white_balance);
+  const ChannelGains& gains = *footage.value()->camera().white_balance;  // 1 / AsShotNeutral
+  CHECK(gains[0] == Approx(2));
+  CHECK(gains[1] == 1);
+  CHECK(gains[2] == Approx(1.5));
   RawFrame frame;
   REQUIRE(footage.value()->next(frame).value());
   const auto taken = footage.value()->taken();
@@ -69,9 +74,10 @@ TEST_CASE("a raw still says when it was taken") {
   CHECK(taken->local == exif_time("2026:11:22 17:03:04", "25", "")->local);
   CHECK(taken->tick == std::chrono::milliseconds(10));
 
-  still.date_time.clear(), still.sub_second.clear();
+  still.neutral.clear(), still.date_time.clear(), still.sub_second.clear();
   footage = open_footage(posix_storage(), {test::write_dng(folder + "/b.dng", still)}, 0);
   REQUIRE(footage.ok());
+  CHECK_FALSE(footage.value()->camera().white_balance);
   REQUIRE(footage.value()->next(frame).value());
   CHECK_FALSE(footage.value()->taken());
 }

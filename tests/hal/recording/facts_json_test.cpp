@@ -28,5 +28,40 @@ TEST_CASE("a whole number of the facts that is none, or beyond its range, is ref
   require_error(record_from_json(facts_with("flags", "4294967296"), 8), ErrorCode::Corrupt);
 }
 
+// As files of before November 2026 have it: without verdict, estimate and white balance.
+constexpr const char* kEarlyFacts =
+    R"({"index":3,"sequence":4,"timestamp_ns":100000000,"exposure_s":0.004,"analogue_gain":2.0,"digital_gain":1.0,)"
+    R"("slot":1,"black_level":16.0,"exposure_source":"photometric","flags":0})";
+constexpr const char* kEarlyCamera =
+    R"({"format":"hdrcam recording","version":1,"name":"x","width":64,"height":48,"framerate_hz":30.0,"bits":8,)"
+    R"("layout":"rgb","linear":false})";
+
+TEST_CASE("a recording of an earlier version reads as it did") {
+  const auto early = record_from_json(kEarlyFacts, 8);
+  REQUIRE(early.ok());
+  CHECK(early.value().facts.exposure_source == ExposureSource::Photometric);
+  CHECK_FALSE(early.value().facts.verdict);
+  CHECK(early.value().facts.has_exposure_time());
+  CHECK(early.value().facts.exposure() == 0.008);
+  const auto camera = camera_from_json(kEarlyCamera);
+  REQUIRE(camera.ok());
+  CHECK_FALSE(camera.value().white_balance);
+  CHECK(to_json(3, early.value().facts, 8) == kEarlyFacts);  // and is written as it was
+  CHECK(to_json(camera.value()) == kEarlyCamera);
+}
+
+TEST_CASE("every source and verdict has one word, which reads back as itself") {
+  for (const ExposureSource source : kExposureSources)
+    for (const Verdict verdict : kVerdicts) {
+      FrameFacts facts;
+      facts.exposure_source = source, facts.verdict = verdict;
+      const auto read = record_from_json(to_json(0, facts, 8), 8);
+      REQUIRE(read.ok());
+      CHECK(read.value().facts.exposure_source == source);
+      CHECK(read.value().facts.verdict == verdict);
+    }
+  require_error(record_from_json(facts_with("exposure_source", "\"guessed\""), 8), ErrorCode::Corrupt);
+}
+
 }  // namespace
 }  // namespace hdrcam

@@ -323,6 +323,7 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
       CameraFacts camera = sample::camera(layout, bits, 37, 23);
       camera.linear = bits == 16;
       camera.response.assign(3, std::vector<double>(256, 1.0 / 3.0));
+      camera.white_balance = ChannelGains{2.1, 1, 1.0 / 0.7};
       const auto frames = sample::frames(camera, 7, 3);
       auto writer = ImageSequenceWriter::create(posix_storage(), folder, camera);
       REQUIRE(writer.ok());
@@ -336,6 +337,7 @@ TEST_CASE("writing a clip and reading it gives back every bit, in every layout a
       CHECK(clip.value().camera().layout == layout);
       CHECK(clip.value().camera().linear == camera.linear);
       CHECK(clip.value().camera().response == camera.response);
+      CHECK(clip.value().camera().white_balance == camera.white_balance);
       CHECK(sample::same_bits(clip.value().camera().framerate_hz, camera.framerate_hz));
       REQUIRE(clip.value().frame_count() == 7);
       for (int i = 0; i < 7; ++i) {

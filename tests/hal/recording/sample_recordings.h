@@ -67,11 +67,11 @@ inline FrameFacts facts(int index, std::mt19937& random) {
   facts.digital_gain = 1 + unit(random);
   facts.slot = index % 3;
   facts.black_level = BlackLevel(std::round(16e6 * unit(random)) / 1e6);
-  constexpr Verdict kVerdicts[] = {Verdict::Proved, Verdict::Contradicted, Verdict::Plausible,
-                                   Verdict::Unknown};  // as the flags below
-  if (index % 8 < 4) facts.verdict = kVerdicts[index % 4];
+  constexpr Verdict kTurns[] = {Verdict::Proved, Verdict::Contradicted, Verdict::Plausible,
+                                Verdict::Unknown};  // as the flags below
+  if (index % 8 < 4) facts.verdict = kTurns[index % 4];
   if (index % 4 == 0) facts.exposure_within_ev = unit(random);
-  facts.exposure_source = static_cast<ExposureSource>(index % 6);
+  facts.exposure_source = kExposureSources[static_cast<std::size_t>(index) % std::size(kExposureSources)];
   facts.flags = static_cast<std::uint32_t>(index % 8);
   if (index % 2 == 1) {
     const double angle = unit(random), c = std::cos(angle), s = std::sin(angle);

@@ -88,5 +88,17 @@ TEST_CASE("a frame rate is one that a camera can have") {
   CHECK(objection_to(camera)->find("fx") != std::string::npos);
 }
 
+TEST_CASE("a white balance has gains that a camera can have") {
+  CameraFacts camera;
+  camera.width = 320, camera.height = 240;
+  for (const double gain : {0., -1., 1e-3, 100., kNan, HUGE_VAL}) {
+    camera.white_balance = ChannelGains{2, 1, gain};
+    REQUIRE(objection_to(camera));
+    CHECK(objection_to(camera)->find("white balance") != std::string::npos);
+  }
+  camera.white_balance = ChannelGains{2, 1, 1.5};
+  CHECK_FALSE(objection_to(camera));
+}
+
 }  // namespace
 }  // namespace hdrcam
