@@ -10,7 +10,7 @@ using Catch::Contains;
 TEST_CASE("the gains of the camera multiply the radiance, and the frame says which they were") {
   const HdrFrame before = test::example_frame(1);
   HdrFrame frame = test::example_frame(1);
-  frame.points.push_back({{}, 1, 1, {1, 2, 3}});
+  frame.points.push_back({Eigen::Vector3d::Zero(), 1, 1, {1, 2, 3}});
   apply_white_balance({2, 1, 1.5}, frame);
   const float gains[] = {2, 1, 1.5f};
   for (int c = 0; c < 3; ++c)
