@@ -1,12 +1,13 @@
 #include "online/knobs.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -165,6 +166,11 @@ void add_priors_and_scene(std::vector<Knob>& table) {
                         "given: from the recording, tracked where it has none; fixed: a tripod"}));
   table.push_back(whole<&K::depth, &DepthOptions::step_px>(
       "depth_step", kAtStart, 1, 8, {"px", "1 costs five times as much as 2", "2 is as accurate as 1"}));
+  table.push_back(real<&K::moving_depth, &MovingDepthOptions::nearer>(
+      "moving_nearer", kAtStart, 0, 10,
+      {"", "1 % of the time; 0 saves it",
+       "how much nearer a moving region is taken to be than what is around it, unless it stands on ground; "
+       "0: not guessed"}));
   table.push_back(
       choice<&K::field>("field", kAtStart, {"none", "hash_grid"},
                         {"", "pose, depth, fit and view",
@@ -322,12 +328,10 @@ Result<void> set_knob(Knobs& knobs, std::string_view name, std::string_view text
     knob.put(knobs, static_cast<double>(found - knob.choices.begin()));
     return {};
   }
-  double value = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failure != std::errc() || end != text.data() + text.size()) return refuse();
-  if (!(value >= knob.least && value <= knob.most)) return refuse();
-  if (knob.kind == KnobKind::Whole && std::fmod(value, knob.multiple) != 0) return refuse();
-  knob.put(knobs, value);
+  const auto value = parse_number<double>(text);
+  if (!value || *value < knob.least || *value > knob.most) return refuse();
+  if (knob.kind == KnobKind::Whole && std::fmod(*value, knob.multiple) != 0) return refuse();
+  knob.put(knobs, *value);
   return {};
 }
 

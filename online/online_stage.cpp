@@ -221,7 +221,8 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
   DepthOptions depth = knobs_.depth;
   depth.step_px = std::max(depth.step_px, field_step_ / 2);  // no finer than the field's blocks can use
-  depth_ = std::make_unique<MultiViewDepth>(depth, lens_, camera_.height, camera_.width, pool_);
+  depth_ =
+      std::make_unique<MovingDepth>(depth, knobs_.moving_depth, lens_, camera_.height, camera_.width, pool_);
   if (field_) return field_->restart();
   FieldOptions options = knobs_.hash_grid;
   options.step_px = field_step_;

@@ -48,6 +48,7 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
   learnt_ = Image<float>(2, rows_, cols_);
   prior_.inverse_depth = Image<float>(1, rows_, cols_);
   prior_.weight = Image<float>(1, rows_, cols_);
+  moving_ = Image<float>(1, rows_, cols_);
 }
 
 const DepthMap& MultiViewDepth::next(const CameraPose& pose, const FlowField& to_previous) {
@@ -77,6 +78,7 @@ void MultiViewDepth::restart(const RigidTransform& T_world_camera) {
   learnt_.fill(0);
   prior_.inverse_depth.fill(0);
   prior_.weight.fill(0);
+  moving_.fill(0);
 }
 
 void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_camera) {
@@ -148,10 +150,10 @@ void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from
   carried_learnt_.at(1, y, x) = known * z * z * keep;
 }
 
-// The inverse depth from the displacement to a keyframe. false: none, or not a static point.
-bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
-                             Estimate& estimate) const {
-  if (!(keyframe.seen.at(2, y, x) > 0)) return false;
+// The inverse depth of a static point from the displacement to a keyframe.
+MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative, int y, int x,
+                                             Estimate& estimate) const {
+  if (!(keyframe.seen.at(2, y, x) > 0)) return Seen::Nothing;
   const auto fx = static_cast<float>(lens_.fx_px), fy = static_cast<float>(lens_.fy_px);
   const auto cx = static_cast<float>(lens_.cx_px), cy = static_cast<float>(lens_.cy_px);
   const float u = (keyframe.seen.at(0, y, x) - cx) / fx, v = (keyframe.seen.at(1, y, x) - cy) / fy;
@@ -161,19 +163,19 @@ bool MultiViewDepth::measure(const Keyframe& keyframe, const Relative& relative,
   const float Ax = a[0] - u * a[2], Ay = a[1] - v * a[2];
   const float Bx = relative.t[0] - u * relative.t[2], By = relative.t[1] - v * relative.t[2];
   const float BB = Bx * Bx + By * By;
-  if (!(BB > 1e-12f)) return false;
-  const float d = -(Ax * Bx + Ay * By) / BB;
-  const float z = a[2] + std::max(d, 0.f) * relative.t[2];
-  if (!(z > kNearestZ)) return false;
   const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
   const float sigma =
       std::sqrt(options_.noise_px * options_.noise_px + grown) / (fx * static_cast<float>(options_.step_px));
+  if (!(BB > 1e-12f)) return Seen::Nothing;
+  const float d = -(Ax * Bx + Ay * By) / BB;
+  const float z = a[2] + std::max(d, 0.f) * relative.t[2];
+  if (!(z > kNearestZ)) return Seen::Nothing;
   const float sigma_d = sigma * z / std::sqrt(BB);
   const float across = (Ax * By - Ay * Bx) / (std::sqrt(BB) * z);
   if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d)
-    return false;
+    return Seen::Moving;
   estimate = {std::max(d, 0.f), 1 / (sigma_d * sigma_d)};
-  return true;
+  return Seen::Static;
 }
 
 // This frame's prior: the learnt depth fused with the measurements of both keyframes.
@@ -184,9 +186,12 @@ void MultiViewDepth::fuse() {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         float sum = 0, information = 0;
+        bool moves = false;
         for (std::size_t k = 0; k < 2; ++k) {
           Estimate seen;
-          if (!measure(keyframes_[k], relative[k], y, x, seen)) continue;
+          const Seen found = measure(keyframes_[k], relative[k], y, x, seen);
+          moves |= found == Seen::Moving;
+          if (found != Seen::Static) continue;
           sum += seen.inverse_depth * seen.information, information += seen.information;
         }
         const float learnt = learnt_.at(0, y, x), known = learnt_.at(1, y, x);
@@ -198,6 +203,7 @@ void MultiViewDepth::fuse() {
           }
           sum += learnt * known * trust, information += known * trust;
         }
+        moving_.at(0, y, x) = moves && !(information > 0) ? 1.f : 0.f;
         const float d = information > 0 ? sum / information : 0;
         const float best = options_.best_relative * d;
         const float squared = d * d;
@@ -215,7 +221,7 @@ void MultiViewDepth::retire(const Keyframe& keyframe) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         Estimate seen;
-        if (!measure(keyframe, relative, y, x, seen)) continue;
+        if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
         float &learnt = learnt_.at(0, y, x), &known = learnt_.at(1, y, x);
         if (known > 0) {
           const float difference = seen.inverse_depth - learnt;
@@ -236,7 +242,7 @@ float MultiViewDepth::median_parallax(const Keyframe& keyframe) {
   for (int y = kEvery / 2; y < rows_; y += kEvery)
     for (int x = kEvery / 2; x < cols_; x += kEvery) {
       Estimate seen;
-      if (!measure(keyframe, relative, y, x, seen)) continue;
+      if (measure(keyframe, relative, y, x, seen) != Seen::Static) continue;
       const float grown =
           static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
       const float sigma_px = std::sqrt(options_.noise_px * options_.noise_px + grown);

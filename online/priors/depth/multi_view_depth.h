@@ -38,6 +38,11 @@ class MultiViewDepth final : public DepthPrior {
   // this frame, [1, rows / step_px, cols / step_px]; its sample (y, x) is that of the pixel (y * step_px +
   // step_px / 2, x * step_px + step_px / 2). It belongs to this object until the next call.
   const DepthMap& next(const CameraPose& pose, const FlowField& to_previous);
+
+  // Of the same frame and grid, [1, rows, cols]: 1 where a point is known to have moved against the static
+  // scene, 0 where it is static or nothing is known.
+  const Image<float>& moving() const { return moving_; }
+
   const DepthMap& estimate(const SeenFrame& seen, const CameraPose& pose) override {
     return next(pose, seen.motion.to_previous);
   }
@@ -52,6 +57,7 @@ class MultiViewDepth final : public DepthPrior {
   struct Estimate {
     float inverse_depth = 0, information = 0;  // information: 1 / variance, 0 unknown
   };
+  enum class Seen { Nothing, Static, Moving };
   struct Relative;  // the pose between two views, prepared for a pixel loop
 
   void restart(const RigidTransform& T_world_camera);
@@ -59,7 +65,7 @@ class MultiViewDepth final : public DepthPrior {
   void carry(const FlowField& to_previous, const Relative& previous);
   void carry_position(Keyframe& keyframe, const GridPlace& from, int y, int x);
   void carry_depth(const Relative& previous, const GridPlace& from, int y, int x);
-  bool measure(const Keyframe& keyframe, const Relative& relative, int y, int x, Estimate& estimate) const;
+  Seen measure(const Keyframe& keyframe, const Relative& relative, int y, int x, Estimate& estimate) const;
   void fuse();
   void retire(const Keyframe& keyframe);
   float median_parallax(const Keyframe& keyframe);
@@ -75,6 +81,7 @@ class MultiViewDepth final : public DepthPrior {
   std::vector<float> parallaxes_;
   bool started_ = false;
   DepthMap prior_;
+  Image<float> moving_;
 };
 
 }  // namespace hdrcam
