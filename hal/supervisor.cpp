@@ -4,11 +4,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include <charconv>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -18,19 +19,12 @@ std::string_view variable(const char* name) {
   return text == nullptr ? std::string_view() : std::string_view(text);
 }
 
-std::optional<long> number(std::string_view text) {
-  long value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return error == std::errc{} && end == text.data() + text.size() && !text.empty() ? std::optional(value)
-                                                                                   : std::nullopt;
-}
-
 }  // namespace
 
 Supervisor Supervisor::of_environment() {
   const std::string_view whose = variable("WATCHDOG_PID");
-  const bool ours = whose.empty() || number(whose) == ::getpid();
-  const auto patience_us = number(variable("WATCHDOG_USEC"));
+  const bool ours = whose.empty() || parse_number<long>(whose) == ::getpid();
+  const auto patience_us = parse_number<long>(variable("WATCHDOG_USEC"));
   const Duration patience = ours && patience_us && *patience_us > 0
                                 ? Duration(std::chrono::microseconds(*patience_us))
                                 : Duration::zero();

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 
+#include "hal/core/parse_number.h"
+#include "hal/recording/sound_facts.h"
+
 namespace hdrcam {
 namespace {
 
@@ -11,12 +14,30 @@ constexpr float kClipped = 0.98f;  // of the radiance that saturates the shortes
 
 }  // namespace
 
-Result<std::optional<ChannelGains>> white_balance_gains(WhiteBalance wanted, const CameraFacts& camera) {
-  if (wanted == WhiteBalance::None) return std::optional<ChannelGains>();
+std::optional<WhiteBalance> parse_white_balance(std::string_view text) {
+  if (text == "none") return WhiteBalance{};
+  if (text == "camera") return WhiteBalance{.as_camera = true, .gains = {}};
+  ChannelGains gains{};
+  for (std::size_t c = 0; c < gains.size(); ++c) {
+    const std::size_t comma = text.find(',');
+    const auto gain = parse_number<double>(text.substr(0, comma));
+    if (!gain || (comma == text.npos) != (c + 1 == gains.size())) return std::nullopt;
+    gains[c] = *gain;
+    text.remove_prefix(comma == text.npos ? text.size() : comma + 1);
+  }
+  if (objection_to(gains)) return std::nullopt;
+  return WhiteBalance{.as_camera = false, .gains = gains};
+}
+
+Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& wanted,
+                                                        const CameraFacts& camera) {
+  if (!wanted.as_camera) return wanted.gains;
   if (!camera.white_balance)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("'{}' states no white balance of its camera; leave out --white-balance camera",
-                             camera.name)};
+    return Error{
+        ErrorCode::Unsupported,
+        fmt::format("'{}' states no white balance of its camera; leave out --white-balance camera, or "
+                    "give the gains of red, green and blue, such as 2,1,1.5",
+                    camera.name)};
   return camera.white_balance;
 }
 

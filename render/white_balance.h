@@ -1,21 +1,28 @@
 // The white balance of what leaves: radiance is fitted in the camera's own colours, and only the emitted
-// frame is multiplied with the gains that the camera states for the light of the scene. Reentrant.
+// frame is multiplied with gains, those that the camera states for the light of the scene, or others.
+// Reentrant.
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "hal/core/result.h"
 #include "render/hdr_frame.h"
 
 namespace hdrcam {
 
-enum class WhiteBalance {
-  None,    // the camera's own colours
-  Camera,  // as the camera states it
+// As it can be wished for; neither: the camera's own colours.
+struct WhiteBalance {
+  bool as_camera = false;             // as the camera states it
+  std::optional<ChannelGains> gains;  // or by these
 };
 
-// The gains to apply, none for None. Errors: Unsupported where they are wanted and the camera states none.
-Result<std::optional<ChannelGains>> white_balance_gains(WhiteBalance wanted, const CameraFacts& camera);
+// "none", "camera", or gains of R, G and B from 1/64 to 64: "2,1,1.5". nullopt: none of these.
+std::optional<WhiteBalance> parse_white_balance(std::string_view text);
+
+// The gains to apply, if any. Errors: Unsupported where the camera's are wanted and it states none.
+Result<std::optional<ChannelGains>> white_balance_gains(const WhiteBalance& wanted,
+                                                        const CameraFacts& camera);
 
 // Multiplies radiance and points, and notes the gains in the frame. A channel that is clipped in all
 // exposures is a lower bound, so it is raised to the largest channel of its pixel: what is too bright for the

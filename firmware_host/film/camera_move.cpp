@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -13,6 +12,7 @@
 
 #include "firmware_host/settings/setting_field.h"
 #include "firmware_host/settings/suggestion.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -23,12 +23,8 @@ constexpr std::size_t kMostPoses = 100000;
 constexpr std::array<const char*, 7> kColumns{"time_s", "dx", "dy", "dz", "yaw", "pitch", "roll"};
 
 std::optional<double> number_of(std::string_view text) {
-  double value = 0;
   if (text.starts_with('+')) text.remove_prefix(1);
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  return parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() && std::isfinite(value)
-             ? std::optional(value)
-             : std::nullopt;
+  return parse_number<double>(text);
 }
 
 std::string trimmed(std::string_view text) {

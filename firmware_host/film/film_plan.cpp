@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include <charconv>
 #include <cmath>
 
 #include "capture/exposure.h"
 #include "firmware_host/film/steady_path.h"
+#include "hal/core/parse_number.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
@@ -19,12 +19,7 @@ constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanos
 
 std::optional<double> seconds_of(std::string_view text) {
   if (text.ends_with('s')) text.remove_suffix(1);
-  double value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  return !text.empty() && parsed.ec == std::errc() && parsed.ptr == text.data() + text.size() &&
-                 std::isfinite(value)
-             ? std::optional(value)
-             : std::nullopt;
+  return parse_number<double>(text);
 }
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
@@ -65,21 +60,19 @@ Result<void> plan_time(const std::string& text, double duration_s, FilmPlan& pla
 Result<void> plan_size(const std::string& text, const FilmedRecording& recording, FilmPlan& plan) {
   plan.width = recording.width, plan.height = recording.height;
   if (text.empty()) return {};
-  const std::size_t by = text.find('x');
-  int sides[2] = {0, 0};
-  bool good = by != std::string::npos;
-  for (int i = 0; i < 2 && good; ++i) {
-    const std::string_view part =
-        i == 0 ? std::string_view(text).substr(0, by) : std::string_view(text).substr(by + 1);
-    const auto parsed = std::from_chars(part.data(), part.data() + part.size(), sides[i]);
-    good = parsed.ec == std::errc() && parsed.ptr == part.data() + part.size() && sides[i] >= kLeastSide_px &&
-           sides[i] <= kMostSide_px;
-  }
-  if (!good)
+  const auto side = [](std::string_view part) {
+    const auto length_px = parse_number<int>(part);
+    return length_px && *length_px >= kLeastSide_px && *length_px <= kMostSide_px ? length_px : std::nullopt;
+  };
+  const std::string_view sides = text;
+  const std::size_t by = sides.find('x');
+  const auto width = side(sides.substr(0, by));
+  const auto height = by == sides.npos ? std::nullopt : side(sides.substr(by + 1));
+  if (!width || !height)
     return Error{ErrorCode::Invalid, fmt::format("--size takes WIDTHxHEIGHT in pixels, each {}..{}, such as "
                                                  "1280x720, not '{}'",
                                                  kLeastSide_px, kMostSide_px, text)};
-  plan.width = sides[0], plan.height = sides[1];
+  plan.width = *width, plan.height = *height;
   return {};
 }
 

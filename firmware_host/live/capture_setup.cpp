@@ -3,9 +3,9 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <tuple>
 
+#include "hal/core/parse_number.h"
 #include "hal/jpeg_decoder.h"
 #include "hal/real/enumerate.h"
 #include "hal/replay/replayed_camera.h"
@@ -95,10 +95,8 @@ Result<ControlDelays> parse_delays(std::string_view text) {
   const auto comma = text.find(',');
   const auto number = [&](std::string_view part) -> std::optional<int> {
     while (part.starts_with(' ')) part.remove_prefix(1);
-    int value = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    if (error != std::errc{} || end != part.data() + part.size() || value < 0) return std::nullopt;
-    return value;
+    const auto frames = parse_number<int>(part);
+    return frames && *frames >= 0 ? frames : std::nullopt;
   };
   const auto exposure = number(text.substr(0, comma));
   const auto gain = comma == std::string_view::npos ? exposure : number(text.substr(comma + 1));

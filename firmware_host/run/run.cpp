@@ -190,7 +190,8 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   TRY(check_needs(settings));
   const CameraFacts& camera = source.camera();
   const RunPace pace = source.pace();
-  const std::optional<ChannelGains> balance = TRY(white_balance_gains(settings.output.white_balance, camera));
+  const std::optional<ChannelGains> balance =
+      TRY(white_balance_gains(parse_white_balance(settings.output.white_balance).value(), camera));
 
   // The method and the sinks.
   const bool field_is_seen = !plan.truth.empty() || plan.film != nullptr;

@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <system_error>
 
 #include "capture/exposure.h"
 #include "firmware_host/settings/suggestion.h"
+#include "hal/core/parse_number.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
@@ -28,6 +28,8 @@ bool in_range(const SettingRange& range, double value) {
 }
 
 std::string words_of(const SettingField& field) {
+  if (field.type == SettingType::Gains)
+    return fmt::format("{}, or gains of R, G and B such as 2,1,1.5", fmt::join(field.choices, ", "));
   if (field.list) return fmt::format("any of {}", fmt::join(field.choices, ","));
   const auto last = field.choices.end() - 1;
   return fmt::format("{} or {}", fmt::join(field.choices.begin(), last, ", "), *last);
@@ -36,14 +38,6 @@ std::string words_of(const SettingField& field) {
 std::string shown(const SettingValue& value) {
   const auto* text = std::get_if<std::string>(&value);
   return text ? fmt::format("'{}'", *text) : to_text(value);
-}
-
-template <class T>
-std::optional<T> parsed_number(const std::string& text) {
-  T value{};
-  const char* const end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, value);
-  return failure == std::errc{} && stop == end ? std::optional(value) : std::nullopt;
 }
 
 // The given value, converted to the field's own type.
@@ -74,7 +68,7 @@ bool is_meant_by(const std::string& choice, const std::string& word) {
 
 // The first word that is not one of the field's.
 std::optional<std::string> stranger(const SettingField& field, const std::string& text) {
-  if (field.choices.empty()) return std::nullopt;
+  if (field.choices.empty() || field.type == SettingType::Gains) return std::nullopt;
   for (const std::string& word : field.list ? parts_of(text) : std::vector{text})
     if (std::ranges::none_of(field.choices, [&](const auto& choice) { return is_meant_by(choice, word); }))
       return word;
@@ -91,6 +85,7 @@ bool allowed(const SettingField& field, const SettingValue& value) {
     const auto& text = std::get<std::string>(value);
     return text.empty() || text == kOff || parse_duration(text).ok();
   }
+  if (field.type == SettingType::Gains) return parse_white_balance(std::get<std::string>(value)).has_value();
   if (const auto* text = std::get_if<std::string>(&value)) return !stranger(field, *text);
   if (const auto* whole = std::get_if<int>(&value)) return in_range(field.range, *whole);
   if (const auto* real = std::get_if<double>(&value)) return in_range(field.range, *real);
@@ -162,8 +157,8 @@ Result<void> set_from_text(const SettingField& field, const std::string& text, s
   std::optional<SettingValue> value;
   if (is_text(field)) value = text;
   if (is_switch(field) && (text == "true" || text == "false")) value = text == "true";
-  if (field.type == SettingType::Whole) value = parsed_number<int>(text);
-  if (field.type == SettingType::Real) value = parsed_number<double>(text);
+  if (field.type == SettingType::Whole) value = parse_number<int>(text);
+  if (field.type == SettingType::Real) value = parse_number<double>(text);
   return set(field, value.value_or(text), name, settings);
 }
 

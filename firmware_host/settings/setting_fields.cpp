@@ -292,6 +292,15 @@ std::vector<SettingField> video_fields() {
   };
 }
 
+SettingField white_balance_field() {
+  SettingField field = list<&Settings::output, &Settings::Output::white_balance>(
+      "output.white_balance", "--white-balance",
+      "of all outputs: the sensor's own colours, white as the camera's file states it, or given gains");
+  field.type = SettingType::Gains;
+  field.choices = {"none", "camera"};
+  return field;
+}
+
 // First the path of each sink, then the settings of the frames.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
@@ -305,10 +314,7 @@ std::vector<SettingField> output_fields() {
       {"depth", "flow", "flow_forward", "field_flow", "field_flow_forward", "confidence", "provenance"}));
   fields.push_back(choice<&Settings::output, &O::compression, ExrCompression::Zip, ExrCompression::Piz>(
       "output.compression", "--compression", "compression of the EXR files", {"zip", "piz"}));
-  fields.push_back(choice<&Settings::output, &O::white_balance, WhiteBalance::None, WhiteBalance::Camera>(
-      "output.white_balance", "--white-balance",
-      "of all outputs: the sensor's own colours, or white as the camera's file states it",
-      {"none", "camera"}));
+  fields.push_back(white_balance_field());
   fields.push_back(any<&Settings::output, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
   fields.back().secret = true;

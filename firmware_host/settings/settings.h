@@ -17,7 +17,6 @@
 #include "hal/trigger_line.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"
-#include "render/white_balance.h"
 
 namespace hdrcam {
 
@@ -75,9 +74,9 @@ struct Settings {
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
     ExrCompression compression = ExrCompression::Zip;
-    WhiteBalance white_balance = WhiteBalance::None;
-    std::string http_token;  // of the live view's actions; "": made at the start
-    std::string http_takes;  // recordings that its page starts: "takes/%03d.mkv"; "": none
+    std::string white_balance = "none";  // or "camera", or gains "2,1,1.5" (render/white_balance.h)
+    std::string http_token;              // of the live view's actions; "": made at the start
+    std::string http_takes;              // recordings that its page starts: "takes/%03d.mkv"; "": none
 
     const std::string& path(std::string_view sink) const;
   } output;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <span>
@@ -14,6 +13,7 @@
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/version.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -24,12 +24,8 @@ constexpr const char* kWhite = "hdrcam.white";
 std::optional<double> number(const std::map<std::string, std::string>& texts, const char* name) {
   const auto text = texts.find(name);
   if (text == texts.end()) return std::nullopt;
-  double value = 0;
-  const char* const end = text->second.data() + text->second.size();
-  const auto parsed = std::from_chars(text->second.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value) && value >= 0
-             ? std::optional(value)
-             : std::nullopt;
+  const auto value = parse_number<double>(text->second);
+  return value && *value >= 0 ? value : std::nullopt;
 }
 
 // What the samples of each layer are, for whoever opens a file without our documentation.

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -52,10 +53,8 @@ std::optional<std::uint64_t> FramePattern::sequence_of(std::string_view name) co
   if (name.size() <= before.size() + after_.size() || !name.starts_with(before) || !name.ends_with(after_))
     return std::nullopt;
   const std::string_view digits = name.substr(before.size(), name.size() - before.size() - after_.size());
-  std::uint64_t sequence = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), sequence);
-  const bool whole = error == std::errc() && end == digits.data() + digits.size();
-  return whole && path(sequence).ends_with(name) ? std::optional(sequence) : std::nullopt;
+  const auto sequence = parse_number<std::uint64_t>(digits);
+  return sequence && path(*sequence).ends_with(name) ? sequence : std::nullopt;
 }
 
 std::string FramePattern::folder() const {

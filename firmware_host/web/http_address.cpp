@@ -4,9 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <utility>
+
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -47,14 +48,6 @@ std::optional<std::pair<std::string_view, std::string_view>> split(std::string_v
   return std::pair(text.substr(1, end - 1), rest.empty() ? rest : rest.substr(1));
 }
 
-std::optional<std::uint16_t> port_of(std::string_view text) {
-  std::uint16_t port = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), port);
-  return !text.empty() && parsed.ec == std::errc() && parsed.ptr == text.data() + text.size()
-             ? std::optional(port)
-             : std::nullopt;
-}
-
 bool is_plain_name(std::string_view host) {
   return !host.empty() && std::ranges::all_of(host, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '.';
@@ -64,10 +57,10 @@ bool is_plain_name(std::string_view host) {
 }  // namespace
 
 Result<HttpAddress> parse_http_address(std::string_view text) {
-  if (const auto port = port_of(text)) return HttpAddress{std::string(kLoopback), *port};
+  if (const auto port = parse_number<std::uint16_t>(text)) return HttpAddress{std::string(kLoopback), *port};
   const auto parts = split(text);
   if (!parts) return not_an_address(text);
-  const auto port = port_of(parts->second);
+  const auto port = parse_number<std::uint16_t>(parts->second);
   const bool bracketed = text.starts_with('[');
   HttpAddress address{std::string(parts->first.empty() && !bracketed ? kLoopback : parts->first),
                       port.value_or(0)};
@@ -88,7 +81,7 @@ bool is_loopback(const HttpAddress& address) {
 
 bool host_allowed(std::string_view host_header, const HttpAddress& address) {
   const auto parts = split(host_header);
-  if (!parts || (!parts->second.empty() && !port_of(parts->second))) return false;
+  if (!parts || (!parts->second.empty() && !parse_number<std::uint16_t>(parts->second))) return false;
   const std::string host(parts->first);
   if (host_header.starts_with('[')) return is_ipv6(host);
   return is_ipv4(host) || same_name(host, "localhost") || same_name(host, address.host);

@@ -11,12 +11,12 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 
+#include "hal/core/parse_number.h"
 #include "hal/core/thread_name.h"
 #include "hal/core/thread_priority.h"
 
@@ -148,9 +148,8 @@ struct HttpCallbacks {
     if (!header_of(connection, MHD_HTTP_HEADER_TRANSFER_ENCODING).empty())
       return http_error(411, "a body needs its Content-Length");
     if (const auto length = header_of(connection, MHD_HTTP_HEADER_CONTENT_LENGTH); !length.empty()) {
-      std::size_t bytes = 0;
-      const auto parsed = std::from_chars(length.data(), length.data() + length.size(), bytes);
-      if (parsed.ec != std::errc() || bytes > server.limits_.body_bytes)
+      const auto bytes = parse_number<std::size_t>(length);
+      if (!bytes || *bytes > server.limits_.body_bytes)
         return http_error(413, fmt::format("a body has at most {} bytes", server.limits_.body_bytes));
     }
     return acts ? refused_without_token(server, connection) : std::nullopt;

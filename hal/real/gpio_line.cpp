@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 
+#include "hal/core/parse_number.h"
 #include "hal/real/device_node.h"
 
 namespace hdrcam {
@@ -13,11 +13,9 @@ namespace hdrcam {
 std::optional<GpioLineName> parse_line_name(const std::string& name) {
   const auto colon = name.find(':');
   if (!name.starts_with("gpiochip") || colon == std::string::npos) return std::nullopt;
-  GpioLineName parsed{name.substr(0, colon), 0};
-  const char* end = name.data() + name.size();
-  const auto [rest, code] = std::from_chars(name.data() + colon + 1, end, parsed.offset);
-  if (code != std::errc() || rest != end) return std::nullopt;
-  return parsed;
+  const auto offset = parse_number<decltype(GpioLineName::offset)>(std::string_view(name).substr(colon + 1));
+  if (!offset) return std::nullopt;
+  return GpioLineName{name.substr(0, colon), *offset};
 }
 
 std::vector<std::string> gpio_chip_nodes() {

@@ -52,15 +52,20 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
   return std::nullopt;
 }
 
+std::optional<std::string> objection_to(const ChannelGains& gains) {
+  for (const double gain : gains)
+    if (!within(gain, kLeastGain, kMostGain))
+      return fmt::format("the white balance has a gain of {:g}; {:g} to {:g} are possible", gain, kLeastGain,
+                         kMostGain);
+  return std::nullopt;
+}
+
 std::optional<std::string> objection_to(const CameraFacts& camera) {
   if (!within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
     return fmt::format("the frame rate is {:g}; {:g} to {:g} frames a second are possible",
                        camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
   if (camera.white_balance)
-    for (const double gain : *camera.white_balance)
-      if (!within(gain, kLeastGain, kMostGain))
-        return fmt::format("the white balance has a gain of {:g}; {:g} to {:g} are possible", gain,
-                           kLeastGain, kMostGain);
+    if (auto objection = objection_to(*camera.white_balance)) return objection;
   if (camera.intrinsics) return objection_to(*camera.intrinsics, camera.width, camera.height);
   return std::nullopt;
 }

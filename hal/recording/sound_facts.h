@@ -15,7 +15,10 @@ std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, in
 // A rotation (orthonormal to 1 %, right-handed) and a place within 1e7 metres.
 std::optional<std::string> objection_to(const PoseMatrix& T_world_camera);
 
-// What can be filmed at all: the lens, gains of 1/64 to 64, and 0.001 to 100000 frames a second.
+// Gains of a white balance, 1/64 to 64.
+std::optional<std::string> objection_to(const ChannelGains& gains);
+
+// What can be filmed at all: the lens, the white balance, and 0.001 to 100000 frames a second.
 std::optional<std::string> objection_to(const CameraFacts& camera);
 
 // The frame's own pose and black level (0 to below the largest code), a time within 126 years of the clock's

@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <vector>
+
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -25,11 +26,10 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 // A number within [least, most].
 template <class T>
 Result<void> set_number(T& target, std::string_view key, std::string_view value, T least, T most) {
-  T number{};
-  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc{} || end != value.data() + value.size() || !(number >= least) || !(number <= most))
+  const std::optional<T> number = parse_number<T>(value);
+  if (!number || *number < least || *number > most)
     return invalid(key, value, fmt::format("give a number from {} to {}", least, most));
-  target = number;
+  target = *number;
   return {};
 }
 

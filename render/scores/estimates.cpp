@@ -1,10 +1,10 @@
 #include "render/scores/estimates.h"
 
-#include <charconv>
 #include <filesystem>
 #include <optional>
 #include <system_error>
 
+#include "hal/core/parse_number.h"
 #include "render/exr.h"
 #include "render/scores/linear_pictures.h"
 
@@ -13,11 +13,8 @@ namespace {
 
 std::optional<int> frame_number(const std::filesystem::path& file) {
   if (file.extension() != ".exr") return std::nullopt;
-  const std::string stem = file.stem().string();
-  int number = 0;
-  const auto [end, error] = std::from_chars(stem.data(), stem.data() + stem.size(), number);
-  if (error != std::errc{} || end != stem.data() + stem.size() || number < 0) return std::nullopt;
-  return number;
+  const auto number = parse_number<int>(file.stem().string());
+  return number && *number >= 0 ? number : std::nullopt;
 }
 
 // The two planes of a flow [dx dy, rows, cols], empty where the picture lacks one of them.

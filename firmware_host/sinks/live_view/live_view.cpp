@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/live_page.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -22,10 +22,7 @@ template <class T>
 std::optional<T> number_in(const HttpRequest& request, std::string_view name) {
   const auto text = request.query.find(name);
   if (text == request.query.end()) return std::nullopt;
-  T value{};
-  const char* const end = text->second.data() + text->second.size();
-  const auto parsed = std::from_chars(text->second.data(), end, value);
-  return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(value) : std::nullopt;
+  return parse_number<T>(text->second);
 }
 
 // Stops brighter; 0 where none are asked for, nullopt where they are none.

@@ -70,6 +70,8 @@ std::string other_value(const SettingField& field) {
       return to_text(field.range.least + (field.range.most - field.range.least) / 3);
     case SettingType::TimeOrOff:
       return "33ms";
+    case SettingType::Gains:
+      return "2,1,1.5";
     case SettingType::Knob:
       return field.knob->kind == KnobKind::Choice ? field.knob->choices.back() : to_text(field.knob->least);
     case SettingType::Text:
@@ -259,7 +261,7 @@ TEST_CASE("what a flag does not take is refused in the same words") {
   CHECK(sentence(from_flags({"--width", "3"})) == "--width takes a whole number, 16..65535 or 0, not 3");
   CHECK_THAT(sentence(from_flags({"--width", "12px"})), Contains("not '12px'"));
   CHECK_THAT(sentence(from_flags({"--framerate", ""})), Contains("0.1..1000 or 0, not ''"));
-  CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not inf"));
+  CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not 'inf'"));
   CHECK_THAT(sentence(from_flags({"--compression", "zap"})), Contains("(did you mean 'zip'?)"));
   CHECK_THAT(sentence(from_flags({"--sync-active-low=maybe"})), Contains("true or false, not 'maybe'"));
 }
