@@ -70,6 +70,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
   if (!response_known_) {
     Stopwatch watch;
     remove_black_level(frame, black_level_);
+    frame.exposure = exposures_.corrected(frame.exposure);
     if (timing_) timing_("unpack", watch.lap_ms());
   }
   return take(frame, emit);
@@ -85,11 +86,13 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   const ResponseEstimate estimate = estimator.estimate(noise_, knobs_.response);
   response_ = estimate.response;
   black_level_ = estimate.black_level;
+  exposures_ = estimate.exposures;
   ExposedFrame frame;
   for (CompactFrame& waiting : waiting_) {
     waiting.restore(frame);
     waiting = {};
     remove_black_level(frame, black_level_);
+    frame.exposure = exposures_.corrected(frame.exposure);
     TRY(take(frame, emit));
   }
   waiting_.clear();
@@ -162,6 +165,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
+  learn_texture_error(step);
   state_->advance({step.frame, tables_for(step.frame), white_}, step.motion.to_previous);
   const float gain = gain_of(step.frame);
   tables_.at({step.frame.exposure, gain})
@@ -308,10 +312,21 @@ const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
   const std::pair key{frame.exposure, gain_of(frame)};
   const auto found = tables_.find(key);
   if (found != tables_.end()) return found->second;
-  return tables_
-      .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
-                                   state_->residuals().excess(frame.exposure)))
-      .first->second;
+  ExposureTables& tables =
+      tables_
+          .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
+                                       state_->residuals().excess(frame.exposure)))
+          .first->second;
+  tables.set_texture_error(texture_error_.share());
+  return tables;
+}
+
+// Before the state takes the frame in: the frame must not be compared with itself.
+void OnlineStage::learn_texture_error(const Step& step) {
+  if (knobs_.noise == NoiseKind::Assumed) return;
+  texture_error_.observe(step.frame, state_->state(), step.motion.to_previous, tables_for(step.frame),
+                         white_);
+  for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_.share());
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {

@@ -16,6 +16,7 @@
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
+#include "online/noise/texture_error.h"
 #include "online/response/response_estimator.h"
 #include "online/state/state_layer.h"
 
@@ -48,6 +49,8 @@ class OnlineStage {
   const NoiseModel& noise() const { return noise_; }         // at reference_gain()
   double reference_gain() const { return reference_gain_; }  // of the first frame
   const BlackLevel& black_level() const { return black_level_; }
+  // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
+  float texture_error() const { return texture_error_.share(); }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
 
@@ -67,6 +70,7 @@ class OnlineStage {
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(const ExposedFrame& frame);
   void learn_noise(const Step& previous, const Step& step);
+  void learn_texture_error(const Step& step);
   float gain_of(const ExposedFrame& frame) const;
 
   const Knobs knobs_;
@@ -83,8 +87,10 @@ class OnlineStage {
 
   Response response_;
   BlackLevel black_level_;
+  ExposureCorrections exposures_;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   NoiseEstimator noise_estimator_;
+  TextureError texture_error_;
   double reference_gain_ = 0;                                 // of the first frame; 0: none came yet
   std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
 

@@ -103,6 +103,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const NoiseModel& noise = online.noise();
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));
+  if (const float share = online.texture_error(); share > 0)
+    record.notes.push_back(
+        fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
+                    100 * share));
   const BlackLevel& black = online.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));

@@ -80,6 +80,21 @@ std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   return inverse;
 }
 
+// Prior of what exposures are off, in ln: nominal times are within a sixth of a stop of the true ones, mostly
+// within a twentieth. All exposures to a power, and the curve to the same, explain the same matches: which
+// power it is only real cameras tell, so exposures are not bent that way.
+Matrix precision_of_exposures(const std::vector<int>& keys) {
+  constexpr double kSigma = 0.06 * 0.69314718056;  // ln, of .06 stop
+  constexpr double kUnbent = 1e6;
+  const auto n = static_cast<Eigen::Index>(keys.size());
+  Matrix precision = Matrix::Identity(n, n) / (kSigma * kSigma);
+  Vector power(n);
+  for (Eigen::Index k = 0; k < n; ++k) power[k] = keys[static_cast<std::size_t>(k)];
+  if (n > 0) power.array() -= power.mean();
+  if (power.norm() > 0) precision += kUnbent * power * power.transpose() / power.squaredNorm();
+  return precision;
+}
+
 // Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
 // to a monotone curve, whatever lies between the exposures. Means do not: lamps and saturation move them.
 std::vector<float> thumbnail(const ExposedFrame& frame) {
@@ -174,18 +189,41 @@ class Ranking {
 
 }  // namespace
 
-// Robust squares, linear at a curve: g'A g - 2 b'g.
+// Robust squares, linear at a curve g and what the exposures are off, e, in ln:
+// g'A g + 2 g'B e + e'C e - 2 b'g - 2 d'e.
 struct ResponseEstimator::Agreement {
-  Matrix A;
-  Vector b;
+  Matrix A, B, C;
+  Vector b, d;
   double misfit = 0;  // -2 ln of the likelihood of the matches
+
+  explicit Agreement(std::size_t exposures)
+      : A(Matrix::Zero(kKnots, kKnots)),
+        B(Matrix::Zero(kKnots, static_cast<Eigen::Index>(exposures))),
+        C(Matrix::Zero(B.cols(), B.cols())),
+        b(Vector::Zero(kKnots)),
+        d(Vector::Zero(B.cols())) {}
 };
 
 struct ResponseEstimator::Curve {
   Vector g;
-  Matrix precision;                           // of g, given the matches and the prior
+  Matrix precision;                           // of g, given the matches, the prior and the exposures
   double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior
 };
+
+struct ResponseEstimator::Fit {
+  std::array<Curve, 3> curves;
+  Vector off;             // ln of true over stated exposure, by exposure_keys()
+  double off_misfit = 0;  // -2 ln of their prior
+};
+
+float ExposureCorrections::corrected(float exposure) const {
+  const auto found = log_ratios_.find(key(exposure));
+  return found == log_ratios_.end() ? exposure : exposure * static_cast<float>(std::exp(found->second));
+}
+
+int ExposureCorrections::key(float exposure) {
+  return static_cast<int>(std::lround(std::log2(exposure) * 64));
+}
 
 bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
   constexpr double kMinRatio = 1.15;       // of exposures: below it a pair does not constrain the curve
@@ -200,8 +238,7 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
 
   const bool shortest = pairs_ == 0 || shorter.exposure < 0.9f * shortest_;
   if (shortest) shortest_ = shorter.exposure;
-  const auto steps = [](float exposure) { return static_cast<int>(std::lround(std::log2(exposure) * 64)); };
-  const std::pair key{steps(shorter.exposure), steps(longer.exposure)};
+  const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
   std::vector<float> scratch;
   for (std::size_t c = 0; c < 3; ++c) {
     const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
@@ -237,48 +274,59 @@ std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
 }
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model) const {
-  std::array<Curve, 3> best;
+  Fit best;
   BlackLevel best_black;
   double least = std::numeric_limits<double>::max();
   // A pedestal is the exception: it must explain the matches better by this much. The prior counts half here,
   // because it takes a dark scene under an unusual curve for a pedestal under a usual one.
   constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
   for (const BlackLevel& black : possible_black_levels()) {
-    std::array<Curve, 3> curves;
-    double misfit = black != BlackLevel() ? kPedestalPenalty : 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-      curves[c] = solve(c, black[c], noise);
-      misfit += curves[c].match_misfit + kPriorShare * curves[c].prior_misfit;
-    }
-    if (misfit < least) least = misfit, best = std::move(curves), best_black = black;
+    Fit fit = solve(black, noise);
+    double misfit = (black != BlackLevel() ? kPedestalPenalty : 0) + kPriorShare * fit.off_misfit;
+    for (const Curve& curve : fit.curves) misfit += curve.match_misfit + kPriorShare * curve.prior_misfit;
+    if (misfit < least) least = misfit, best = std::move(fit), best_black = black;
   }
-  if (model == ResponseModel::Linear) return {Response::linear(), best_black};
-  if (model == ResponseModel::Mean) return {prior_mean_response(), best_black};
+  const std::vector<int> keys = exposure_keys();
+  if (model == ResponseModel::Linear) return {Response::linear(), best_black, {}};
+  if (model == ResponseModel::Mean) return {prior_mean_response(), best_black, {}};
   if (model == ResponseModel::Network) {
     std::array<Vector, 3> g;
     for (std::size_t c = 0; c < 3; ++c)
       g[c] = fit_curve_network(prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
-        Agreement agreed{Matrix::Zero(kKnots, kKnots), Vector::Zero(kKnots)};
-        add_matches(c, best_black[c], noise, at, agreed);
+        Agreement agreed(keys.size());
+        add_matches(c, best_black[c], noise, at, keys, Vector::Zero(agreed.d.size()), agreed);
         A = std::move(agreed.A), b = std::move(agreed.b);
       });
-    return {Response(curves_of(g)), best_black};
+    return {Response(curves_of(g)), best_black, {}};
   }
   // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
   // fixed.
   std::array<Response::Curve, 3> uncertainty;
   for (std::size_t c = 0; c < 3; ++c) {
     const Vector variance =
-        best[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
+        best.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
     for (int z = 0; z < kKnots; ++z)
       uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
     uncertainty[c][0] = uncertainty[c][1];
   }
-  return {Response(curves_of({best[0].g, best[1].g, best[2].g}), uncertainty), best_black};
+  ExposureCorrections exposures;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64), best.off[static_cast<Eigen::Index>(k)]);
+  const auto& [red, green, blue] = best.curves;
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), best_black, exposures};
+}
+
+std::vector<int> ResponseEstimator::exposure_keys() const {
+  std::vector<int> keys;
+  for (const auto& [pair, matches] : matches_[0]) keys.push_back(pair.first), keys.push_back(pair.second);
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  return keys;
 }
 
 void ResponseEstimator::add_matches(std::size_t channel, float black_level, const NoiseModel& noise,
-                                    const Vector& g, Agreement& agreed) const {
+                                    const Vector& g, const std::vector<int>& keys, const Vector& off,
+                                    Agreement& agreed) const {
   constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
@@ -294,6 +342,9 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
 
   for (const auto& [key, matches] : matches_[channel]) {
     if (matches.codes.empty()) continue;
+    const auto place = [&](int k) { return std::lower_bound(keys.begin(), keys.end(), k) - keys.begin(); };
+    const Eigen::Index shorter = place(key.first), longer = place(key.second);
+    const double log_ratio = matches.log_ratio + off[shorter] - off[longer];
     const double scale =
         kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
     double sum = 0, used = 0, usable = 0;
@@ -302,18 +353,22 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
       usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
       if (z1 < first || z2 > last) continue;
       const Knots k1(z1), k2(z2);
-      const double r = k1.of(g) - k2.of(g) - matches.log_ratio;
+      const double r = k1.of(g) - k2.of(g) - log_ratio;
       const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
       const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
       sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;
-      // r is linear in four knots: (1-f1, f1) at z1, -(1-f2, f2) at z2
+      // r is linear in four knots, (1-f1, f1) at z1, -(1-f2, f2) at z2, and in two exposures
       const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
       const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
       for (std::size_t i = 0; i < 4; ++i) {
         agreed.b[at[i]] += w * matches.log_ratio * by[i];
         for (std::size_t j = 0; j < 4; ++j) agreed.A(at[i], at[j]) += w * by[i] * by[j];
+        agreed.B(at[i], shorter) -= w * by[i], agreed.B(at[i], longer) += w * by[i];
       }
+      agreed.C(shorter, shorter) += w, agreed.C(longer, longer) += w;
+      agreed.C(shorter, longer) -= w, agreed.C(longer, shorter) -= w;
+      agreed.d[shorter] -= w * matches.log_ratio, agreed.d[longer] += w * matches.log_ratio;
     }
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage
@@ -321,25 +376,47 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
   }
 }
 
-ResponseEstimator::Curve ResponseEstimator::solve(std::size_t channel, float black_level,
-                                                  const NoiseModel& noise) const {
+// Curves and exposures together: each channel's curve is eliminated from the equations of the exposures,
+// which all channels share.
+ResponseEstimator::Fit ResponseEstimator::solve(const BlackLevel& black_level,
+                                                const NoiseModel& noise) const {
   constexpr int kIterations = 4;
   const Prior& p = prior();
-  Curve curve{p.mean, {}};
-  Vector& g = curve.g;
+  const std::vector<int> keys = exposure_keys();
+  const Matrix off_precision = precision_of_exposures(keys);
+  Fit fit{{}, Vector::Zero(off_precision.rows())};
+  for (Curve& curve : fit.curves) curve = {p.mean, {}};
   for (int iteration = 0; iteration <= kIterations; ++iteration) {
-    Agreement agreed{p.precision, p.precision * p.mean};
-    agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
-    add_matches(channel, black_level, noise, g, agreed);
-    const Vector d = g - p.mean;
-    curve.match_misfit = agreed.misfit;
-    curve.prior_misfit = d.dot(p.precision * d);
+    Matrix Q = off_precision;
+    Vector q = Vector::Zero(Q.rows());
+    std::array<Vector, 3> as_stated;  // curves, and their change with the exposures
+    std::array<Matrix, 3> change;
+    for (std::size_t c = 0; c < 3; ++c) {
+      Curve& curve = fit.curves[c];
+      Agreement agreed(keys.size());
+      agreed.A = p.precision, agreed.b = p.precision * p.mean;
+      agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
+      add_matches(c, black_level[c], noise, curve.g, keys, fit.off, agreed);
+      const Vector d = curve.g - p.mean;
+      curve.match_misfit = agreed.misfit;
+      curve.prior_misfit = d.dot(p.precision * d);
+      if (iteration == kIterations) continue;
+      const Eigen::LLT<Matrix> factor(agreed.A);
+      as_stated[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
+      Q += agreed.C - agreed.B.transpose() * change[c];
+      q += agreed.d - change[c].transpose() * agreed.b;
+      curve.precision = std::move(agreed.A);
+    }
     if (iteration == kIterations) break;
-    g = agreed.A.llt().solve(agreed.b);
-    curve.precision = std::move(agreed.A);
-    for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+    fit.off = Q.ldlt().solve(q);
+    for (std::size_t c = 0; c < 3; ++c) {
+      Vector& g = fit.curves[c].g;
+      g = as_stated[c] - change[c] * fit.off;
+      for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+    }
   }
-  return curve;
+  fit.off_misfit = fit.off.dot(off_precision * fit.off);
+  return fit;
 }
 
 Response prior_mean_response() {

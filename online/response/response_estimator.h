@@ -4,8 +4,10 @@
 // - g(z2) = ln E1/E2 with g = ln x. It matches the boundaries between codes, whose place in a histogram is
 // exact, not codes, which are half a step wide at worst. A robust MAP fit of g over 255 codes per channel,
 // under a prior from real cameras (dorf_prior.inc), gives a result within two or three frames; no alignment,
-// no flow (flow-matched samples made it worse: docs/decisions.md). It chooses the black level for which the
-// matches agree best with each other and with real cameras. Thread-bound.
+// no flow (flow-matched samples made it worse: docs/decisions.md). Stated exposures are facts with an
+// uncertainty: what each is off is fitted with the curves, as far as the channels' matches disagree without
+// it. It chooses the black level for which the matches agree best with each other and with real cameras.
+// Thread-bound.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,9 +23,23 @@
 
 namespace hdrcam {
 
+// What stated exposures are off: cameras round shutter times to nominal ones. By the stated exposure.
+class ExposureCorrections {
+ public:
+  void set(float exposure, double log_ratio) { log_ratios_[key(exposure)] = log_ratio; }
+  // What the exposure really was; as stated where nothing is known of it.
+  float corrected(float exposure) const;
+  // In 1/64 stop: exposures that differ by less are one.
+  static int key(float exposure);
+
+ private:
+  std::map<int, double> log_ratios_;  // ln of true over stated
+};
+
 struct ResponseEstimate {
   Response response;
   BlackLevel black_level;
+  ExposureCorrections exposures;
 };
 
 // What the curve may be.
@@ -68,11 +84,13 @@ class ResponseEstimator {
   };
   struct Curve;      // of one channel
   struct Agreement;  // of a curve with the matches
+  struct Fit;        // all channels and exposures
 
   std::vector<BlackLevel> possible_black_levels() const;
+  std::vector<int> exposure_keys() const;
   void add_matches(std::size_t channel, float black_level, const NoiseModel& noise, const Eigen::VectorXd& g,
-                   Agreement& agreed) const;
-  Curve solve(std::size_t channel, float black_level, const NoiseModel& noise) const;
+                   const std::vector<int>& keys, const Eigen::VectorXd& off, Agreement& agreed) const;
+  Fit solve(const BlackLevel& black_level, const NoiseModel& noise) const;
 
   std::optional<BlackLevel> stated_black_;
   int pairs_ = 0;

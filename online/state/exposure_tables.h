@@ -44,6 +44,10 @@ class ExposureTables {
   void rebuild(const Response& response, const NoiseModel& noise, const VarianceExcess& excess = {});
 
   float exposure() const { return exposure_; }
+  // The share of its surroundings' contrast (variance of 3x3 pixels) that a sample's variance has on top of
+  // the tables (online/noise/texture_error.h).
+  float texture_error() const { return texture_error_; }
+  void set_texture_error(float share) { texture_error_ = share; }
   const VarianceExcess& excess() const { return excess_; }
 
   // code 0..255 -> radiance
@@ -75,7 +79,7 @@ class ExposureTables {
 
  private:
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)
-  float exposure_;
+  float exposure_, texture_error_ = 0;
   VarianceExcess excess_;
   std::array<std::array<float, 257>, 3> radiance_{};
   std::array<std::array<float, kSegments + 2>, 3> variance_{}, code_{};

@@ -1,5 +1,8 @@
 #include "online/state/fusion.h"
 
+#include <optional>
+
+#include "online/pictures/for_samples.h"
 #include "online/pictures/local_statistics.h"
 #include "online/state/exposure_blur.h"
 #include "online/state/fusion_kernels.h"
@@ -99,6 +102,15 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   });
 }
 
+void Fusion::doubt_texture(float share, const Image<float>* extra_variance) {
+  local_contrast(guess_, mean_, doubt_, pool_);
+  for_samples(doubt_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
+    float* doubt = doubt_.plane(0);
+    const float* extra = extra_variance != nullptr ? extra_variance->plane(0) : nullptr;
+    for (std::size_t i = i0; i < i1; ++i) doubt[i] = share * doubt[i] + (extra != nullptr ? extra[i] : 0);
+  });
+}
+
 void Fusion::update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
                     const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share) {
   const FusionOptions& o = options_;
@@ -119,7 +131,15 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
         }
       }
   });
-  box_mean(guess_, 1, mean_, pool_);
+  const float texture_error = tables.texture_error();
+  std::optional<Borrowed> doubts;  // only of a camera that needs them
+  if (texture_error > 0) {
+    doubts.emplace(pool_.scratch(), rows, cols, std::initializer_list<Borrowed::Wish>{{&doubt_, 3}});
+    doubt_texture(texture_error, extra_variance);
+    extra_variance = &doubt_;
+  } else {
+    box_mean(guess_, 1, mean_, pool_);
+  }
 
   share.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {

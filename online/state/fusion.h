@@ -82,11 +82,15 @@ class Fusion {
   void warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance);
 
  private:
+  // Fills mean_ with the local mean of guess_, and doubt_ with the extra variance of samples (may be null)
+  // and this share of guess_'s local contrast.
+  void doubt_texture(float share, const Image<float>* extra_variance);
+
   FusionOptions options_;
   float white_ = 1;
   WorkerPool& pool_;
   // borrowed during a call
-  Image<float> mean_, disagreement_, coverage_, disagreement_mean_, coverage_mean_, guess_, shown_;
+  Image<float> mean_, disagreement_, coverage_, disagreement_mean_, coverage_mean_, guess_, shown_, doubt_;
 };
 
 }  // namespace hdrcam

@@ -38,7 +38,7 @@ void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
   for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.variances(c).begin(), tables.variances(c).end());
   work.upload(std::as_bytes(std::span(all)), *curves);
   work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
-  exposure = tables.exposure();
+  exposure = tables.exposure(), texture_error = tables.texture_error();
 }
 
 Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& options) {
@@ -53,7 +53,7 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
                                                 {"age", k_age, 4},
                                                 {"residuals", k_residuals, 6},
                                                 {"guess", k_guess, 3},
-                                                {"update", k_update, 8},
+                                                {"update", k_update, 9},
                                                 {"dilate", k_dilate, 2},
                                                 {"follow", k_follow, 3}}};
   StatePasses passes(device, options);
@@ -170,17 +170,20 @@ void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, 
 void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                        float white, const GpuPicture& gate, const GpuPicture& contrast,
                        const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-                       const GpuPicture& share) const {
+                       const GpuPicture& detail, const GpuPicture& share) const {
   const FusionOptions& o = options_.fusion;
   const struct {
     int rows, cols;
     float known;
   } choice{state.rows, state.cols, known_limit(white)};
   run(kGuess, {*state, *samples, *guess}, choice, guess.grid());
-  box_mean(guess, 1, mean);
+  if (tables.texture_error > 0)
+    local_contrast(guess, mean, detail);
+  else
+    box_mean(guess, 1, mean);
   const struct {
     int rows, cols, joins;
-    float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2;
+    float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
   } constants{state.rows,
               state.cols,
               joins,
@@ -189,22 +192,23 @@ void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& sam
               square(o.relative_noise),
               o.blur_variance,
               o.unknown_blur_variance,
-              square(o.misalignment)};
-  run(kUpdate, {*state, *samples, *mean, tables.curves.get(), *gate, *contrast, *motion, *share}, constants,
-      share.pixels());
+              square(o.misalignment),
+              tables.texture_error};
+  run(kUpdate, {*state, *samples, *mean, tables.curves.get(), *gate, *contrast, *motion, *share, *detail},
+      constants, share.pixels());
 }
 
 void StatePasses::update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                          float white, const GpuPicture& guess, const GpuPicture& mean,
-                         const GpuPicture& share) const {
-  fuse(0, state, samples, tables, white, mean, mean, mean, guess, mean, share);
+                         const GpuPicture& detail, const GpuPicture& share) const {
+  fuse(0, state, samples, tables, white, mean, mean, mean, guess, mean, detail, share);
 }
 
 void StatePasses::join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                        float white, const GpuPicture& gate, const GpuPicture& contrast,
                        const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-                       const GpuPicture& share) const {
-  fuse(1, state, samples, tables, white, gate, contrast, motion, guess, mean, share);
+                       const GpuPicture& detail, const GpuPicture& share) const {
+  fuse(1, state, samples, tables, white, gate, contrast, motion, guess, mean, detail, share);
 }
 
 void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {

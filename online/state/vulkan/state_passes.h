@@ -21,7 +21,7 @@ constexpr int kResidualPlanes = 9;  // residual, variance, bin; rgb each
 // What a code means and how noisy it is, in the device's memory.
 struct GpuTables {
   std::unique_ptr<GpuBuffer> curves, excess;
-  float exposure = 1;
+  float exposure = 1, texture_error = 0;
 
   static Result<GpuTables> make(GpuDevice& device);
   void take(const ExposureTables& tables, GpuWork& work);
@@ -52,13 +52,15 @@ class StatePasses {
   // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, (rows - 1) / 2, (cols - 1) / 2]
   void residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
                  const GpuTables& tables, float white, const GpuPicture& found) const;
-  // Fusion::update with a frame's own samples; guess, mean: room
+  // Fusion::update with a frame's own samples; guess, mean, detail: room
   void update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
-              const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+              const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
+              const GpuPicture& share) const;
   // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
   void join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
             const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
-            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
+            const GpuPicture& share) const;
   // LookAhead: the brightest code that may have gone into a warped one; a path made longer
   void dilate(const GpuPicture& in, const GpuPicture& out) const;
   void follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const;
@@ -89,7 +91,8 @@ class StatePasses {
   }
   void fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
             float white, const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
-            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& share) const;
+            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
+            const GpuPicture& share) const;
 
   GpuDevice* device_;
   StateOptions options_;

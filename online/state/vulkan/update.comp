@@ -6,7 +6,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols, joins;
-  float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2;
+  float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
 };
 CHANGES(0, State, state)
 READS(1, Samples, samples)
@@ -16,6 +16,7 @@ READS(4, Gate, gate)
 READS(5, Contrast, contrast)
 READS(6, Motion, motion)
 CHANGES(7, Share, share)
+READS(8, Detail, detail)  // the local contrast of what the mean is of
 #include "online/pictures/vulkan/picture.glsl"
 #include "online/state/vulkan/state.glsl"
 #include "online/state/vulkan/noise.glsl"
@@ -39,6 +40,7 @@ void main() {
       variance += unknown_blur_variance * blur2;
     }
     if (joins != 0) variance += extra * contrast[i];
+    if (texture_error > 0) variance += texture_error * detail[i];
     const float weight = samples[at(kWeight + c, y, x)] * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
     if (weight > 1e-5 / (m * m + kTiny) || v < known) {

@@ -41,6 +41,7 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
               .mean = TRY(picture(3)),
               .contrast = TRY(picture(3)),
               .guess = TRY(picture(3)),
+              .detail = TRY(picture(3)),
               .shown = TRY(picture(3)),
               .found = TRY(picture(kFoundPlanes)),
               .found_mean = TRY(picture(kFoundPlanes)),
@@ -118,7 +119,7 @@ Result<void> VulkanState::restart_there(const StateInput& input) {
   std::copy_n(fetched_.plane(0), radiance.size(), radiance.plane(0));
   stack(radiance, unseen, stacked_);
   upload(work, stacked_, on.state);
-  on.passes.update(on.state, on.samples, on.tables, input.white, on.guess, on.mean, on.share);
+  on.passes.update(on.state, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share);
   download(work, on.state, fetched_);
   download(work, on.share, fetched_share_);
   TRY(work.finish());
@@ -148,7 +149,7 @@ Result<void> VulkanState::advance_there(const StateInput& input, const FlowField
   passes.age(on.predicted, on.contrast, on.motion, on.gate);
   const bool judges = rows_ > 2 && cols_ > 2;
   if (judges) passes.residuals(on.predicted, on.samples, on.motion, on.tables, input.white, on.residuals);
-  passes.update(on.predicted, on.samples, on.tables, input.white, on.guess, on.mean, on.share);
+  passes.update(on.predicted, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share);
   download(work, on.predicted, fetched_);
   download(work, on.share, fetched_share_);
   if (judges) download(work, on.residuals, found_);
@@ -210,7 +211,7 @@ Result<void> VulkanState::join_there(const RadianceState& of, std::span<const La
     passes.gate(on.joined, on.samples, on.mean, on.contrast, on.tables, on.path, white, on.found,
                 on.found_mean, on.gate);
     passes.join(on.joined, on.samples, on.tables, white, on.gate, on.contrast, on.path, on.guess, on.mean,
-                on.share);
+                on.detail, on.share);
   }
   download(work, on.joined, fetched_);
   download(work, on.share, joined.later_share);

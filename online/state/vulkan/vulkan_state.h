@@ -31,7 +31,8 @@ class VulkanState final : public StateLayer {
     StatePasses passes;
     GpuTables tables;
     GpuPicture state, predicted, joined;  // [kStatePlanes]
-    GpuPicture samples, motion, path, longer, codes, seen, largest, brightest, mean, contrast, guess, shown;
+    GpuPicture samples, motion, path, longer, codes, seen, largest, brightest, mean, contrast, guess, detail,
+        shown;
     GpuPicture found, found_mean, gate, share, residuals;
 
     static Result<Room> make(GpuDevice& device, const StateOptions& options, int rows, int cols);

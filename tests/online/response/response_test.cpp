@@ -77,6 +77,36 @@ TEST_CASE("the models of a response that are there for comparison are what they 
   CHECK(response_error(estimated(wrong, ResponseModel::Network).response, Response::gamma(2.2f)) > 0.5);
 }
 
+TEST_CASE("an exposure that is not the stated one is found with the response") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  const auto truth = exposed(scene, 6);
+  const auto with_middle_off_by = [&](double stops) {
+    auto frames = exposed(scene, 6);
+    for (std::size_t i = 1; i < frames.size(); i += 3)
+      frames[i].exposure *= std::exp2(static_cast<float>(stops));
+    return estimated(frames);
+  };
+  // what the middle exposure is off against the other two; a common factor is not observable
+  const auto off = [&](const ResponseEstimate& estimate, double stated_off) {
+    const auto log2_of = [&](std::size_t i, double by) {
+      const float stated = truth[i].exposure * std::exp2(static_cast<float>(by));
+      return static_cast<double>(std::log2(estimate.exposures.corrected(stated) / truth[i].exposure));
+    };
+    return log2_of(1, stated_off) - (log2_of(0, 0) + log2_of(2, 0)) / 2;
+  };
+  for (const double stated_off : {-0.12, 0.0, 0.12}) {
+    const ResponseEstimate estimate = with_middle_off_by(stated_off);
+    INFO("stated " << stated_off << " stop off");
+    CHECK(off(estimate, stated_off) == Approx(0).margin(0.03));
+    CHECK(response_error(estimate.response, Response::gamma(2.2f)) < 0.12);
+  }
+  // of two exposures alone no ratio is known better than as it is stated
+  scene.exposures_s = {0.001, 0.004};
+  const auto two = exposed(scene, 6);
+  CHECK(estimated(two).exposures.corrected(two[1].exposure) == Approx(two[1].exposure).epsilon(1e-3));
+}
+
 TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;

@@ -267,9 +267,10 @@ TEST_CASE("an update of the state on the graphics device is the processor's", "[
   Bench bench(test::open_test_gpu());
   NEEDS_GPU(bench.gpu);
   Scene s;
+  s.tables.set_texture_error(0.1f);
   const GpuPicture state = bench.put(s.state), guess = bench.empty(3), mean = bench.empty(3),
-                   share = bench.empty(1);
-  bench.passes->update(state, bench.put(s.samples), bench.put(s.tables), kWhite, guess, mean, share);
+                   detail = bench.empty(3), share = bench.empty(1);
+  bench.passes->update(state, bench.put(s.samples), bench.put(s.tables), kWhite, guess, mean, detail, share);
   const Image<float> there = bench.get(state);
   Image<float> own;
   s.fusion.update(s.state, s.samples, s.tables, nullptr, nullptr, own);
@@ -286,11 +287,12 @@ TEST_CASE("later samples join the state on the graphics device as on the process
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x) gate.at(0, y, x) = 0.5f + 0.25f * wave(0, y, x);
   local_contrast(s.state.radiance, mean, contrast, s.pool);
+  s.tables.set_texture_error(0.1f);
   const GpuPicture state = bench.put(s.state), guess = bench.empty(3), room = bench.empty(3),
-                   joined = bench.empty(1);
+                   detail = bench.empty(3), joined = bench.empty(1);
   bench.gpu->work().clear(*joined.buffer);
   bench.passes->join(state, bench.put(s.samples), bench.put(s.tables), kWhite, bench.put({&gate}),
-                     bench.put({&contrast}), bench.put(s.motion), guess, room, joined);
+                     bench.put({&contrast}), bench.put(s.motion), guess, room, detail, joined);
   const Image<float> there = bench.get(state);
   s.fusion.warp_variance(contrast, s.motion.vectors, extra);
   s.fusion.update(s.state, s.samples, s.tables, &gate, &extra, share);

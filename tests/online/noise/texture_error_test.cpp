@@ -1,0 +1,94 @@
+#include "online/noise/texture_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "online/pictures/local_statistics.h"
+#include "online/state/fusion.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr int kRows = 72, kCols = 96;
+constexpr float kWhite = 4, kWell = 1e6f;
+
+const ExposureTables& tables() {
+  NoiseModel quiet;
+  quiet.full_well = kWell, quiet.code_noise = 0.1f;
+  static const ExposureTables kTables(Response::gamma(2.2f), quiet, 1);
+  return kTables;
+}
+
+// What one frame shows of a texture that the state knows, moved by whole pixels.
+struct Texture {
+  RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  FlowField motion{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
+  ExposedFrame frame;
+  WorkerPool pool{1};
+
+  explicit Texture(float amplitude) {
+    constexpr int kShift = 2;
+    state.variance.fill(1e-8f);
+    motion.confidence.fill(1);
+    frame.codes = Image<float>(3, kRows, kCols);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) {
+          state.radiance.at(c, y, x) = light(amplitude, c, y, x);
+          frame.codes.at(c, y, x) = std::round(tables().code(c, light(amplitude, c, y, x + kShift)));
+        }
+    std::fill_n(motion.vectors.plane(0), motion.vectors.plane_size(), static_cast<float>(kShift));
+  }
+  static float light(float amplitude, int c, int y, int x) {
+    return 0.2f + amplitude * static_cast<float>(std::sin(1.3 * x + c) * std::sin(1.1 * y));
+  }
+  // As noise reduction does: each pixel nearer to the mean of its surroundings.
+  void smooth(float share) {
+    Image<float> mean;
+    box_mean(frame.codes, 1, mean, pool);
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      frame.codes.plane(0)[i] += share * (mean.plane(0)[i] - frame.codes.plane(0)[i]);
+  }
+  float found(int frames = 20) const {
+    TextureError error;
+    for (int i = 0; i < frames; ++i) error.observe(frame, state, motion, tables(), kWhite);
+    return error.share();
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what a camera's processing makes of textures is seen, and a camera that shows them is believed") {
+  Texture texture(0.1f);
+  CHECK(texture.found() == 0);
+  texture.smooth(0.8f);
+  CHECK(texture.found() > 0.02f);
+  texture.motion.confidence.fill(0.5f);
+  CHECK(texture.found() == 0);  // perhaps it is the motion
+  Texture flat(0.001f);
+  flat.smooth(0.8f);
+  CHECK(flat.found() == 0);
+}
+
+TEST_CASE(
+    "where processing changes textures a sample of a texture weighs less, one of a flat place as before") {
+  const auto variance_after = [](float amplitude, float texture_error) {
+    Texture texture(amplitude);
+    Fusion fusion({}, texture.pool);
+    fusion.set_white(kWhite);
+    ExposureTables sampled = tables();
+    sampled.set_texture_error(texture_error);
+    Samples samples;
+    Image<float> share;
+    fusion.sample(texture.frame.codes, texture.frame.codes, sampled, samples);
+    texture.state.variance.fill(1e-3f);
+    fusion.update(texture.state, samples, sampled, nullptr, nullptr, share);
+    return texture.state.variance.at(1, kRows / 2, kCols / 2);
+  };
+  CHECK(variance_after(0, 0.1f) == Approx(variance_after(0, 0)).epsilon(1e-3));
+  CHECK(variance_after(0.1f, 0.1f) > 2 * variance_after(0.1f, 0));
+}
