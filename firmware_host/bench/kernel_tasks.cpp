@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "hal/core/image.h"
+#include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/priors/motion/refinement_kernels.h"
@@ -86,7 +87,7 @@ void add_pictures(Tasks& tasks, int rows, int cols) {
   warp("warp, bilinear, rgb", kernels.warp_linear, 0, 10 + 3 * 6, 3 * 2);
   warp("warp, bicubic, rgb", kernels.warp_cubic, 0.25f, 10 + 20 + 3 * 47, 3 * 4);
   add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
-    kernels.window({room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)});
+    kernels.window(window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
   });
   // 5 instants, of 12 and 7 a channel; neighbours stay together
   KernelTask blur;

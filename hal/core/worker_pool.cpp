@@ -1,5 +1,6 @@
 #include "hal/core/worker_pool.h"
 
+#include <chrono>
 #include <string>
 
 #include "hal/core/check.h"
@@ -7,6 +8,32 @@
 #include "hal/core/thread_name.h"
 
 namespace hdrcam {
+namespace {
+
+void rest_a_moment() {
+#if defined(__x86_64__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  __asm__ volatile("yield");
+#endif
+}
+
+// Whether it comes true within about the time that it takes to put a thread to sleep and to wake it again.
+// The loops of a frame follow each other within microseconds.
+template <class Condition>
+bool comes_soon(Condition&& condition) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::microseconds kSoon{50};
+  constexpr int kLooks = 16;  // from one look at the clock to the next
+  const auto end = Clock::now() + kSoon;
+  do
+    for (int i = 0; i < kLooks; ++i, rest_a_moment())
+      if (condition()) return true;
+  while (Clock::now() < end);
+  return false;
+}
+
+}  // namespace
 
 WorkerPool::WorkerPool(int threads, ThreadPriority priority) {
   CHECK_GT(threads, 0);
@@ -22,6 +49,7 @@ WorkerPool::~WorkerPool() {
   {
     std::lock_guard lock(mutex_);
     stop_ = true;
+    std::atomic_ref(generation_).fetch_add(2, std::memory_order_release);
   }
   wake_.notify_all();
   for (auto& thread : threads_) thread.join();
@@ -36,14 +64,21 @@ void WorkerPool::run(int count, Call call, void* context) {
     std::lock_guard lock(mutex_);
     call_ = call, context_ = context, count_ = count;
     next_.store(0, std::memory_order_relaxed);
-    busy_ = static_cast<int>(threads_.size());
     running_ = true;
-    ++generation_;
+    std::atomic_ref(generation_).fetch_add(1, std::memory_order_release);  // odd: open
   }
   wake_.notify_all();
   work();
-  std::unique_lock lock(mutex_);
-  done_.wait(lock, [this] { return busy_ == 0; });
+  {
+    // nothing is left to be taken: who has not begun by now need not be waited for
+    std::lock_guard lock(mutex_);
+    std::atomic_ref(generation_).fetch_add(1, std::memory_order_release);
+  }
+  const auto done = [this] { return std::atomic_ref(busy_).load(std::memory_order_acquire) == 0; };
+  if (!comes_soon(done)) {
+    std::unique_lock lock(mutex_);
+    done_.wait(lock, done);
+  }
   running_ = false;
 }
 
@@ -51,21 +86,24 @@ void WorkerPool::work() {
   for (int i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) call_(context_, i);
 }
 
+// A thread takes part in each loop that it finds open, until the pool ends.
 void WorkerPool::serve() {
   flush_denormals();
   unsigned seen = 0;
+  const auto changed = [&] { return std::atomic_ref(generation_).load(std::memory_order_acquire) != seen; };
   for (;;) {
+    const bool soon = comes_soon(changed);
     {
       std::unique_lock lock(mutex_);
-      wake_.wait(lock, [&] { return stop_ || generation_ != seen; });
-      if (stop_) return;
+      if (!soon) wake_.wait(lock, changed);
       seen = generation_;
+      if (stop_) return;
+      if (seen % 2 == 0) continue;  // it is over already
+      std::atomic_ref(busy_).fetch_add(1, std::memory_order_relaxed);
     }
     work();
-    {
-      std::lock_guard lock(mutex_);
-      if (--busy_ == 0) done_.notify_one();
-    }
+    std::lock_guard lock(mutex_);
+    if (std::atomic_ref(busy_).fetch_sub(1, std::memory_order_release) == 1) done_.notify_one();
   }
 }
 

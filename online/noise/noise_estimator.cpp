@@ -10,13 +10,15 @@
 #include "capture/clip_policy.h"
 #include "online/noise/robust_spread.h"
 #include "online/pictures/local_statistics.h"
-#include "online/pictures/warp.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr int kMargin = 3, kStride = 2;  // pixels
-constexpr float kMinConfidence = 0.8f;   // of the flow
+constexpr int kStripe = 16;              // rows of those looked at
+constexpr int kWholeFrames = 9;          // at the beginning
+constexpr int kUsualPixels = 320 * 240, kMostTurns = 8;
+constexpr float kMinConfidence = 0.8f;  // of the flow
 constexpr float kFirstCode =
     clip_policy::kNoisePair.darkest;  // of the shorter exposure, as the longer one predicts it: darker ones
                                       // are clipped at zero and spread too little
@@ -37,6 +39,18 @@ float range_5x5(const Image<float>& image, int channel, int y, int x) {
 float interpolated_variance(float dx, float dy) {
   const float fx = dx - std::floor(dx), fy = dy - std::floor(dy);
   return (1 - 2 * fx * (1 - fx)) * (1 - 2 * fy * (1 - fy));
+}
+
+// Rows [top, bottom] of a picture moved along a flow, and all but the first and last of its means over 3x3
+// pixels.
+void warp_and_smooth(const Image<float>& codes, const Image<float>& flow, int top, int bottom,
+                     Image<float>& warped, Image<float>& mean) {
+  const int rows = codes.rows(), cols = codes.cols();
+  picture_kernels().warp_linear({codes.plane(0), warped.plane(0), flow.plane(0), flow.plane(1),
+                                 codes.channels(), rows, cols, top, bottom + 1, 0});
+  for (int c = 0; c < codes.channels(); ++c)
+    for (int y = top + 1; y < bottom; ++y)
+      picture_kernels().window(window_at(warped.plane(c), rows, cols, y, 1, mean.row(c, y), nullptr));
 }
 
 // The unknowns, as natural logarithms: positive by construction.
@@ -78,13 +92,24 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
   if (rows <= 0 || cols <= 0) return;
   const Borrowed room(pool_.scratch(), b.codes.rows(), b.codes.cols(), {{&warped_, 3}, {&warped_mean_, 3}});
   const Borrowed more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});
-  warp_linear(b.codes, a_to_b.vectors, warped_, pool_);
-  box_mean(warped_, 1, warped_mean_, pool_);
   const float ratio = a.exposure / b.exposure;
-  found_.resize(static_cast<std::size_t>(rows));
-  pool_.for_each(rows, [&](int row) {
-    found_[static_cast<std::size_t>(row)] = compare_row(a, a_to_b, response, ratio, row);
-  });
+  found_.assign(static_cast<std::size_t>(rows), 0);
+  const auto compare_stripe = [&](int stripe) {
+    const int first = stripe * kStripe, last = std::min(first + kStripe, rows) - 1;  // of the rows looked at
+    const int top = first * kStride, bottom = last * kStride + 2 * kMargin;          // of the picture
+    warp_and_smooth(b.codes, a_to_b.vectors, top, bottom, warped_, warped_mean_);
+    for (int row = first; row <= last; ++row)
+      found_[static_cast<std::size_t>(row)] = compare_row(a, a_to_b, response, ratio, row);
+  };
+  // The first frames are compared everywhere, later ones in a part that is as large as a usual picture, in
+  // turn, so that no pair of a cycle always has the same. Stripes side by side share rows of the picture, so
+  // that each part leaves some out.
+  const int stripes = (rows + kStripe - 1) / kStripe, index = std::max(a.index, b.index);
+  const int turns = std::clamp(a.codes.rows() * a.codes.cols() / kUsualPixels, 1, kMostTurns);
+  const int parts = std::max(turns, 2);
+  for (int part = 0; part < parts; ++part)
+    if (turns == 1 || index < kWholeFrames || part == (index + index / turns) % turns)
+      pool_.for_each((stripes - part + parts - 1) / parts, [&](int i) { compare_stripe(i * parts + part); });
   const int ratio_key = static_cast<int>(std::lround(-std::log2(ratio) * 4));
   std::array<Bin, kBrightnesses>& bins = bins_[ratio_key];
   for (int row = 0; row < rows; ++row)

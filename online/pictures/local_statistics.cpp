@@ -1,7 +1,5 @@
 #include "online/pictures/local_statistics.h"
 
-#include "online/pictures/picture_kernels.h"
-
 namespace hdrcam {
 namespace {
 
@@ -13,17 +11,21 @@ void over_windows(const Image<float>& in, int radius, Image<float>& mean, Image<
   pool.for_rows(in.rows(), [&](int y0, int y1) {
     for (int c = 0; c < in.channels(); ++c)
       for (int y = y0; y < y1; ++y)
-        picture_kernels().window({.plane = in.plane(c),
-                                  .rows = in.rows(),
-                                  .cols = in.cols(),
-                                  .y = y,
-                                  .radius = radius,
-                                  .mean = mean.row(c, y),
-                                  .variance = variance != nullptr ? variance->row(c, y) : nullptr});
+        picture_kernels().window(window_at(in.plane(c), in.rows(), in.cols(), y, radius, mean.row(c, y),
+                                           variance != nullptr ? variance->row(c, y) : nullptr));
   });
 }
 
 }  // namespace
+
+WindowRow window_at(const float* plane, int rows, int cols, int y, int radius, float* mean, float* variance) {
+  WindowRow window{.line = {}, .cols = cols, .radius = radius, .mean = mean, .variance = variance};
+  for (int k = -radius; k <= radius; ++k) {
+    const int mirrored = y + k < 0 ? -(y + k) : (y + k < rows ? y + k : 2 * rows - 2 - (y + k));
+    window.line[k + radius] = plane + static_cast<std::ptrdiff_t>(std::clamp(mirrored, 0, rows - 1)) * cols;
+  }
+  return window;
+}
 
 void box_mean(const Image<float>& in, int radius, Image<float>& out, WorkerPool& pool) {
   over_windows(in, radius, out, nullptr, pool);

@@ -225,9 +225,7 @@ inline void sum_columns(int x0, int count, int radius, int cols, float* __restri
 void window(const WindowRow& w) {
   constexpr int kWide = 256;  // columns at a time
   alignas(64) float sums[kWide + 2 * kMostRadius];
-  const float* l[2 * kMostRadius + 1];  // the rows around y, from above to below
-  for (int k = 0; k <= 2 * w.radius; ++k)
-    l[k] = w.plane + static_cast<std::ptrdiff_t>(mirrored(w.y + k - w.radius, w.rows)) * w.cols;
+  const float* const* l = w.line;
   const float share = 1.f / static_cast<float>((2 * w.radius + 1) * (2 * w.radius + 1));
   for (int x0 = 0; x0 < w.cols; x0 += kWide) {
     const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;

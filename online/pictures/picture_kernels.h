@@ -19,10 +19,10 @@ struct WarpBand {
 
 // One row of a small-window statistic (local_statistics.h) of a plane.
 struct WindowRow {
-  const float* plane;
-  int rows, cols, y;
+  const float* line[5];  // the rows that are looked at, 2 radius + 1, from above to below
+  int cols;
   int radius;              // 1 or 2
-  float *mean, *variance;  // of row y; variance: null for the mean alone
+  float *mean, *variance;  // of the row amid them; variance: null for the mean alone
 };
 
 struct PictureKernels {

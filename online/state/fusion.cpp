@@ -1,14 +1,26 @@
 #include "online/state/fusion.h"
 
-#include <optional>
+#include <algorithm>
 
-#include "online/pictures/for_samples.h"
 #include "online/pictures/local_statistics.h"
 #include "online/state/exposure_blur.h"
 #include "online/state/fusion_kernels.h"
 
 namespace hdrcam {
 namespace {
+
+constexpr int kBand =
+    16;  // rows that one thread works through: what a row leaves for the next stays in its cache
+
+int bands_of(int rows) { return (rows + kBand - 1) / kBand; }
+
+// Calls row(band, y) for all rows, on all threads; those of a band one after the other.
+template <class Row>
+void across_bands(int rows, WorkerPool& pool, Row&& row) {
+  pool.for_each(bands_of(rows), [&](int band) {
+    for (int y = band * kBand; y < std::min(rows, (band + 1) * kBand); ++y) row(band, y);
+  });
+}
 
 SampleVariances noise_of(const ExposureTables& tables, int channel) {
   return {tables.variances(channel).data(), tables.exposure()};
@@ -57,57 +69,46 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
                   const Image<float>& confidence, Image<float>& gate, Image<float>& contrast) {
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
-  const float known = known_limit(white_);
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
-  const Borrowed room(
-      pool_.scratch(), rows, cols,
-      {{&mean_, 3}, {&disagreement_, 1}, {&coverage_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});
-  local_contrast(state.radiance, mean_, contrast, pool_);
-
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y);
-      std::fill_n(chi2, cols, 0.f);
-      std::fill_n(covered, cols, 0.f);
-      for (int c = 0; c < 3; ++c)
-        fusion_kernels().compare(
-            {state.radiance.row(c, y), state.variance.row(c, y), mean_.row(c, y), contrast.row(c, y),
-             samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur.row(c, y),
-             noise_of(tables, c), known, relative2, texture2, o.blur_tolerance, chi2, covered},
-            cols);
+  const Borrowed room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
+  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
+                       {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
+  contrast.reshape_like(state.radiance);
+  across_bands(rows, pool_, [&](int band, int y) {
+    float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y), *mean = mean_.row(0, band);
+    std::fill_n(chi2, cols, 0.f);
+    std::fill_n(covered, cols, 0.f);
+    for (int c = 0; c < 3; ++c) {
+      picture_kernels().window(
+          window_at(state.radiance.plane(c), rows, cols, y, 1, mean, contrast.row(c, y)));
+      fusion_kernels().compare(
+          {state.radiance.row(c, y), state.variance.row(c, y), mean, contrast.row(c, y),
+           samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur.row(c, y),
+           noise_of(tables, c), known_limit(white_), relative2, texture2, o.blur_tolerance, chi2, covered},
+          cols);
     }
   });
-  box_mean(disagreement_, 2, disagreement_mean_, pool_);
-  box_mean(coverage_, 2, coverage_mean_, pool_);
 
   gate.reshape(1, rows, cols);
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      GatedRow row{.chi2 = disagreement_mean_.row(0, y),
-                   .covered = coverage_mean_.row(0, y),
-                   .trust = confidence.row(0, y),
-                   .state = {},
-                   .sample = {},
-                   .weight = {},
-                   .tolerance = o.chi2_tolerance,
-                   .scale = o.chi2_scale,
-                   .floor = o.gate_floor,
-                   .gate = gate.row(0, y)};
-      for (int c = 0; c < 3; ++c) {
-        row.state[c] = state.radiance.row(c, y);
-        row.sample[c] = samples.radiance.row(c, y), row.weight[c] = samples.weight.row(c, y);
-      }
-      fusion_kernels().gate(row, cols);
+  across_bands(rows, pool_, [&](int band, int y) {
+    float *chi2 = disagreement_mean_.row(0, band), *covered = coverage_mean_.row(0, band);
+    picture_kernels().window(window_at(disagreement_.plane(0), rows, cols, y, 2, chi2, nullptr));
+    picture_kernels().window(window_at(coverage_.plane(0), rows, cols, y, 2, covered, nullptr));
+    GatedRow row{.chi2 = chi2,
+                 .covered = covered,
+                 .trust = confidence.row(0, y),
+                 .state = {},
+                 .sample = {},
+                 .weight = {},
+                 .tolerance = o.chi2_tolerance,
+                 .scale = o.chi2_scale,
+                 .floor = o.gate_floor,
+                 .gate = gate.row(0, y)};
+    for (int c = 0; c < 3; ++c) {
+      row.state[c] = state.radiance.row(c, y);
+      row.sample[c] = samples.radiance.row(c, y), row.weight[c] = samples.weight.row(c, y);
     }
-  });
-}
-
-void Fusion::doubt_texture(float share, const Image<float>* extra_variance) {
-  local_contrast(guess_, mean_, doubt_, pool_);
-  for_samples(doubt_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
-    float* doubt = doubt_.plane(0);
-    const float* extra = extra_variance != nullptr ? extra_variance->plane(0) : nullptr;
-    for (std::size_t i = i0; i < i1; ++i) doubt[i] = share * doubt[i] + (extra != nullptr ? extra[i] : 0);
+    fusion_kernels().gate(row, cols);
   });
 }
 
@@ -117,7 +118,10 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
-  const Borrowed room(pool_.scratch(), rows, cols, {{&guess_, 3}, {&mean_, 3}});
+  const Borrowed room(pool_.scratch(), rows, cols, {{&guess_, 3}});
+  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
+                       {{&mean_, 1}, {&doubt_, 1}});  // one for each band
+  const float texture_error = tables.texture_error();
   // the radiance that the noise model is asked for: the state where it is known, else the sample; smoothed
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
@@ -131,36 +135,34 @@ void Fusion::update(RadianceState& state, const Samples& samples, const Exposure
         }
       }
   });
-  const float texture_error = tables.texture_error();
-  std::optional<Borrowed> doubts;  // only of a camera that needs them
-  if (texture_error > 0) {
-    doubts.emplace(pool_.scratch(), rows, cols, std::initializer_list<Borrowed::Wish>{{&doubt_, 3}});
-    doubt_texture(texture_error, extra_variance);
-    extra_variance = &doubt_;
-  } else {
-    box_mean(guess_, 1, mean_, pool_);
-  }
 
   share.reshape(1, rows, cols);
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      std::fill_n(share.row(0, y), cols, 0.f);
-      for (int c = 0; c < 3; ++c)
-        fusion_kernels().update({.state = state.radiance.row(c, y),
-                                 .variance = state.variance.row(c, y),
-                                 .sample = samples.radiance.row(c, y),
-                                 .weight = samples.weight.row(c, y),
-                                 .mean = mean_.row(c, y),
-                                 .blur = samples.blur.row(c, y),
-                                 .gate = gate != nullptr ? gate->row(0, y) : nullptr,
-                                 .extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr,
-                                 .noise = noise_of(tables, c),
-                                 .known = known,
-                                 .relative2 = relative2,
-                                 .blur_variance = o.blur_variance,
-                                 .unknown_blur_variance = o.unknown_blur_variance,
-                                 .share = share.row(0, y)},
-                                cols);
+  across_bands(rows, pool_, [&](int band, int y) {
+    std::fill_n(share.row(0, y), cols, 0.f);
+    float *mean = mean_.row(0, band), *doubt = texture_error > 0 ? doubt_.row(0, band) : nullptr;
+    for (int c = 0; c < 3; ++c) {
+      picture_kernels().window(window_at(guess_.plane(c), rows, cols, y, 1, mean, doubt));
+      const float* extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr;
+      if (doubt != nullptr) {
+        for (int x = 0; x < cols; ++x)
+          doubt[x] = texture_error * doubt[x] + (extra != nullptr ? extra[x] : 0);
+        extra = doubt;
+      }
+      fusion_kernels().update({.state = state.radiance.row(c, y),
+                               .variance = state.variance.row(c, y),
+                               .sample = samples.radiance.row(c, y),
+                               .weight = samples.weight.row(c, y),
+                               .mean = mean,
+                               .blur = samples.blur.row(c, y),
+                               .gate = gate != nullptr ? gate->row(0, y) : nullptr,
+                               .extra = extra,
+                               .noise = noise_of(tables, c),
+                               .known = known,
+                               .relative2 = relative2,
+                               .blur_variance = o.blur_variance,
+                               .unknown_blur_variance = o.unknown_blur_variance,
+                               .share = share.row(0, y)},
+                              cols);
     }
   });
 }

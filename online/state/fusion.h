@@ -82,10 +82,6 @@ class Fusion {
   void warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance);
 
  private:
-  // Fills mean_ with the local mean of guess_, and doubt_ with the extra variance of samples (may be null)
-  // and this share of guess_'s local contrast.
-  void doubt_texture(float share, const Image<float>* extra_variance);
-
   FusionOptions options_;
   float white_ = 1;
   WorkerPool& pool_;

@@ -9,6 +9,7 @@ namespace hdrcam {
 namespace {
 
 constexpr std::size_t kEnough = 40;
+constexpr int kPixels = 19200;     // of a frame of any size: they tell the spread of all bins
 constexpr float kLearning = 0.3f;  // share of a new frame in its slot's average
 
 }  // namespace
@@ -47,12 +48,14 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
                                const Image<float>& confidence, const ExposureTables& tables, float known) {
   constexpr ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
-  for (int y = 1; y < predicted.radiance.rows() - 1; y += how.stride_px) {
+  const int rows = predicted.radiance.rows(), cols = predicted.radiance.cols();
+  const int lines_apart = std::max(1, rows * cols / (how.stride_px * how.stride_px) / kPixels);
+  for (int y = 1; y < rows - 1; y += how.stride_px * lines_apart) {
     const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
     const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
     const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
     const float* trust = confidence.row(0, y);
-    for (int x = 1; x < predicted.radiance.cols() - 1; x += how.stride_px) {
+    for (int x = 1; x < cols - 1; x += how.stride_px) {
       if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
       const float variance = tables.variance(c, s[x]) + v[x];
       const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];

@@ -3,6 +3,7 @@
 #include "online/scene/hash_grid/field/window_kernels.h"
 
 #include "hal/core/lane_functions.h"
+#include "hal/core/lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
@@ -12,10 +13,6 @@ constexpr float kDarkest = 1e-5f,
                 kBrightest = 1e7f;  // of radiance, so that its logarithm and exponential stay finite
 
 inline bool is_number(float v) { return v - v == 0; }
-inline float clamped(float v, float low, float high) {
-  v = v > low ? v : low;
-  return v < high ? v : high;
-}
 
 void values(const ValueRow& row, int n) {
   const float* __restrict codes = row.codes;
