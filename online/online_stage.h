@@ -16,9 +16,9 @@
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
-#include "online/noise/texture_error.h"
 #include "online/response/response_estimator.h"
 #include "online/state/state_layer.h"
+#include "online/state/texture_error.h"
 
 namespace hdrcam {
 

@@ -16,7 +16,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
       1 / 5000.f;  // of white: below it differences are not visible after mu-law, mu = 5000
   const float offset = estimate.white * kDarkOffset;
   frame.facts = estimate.frame.facts;
-  frame.exposure = estimate.frame.exposure;
+  frame.exposure = static_cast<float>(frame.facts.exposure() / estimate.reference_exposure);  // as stated
   frame.reference_exposure = estimate.reference_exposure;
   frame.white = estimate.white;
   frame.pose = estimate.pose;

@@ -45,7 +45,7 @@ class ExposureTables {
 
   float exposure() const { return exposure_; }
   // The share of its surroundings' contrast (variance of 3x3 pixels) that a sample's variance has on top of
-  // the tables (online/noise/texture_error.h).
+  // the tables (online/state/texture_error.h).
   float texture_error() const { return texture_error_; }
   void set_texture_error(float share) { texture_error_ = share; }
   const VarianceExcess& excess() const { return excess_; }

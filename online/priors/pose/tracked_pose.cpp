@@ -74,8 +74,9 @@ bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; 
 
 TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options)
     : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {
+  // points that drift into one cell leave others to new ones, so there are more of them than cells
   for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
-    room->reserve(static_cast<std::size_t>(options.tracks.points));
+    room->reserve(2 * static_cast<std::size_t>(options.tracks.points));
 }
 
 const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowField& from_previous) {

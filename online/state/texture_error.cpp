@@ -1,4 +1,4 @@
-#include "online/noise/texture_error.h"
+#include "online/state/texture_error.h"
 
 #include <algorithm>
 #include <cmath>
