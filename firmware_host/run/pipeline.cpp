@@ -35,6 +35,14 @@ bool shows_field(const Settings& settings, FieldUse use) {
          needs_of(settings.output).shows_field();
 }
 
+// What a field gets that is itself seen, where nothing else is set by name.
+void make_seen(Knobs& knobs, const std::map<std::string, std::string>& set_by_name) {
+  FitBudget& budget = knobs.budget.fit;
+  if (!set_by_name.contains("steps")) budget.steps = knobs.view_steps;
+  if (!set_by_name.contains("fit_interval")) budget.interval = 1;
+  if (knobs.field_step == FieldStep::Auto) knobs.field_step = FieldStep::One;
+}
+
 }  // namespace
 
 PipelineOptions options_of(Preset preset, EmitLayer layer) {
@@ -42,10 +50,7 @@ PipelineOptions options_of(Preset preset, EmitLayer layer) {
   options.knobs = knobs_of(preset);
   options.render.layer = layer;
   if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
-  if (layer == EmitLayer::Field) {
-    options.knobs.budget.fit.steps = options.knobs.view_steps, options.knobs.budget.fit.interval = 1;
-    options.knobs.field_step = FieldStep::One;
-  }
+  if (layer == EmitLayer::Field) make_seen(options.knobs, {});
   return options;
 }
 
@@ -70,13 +75,8 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     const Result<void> set = set_knob(options.knobs, name, value);
     CHECK(set.ok());  // already checked when read (settings/setting_field.h)
   }
-  if (shows_field(settings, use)) {
-    FitBudget& budget = options.knobs.budget.fit;
-    if (!fit.knobs.contains("steps")) budget.steps = options.knobs.view_steps;
-    if (!fit.knobs.contains("fit_interval")) budget.interval = 1;
-  }
-  if ((shows_field(settings, use) || needs.points) && options.knobs.field_step == FieldStep::Auto)
-    options.knobs.field_step = FieldStep::One;
+  if (shows_field(settings, use)) make_seen(options.knobs, fit.knobs);
+  if (needs.points && options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
   return options;
 }
 
