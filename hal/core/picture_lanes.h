@@ -111,5 +111,63 @@ struct PixelPairs {
   return between(pairs_at(p, place), pairs_at(p + pitch, place), fx, fy);
 }
 
+[[maybe_unused]] inline int clamped(int v, int most) { return v > 0 ? (v < most ? v : most) : 0; }
+[[maybe_unused]] inline Whole clamped(Whole v, int most) {
+  v = v > 0 ? v : Whole{};
+  return v < most ? v : Whole{} + most;
+}
+
+// Positions of eight pixels, split into whole pixels and 1/32 pixels.
+struct Places {
+  Whole x, y;
+  Lanes fx, fy;
+};
+
+// Along one axis.
+[[maybe_unused]] inline void place(Lanes at, int size, Whole& pixel, Lanes& fraction) {
+  // far outside or not finite: the border; keeps the integer conversion defined, and positive before the cut
+  constexpr int kOutside = 4, kSubpixels = 32, kShift = 5;
+  const float limit = static_cast<float>(size + kOutside);
+  at = at > -kOutside ? (at < limit ? at : all<Lanes>(limit)) : all<Lanes>(-kOutside);
+  const Whole q = whole((at + kOutside) * kSubpixels + 0.5f);
+  pixel = (q >> kShift) - kOutside;
+  fraction = lanes(q & (kSubpixels - 1)) / kSubpixels;
+}
+
+// [channels, rows, cols] of floats.
+struct Planes {
+  const float* first;
+  int channels, rows, cols;
+};
+
+// Where neighbours may be missing: the border's pixels stand in for them. Kept out of the loop over all
+// pixels, which is longer with it.
+[[maybe_unused]] [[gnu::noinline]] Lanes read_at_border(const Planes& in, int channel, const Places& at) {
+  const float* p = in.first + static_cast<std::ptrdiff_t>(channel) * in.rows * in.cols;
+  const Whole above = clamped(at.y, in.rows - 1) * in.cols, below = clamped(at.y + 1, in.rows - 1) * in.cols;
+  const Whole left = clamped(at.x, in.cols - 1), right = clamped(at.x + 1, in.cols - 1);
+  return between({lanes_at(p, above + left), lanes_at(p, above + right)},
+                 {lanes_at(p, below + left), lanes_at(p, below + right)}, at.fx, at.fy);
+}
+
+// Calls take(channel, value) for each channel, bilinear at these places.
+template <class Take>
+inline void read_between(const Planes& in, const Places& at, Take&& take) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(in.rows) * in.cols;
+  if (any_negative(at.x | at.y | (in.cols - 2 - at.x) | (in.rows - 2 - at.y))) {
+    for (int channel = 0; channel < in.channels; ++channel) take(channel, read_at_border(in, channel, at));
+    return;
+  }
+  const Whole corner = at.y * in.cols + at.x;
+  if (in_a_row(corner)) {
+    const float* p = in.first + corner[0];
+    for (int channel = 0; channel < in.channels; ++channel)
+      take(channel, between_in_a_row(p + channel * plane, in.cols, at.fx, at.fy));
+  } else {
+    for (int channel = 0; channel < in.channels; ++channel)
+      take(channel, between_at(in.first + channel * plane, in.cols, corner, at.fx, at.fy));
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "online/pictures/between_pixels.h"
 #include "online/state/fusion.h"
 
 namespace hdrcam {
@@ -15,18 +16,6 @@ static_assert(kColumns * kRows * ExposureOutlook::kFrames == ExposureOutlook::kP
 float spread(std::uint64_t n, double step) {
   const double v = static_cast<double>(n) * step;
   return static_cast<float>(v - std::floor(v));
-}
-
-// Bilinear, inside the picture.
-float read(const Image<float>& picture, int channel, float y, float x) {
-  const float cy = std::clamp(y, 0.f, static_cast<float>(picture.rows() - 1));
-  const float cx = std::clamp(x, 0.f, static_cast<float>(picture.cols() - 1));
-  const int iy = std::min(static_cast<int>(cy), picture.rows() - 2);
-  const int ix = std::min(static_cast<int>(cx), picture.cols() - 2);
-  const float fy = cy - static_cast<float>(iy), fx = cx - static_cast<float>(ix);
-  const float *above = picture.row(channel, iy) + ix, *below = picture.row(channel, iy + 1) + ix;
-  const float upper = above[0] + (above[1] - above[0]) * fx, lower = below[0] + (below[1] - below[0]) * fx;
-  return upper + (lower - upper) * fy;
 }
 
 float contrast_3x3(const Image<float>& picture, int channel, int y, int x) {
@@ -83,7 +72,7 @@ void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::siz
     float sum = 0;
     for (int t = 0; t < taps; ++t) {
       const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
-      sum += read(radiance, c, static_cast<float>(y) + instant * dy, static_cast<float>(x) + instant * dx);
+      sum += BetweenPixels(radiance.rows(), radiance.cols(), static_cast<float>(x) + instant * dx, static_cast<float>(y) + instant * dy).of(radiance, c);
     }
     const float blur = sum / static_cast<float>(taps) - here;
     squared_blur_[static_cast<std::size_t>(k)][to] =

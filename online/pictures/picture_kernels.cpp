@@ -10,29 +10,6 @@ namespace {
 typedef float Quad __attribute__((vector_size(16), aligned(4), may_alias));
 
 inline Quad load_quad(const float* p) { return *reinterpret_cast<const Quad*>(p); }
-inline int clamped(int v, int most) { return v > 0 ? (v < most ? v : most) : 0; }
-inline Whole clamped(Whole v, int most) {
-  v = v > 0 ? v : Whole{};
-  return v < most ? v : Whole{} + most;
-}
-
-// Positions of eight pixels, split into whole pixels and 1/32 pixels.
-struct Places {
-  Whole x, y;
-  Lanes fx, fy;
-};
-
-// Along one axis.
-inline void place(Lanes at, int size, Whole& pixel, Lanes& fraction) {
-  // far outside or not finite: the border; keeps the integer conversion defined, and positive before the cut
-  constexpr int kOutside = 4, kSubpixels = 32, kShift = 5;
-  const float limit = static_cast<float>(size + kOutside);
-  at = at > -kOutside ? (at < limit ? at : all<Lanes>(limit)) : all<Lanes>(-kOutside);
-  const Whole q = whole((at + kOutside) * kSubpixels + 0.5f);
-  pixel = (q >> kShift) - kOutside;
-  fraction = lanes(q & (kSubpixels - 1)) / kSubpixels;
-}
-
 // Calls body(x, count, places) for a band, eight pixels at a time; `count` of them, fewer at a row's end.
 template <class Body>
 inline void across(const WarpBand& w, int y, Body&& body) {
@@ -46,37 +23,13 @@ inline void across(const WarpBand& w, int y, Body&& body) {
   }
 }
 
-// Bilinear where neighbours may be missing: the border's pixels stand in for them. Kept out of the loop over
-// all pixels, which is longer with it.
-[[gnu::noinline]] void read_at_border(const WarpBand& w, const Places& at, int count, float* out) {
-  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
-  const Whole above = clamped(at.y, w.rows - 1) * w.cols, below = clamped(at.y + 1, w.rows - 1) * w.cols;
-  const Whole left = clamped(at.x, w.cols - 1), right = clamped(at.x + 1, w.cols - 1);
-  for (int channel = 0; channel < w.channels; ++channel) {
-    const float* in = w.in + channel * plane;
-    store_some(out + channel * plane,
-               between({lanes_at(in, above + left), lanes_at(in, above + right)},
-                       {lanes_at(in, below + left), lanes_at(in, below + right)}, at.fx, at.fy),
-               count);
-  }
-}
-
 void warp_linear(const WarpBand& w) {
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
-  const float* const end = w.in + w.channels * plane;
   for (int y = w.y0; y < w.y1; ++y)
     across(w, y, [&](int x, int count, const Places& at) {
       float* out = w.out + static_cast<std::ptrdiff_t>(y) * w.cols + x;
-      if (any_negative(at.x | at.y | (w.cols - 2 - at.x) | (w.rows - 2 - at.y)))
-        return read_at_border(w, at, count, out);
-      const Whole corner = at.y * w.cols + at.x;
-      const float* in = w.in;
-      if (in_a_row(corner))
-        for (in += corner[0]; in < end; in += plane, out += plane)
-          store_some(out, between_in_a_row(in, w.cols, at.fx, at.fy), count);
-      else
-        for (; in < end; in += plane, out += plane)
-          store_some(out, between_at(in, w.cols, corner, at.fx, at.fy), count);
+      read_between({w.in, w.channels, w.rows, w.cols}, at,
+                   [&](int channel, Lanes value) { store_some(out + channel * plane, value, count); });
     });
 }
 

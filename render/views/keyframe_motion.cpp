@@ -13,7 +13,7 @@ void KeyframeMotion::match(const Keyframe& before, Keyframe& after) {
                       .b = &codes_after_,
                       .a_to_b = &after.from_previous.vectors,
                       .b_to_a = &after.to_previous.vectors};
-  if (!after.frame.flow.empty()) request.start_b_to_a = &after.frame.flow;
+  if (!after.frame.flow.empty()) request.start_b_to_a.vectors = &after.frame.flow;
   flow_.compute(FlowQuality::Fine, request);
   agree(after.to_previous, after.from_previous);
   agree(after.from_previous, after.to_previous);

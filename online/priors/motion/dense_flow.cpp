@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "online/pictures/between_pixels.h"
 #include "online/priors/motion/refinement_kernels.h"
 
 namespace hdrcam {
@@ -18,6 +19,15 @@ int coarsest_scale(int rows, int cols) {
 PatchGrid grid_of(const FlowPicture& picture, int stride) {
   const auto places = [&](int size) { return 1 + (size - kPatchSize + stride - 1) / stride; };
   return {places(picture.rows), places(picture.cols), stride};
+}
+
+std::array<float, 2> guess_at(const FlowGuess& guess, int x, int y) {
+  const Image<float>& vectors = *guess.vectors;
+  const float dx = guess.scale * vectors.at(0, y, x), dy = guess.scale * vectors.at(1, y, x);
+  if (!guess.carried) return {dx, dy};
+  const BetweenPixels there(vectors.rows(), vectors.cols(), static_cast<float>(x) + dx,
+                            static_cast<float>(y) + dy);
+  return {guess.scale * there.of(vectors, 0), guess.scale * there.of(vectors, 1)};
 }
 
 FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.plane(1)}; }
@@ -142,7 +152,7 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
   const auto at = static_cast<std::size_t>(scale);
   const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
   const PatchGrid grid = grid_of(from, effort.stride);
-  const bool guided = d.start != nullptr, begins = scale == coarsest;
+  const bool guided = d.start.vectors != nullptr, begins = scale == coarsest;
   d.patches.reshape(2, grid.rows, grid.cols);
   if (guided) d.starts.reshape_like(d.patches);
   const float shrink = 1 / static_cast<float>(1 << scale);
@@ -150,11 +160,13 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
     for (int col = 0; col < grid.cols; ++col) {
       const int y = std::min(row * grid.stride, from.rows - kPatchSize) + kPatchSize / 2;
       const int x = std::min(col * grid.stride, from.cols - kPatchSize) + kPatchSize / 2;
+      std::array<float, 2> given{};
+      if (guided) given = guess_at(d.start, x << scale, y << scale);
       for (int c = 0; c < 2; ++c) {
-        const float given = guided ? shrink * d.start->at(c, y << scale, x << scale) : 0;
-        if (guided) d.starts.at(c, row, col) = given;
+        const float here = shrink * given[static_cast<std::size_t>(c)];
+        if (guided) d.starts.at(c, row, col) = here;
         d.patches.at(c, row, col) =
-            begins ? given
+            begins ? here
                    : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
       }
     }

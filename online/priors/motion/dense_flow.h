@@ -15,12 +15,19 @@
 
 namespace hdrcam {
 
+// Where a search starts: what each pixel's motion may be.
+struct FlowGuess {
+  const Image<float>* vectors = nullptr;  // [dx dy, rows, cols] pixels; null: no guess
+  float scale = 1;
+  bool carried = false;  // the vectors are of the other picture's pixels: they are read where they lead
+};
+
 // Pictures [1, rows, cols] of codes, 0..255, and the vectors [dx dy, rows, cols], pixels, that lead from each
 // pixel of the one to where it is in the other.
 struct FlowRequest {
   const Image<float>*a, *b;
   Image<float>*a_to_b, *b_to_a;
-  const Image<float>*start_a_to_b = nullptr, *start_b_to_a = nullptr;  // guesses, or null
+  FlowGuess start_a_to_b = {}, start_b_to_a = {};
 };
 
 class DenseFlow {
@@ -39,7 +46,7 @@ class DenseFlow {
   using Pyramid = std::vector<Level>;
   struct Direction {
     const Pyramid *from, *to;
-    const Image<float>* start;
+    FlowGuess start;
     Image<float>* answer;
     Image<float> patches, starts;  // [dx dy, rows, cols] of the patches
     // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's room, of the scale

@@ -3,15 +3,14 @@
 #include "online/priors/motion/flow_kernels.h"
 
 #include "hal/core/lane_functions.h"
-#include "hal/core/lanes.h"
+#include "hal/core/picture_lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
 typedef float Quad __attribute__((vector_size(16), aligned(4), may_alias));
-typedef int LaneMask __attribute__((vector_size(32), aligned(4), may_alias));
 
-inline Lanes magnitude(Lanes v) { return (Lanes)((LaneMask)v & 0x7fffffff); }
+inline Lanes magnitude(Lanes v) { return (Lanes)((Whole)v & 0x7fffffff); }
 
 inline Quad fold(Lanes v) {
   return __builtin_shufflevector(v, v, 0, 1, 2, 3) + __builtin_shufflevector(v, v, 4, 5, 6, 7);
@@ -237,17 +236,60 @@ void derive(const float* plane, std::ptrdiff_t pitch, int rows, int cols, float*
 
 // ---- confidence
 
-void agree(const float* there_u, const float* there_v, const float* back_u, const float* back_v, int n,
-           float* __restrict agreement) {
-  for (int x = 0; x < n; ++x) {
-    const float u = there_u[x] + back_u[x], v = there_v[x] + back_v[x];
-    agreement[x] = exp_of(-0.5f * (u * u + v * v));
-  }
+// Whether all channels of eight pixels are clipped, bright or dark.
+inline Whole clipped(const RatedBand& r, std::ptrdiff_t pixel, int count) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(r.rows) * r.cols;
+  const Lanes red = load_some(r.codes + pixel, count), green = load_some(r.codes + plane + pixel, count),
+              blue = load_some(r.codes + 2 * plane + pixel, count);
+  return (most(most(red, green), blue) <= r.darkest) | (least(least(red, green), blue) >= r.brightest);
+}
+
+// How far eight pixels are from where they began, there and back; and whether they stay in the picture.
+struct RoundTrip {
+  Lanes squared;
+  Whole inside;
+};
+inline RoundTrip round_trip(const RatedBand& r, int x, int y, std::ptrdiff_t pixel, int count) {
+  constexpr float kEdge = 0.5f;  // of the outermost pixels, from their middle
+  const float right = static_cast<float>(r.cols) - kEdge, bottom = static_cast<float>(r.rows) - kEdge;
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(r.rows) * r.cols;
+  Lanes off[2] = {load_some(r.there + pixel, count), load_some(r.there + plane + pixel, count)};
+  const Lanes to_x = lanes(x + kEachLane) + off[0], to_y = static_cast<float>(y) + off[1];
+  Places at;
+  place(to_x, r.cols, at.x, at.fx);
+  place(to_y, r.rows, at.y, at.fy);
+  read_between({r.back, 2, r.rows, r.cols}, at, [&](int d, Lanes back) { off[d] += back; });
+  return {off[0] * off[0] + off[1] * off[1],
+          (to_x >= -kEdge) & (to_x <= right) & (to_y >= -kEdge) & (to_y <= bottom)};
+}
+
+void rate(const RatedBand& r) {
+  constexpr int kBlock = 64;  // pixels; exponentials are a loop of their own, which then becomes vectors
+  alignas(64) float confidence[kBlock];
+  Whole inside[kBlock / kLanes];
+  for (int y = r.y0; y < r.y1; ++y)
+    for (int x0 = 0; x0 < r.cols; x0 += kBlock) {
+      const int pixels = least(r.cols - x0, kBlock);
+      const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * r.cols + x0;
+      for (int i = 0; i < pixels; i += kLanes) {
+        const auto [squared, stays] = round_trip(r, x0 + i, y, first + i, least(pixels - i, kLanes));
+        store(confidence + i, -0.5f * squared);
+        inside[i / kLanes] = stays;
+      }
+      for (int i = 0; i < pixels; ++i) confidence[i] = exp_of(confidence[i]);
+      for (int i = 0; i < pixels; i += kLanes) {
+        const int count = least(pixels - i, kLanes);
+        const Lanes agreed = load(confidence + i), assumed = most(all<Lanes>(r.assumed), agreed);
+        const Whole blind = r.codes != nullptr ? clipped(r, first + i, count) : Whole{};
+        const Lanes rated = blind ? assumed : agreed;
+        store_some(r.confidence + first + i, inside[i / kLanes] ? rated : Lanes{}, count);
+      }
+    }
 }
 
 }  // namespace
 
 extern const FlowKernels kFlowKernels;
-const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &spread, &agree};
+const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &spread, &rate};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -39,6 +39,19 @@ struct PatchSearch {
   int steps;                       // of descent, in each of the two sweeps
 };
 
+// A band of rows of a flow that is compared with the flow back, read where it leads. The confidence is
+// exp(-|there and back|^2 / 2); 0 where a pixel leaves the picture.
+struct RatedBand {
+  const float *there, *back;  // [dx dy, rows, cols] pixels
+  int rows, cols;
+  int y0, y1;
+  // [rgb, rows, cols] of the picture at the pixels, or null; where all channels are at `darkest` or below, or
+  // at `brightest` or above, agreement means little, and the confidence is `assumed` at least
+  const float* codes;
+  float darkest, brightest, assumed;
+  float* confidence;  // [rows, cols]
+};
+
 struct FlowKernels {
   // half-size picture: means of 2 x 2. Sizes are of `half`; a last odd row or column is left out.
   void (*halve)(const float* whole, std::ptrdiff_t pitch, int rows, int cols, float* half,
@@ -53,10 +66,7 @@ struct FlowKernels {
   // Pixel rows [y0, y1) of the dense flow: the mean of the patches over each pixel, by how well each explains
   // it; `weight` is a plane for the sums
   void (*spread)(const PatchSearch&, int y0, int y1, FlowPlanes flow, float* weight);
-  // Agreement of vectors there with those back, read where they lead: exp(-|there and back|^2 / 2) of n
-  // pixels
-  void (*agree)(const float* there_u, const float* there_v, const float* back_u, const float* back_v, int n,
-                float* agreement);
+  void (*rate)(const RatedBand&);
 };
 
 const FlowKernels& flow_kernels();

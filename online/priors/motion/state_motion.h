@@ -22,7 +22,7 @@ class MotionEstimator final : public MotionPrior {
                 FlowQuality quality, StateMotion& motion) override;
 
  private:
-  void start_at_last(float ratio, Image<float>& to, Image<float>& from);
+  void start_at_last(float ratio, FlowRequest& request) const;
   void continue_last(float ratio, Image<float>& to);
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
   void bridge(float r, StateMotion& motion);
@@ -37,10 +37,8 @@ class MotionEstimator final : public MotionPrior {
   Instant last_time_;           // where that step ended
   double last_interval_s_ = 0;  // its duration; 0 where it is unknown
   // All others are borrowed during a call.
-  Image<float> frame_gray_, state_gray_;
-  Image<float> mask_, clipped_, clipped_after_, warped_, still_measured_, after_to_state_, state_to_after_;
-  Image<float> start_to_, start_from_, blur_;  // start of the search; the state with motion blur
-  Image<float> bridged_, ahead_, seen_from_after_, seen_from_state_, clipped_seen_;
+  Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
+  Image<float> mask_, clipped_, clipped_after_, measured_now_, after_to_state_, state_to_after_, ahead_;
 };
 
 }  // namespace hdrcam

@@ -196,7 +196,7 @@ TEST_CASE("a search that starts from a guess stays with it where the picture rep
   CHECK(unguided == Approx(kShift).margin(0.5));
   std::fill_n(start.plane(0), start.plane_size(), static_cast<float>(kShift + kPeriod));
   std::fill_n(start_back.plane(0), start_back.plane_size(), -static_cast<float>(kShift + kPeriod));
-  flow.compute(FlowQuality::Fine, {&from, &to, &found, &back, &start, &start_back});
+  flow.compute(FlowQuality::Fine, {&from, &to, &found, &back, {&start}, {&start_back}});
   CHECK(found.at(0, 32, 48) == Approx(kShift + kPeriod).margin(0.5));
   CHECK(back.at(0, 32, 48) == Approx(-kShift - kPeriod).margin(0.5));
   // a guess is not remembered
