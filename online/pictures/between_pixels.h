@@ -1,0 +1,36 @@
+// A picture between its pixels, one place after the other: for those who ask for few places. Whole pictures are
+// read along a flow by warp.h. Reentrant.
+#pragma once
+
+#include <algorithm>
+
+#include "hal/core/image.h"
+
+namespace hdrcam {
+
+// A place in pictures of one size, x and y counted from the middle of the first pixel; outside, the nearest
+// place inside. Where it is not a number: the first pixel.
+class BetweenPixels {
+ public:
+  BetweenPixels(int rows, int cols, float x, float y) {
+    const float inside_x = std::min(std::max(0.f, x), static_cast<float>(cols - 1));
+    const float inside_y = std::min(std::max(0.f, y), static_cast<float>(rows - 1));
+    left_ = static_cast<int>(inside_x), above_ = static_cast<int>(inside_y);
+    right_ = std::min(left_ + 1, cols - 1), below_ = std::min(above_ + 1, rows - 1);
+    fx_ = inside_x - static_cast<float>(left_), fy_ = inside_y - static_cast<float>(above_);
+  }
+
+  // Bilinear.
+  float of(const Image<float>& picture, int channel) const {
+    const float *above = picture.row(channel, above_), *below = picture.row(channel, below_);
+    const float upper = above[left_] + fx_ * (above[right_] - above[left_]);
+    const float lower = below[left_] + fx_ * (below[right_] - below[left_]);
+    return upper + fy_ * (lower - upper);
+  }
+
+ private:
+  int left_, right_, above_, below_;
+  float fx_, fy_;
+};
+
+}  // namespace hdrcam
