@@ -46,6 +46,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       response_known_(response.has_value()),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(pool),
+      texture_error_(pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed

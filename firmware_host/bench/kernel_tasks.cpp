@@ -144,7 +144,8 @@ void add_state(Tasks& tasks, int rows, int cols) {
   add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
     Planes& r = room->radiance;
     kernels.update({r.row(0, y), r.row(7, y), r.row(4, y), room->share.row(0, y), r.row(2, y), r.row(5, y),
-                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, room->out.row(2, y)},
+                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, room->out.row(0, y),
+                    room->out.row(1, y), room->out.row(2, y)},
                    cols);
   });
   const auto flow = std::make_shared<Planes>(2, rows, cols, -6, 6, 5);

@@ -33,6 +33,14 @@ inline V all(float value) {
   return V{} + value;
 }
 
+// Calls body(x, V{}) for all n pixels of a row, some at a time.
+template <class Body>
+inline void across(int n, Body&& body) {
+  int x = 0;
+  for (; x + kLanes <= n; x += kLanes) body(x, Lanes{});
+  for (; x < n; ++x) body(x, 0.f);
+}
+
 // Lane by lane; also of single numbers. Where one of them is not a number: b, and `low` of a clamped one.
 template <class V>
 inline V least(V a, V b) {

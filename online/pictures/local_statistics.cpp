@@ -18,12 +18,15 @@ void over_windows(const Image<float>& in, int radius, Image<float>& mean, Image<
 
 }  // namespace
 
+int mirrored_row(int y, int rows) {
+  const int mirrored = y < 0 ? -y : (y < rows ? y : 2 * rows - 2 - y);
+  return std::clamp(mirrored, 0, rows - 1);
+}
+
 WindowRow window_at(const float* plane, int rows, int cols, int y, int radius, float* mean, float* variance) {
   WindowRow window{.line = {}, .cols = cols, .radius = radius, .mean = mean, .variance = variance};
-  for (int k = -radius; k <= radius; ++k) {
-    const int mirrored = y + k < 0 ? -(y + k) : (y + k < rows ? y + k : 2 * rows - 2 - (y + k));
-    window.line[k + radius] = plane + static_cast<std::ptrdiff_t>(std::clamp(mirrored, 0, rows - 1)) * cols;
-  }
+  for (int k = -radius; k <= radius; ++k)
+    window.line[k + radius] = plane + static_cast<std::ptrdiff_t>(mirrored_row(y + k, rows)) * cols;
   return window;
 }
 

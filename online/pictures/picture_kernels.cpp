@@ -156,48 +156,80 @@ inline int mirrored(int i, int n) {
 }
 
 constexpr int kMostRadius = 2;
+constexpr int kWide = 256;  // columns whose sums are at hand
 
-// Calls put(i, sum) for the columns x0 .. x0 + count of what term(x) adds up from the columns around each;
-// `sums` needs kMostRadius more at either end.
-template <class Term, class Put>
-inline void sum_columns(int x0, int count, int radius, int cols, float* __restrict sums, Term&& term,
-                        Put&& put) {
-  const int begin = x0 > radius ? x0 - radius : 0,
-            end = x0 + count + radius < cols ? x0 + count + radius : cols;
-  float* at = sums + kMostRadius - x0;  // at[x]: column x
-  for (int x = begin; x < end; ++x) at[x] = term(x);
-  for (int x = x0 - radius; x < begin; ++x) at[x] = at[mirrored(x, cols)];
-  for (int x = end; x < x0 + count + radius; ++x) at[x] = at[mirrored(x, cols)];
-  const float* s = sums + kMostRadius;
-  if (radius == 1)
-    for (int i = 0; i < count; ++i) put(i, s[i - 1] + s[i] + s[i + 1]);
-  else
-    for (int i = 0; i < count; ++i) put(i, (s[i - 2] + s[i - 1]) + s[i] + (s[i + 1] + s[i + 2]));
+// Sums over the lines of a window, for the columns from x0 on and kMostRadius more at either end.
+struct ColumnSums {
+  alignas(64) float sums[kWide + 2 * kMostRadius + kLanes];
+
+  // Fills what a window of this radius reads for `count` columns; term(x, V{}) adds up column x.
+  template <class Term>
+  void fill(int x0, int count, int radius, int cols, Term&& term) {
+    const int begin = x0 > radius ? x0 - radius : 0,
+              end = x0 + count + radius < cols ? x0 + count + radius : cols;
+    float* at = sums + kMostRadius - x0;  // at[x]: column x
+    int x = begin;
+    for (; x + kLanes <= end; x += kLanes) store(at + x, term(x, Lanes{}));
+    for (; x < end; ++x) at[x] = term(x, 0.f);
+    for (x = x0 - radius; x < begin; ++x) at[x] = at[mirrored(x, cols)];
+    for (x = end; x < x0 + count + radius; ++x) at[x] = at[mirrored(x, cols)];
+  }
+  // of the window around the i-th column
+  template <class V>
+  V across(int i, int radius) const {
+    const float* s = sums + kMostRadius + i;
+    if (radius == 1) return get<V>(s - 1) + get<V>(s) + get<V>(s + 1);
+    return (get<V>(s - 2) + get<V>(s - 1)) + get<V>(s) + (get<V>(s + 1) + get<V>(s + 2));
+  }
+};
+
+template <int kRadius>
+inline void mean_window(const WindowRow& w) {
+  constexpr float kShare = 1.f / ((2 * kRadius + 1) * (2 * kRadius + 1));
+  const float* const* l = w.line;
+  ColumnSums columns;
+  for (int x0 = 0; x0 < w.cols; x0 += kWide) {
+    const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;
+    columns.fill(x0, count, kRadius, w.cols, [&](int x, auto lane) {
+      using V = decltype(lane);
+      V sum = get<V>(l[0] + x) + get<V>(l[1] + x) + get<V>(l[2] + x);
+      if constexpr (kRadius == 2) sum = sum + get<V>(l[3] + x) + get<V>(l[4] + x);
+      return sum;
+    });
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      put<V>(w.mean + x0 + i, columns.across<V>(i, kRadius) * kShare);
+    });
+  }
+}
+
+void contrast_window(const WindowRow& w) {
+  constexpr float kShare = 1 / 9.f;
+  const float* const* l = w.line;
+  ColumnSums columns, squares;
+  for (int x0 = 0; x0 < w.cols; x0 += kWide) {
+    const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;
+    columns.fill(x0, count, 1, w.cols, [&](int x, auto lane) {
+      using V = decltype(lane);
+      return get<V>(l[0] + x) + get<V>(l[1] + x) + get<V>(l[2] + x);
+    });
+    squares.fill(x0, count, 1, w.cols, [&](int x, auto lane) {
+      using V = decltype(lane);
+      const V a = get<V>(l[0] + x), b = get<V>(l[1] + x), c = get<V>(l[2] + x);
+      return a * a + b * b + c * c;
+    });
+    across(count, [&](int i, auto lane) {
+      using V = decltype(lane);
+      const V mean = columns.across<V>(i, 1) * kShare;
+      put<V>(w.mean + x0 + i, mean);
+      put<V>(w.variance + x0 + i, most(V{}, squares.across<V>(i, 1) * kShare - mean * mean));
+    });
+  }
 }
 
 void window(const WindowRow& w) {
-  constexpr int kWide = 256;  // columns at a time
-  alignas(64) float sums[kWide + 2 * kMostRadius];
-  const float* const* l = w.line;
-  const float share = 1.f / static_cast<float>((2 * w.radius + 1) * (2 * w.radius + 1));
-  for (int x0 = 0; x0 < w.cols; x0 += kWide) {
-    const int count = w.cols - x0 < kWide ? w.cols - x0 : kWide;
-    float* __restrict mean = w.mean + x0;
-    const auto put_mean = [&](int i, float total) { mean[i] = total * share; };
-    if (w.radius == 1)
-      sum_columns(
-          x0, count, 1, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x]; }, put_mean);
-    else
-      sum_columns(
-          x0, count, 2, w.cols, sums, [&](int x) { return l[0][x] + l[1][x] + l[2][x] + l[3][x] + l[4][x]; },
-          put_mean);
-    if (w.variance == nullptr) continue;
-    float* __restrict variance = w.variance + x0;
-    sum_columns(
-        x0, count, 1, w.cols, sums,
-        [&](int x) { return l[0][x] * l[0][x] + l[1][x] * l[1][x] + l[2][x] * l[2][x]; },
-        [&](int i, float squares) { variance[i] = most(0.f, squares * share - mean[i] * mean[i]); });
-  }
+  if (w.variance != nullptr) return contrast_window(w);
+  w.radius == 1 ? mean_window<1>(w) : mean_window<2>(w);
 }
 
 }  // namespace

@@ -1,8 +1,19 @@
 #include "online/state/exposure_blur.h"
 
+#include <atomic>
+
 #include "online/state/exposure_blur_kernels.h"
 
 namespace hdrcam {
+
+bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool) {
+  std::atomic<bool> found = false;
+  pool.for_rows(flow.rows(), [&](int y0, int y1) {
+    const int pixels = (y1 - y0) * flow.cols();
+    if (exposure_blur_kernels().blurs(flow.row(0, y0), flow.row(1, y0), fraction, pixels)) found = true;
+  });
+  return found;
+}
 
 void blur_difference(const Image<float>& radiance, const Image<float>& flow, float fraction,
                      Image<float>& difference, WorkerPool& pool) {

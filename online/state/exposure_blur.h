@@ -9,6 +9,9 @@
 
 namespace hdrcam {
 
+// Whether any motion is so long that blur_difference() is not zero.
+bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool);
+
 // B(S) - S: the change of the picture S by the exposure's blur. radiance, difference: [rgb or fewer, rows,
 // cols]; flow: [dx dy, rows, cols]. Zero where the motion is below a third of a pixel.
 void blur_difference(const Image<float>& radiance, const Image<float>& flow, float fraction,

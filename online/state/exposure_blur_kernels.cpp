@@ -15,8 +15,9 @@ constexpr float kLongest = 64;                // pixels that the taps still reso
 struct Instants {
   Lanes count, share;  // share: 1 / count
 };
+inline Lanes length_of(Lanes dx, Lanes dy, float fraction) { return root(dx * dx + dy * dy) * fraction; }
 inline Instants instants_of(Lanes dx, Lanes dy, float fraction) {
-  const Lanes length = root(dx * dx + dy * dy) * fraction, span = least(length, Lanes{} + kLongest);
+  const Lanes length = length_of(dx, dy, fraction), span = least(length, Lanes{} + kLongest);
   const Lanes complete = lanes(whole(span));
   const Lanes taps = complete + (span > complete ? Lanes{} + 2.f : Lanes{} + 1.f);
   const Lanes count = clamped(taps, kLeastTaps, kMostTaps);
@@ -80,9 +81,18 @@ void blur(const BlurBand& b) {
   kBand[b.channels - 1](b);
 }
 
+bool blurs(const float* dx, const float* dy, float fraction, int n) {
+  Lanes longest{};
+  for (int i = 0; i < n; i += kLanes) {
+    const int count = least(n - i, kLanes);
+    longest = most(length_of(load_some(dx + i, count), load_some(dy + i, count), fraction), longest);
+  }
+  return any_negative(longest >= kLeastBlur);
+}
+
 }  // namespace
 
 extern const ExposureBlurKernels kExposureBlurKernels;
-const ExposureBlurKernels kExposureBlurKernels{&blur};
+const ExposureBlurKernels kExposureBlurKernels{&blur, &blurs};
 
 }  // namespace hdrcam::HDRCAM_TARGET

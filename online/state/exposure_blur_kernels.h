@@ -18,6 +18,8 @@ struct BlurBand {
 
 struct ExposureBlurKernels {
   void (*blur)(const BlurBand&);
+  // whether any of n pixels moves so far that blur() changes it
+  bool (*blurs)(const float* dx, const float* dy, float fraction, int n);
 };
 
 const ExposureBlurKernels& exposure_blur_kernels();

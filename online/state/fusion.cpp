@@ -47,6 +47,7 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
 void Fusion::model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
                         float fraction, Samples& samples) {
   constexpr float kBelieved = 0.3f;  // confidence
+  if (!exposure_blurs(flow, fraction, pool_)) return;
   const float known = known_limit(white_);
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const Borrowed room(pool_.scratch(), rows, cols, {{&shown_, 3}});
@@ -112,70 +113,77 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   });
 }
 
-void Fusion::update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
-                    const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share) {
+void Fusion::update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
+                    const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share) {
+  CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
-  const int rows = state.radiance.rows(), cols = state.radiance.cols();
+  const int rows = before.radiance.rows(), cols = before.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
-  const Borrowed room(pool_.scratch(), rows, cols, {{&guess_, 3}});
-  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
-                       {{&mean_, 1}, {&doubt_, 1}});  // one for each band
+  const Borrowed lines(pool_.scratch(), bands_of(rows), cols, {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
   const float texture_error = tables.texture_error();
-  // the radiance that the noise model is asked for: the state where it is known, else the sample; smoothed
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y) {
-        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
-                    *r = samples.radiance.row(c, y);
-        float* guess = guess_.row(c, y);
-        for (int x = 0; x < cols; ++x) {
-          const float sampled = r[x], carried = s[x];
-          guess[x] = v[x] > known ? sampled : carried;
-        }
-      }
-  });
-
+  after.radiance.reshape_like(before.radiance);
+  after.variance.reshape_like(before.variance);
   share.reshape(1, rows, cols);
-  across_bands(rows, pool_, [&](int band, int y) {
-    std::fill_n(share.row(0, y), cols, 0.f);
-    float *mean = mean_.row(0, band), *doubt = texture_error > 0 ? doubt_.row(0, band) : nullptr;
+
+  // The radiance that the noise model is asked for is the state where it is known, else the sample; smoothed.
+  // Of each channel a band keeps the three lines that a mean needs.
+  const auto guess_line = [&](int band, int c, int y) { return guess_.row(3 * c + y % 3, band); };
+  const auto guess = [&](int band, int y) {
     for (int c = 0; c < 3; ++c) {
-      picture_kernels().window(window_at(guess_.plane(c), rows, cols, y, 1, mean, doubt));
-      const float* extra = extra_variance != nullptr ? extra_variance->row(c, y) : nullptr;
-      if (doubt != nullptr) {
-        for (int x = 0; x < cols; ++x)
-          doubt[x] = texture_error * doubt[x] + (extra != nullptr ? extra[x] : 0);
-        extra = doubt;
+      const float *s = before.radiance.row(c, y), *v = before.variance.row(c, y),
+                  *r = samples.radiance.row(c, y);
+      float* line = guess_line(band, c, y);
+      for (int x = 0; x < cols; ++x) {  // both are read, so that it becomes vectors
+        const float sampled = r[x], carried = s[x];
+        line[x] = v[x] > known ? sampled : carried;
       }
-      fusion_kernels().update({.state = state.radiance.row(c, y),
-                               .variance = state.variance.row(c, y),
+    }
+  };
+  across_bands(rows, pool_, [&](int band, int y) {
+    for (int next = y % kBand == 0 ? std::max(0, y - 1) : y + 1; next <= std::min(y + 1, rows - 1); ++next)
+      guess(band, next);
+    std::fill_n(share.row(0, y), cols, 0.f);
+    float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band);
+    float* misaligned = moved != nullptr ? misaligned_.row(0, band) : nullptr;
+    for (int c = 0; c < 3; ++c) {
+      WindowRow window{.line = {},
+                       .cols = cols,
+                       .radius = 1,
+                       .mean = mean,
+                       .variance = texture_error > 0 ? doubt : nullptr};
+      for (int k = 0; k < 3; ++k) window.line[k] = guess_line(band, c, mirrored_row(y + k - 1, rows));
+      picture_kernels().window(window);
+      if (moved != nullptr) warp_variance(*moved, c, y, misaligned);
+      if (texture_error > 0)
+        for (int x = 0; x < cols; ++x)
+          doubt[x] = texture_error * doubt[x] + (moved != nullptr ? misaligned[x] : 0);
+      fusion_kernels().update({.state = before.radiance.row(c, y),
+                               .variance = before.variance.row(c, y),
                                .sample = samples.radiance.row(c, y),
                                .weight = samples.weight.row(c, y),
                                .mean = mean,
                                .blur = samples.blur.row(c, y),
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
-                               .extra = extra,
+                               .extra = texture_error > 0 ? doubt : misaligned,
                                .noise = noise_of(tables, c),
                                .known = known,
                                .relative2 = relative2,
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,
+                               .new_state = after.radiance.row(c, y),
+                               .new_variance = after.variance.row(c, y),
                                .share = share.row(0, y)},
                               cols);
     }
   });
 }
 
-void Fusion::warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance) {
-  const float scale = options_.misalignment * options_.misalignment;
-  variance.reshape_like(contrast);
-  pool_.for_rows(contrast.rows(), [&](int y0, int y1) {
-    for (int c = 0; c < contrast.channels(); ++c)
-      for (int y = y0; y < y1; ++y)
-        fusion_kernels().warp_variance(
-            {flow.row(0, y), flow.row(1, y), contrast.row(c, y), scale, variance.row(c, y)}, contrast.cols());
-  });
+void Fusion::warp_variance(const Moved& moved, int channel, int y, float* variance) const {
+  const Image<float>&contrast = moved.contrast, &flow = moved.flow;
+  fusion_kernels().warp_variance({flow.row(0, y), flow.row(1, y), contrast.row(channel, y),
+                                  options_.misalignment * options_.misalignment, variance},
+                                 contrast.cols());
 }
 
 }  // namespace hdrcam

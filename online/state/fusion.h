@@ -31,6 +31,13 @@ class BorrowedSamples {
   const Borrowed room_;
 };
 
+// What was moved, for the variance that this adds: its local contrast [rgb, rows, cols] and the flow along which
+// it was read.
+struct Moved {
+  const Image<float>& contrast;
+  const Image<float>& flow;
+};
+
 struct FusionOptions {
   float relative_noise = 0.02f;     // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
@@ -57,10 +64,10 @@ class Fusion {
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
-  // Fills samples.blur: the change of the state's picture by the exposure's motion at these pixels, so that a
-  // long exposure is compared with the blurred state and corrected by the difference. flow: pixels per
-  // interval; fraction: of the interval that the exposure lasts. Where the motion's `confidence` is low or
-  // the state has no value for the pixel, the sample itself stands in for the scene.
+  // Fills samples.blur, zero until then: the change of the state's picture by the exposure's motion at these
+  // pixels, so that a long exposure is compared with the blurred state and corrected by the difference. flow:
+  // pixels per interval; fraction: of the interval that the exposure lasts. Where the motion's `confidence`
+  // is low or the state has no value for the pixel, the sample itself stands in for the scene.
   void model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
                   float fraction, Samples& samples);
 
@@ -70,23 +77,23 @@ class Fusion {
   void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
             const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
 
-  // Inverse-variance update of the state by the samples, after subtracting the blur as far as the state is
-  // certain of it; gate and extra_variance (of misalignment, [rgb, rows, cols]) may be null. Where no frame
-  // saw the pixel unclipped, the radiance becomes the larger of the bounds. Returns each pixel's share of
-  // this sample in `share`.
-  void update(RadianceState& state, const Samples& samples, const ExposureTables& tables,
-              const Image<float>* gate, const Image<float>* extra_variance, Image<float>& share);
+  // Inverse-variance update of the state `before` by the samples, after subtracting the blur as far as the
+  // state is certain of it; gate, and what was moved to these pixels, may be null. Where no frame saw the
+  // pixel unclipped, the radiance becomes the larger of the bounds. Writes radiance and variance of `after`,
+  // another state than `before`, and each pixel's share of this sample into `share`.
+  void update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
+              const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share);
 
-  // Variance that a warp along `flow` adds to a picture of this local contrast: misalignment and
-  // interpolation. variance: may be the contrast itself.
-  void warp_variance(const Image<float>& contrast, const Image<float>& flow, Image<float>& variance);
+  // Variance that moving adds to one channel of row y: misalignment and interpolation.
+  void warp_variance(const Moved& moved, int channel, int y, float* variance) const;
 
  private:
   FusionOptions options_;
   float white_ = 1;
   WorkerPool& pool_;
   // borrowed during a call
-  Image<float> mean_, disagreement_, coverage_, disagreement_mean_, coverage_mean_, guess_, shown_, doubt_;
+  Image<float> disagreement_, coverage_, shown_;
+  Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_, misaligned_;  // lines, one or more for each band
 };
 
 }  // namespace hdrcam

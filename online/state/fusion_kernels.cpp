@@ -24,14 +24,6 @@ template <class Body>
 inline void in_blocks(int n, Body&& body) {
   for (int x0 = 0; x0 < n; x0 += kBlock) body(x0, n - x0 < kBlock ? n - x0 : kBlock);
 }
-// Calls body(x, V{}) for all n pixels.
-template <class Body>
-inline void across(int n, Body&& body) {
-  int x = 0;
-  for (; x + kLanes <= n; x += kLanes) body(x, Lanes{});
-  for (; x < n; ++x) body(x, 0.f);
-}
-
 // For a block of pixels of this radiance.
 inline void variances_of(const SampleVariances& noise, const float* __restrict radiance, int n,
                          float* __restrict variance) {
@@ -135,8 +127,8 @@ void update(const UpdatedRow& row, int n) {
     const V before = 1 / (v + kTiny), both = 1 / (before + weight);
     // what no frame saw unclipped keeps the larger of the bounds
     const V limit = v < row.known ? all<V>(-1) : 1e-5f / (mean2 + kTiny);
-    put<V>(row.state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
-    put<V>(row.variance + x, weight > limit ? both : v);
+    put<V>(row.new_state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
+    put<V>(row.new_variance + x, weight > limit ? both : v);
     put<V>(row.share + x, get<V>(row.share + x) + (weight > limit ? weight * both * (1 / 3.f) : V{}));
   });
 }

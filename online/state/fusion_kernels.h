@@ -39,11 +39,12 @@ struct GatedRow {
 
 // One channel of the state, updated by the samples.
 struct UpdatedRow {
-  float *state, *variance;
+  const float *state, *variance;
   const float *sample, *weight, *mean, *blur;
   const float *gate, *extra;  // null: 1, 0
   SampleVariances noise;
   float known, relative2, blur_variance, unknown_blur_variance;
+  float *new_state, *new_variance;
   float* share;  // a third of this channel's is added
 };
 

@@ -26,30 +26,38 @@ void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
 
 void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> later, Fusion& fusion,
                      JoinedState& joined) {
-  copy(state.radiance, joined.radiance, pool_);
-  copy(state.variance, joined.variance, pool_);
-  copy(state.own_share, joined.own_share, pool_);
-  joined.later_share.reshape(1, state.radiance.rows(), state.radiance.cols());
-  joined.later_share.fill(0);
-  if (later.empty()) return;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
+  copy(state.own_share, joined.own_share, pool_);
+  joined.later_share.reshape(1, rows, cols);
+  if (later.empty()) {
+    copy(state.radiance, joined.radiance, pool_);
+    copy(state.variance, joined.variance, pool_);
+    joined.later_share.fill(0);
+    return;
+  }
   const BorrowedSamples room(pool_.scratch(), state.radiance, samples_);
   const Borrowed path(pool_.scratch(), rows, cols, {{&path_.vectors, 2}, {&path_.confidence, 1}});
-  float intervals = 0;
-  for (const LaterFrame& ahead : later) {
-    intervals += 1;
-    follow(*ahead.from_previous, intervals == 1);
+  const Borrowed between(pool_.scratch(), rows, cols, {{&between_.radiance, 3}, {&between_.variance, 3}});
+  const RadianceState* before = &state;
+  for (std::size_t i = 0; i < later.size(); ++i) {
+    const LaterFrame& ahead = later[i];
+    follow(*ahead.from_previous, i == 0);
     take_samples(ahead, fusion);
-    const float fraction = ahead.frame->blur_fraction / intervals;  // of the path's time
-    fusion.model_blur(joined, path_.confidence, path_.vectors, fraction, samples_);
-    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&extra_, 3}, {&share_, 1}});
-    fusion.gate(joined, samples_, *ahead.tables, path_.confidence, gate_, extra_);
-    fusion.warp_variance(extra_, path_.vectors, extra_);
-    fusion.update(joined, samples_, *ahead.tables, &gate_, &extra_, share_);
+    const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
+    fusion.model_blur(*before, path_.confidence, path_.vectors, fraction, samples_);
+    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}, {&share_, 1}});
+    fusion.gate(*before, samples_, *ahead.tables, path_.confidence, gate_, contrast_);
+    // by turns, so that the last one is what is asked for
+    RadianceState& after = (later.size() - i) % 2 == 1 ? joined : between_;
+    const Moved moved{contrast_, path_.vectors};
+    fusion.update(*before, samples_, *ahead.tables, &gate_, &moved, after,
+                  i == 0 ? joined.later_share : share_);
+    before = &after;
+    if (i == 0) continue;
     for_samples(share_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
       const float* share = share_.plane(0);
       float* total = joined.later_share.plane(0);
-      for (std::size_t i = i0; i < i1; ++i) total[i] = total[i] * (1 - share[i]) + share[i];
+      for (std::size_t k = i0; k < i1; ++k) total[k] = total[k] * (1 - share[k]) + share[k];
     });
   }
 }

@@ -37,7 +37,8 @@ class LookAhead {
   // all borrowed during a call
   Samples samples_;
   FlowField path_;  // from the state's frame to the current later frame
-  Image<float> share_, codes_, brightest_, dilated_, gate_, extra_, warped_;
+  RadianceState between_;  // of two later frames, without shares
+  Image<float> share_, codes_, brightest_, dilated_, gate_, contrast_, warped_;
 };
 
 }  // namespace hdrcam

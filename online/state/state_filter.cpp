@@ -12,41 +12,43 @@ StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& p
 }
 
 void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
+  const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
-  state_.radiance.copy_from(samples_.radiance);
-  state_.variance.fill(kUnseenVariance);
-  fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
+  predicted_.radiance.copy_from(samples_.radiance);
+  predicted_.variance.fill(kUnseenVariance);
+  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share);
 }
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
                           const FlowField& to_previous) {
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
-  const Borrowed more(pool_.scratch(), frame.codes.rows(), frame.codes.cols(),
-                      {{&predicted_.radiance, 3}, {&predicted_.variance, 3}, {&predicted_.own_share, 1}});
+  const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(to_previous, frame.blur_fraction, tables);
   residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
-  std::swap(state_, predicted_);  // the memory of the old state is what is given back
-  fusion_.update(state_, samples_, tables, nullptr, nullptr, state_.own_share);
+  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share);
 }
 
 void StateFilter::predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables) {
   const Image<float>& flow = to_previous.vectors;
+  const int rows = flow.rows(), cols = flow.cols();
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
-  const Borrowed room(pool_.scratch(), flow.rows(), flow.cols(), {{&gate_, 1}, {&added_, 3}});
-  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, added_);
-  fusion_.warp_variance(added_, flow, added_);
+  const Borrowed room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}, {&added_, 1}});
+  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, contrast_);
 
   const float growth = 1 + options_.variance_growth,
               relative2 = options_.relative_growth * options_.relative_growth;
-  const int cols = flow.cols();
-  pool_.for_rows(flow.rows(), [&](int y0, int y1) {
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    float* added = added_.row(0, y0);  // a line for each band
     for (int c = 0; c < 3; ++c)
       for (int y = y0; y < y1; ++y) {
-        const float *s = predicted_.radiance.row(c, y), *added = added_.row(c, y), *gate = gate_.row(0, y);
+        fusion_.warp_variance({contrast_, flow}, c, y, added);
+        const float *s = predicted_.radiance.row(c, y), *gate = gate_.row(0, y);
         float* v = predicted_.variance.row(c, y);
         for (int x = 0; x < cols; ++x) {
           const float carried =

@@ -46,9 +46,9 @@ class StateFilter {
   Fusion fusion_;
   RadianceState state_;
   SampleResiduals residuals_;
-  RadianceState predicted_;  // this and the following are borrowed during a call
+  RadianceState predicted_;  // without shares; this and the following are borrowed during a call
   Samples samples_;
-  Image<float> gate_, added_;  // added_: the contrast first
+  Image<float> gate_, contrast_, added_;  // added_: lines
 };
 
 }  // namespace hdrcam

@@ -9,10 +9,11 @@ namespace hdrcam {
 namespace {
 
 constexpr int kMargin = 2, kStride = 3;  // pixels
+constexpr int kUsualPixels = 320 * 240;  // of a larger picture fewer lines are looked at
 constexpr float kMinConfidence = 0.8f;   // of the flow
 constexpr float kMaxBlur = 1;            // pixels: a longer way during the exposure changes textures itself
 constexpr float kMinContrast = 10;       // over the variance of noise
-constexpr std::size_t kEnough = 300;     // comparisons
+constexpr std::ptrdiff_t kEnough = 300;  // comparisons
 constexpr float kLearning = 0.2f;        // share of a new frame
 
 // Catmull-Rom between the second and the third of four, as the state itself is carried.
@@ -26,32 +27,52 @@ float between(const float* v, float t) {
 
 void TextureError::observe(const ExposedFrame& frame, const RadianceState& state,
                            const FlowField& to_previous, const ExposureTables& tables, float white) {
-  shares_.clear();
   if (to_previous.vectors.empty()) return;
-  shares_.reserve(frame.codes.size() / (kStride * kStride) + frame.codes.size() / kStride);  // once
-  const float known = known_limit(white);
-  for (int y = kMargin; y < frame.codes.rows() - kMargin; y += kStride)
-    for (int x = kMargin; x < frame.codes.cols() - kMargin; x += kStride)
-      if (to_previous.confidence.at(0, y, x) >= kMinConfidence)
-        for (int c = 0; c < 3; ++c) compare(c, y, x, frame, state, to_previous, tables, known);
-  if (shares_.size() < kEnough) return;
-  const auto middle = shares_.begin() + static_cast<std::ptrdiff_t>(shares_.size() / 2);
-  std::nth_element(shares_.begin(), middle, shares_.end());
+  const Seen seen{frame, state, to_previous, tables, known_limit(white)};
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+  const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
+  const int lines = (rows - 2 * kMargin + lines_apart - 1) / lines_apart;
+  if (lines <= 0 || cols <= 2 * kMargin) return;
+  const auto line_room = static_cast<std::size_t>(3 * ((cols - 2 * kMargin + kStride - 1) / kStride));
+  shares_.resize(line_room * static_cast<std::size_t>(lines));
+  found_.assign(static_cast<std::size_t>(lines), 0);
+  pool_.for_each(lines, [&](int i) {
+    const auto line = static_cast<std::size_t>(i);
+    found_[line] = compare_line(seen, kMargin + i * lines_apart, shares_.data() + line * line_room);
+  });
+  auto end = shares_.begin() + static_cast<std::ptrdiff_t>(found_[0]);
+  for (std::size_t line = 1; line < found_.size(); ++line)
+    end = std::copy_n(shares_.begin() + static_cast<std::ptrdiff_t>(line * line_room), found_[line], end);
+  const auto count = end - shares_.begin();
+  if (count < kEnough) return;
+  const auto middle = shares_.begin() + count / 2;
+  std::nth_element(shares_.begin(), middle, end);
   disagreement_ += kLearning * (*middle - disagreement_);
 }
 
-void TextureError::compare(int channel, int y, int x, const ExposedFrame& frame, const RadianceState& state,
-                           const FlowField& to_previous, const ExposureTables& tables, float known) {
+// The shares of contrast at the pixels of a line that tell of it, from `shares` on; how many there are.
+std::size_t TextureError::compare_line(const Seen& seen, int y, float* shares) {
+  std::size_t found = 0;
+  for (int x = kMargin; x < seen.frame.codes.cols() - kMargin; x += kStride)
+    if (seen.to_previous.confidence.at(0, y, x) >= kMinConfidence)
+      for (int c = 0; c < 3; ++c)
+        if (const auto share = compare(seen, c, y, x)) shares[found++] = *share;
+  return found;
+}
+
+// Squared difference between sample and carried state over the local contrast; none where it does not tell.
+std::optional<float> TextureError::compare(const Seen& seen, int channel, int y, int x) {
   using namespace clip_policy;
+  const auto& [frame, state, to_previous, tables, known] = seen;
   const float code = frame.codes.at(channel, y, x);
-  if (code < kCompareDarkEnd || code > kCompareFadeBegin) return;
+  if (code < kCompareDarkEnd || code > kCompareFadeBegin) return std::nullopt;
   const float dx = to_previous.vectors.at(0, y, x), dy = to_previous.vectors.at(1, y, x);
-  if (std::hypot(dx, dy) * frame.blur_fraction > kMaxBlur) return;
+  if (std::sqrt(dx * dx + dy * dy) * frame.blur_fraction > kMaxBlur) return std::nullopt;
   const float from_x = static_cast<float>(x) + dx, from_y = static_cast<float>(y) + dy;
   const Image<float>& light = state.radiance;
   if (!(from_x >= 1 && from_y >= 1 && from_x < static_cast<float>(light.cols() - 3) &&
         from_y < static_cast<float>(light.rows() - 3)))
-    return;
+    return std::nullopt;
   const int left = static_cast<int>(from_x), top = static_cast<int>(from_y);
   const float across = from_x - static_cast<float>(left), down = from_y - static_cast<float>(top);
 
@@ -60,16 +81,16 @@ void TextureError::compare(int channel, int y, int x, const ExposedFrame& frame,
     const float* row = light.row(channel, top - 1 + j) + left - 1;
     const float* variance = state.variance.row(channel, top - 1 + j) + left - 1;
     for (int i = 0; i < 4; ++i) {
-      if (variance[i] >= known) return;
+      if (variance[i] >= known) return std::nullopt;
       sum += row[i], squares += row[i] * row[i];
     }
     carried[j] = between(row, across);
   }
   const float expected = between(carried, down), mean = sum / 16;
   const float contrast = squares / 16 - mean * mean;
-  if (contrast < kMinContrast * tables.variance(channel, mean)) return;
+  if (contrast < kMinContrast * tables.variance(channel, mean)) return std::nullopt;
   const float off = tables.radiance(channel, code) - expected;
-  shares_.push_back(off * off / contrast);
+  return off * off / contrast;
 }
 
 float TextureError::share() const {

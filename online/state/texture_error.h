@@ -2,12 +2,14 @@
 // and compression change a pixel by its surroundings, so that no sample is better than a share of the local
 // contrast, however bright it is. New frames are compared with the state where it is sure of the motion and
 // contrast exceeds the noise; imperfect matches leave a share, too, and only what exceeds theirs counts.
-// Thread-bound; the pixels looked at do not depend on threads.
+// Thread-bound; the result does not depend on the number of threads.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "capture/exposed_frame.h"
+#include "hal/core/worker_pool.h"
 #include "online/pictures/flow_field.h"
 #include "online/state/exposure_tables.h"
 #include "online/state/radiance_state.h"
@@ -16,6 +18,8 @@ namespace hdrcam {
 
 class TextureError {
  public:
+  explicit TextureError(WorkerPool& pool) : pool_(pool) {}
+
   // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
   // white: as known_limit() takes it.
   void observe(const ExposedFrame& frame, const RadianceState& state, const FlowField& to_previous,
@@ -29,10 +33,19 @@ class TextureError {
   float disagreement() const { return disagreement_; }
 
  private:
-  void compare(int channel, int y, int x, const ExposedFrame& frame, const RadianceState& state,
-               const FlowField& to_previous, const ExposureTables& tables, float known);
+  struct Seen {
+    const ExposedFrame& frame;
+    const RadianceState& state;
+    const FlowField& to_previous;
+    const ExposureTables& tables;
+    float known;  // variance from which on the state does not know a pixel
+  };
+  static std::size_t compare_line(const Seen& seen, int y, float* shares);
+  static std::optional<float> compare(const Seen& seen, int channel, int y, int x);
 
-  std::vector<float> shares_;  // of the current frame
+  WorkerPool& pool_;
+  std::vector<float> shares_;       // of the current frame, line by line
+  std::vector<std::size_t> found_;  // in each line
   float disagreement_ = 0.03f;
 };
 

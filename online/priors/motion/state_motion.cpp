@@ -114,8 +114,10 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     start_at_last(ratio, request);
     const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the exposure is centred: blurred along the motion back is blurred along the motion
-    blur_difference(state.radiance, last_, ratio * frame.blur_fraction, blur_, pool_);
-    gray_of_state(state.radiance, &blur_, tables, state_gray_, pool_);
+    const float fraction = ratio * frame.blur_fraction;
+    const bool blurs = exposure_blurs(last_, fraction, pool_);
+    if (blurs) blur_difference(state.radiance, last_, fraction, blur_, pool_);
+    gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
   flow_.compute(quality, request);
   rate(nullptr, motion);

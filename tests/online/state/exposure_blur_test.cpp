@@ -71,11 +71,12 @@ TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and l
     if (modelled) fusion.model_blur(state, confidence, to_the_right(8), 0.75f, samples);
     fusion.gate(state, samples, tables, confidence, gate, contrast);
     state.variance.fill(0.01f);
-    fusion.update(state, samples, tables, nullptr, nullptr, share);
+    RadianceState updated;
+    fusion.update(state, samples, tables, nullptr, nullptr, updated, share);
     for (int x = 16; x < 48; ++x) {
       out.least_gate = std::min(out.least_gate, gate.at(0, 8, x));
       out.largest_error =
-          std::max(out.largest_error, std::abs(state.radiance.at(1, 8, x) - (x < kEdge ? kDark : kBright)));
+          std::max(out.largest_error, std::abs(updated.radiance.at(1, 8, x) - (x < kEdge ? kDark : kBright)));
     }
     return out;
   };

@@ -122,10 +122,11 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
       const Row extra = numbers.between(0, 0.1f, n);
       Row weight = numbers.between(-1, 1, n), share(size, 0.1f);
       for (float& w : weight) w = std::max(0.f, w);
-      Row as_state = state, as_variance = variance, as_shared = share;
+      Row as_state = state, as_variance = variance, as_shared = share, new_state(size), new_variance(size);
       fusion_kernels().update({state.data(), variance.data(), sample.data(), weight.data(), mean.data(),
                                blur.data(), whole ? nullptr : gate.data(), whole ? nullptr : extra.data(),
-                               noise(), kKnown, kRelative2, kBlur, kUnknownBlur, share.data()},
+                               noise(), kKnown, kRelative2, kBlur, kUnknownBlur, new_state.data(),
+                               new_variance.data(), share.data()},
                               n);
       for (std::size_t x = 0; x < size; ++x) {
         float &s = as_state[x], &v = as_variance[x];
@@ -147,8 +148,8 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
           s = std::max(s, sample[x]);
         }
       }
-      require_near(state, as_state, 1e-4f);
-      require_near(variance, as_variance, 1e-4f);
+      require_near(new_state, as_state, 1e-4f);
+      require_near(new_variance, as_variance, 1e-4f);
       require_near(share, as_shared, 1e-4f);
     }
 }

@@ -53,8 +53,8 @@ struct Texture {
     for (std::size_t i = 0; i < mean.size(); ++i)
       frame.codes.plane(0)[i] += share * (mean.plane(0)[i] - frame.codes.plane(0)[i]);
   }
-  float found(int frames = 20) const {
-    TextureError error;
+  float found(int frames = 20) {
+    TextureError error(pool);
     for (int i = 0; i < frames; ++i) error.observe(frame, state, motion, tables(), kWhite);
     return error.share();
   }
@@ -86,8 +86,9 @@ TEST_CASE(
     Image<float> share;
     fusion.sample(texture.frame.codes, texture.frame.codes, sampled, samples);
     texture.state.variance.fill(1e-3f);
-    fusion.update(texture.state, samples, sampled, nullptr, nullptr, share);
-    return texture.state.variance.at(1, kRows / 2, kCols / 2);
+    RadianceState updated;
+    fusion.update(texture.state, samples, sampled, nullptr, nullptr, updated, share);
+    return updated.variance.at(1, kRows / 2, kCols / 2);
   };
   CHECK(variance_after(0, 0.1f) == Approx(variance_after(0, 0)).epsilon(1e-3));
   CHECK(variance_after(0.1f, 0.1f) > 2 * variance_after(0.1f, 0));

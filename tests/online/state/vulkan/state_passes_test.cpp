@@ -273,9 +273,10 @@ TEST_CASE("an update of the state on the graphics device is the processor's", "[
   bench.passes->update(state, bench.put(s.samples), bench.put(s.tables), kWhite, guess, mean, detail, share);
   const Image<float> there = bench.get(state);
   Image<float> own;
-  s.fusion.update(s.state, s.samples, s.tables, nullptr, nullptr, own);
-  check_alike(planes_of(there, 0, 3), s.state.radiance, "radiance");
-  check_alike(planes_of(there, 3, 3), s.state.variance, "variance");
+  RadianceState updated;
+  s.fusion.update(s.state, s.samples, s.tables, nullptr, nullptr, updated, own);
+  check_alike(planes_of(there, 0, 3), updated.radiance, "radiance");
+  check_alike(planes_of(there, 3, 3), updated.variance, "variance");
   check_alike(bench.get(share), own, "share");
 }
 
@@ -283,7 +284,7 @@ TEST_CASE("later samples join the state on the graphics device as on the process
   Bench bench(test::open_test_gpu());
   NEEDS_GPU(bench.gpu);
   Scene s;
-  Image<float> gate(1, kRows, kCols), mean, contrast, extra, share;
+  Image<float> gate(1, kRows, kCols), mean, contrast, share;
   for (int y = 0; y < kRows; ++y)
     for (int x = 0; x < kCols; ++x) gate.at(0, y, x) = 0.5f + 0.25f * wave(0, y, x);
   local_contrast(s.state.radiance, mean, contrast, s.pool);
@@ -294,10 +295,11 @@ TEST_CASE("later samples join the state on the graphics device as on the process
   bench.passes->join(state, bench.put(s.samples), bench.put(s.tables), kWhite, bench.put({&gate}),
                      bench.put({&contrast}), bench.put(s.motion), guess, room, detail, joined);
   const Image<float> there = bench.get(state);
-  s.fusion.warp_variance(contrast, s.motion.vectors, extra);
-  s.fusion.update(s.state, s.samples, s.tables, &gate, &extra, share);
-  check_alike(planes_of(there, 0, 3), s.state.radiance, "radiance");
-  check_alike(planes_of(there, 3, 3), s.state.variance, "variance");
+  RadianceState updated;
+  const Moved moved{contrast, s.motion.vectors};
+  s.fusion.update(s.state, s.samples, s.tables, &gate, &moved, updated, share);
+  check_alike(planes_of(there, 0, 3), updated.radiance, "radiance");
+  check_alike(planes_of(there, 3, 3), updated.variance, "variance");
   check_alike(bench.get(joined), share, "share");
 }
 
