@@ -134,7 +134,7 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
     double useful = 0;
     for (std::size_t i = 0; i < clipped_.size(); ++i)
       useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
-    constexpr double kWorthwhile = 0.005;  // share of the picture
+    constexpr double kWorthwhile = 0.02;  // share of the picture
     if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
       const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
       match_after(state, context, quality);
@@ -188,7 +188,7 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
   start_at_last(context.before_ratio / context.after_ratio, request);
-  flow_.compute(quality, request);
+  flow_.compute(quality == FlowQuality::Fine ? FlowQuality::Medium : FlowQuality::Fast, request);
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at
