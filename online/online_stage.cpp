@@ -163,6 +163,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
     context.after_tables = &tables_for(after->frame);
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
   }
+  context.onward = knobs_.field != FieldKind::None || knobs_.look_ahead > 1;
   motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 

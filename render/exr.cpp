@@ -75,6 +75,8 @@ Imf::Compression library_name(ExrCompression compression) {
   switch (compression) {
     case ExrCompression::None:
       return Imf::NO_COMPRESSION;
+    case ExrCompression::Rle:
+      return Imf::RLE_COMPRESSION;
     case ExrCompression::Zip:
       return Imf::ZIP_COMPRESSION;
     case ExrCompression::Piz:

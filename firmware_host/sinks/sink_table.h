@@ -24,7 +24,7 @@ struct SinkRequest {
                      // address
   const CameraFacts& camera;
   ExrLayers layers = {};
-  ExrCompression compression = ExrCompression::Zip;
+  ExrCompression compression = ExrCompression::Piz;
   VideoOptions video = {};
   Storage& storage;               // outlives the sink
   std::string http_token = {};    // of the live view

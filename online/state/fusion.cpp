@@ -53,15 +53,11 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
   const Borrowed room(pool_.scratch(), rows, cols, {{&shown_, 3}});
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y) {
-        const float *s = state.radiance.row(c, y), *v = state.variance.row(c, y),
-                    *r = samples.radiance.row(c, y), *trust = confidence.row(0, y);
-        float* shown = shown_.row(c, y);
-        for (int x = 0; x < cols; ++x) {  // both are read, so that it becomes vectors
-          const float sampled = r[x], carried = s[x], believed = trust[x] > kBelieved ? carried : sampled;
-          shown[x] = v[x] < known ? believed : sampled;
-        }
-      }
+      for (int y = y0; y < y1; ++y)
+        fusion_kernels().stand_in(
+            {state.radiance.row(c, y), state.variance.row(c, y), samples.radiance.row(c, y),
+             confidence.row(0, y), known, kBelieved, shown_.row(c, y)},
+            cols);
   });
   blur_difference(shown_, flow, fraction, samples.blur, pool_);
 }
@@ -130,15 +126,10 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
   // Of each channel a band keeps the three lines that a mean needs.
   const auto guess_line = [&](int band, int c, int y) { return guess_.row(3 * c + y % 3, band); };
   const auto guess = [&](int band, int y) {
-    for (int c = 0; c < 3; ++c) {
-      const float *s = before.radiance.row(c, y), *v = before.variance.row(c, y),
-                  *r = samples.radiance.row(c, y);
-      float* line = guess_line(band, c, y);
-      for (int x = 0; x < cols; ++x) {  // both are read, so that it becomes vectors
-        const float sampled = r[x], carried = s[x];
-        line[x] = v[x] > known ? sampled : carried;
-      }
-    }
+    for (int c = 0; c < 3; ++c)
+      fusion_kernels().stand_in({before.radiance.row(c, y), before.variance.row(c, y),
+                                 samples.radiance.row(c, y), nullptr, known, 0, guess_line(band, c, y)},
+                                cols);
   };
   across_bands(rows, pool_, [&](int band, int y) {
     for (int next = y % kBand == 0 ? std::max(0, y - 1) : y + 1; next <= std::min(y + 1, rows - 1); ++next)

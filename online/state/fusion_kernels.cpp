@@ -68,6 +68,16 @@ void sample(const SampledRow& row, int n) {
   });
 }
 
+void stand_in(const StandInRow& row, int n) {
+  across(n, [&](int x, auto lane) {
+    using V = decltype(lane);
+    const V sample = get<V>(row.sample + x);
+    V shown = get<V>(row.variance + x) < row.known ? get<V>(row.state + x) : sample;
+    if (row.trust != nullptr) shown = get<V>(row.trust + x) > row.believed ? shown : sample;
+    put<V>(row.out + x, shown);
+  });
+}
+
 void compare(const ComparedRow& row, int n) {
   across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
     using V = decltype(noise);
@@ -164,6 +174,6 @@ void warp_variance(const WarpedRow& row, int n) {
 }  // namespace
 
 extern const FusionKernels kFusionKernels;
-const FusionKernels kFusionKernels{&sample, &compare, &gate, &update, &warp_variance};
+const FusionKernels kFusionKernels{&sample, &stand_in, &compare, &gate, &update, &warp_variance};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -12,6 +12,16 @@ struct SampledRow {
   float *radiance, *weight, *comparable;
 };
 
+// One channel of the state where it knows the pixel, and the motion where it is asked for is believed; the sample
+// elsewhere.
+struct StandInRow {
+  const float *state, *variance, *sample;
+  const float* trust;     // confidence of the motion, or null
+  float known, believed;  // variance from which on the state does not know the pixel; confidence from which
+                          // on it is believed
+  float* out;
+};
+
 // Variance of a sample by the radiance of its pixel (ExposureTables::variances()).
 struct SampleVariances {
   const float* table;
@@ -57,6 +67,7 @@ struct WarpedRow {
 
 struct FusionKernels {
   void (*sample)(const SampledRow&, int n);
+  void (*stand_in)(const StandInRow&, int n);
   void (*compare)(const ComparedRow&, int n);
   void (*gate)(const GatedRow&, int n);
   void (*update)(const UpdatedRow&, int n);

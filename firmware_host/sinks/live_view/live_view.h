@@ -24,7 +24,7 @@ namespace hdrcam {
 
 struct LiveViewOptions {
   std::string token;                                 // for actions; "": made at the start and printed
-  ExrCompression compression = ExrCompression::Zip;  // of /frame.exr
+  ExrCompression compression = ExrCompression::Piz;  // of /frame.exr
   double framerate_hz = 30;                          // of the camera
   VideoOptions video = {};                           // how bright HDR pictures are
 };

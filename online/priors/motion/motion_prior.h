@@ -23,6 +23,7 @@ struct MotionContext {
   const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead
   const ExposureTables* after_tables = nullptr;
   float after_ratio = 0.5f;
+  bool onward = true;  // whether the confidence of the motion from the state is needed
 };
 
 class MotionPrior {

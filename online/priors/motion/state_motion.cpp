@@ -120,7 +120,8 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
   flow_.compute(quality, request);
-  rate(nullptr, motion);
+  rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
+  rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }
 
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
@@ -141,7 +142,8 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
       bridge(context.after_ratio, motion);
     }
   }
-  rate(&frame, motion);
+  rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
+  if (context.onward) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
   if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
   last_time_ = frame.facts.timestamp;
   copy(motion.to_previous.vectors, last_, pool_);
@@ -244,11 +246,6 @@ void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& sha
     for (int y = y0; y < y1; ++y) mark_clipped(frame.codes, y, usable, mask_.row(0, y));
   });
   box_mean(mask_, 2, share, pool_);
-}
-
-void MotionEstimator::rate(const ExposedFrame* frame, StateMotion& motion) {
-  rate_flow(motion.to_previous, motion.from_previous, frame, pool_);
-  rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }
 
 std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool) {

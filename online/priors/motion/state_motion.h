@@ -27,7 +27,6 @@ class MotionEstimator final : public MotionPrior {
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
   void bridge(float r, StateMotion& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
-  void rate(const ExposedFrame* frame, StateMotion& motion);
 
   int rows_, cols_;
   WorkerPool& pool_;

@@ -48,6 +48,16 @@ TEST_CASE("an edge that moves is blurred over its way during the exposure, and w
   for (const float a : added.samples()) REQUIRE(a == 0);
 }
 
+TEST_CASE("an exposure blurs where any motion in it is long enough to be seen", "[isa]") {
+  WorkerPool pool(2);
+  Image<float> flow(2, kRows, kCols - 1);  // not whole vectors
+  flow.fill(0);
+  CHECK_FALSE(exposure_blurs(flow, 1, pool));
+  flow.at(1, kRows - 1, kCols - 2) = -4;
+  CHECK(exposure_blurs(flow, 0.5f, pool));
+  CHECK_FALSE(exposure_blurs(flow, 0.05f, pool));
+}
+
 TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and leaves it sharp") {
   WorkerPool pool(1);
   Fusion fusion({}, pool);

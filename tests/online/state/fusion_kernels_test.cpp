@@ -21,8 +21,6 @@ namespace {
 constexpr std::array<int, 6> kSizes{1, 7, 8, 63, 64, 331};  // around a vector and around a block
 constexpr float kTiny = 1e-20f;
 
-;
-
 void require_near(const Row& found, const Row& expected, float relative) {
   for (std::size_t x = 0; x < expected.size(); ++x) {
     INFO("pixel " << x << " of " << expected.size());
@@ -152,6 +150,24 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
       require_near(new_variance, as_variance, 1e-4f);
       require_near(share, as_shared, 1e-4f);
     }
+}
+
+TEST_CASE("a sample stands in where the state knows nothing, or where the motion is not believed", "[isa]") {
+  Numbers numbers(6);
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    const Row state = numbers.between(0, 1, n), sample = numbers.between(1, 2, n);
+    const Row variance = numbers.between(0, 2, n), trust = numbers.between(0, 1, n);
+    Row anywhere(size), as_believed(size);
+    fusion_kernels().stand_in({state.data(), variance.data(), sample.data(), nullptr, 1, 0.5f, anywhere.data()},
+                              n);
+    fusion_kernels().stand_in(
+        {state.data(), variance.data(), sample.data(), trust.data(), 1, 0.5f, as_believed.data()}, n);
+    for (std::size_t x = 0; x < size; ++x) {
+      CHECK(anywhere[x] == (variance[x] < 1 ? state[x] : sample[x]));
+      CHECK(as_believed[x] == (variance[x] < 1 && trust[x] > 0.5f ? state[x] : sample[x]));
+    }
+  }
 }
 
 TEST_CASE("a warp adds variance by its length and by its fraction of a pixel", "[isa]") {

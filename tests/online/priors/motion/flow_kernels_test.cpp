@@ -1,0 +1,79 @@
+#include "online/priors/motion/flow_kernels.h"
+
+#include <cmath>
+
+#include "online/pictures/between_pixels.h"
+#include "tests/support/numbers.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+Image<float> picture(test::Numbers& numbers, int channels, int rows, int cols, float least, float most) {
+  Image<float> out(channels, rows, cols);
+  const test::Row values = numbers.between(least, most, channels * rows * cols);
+  std::copy(values.begin(), values.end(), out.plane(0));
+  return out;
+}
+
+constexpr float kAssumed = 0.5f, kDarkest = 20, kBrightest = 235;
+
+float confidence_of(const Image<float>& there, const Image<float>& back, const Image<float>* codes, int y, int x) {
+  const int rows = there.rows(), cols = there.cols();
+  const float u = there.at(0, y, x), v = there.at(1, y, x);
+  const float to_x = static_cast<float>(x) + u, to_y = static_cast<float>(y) + v;
+  if (to_x < -0.5f || to_y < -0.5f || to_x > static_cast<float>(cols) - 0.5f ||
+      to_y > static_cast<float>(rows) - 0.5f)
+    return 0;
+  const BetweenPixels at(rows, cols, to_x, to_y);
+  const float off_x = u + at.of(back, 0), off_y = v + at.of(back, 1);
+  const float agreement = std::exp(-0.5f * (off_x * off_x + off_y * off_y));
+  if (codes == nullptr) return agreement;
+  const auto [least, most] = std::minmax({codes->at(0, y, x), codes->at(1, y, x), codes->at(2, y, x)});
+  return most <= kDarkest || least >= kBrightest ? std::max(kAssumed, agreement) : agreement;
+}
+
+}  // namespace
+
+TEST_CASE("a flow is rated by the way there and back, and where a picture is clipped by less", "[isa]") {
+  test::Numbers numbers(7);
+  for (const int cols : {5, 8, 64, 83}) {
+    constexpr int kRows = 9;
+    const Image<float> there = picture(numbers, 2, kRows, cols, -4, 4), back = picture(numbers, 2, kRows, cols, -2, 2);
+    Image<float> codes = picture(numbers, 3, kRows, cols, 10, 245);
+    for (int x = 0; x < cols; x += 2)
+      for (int c = 0; c < 3; ++c) codes.at(c, 3, x) = 5, codes.at(c, 4, x) = 250;
+    Image<float> rated(1, kRows, cols);
+    int out = 0, assumed = 0;
+    for (const bool seen : {false, true}) {
+      flow_kernels().rate({there.plane(0), back.plane(0), kRows, cols, 0, kRows, seen ? codes.plane(0) : nullptr,
+                           kDarkest, kBrightest, kAssumed, rated.plane(0)});
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < cols; ++x) {
+          const float expected = confidence_of(there, back, seen ? &codes : nullptr, y, x);
+          INFO(cols << " columns, pixel " << x << ", " << y);
+          // places are rounded to a 32nd of a pixel
+          CHECK(rated.at(0, y, x) == Approx(expected).margin(0.12));
+          if (expected == 0) CHECK(rated.at(0, y, x) == 0);
+          out += expected == 0 ? 1 : 0, assumed += expected == kAssumed ? 1 : 0;
+        }
+    }
+    CHECK(out > 0);
+    CHECK(assumed > 0);
+  }
+}
+
+TEST_CASE("a picture is read between its pixels, and beyond its border as at it") {
+  Image<float> ramp(2, 3, 4);
+  for (int y = 0; y < 3; ++y)
+    for (int x = 0; x < 4; ++x) ramp.at(1, y, x) = static_cast<float>(10 * y + x);
+  const auto read = [&](float x, float y) { return BetweenPixels(3, 4, x, y).of(ramp, 1); };
+  CHECK(read(1.25f, 0.5f) == Approx(6.25f));
+  CHECK(read(3, 2) == 23);
+  CHECK(read(-7, 1) == 10);
+  CHECK(read(9, 9) == 23);
+  CHECK(read(std::nanf(""), 1) == 10);
+  CHECK(BetweenPixels(1, 1, 0.5f, 0.5f).of(Image<float>(1, 1, 1), 0) == 0);
+}
