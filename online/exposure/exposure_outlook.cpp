@@ -72,7 +72,9 @@ void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::siz
     float sum = 0;
     for (int t = 0; t < taps; ++t) {
       const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
-      sum += BetweenPixels(radiance.rows(), radiance.cols(), static_cast<float>(x) + instant * dx, static_cast<float>(y) + instant * dy).of(radiance, c);
+      sum += BetweenPixels(radiance.rows(), radiance.cols(), static_cast<float>(x) + instant * dx,
+                           static_cast<float>(y) + instant * dy)
+                 .of(radiance, c);
     }
     const float blur = sum / static_cast<float>(taps) - here;
     squared_blur_[static_cast<std::size_t>(k)][to] =

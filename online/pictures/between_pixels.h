@@ -1,5 +1,5 @@
-// A picture between its pixels, one place after the other: for those who ask for few places. Whole pictures are
-// read along a flow by warp.h. Reentrant.
+// A picture between its pixels, one place after the other: for those who ask for few places. Whole pictures
+// are read along a flow by warp.h. Reentrant.
 #pragma once
 
 #include <algorithm>

@@ -56,8 +56,7 @@ inline void blur_eight(const BlurBand& b, int x, int y, int n) {
   for (float k = 0; any_negative(goes_on); k += 1, goes_on = k < count) {
     const Lanes instant = b.fraction * ((k + 0.5f) * share - 0.5f), part = goes_on ? share : Lanes{};
     if (!any_negative(((instant < 0) | (instant > 0)) & goes_on)) {  // the middle: the pixels themselves
-      for (int c = 0; c < kChannels; ++c)
-        sum[c] += part * load_some(b.radiance + c * plane + first, n);
+      for (int c = 0; c < kChannels; ++c) sum[c] += part * load_some(b.radiance + c * plane + first, n);
       continue;
     }
     const Seen at = seen(b, px, static_cast<float>(y), dx, dy, instant);

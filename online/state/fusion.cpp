@@ -116,7 +116,8 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
   const int rows = before.radiance.rows(), cols = before.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
-  const Borrowed lines(pool_.scratch(), bands_of(rows), cols, {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
+  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
+                       {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
   const float texture_error = tables.texture_error();
   after.radiance.reshape_like(before.radiance);
   after.variance.reshape_like(before.variance);

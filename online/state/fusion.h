@@ -31,8 +31,8 @@ class BorrowedSamples {
   const Borrowed room_;
 };
 
-// What was moved, for the variance that this adds: its local contrast [rgb, rows, cols] and the flow along which
-// it was read.
+// What was moved, for the variance that this adds: its local contrast [rgb, rows, cols] and the flow along
+// which it was read.
 struct Moved {
   const Image<float>& contrast;
   const Image<float>& flow;
@@ -93,7 +93,8 @@ class Fusion {
   WorkerPool& pool_;
   // borrowed during a call
   Image<float> disagreement_, coverage_, shown_;
-  Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_, misaligned_;  // lines, one or more for each band
+  Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_,
+      misaligned_;  // lines, one or more for each band
 };
 
 }  // namespace hdrcam

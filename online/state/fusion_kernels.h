@@ -12,8 +12,8 @@ struct SampledRow {
   float *radiance, *weight, *comparable;
 };
 
-// One channel of the state where it knows the pixel, and the motion where it is asked for is believed; the sample
-// elsewhere.
+// One channel of the state where it knows the pixel, and the motion where it is asked for is believed; the
+// sample elsewhere.
 struct StandInRow {
   const float *state, *variance, *sample;
   const float* trust;     // confidence of the motion, or null

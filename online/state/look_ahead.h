@@ -36,7 +36,7 @@ class LookAhead {
   WorkerPool& pool_;
   // all borrowed during a call
   Samples samples_;
-  FlowField path_;  // from the state's frame to the current later frame
+  FlowField path_;         // from the state's frame to the current later frame
   RadianceState between_;  // of two later frames, without shares
   Image<float> share_, codes_, brightest_, dilated_, gate_, contrast_, warped_;
 };

@@ -47,7 +47,8 @@ ExrImage round_trip(const ExrPicture& picture) {
 
 TEST_CASE("an OpenEXR picture comes back: float exactly, half to its eleven bits") {
   const Image<float> half = ramp(0.01f, 900), full = ramp(-3e5f, 1e6f);
-  for (const auto compression : {ExrCompression::None, ExrCompression::Rle, ExrCompression::Zip, ExrCompression::Piz}) {
+  for (const auto compression :
+       {ExrCompression::None, ExrCompression::Rle, ExrCompression::Zip, ExrCompression::Piz}) {
     ExrPicture picture = picture_of(half, full);
     picture.compression = compression;
     const ExrImage image = round_trip(picture);
@@ -71,8 +72,10 @@ TEST_CASE("the compression that was asked for is the one that the header names")
   const auto attribute = [](char method) {
     return "compression\0compression\0\1\0\0\0"s + std::string(1, method);
   };
-  for (const auto& [compression, method] :
-       {std::pair{ExrCompression::None, '\0'}, {ExrCompression::Rle, '\1'}, {ExrCompression::Zip, '\3'}, {ExrCompression::Piz, '\4'}}) {
+  for (const auto& [compression, method] : {std::pair{ExrCompression::None, '\0'},
+                                            {ExrCompression::Rle, '\1'},
+                                            {ExrCompression::Zip, '\3'},
+                                            {ExrCompression::Piz, '\4'}}) {
     ExrPicture picture = picture_of(half, full);
     picture.compression = compression;
     const auto bytes = encode_exr(picture);
@@ -164,7 +167,8 @@ TEST_CASE("a time code counts frames, carries into seconds and wraps at midnight
 
 TEST_CASE("an OpenEXR file cut anywhere is an error, never a crash or a picture") {
   const Image<float> half = ramp(0, 5), full = ramp(-4, 4);
-  for (const auto compression : {ExrCompression::None, ExrCompression::Rle, ExrCompression::Zip, ExrCompression::Piz}) {
+  for (const auto compression :
+       {ExrCompression::None, ExrCompression::Rle, ExrCompression::Zip, ExrCompression::Piz}) {
     ExrPicture picture = picture_of(half, full);
     picture.compression = compression;
     const std::vector<std::byte> bytes = encode_exr(picture).value();

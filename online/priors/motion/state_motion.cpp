@@ -68,8 +68,8 @@ void mark_clipped(const Image<float>& codes, int y, const clip_policy::UsableCod
   }
 }
 
-// Forward-backward agreement becomes the flow's confidence. frame: the picture at the flow's pixels; null where
-// it may be clipped for all that is known.
+// Forward-backward agreement becomes the flow's confidence. frame: the picture at the flow's pixels; null
+// where it may be clipped for all that is known.
 void rate_flow(FlowField& flow, const FlowField& back, const ExposedFrame* frame, WorkerPool& pool) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
   constexpr float kClippedConfidence = 0.5f;  // assumed where agreement cannot be measured
@@ -190,7 +190,7 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
   start_at_last(context.before_ratio / context.after_ratio, request);
-  flow_.compute(quality == FlowQuality::Fine ? FlowQuality::Medium : FlowQuality::Fast, request);
+  flow_.compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at

@@ -121,11 +121,11 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
       Row weight = numbers.between(-1, 1, n), share(size, 0.1f);
       for (float& w : weight) w = std::max(0.f, w);
       Row as_state = state, as_variance = variance, as_shared = share, new_state(size), new_variance(size);
-      fusion_kernels().update({state.data(), variance.data(), sample.data(), weight.data(), mean.data(),
-                               blur.data(), whole ? nullptr : gate.data(), whole ? nullptr : extra.data(),
-                               noise(), kKnown, kRelative2, kBlur, kUnknownBlur, new_state.data(),
-                               new_variance.data(), share.data()},
-                              n);
+      fusion_kernels().update(
+          {state.data(), variance.data(), sample.data(), weight.data(), mean.data(), blur.data(),
+           whole ? nullptr : gate.data(), whole ? nullptr : extra.data(), noise(), kKnown, kRelative2, kBlur,
+           kUnknownBlur, new_state.data(), new_variance.data(), share.data()},
+          n);
       for (std::size_t x = 0; x < size; ++x) {
         float &s = as_state[x], &v = as_variance[x];
         const float blur2 = blur[x] * blur[x];
@@ -159,8 +159,8 @@ TEST_CASE("a sample stands in where the state knows nothing, or where the motion
     const Row state = numbers.between(0, 1, n), sample = numbers.between(1, 2, n);
     const Row variance = numbers.between(0, 2, n), trust = numbers.between(0, 1, n);
     Row anywhere(size), as_believed(size);
-    fusion_kernels().stand_in({state.data(), variance.data(), sample.data(), nullptr, 1, 0.5f, anywhere.data()},
-                              n);
+    fusion_kernels().stand_in(
+        {state.data(), variance.data(), sample.data(), nullptr, 1, 0.5f, anywhere.data()}, n);
     fusion_kernels().stand_in(
         {state.data(), variance.data(), sample.data(), trust.data(), 1, 0.5f, as_believed.data()}, n);
     for (std::size_t x = 0; x < size; ++x) {

@@ -20,7 +20,8 @@ Image<float> picture(test::Numbers& numbers, int channels, int rows, int cols, f
 
 constexpr float kAssumed = 0.5f, kDarkest = 20, kBrightest = 235;
 
-float confidence_of(const Image<float>& there, const Image<float>& back, const Image<float>* codes, int y, int x) {
+float confidence_of(const Image<float>& there, const Image<float>& back, const Image<float>* codes, int y,
+                    int x) {
   const int rows = there.rows(), cols = there.cols();
   const float u = there.at(0, y, x), v = there.at(1, y, x);
   const float to_x = static_cast<float>(x) + u, to_y = static_cast<float>(y) + v;
@@ -41,15 +42,16 @@ TEST_CASE("a flow is rated by the way there and back, and where a picture is cli
   test::Numbers numbers(7);
   for (const int cols : {5, 8, 64, 83}) {
     constexpr int kRows = 9;
-    const Image<float> there = picture(numbers, 2, kRows, cols, -4, 4), back = picture(numbers, 2, kRows, cols, -2, 2);
+    const Image<float> there = picture(numbers, 2, kRows, cols, -4, 4),
+                       back = picture(numbers, 2, kRows, cols, -2, 2);
     Image<float> codes = picture(numbers, 3, kRows, cols, 10, 245);
     for (int x = 0; x < cols; x += 2)
       for (int c = 0; c < 3; ++c) codes.at(c, 3, x) = 5, codes.at(c, 4, x) = 250;
     Image<float> rated(1, kRows, cols);
     int out = 0, assumed = 0;
     for (const bool seen : {false, true}) {
-      flow_kernels().rate({there.plane(0), back.plane(0), kRows, cols, 0, kRows, seen ? codes.plane(0) : nullptr,
-                           kDarkest, kBrightest, kAssumed, rated.plane(0)});
+      flow_kernels().rate({there.plane(0), back.plane(0), kRows, cols, 0, kRows,
+                           seen ? codes.plane(0) : nullptr, kDarkest, kBrightest, kAssumed, rated.plane(0)});
       for (int y = 0; y < kRows; ++y)
         for (int x = 0; x < cols; ++x) {
           const float expected = confidence_of(there, back, seen ? &codes : nullptr, y, x);
