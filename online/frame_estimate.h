@@ -1,5 +1,5 @@
 // The complete estimate of one frame, delivered as soon as its look-ahead has arrived. Const, and valid only
-// during the call that delivers it; only the snapshot may be held longer.
+// during the call that delivers it; only a snapshot of the field may be held longer.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct FrameEstimate {
   const JoinedState& state;            // includes this frame and its look-ahead
   const FlowField* to_previous;        // null at the first frame
   const FlowField* to_next = nullptr;  // null without look-ahead, and at the last frame
-  SnapshotHold field;                  // fitted up to this frame, inclusive; empty without a field
+  FieldNow field;                      // fitted up to this frame, inclusive; empty without a field
   SceneView view;                      // the frame's own view, at full size, in the world of the field
   std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown
   const DepthMap* depth = nullptr;     // measured at this frame, in length_unit; null without a field

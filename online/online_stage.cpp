@@ -283,7 +283,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .state = joined_,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
       .to_next = ahead > 0 ? later[0].from_previous : nullptr,
-      .field = step.in_field ? field_->snapshot() : SnapshotHold(),
+      .field = step.in_field ? FieldNow(field_.get()) : FieldNow(),
       .view = view,
       .pose = step.in_field ? step.pose
               : given       ? given_pose(step.frame.facts)

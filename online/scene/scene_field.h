@@ -55,4 +55,23 @@ class SceneField {
   virtual SnapshotHold snapshot() = 0;
 };
 
+// A field as it is now, for whoever may read it. A snapshot copies the networks, and a frame more while it is
+// held; so it is taken when somebody first asks. Thread-bound as the field, and valid until its next change.
+class FieldNow {
+ public:
+  FieldNow() = default;  // no field
+  explicit FieldNow(SceneField* field) : field_(field) {}
+
+  explicit operator bool() const { return field_ != nullptr; }
+  const SnapshotHold& operator->() const { return snapshot(); }
+  const SnapshotHold& snapshot() const {
+    if (!taken_) taken_ = field_->snapshot();
+    return taken_;
+  }
+
+ private:
+  SceneField* field_ = nullptr;
+  mutable SnapshotHold taken_;
+};
+
 }  // namespace hdrcam

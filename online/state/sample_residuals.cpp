@@ -9,7 +9,7 @@ namespace hdrcam {
 namespace {
 
 constexpr std::size_t kEnough = 40;
-constexpr int kPixels = 9600;     // of a frame of any size: they tell the spread of all bins
+constexpr int kPixels = 9600;      // of a frame of any size: they tell the spread of all bins
 constexpr float kLearning = 0.3f;  // share of a new frame in its slot's average
 
 }  // namespace
