@@ -56,10 +56,13 @@ void log_to_standard_error() {
 }
 
 // Memory of pictures goes back to the system when it is freed. By default the C library keeps it for later as
-// soon as a large block was freed once, in a heap that no other size fits into.
+// soon as a large block was freed once, in a heap that no other size fits into. Smaller blocks stay: a
+// library that writes a frame frees and takes them dozens of times, and each time the system would clear
+// them.
 void give_back_large_blocks() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  mallopt(M_TRIM_THRESHOLD, 16 << 20);
 #endif
 }
 

@@ -120,6 +120,12 @@ void add_state(Tasks& tasks, int rows, int cols) {
                     room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
                    cols);
   });
+  add_rows(tasks, "fusion: stand-ins", rows, cols, 2, 5, [room, &kernels, cols](int y) {
+    Planes& r = room->radiance;
+    kernels.stand_in(
+        {r.row(0, y), r.row(1, y), r.row(2, y), room->share.row(0, y), 0.5f, 0.3f, room->out.row(0, y)},
+        cols);
+  });
   add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, noise, cols](int y) {
     Planes& r = room->radiance;
     kernels.compare(
@@ -251,6 +257,21 @@ void add_motion(Tasks& tasks, int rows, int cols) {
        });
   task("flow: patches to pixels", "px", pixels, [room, search, &kernels, rows] {
     kernels.spread(search(), 0, rows, {room->flow.plane(0), room->flow.plane(1)}, room->weight.plane(0));
+  });
+  // a place 10, two vectors read 12, their sum and its length 6, an exponential 20, bounds 4
+  const auto vectors = std::make_shared<Planes>(4, rows, cols, -1, 1, 3);
+  add_rows(tasks, "flow: rating", rows, cols, 52, 5, [room, vectors, &kernels, rows, cols](int y) {
+    kernels.rate({.there = vectors->plane(0),
+                  .back = vectors->plane(2),
+                  .rows = rows,
+                  .cols = cols,
+                  .y0 = y,
+                  .y1 = y + 1,
+                  .codes = nullptr,
+                  .darkest = 0,
+                  .brightest = 255,
+                  .assumed = 0.5f,
+                  .confidence = room->weight.plane(0)});
   });
   task("flow: refinement, 5 x 5 sweeps", "px", pixels, [room] {
     FlowRefinement refinement{room->pictures[0],

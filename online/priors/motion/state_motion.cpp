@@ -68,8 +68,8 @@ void mark_clipped(const Image<float>& codes, int y, const clip_policy::UsableCod
   }
 }
 
-// Forward-backward agreement becomes the flow's confidence. frame: the picture at the flow's pixels; null
-// where it may be clipped for all that is known.
+// Forward-backward agreement becomes the flow's confidence. frame: at the flow's pixels, where it is clipped
+// some confidence is assumed; or null.
 void rate_flow(FlowField& flow, const FlowField& back, const ExposedFrame* frame, WorkerPool& pool) {
   const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
   constexpr float kClippedConfidence = 0.5f;  // assumed where agreement cannot be measured
