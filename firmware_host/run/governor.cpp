@@ -36,6 +36,7 @@ Governor::Governor(std::vector<Rung> ladder, Duration deadline)
       frames_at_(ladder_.size(), 0) {
   CHECK(!ladder_.empty() && deadline > Duration::zero());
   while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emit_every == 1) ++at_;
+  emits_all_ = at_, next_hope_ = first_wait_;
 }
 
 FrameBudget Governor::next() {
@@ -53,7 +54,9 @@ void Governor::done(const FrameWork& work) {
   pass_block();
   add(work);
   if (samples_ % kWindow == 0 && samples_ > 0 && upper(kWindow).total_ms <= deadline_ms_) remember();
-  if (const auto cheaper = rung_to_shed_to())
+  if (is_hopeless())
+    give_up();
+  else if (const auto cheaper = rung_to_shed_to())
     shed_to(*cheaper);
   else if (const auto better = rung_to_return_to())
     remember(), since_return_ = 0, move_to(*better);
@@ -94,14 +97,15 @@ double Governor::steady_ms() const {
 }
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
-  if (at_ + 1 == ladder_.size()) return std::nullopt;
+  if (at_ + 1 == ladder_.size() || (at_ == emits_all_ && hopeless_.frames_left > 0)) return std::nullopt;
   const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * deadline_ms_;
   const bool steady = samples_ >= kWindow && upper(kWindow).total_ms > deadline_ms_;
   if (!sudden && !steady) return std::nullopt;
   const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
-  for (std::size_t r = at_ + 1; r < ladder_.size(); ++r)
+  const std::size_t end = hopeless_.frames_left > 0 ? emits_all_ + 1 : ladder_.size();
+  for (std::size_t r = at_ + 1; r < end; ++r)
     if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * deadline_ms_) return r;
-  return ladder_.size() - 1;
+  return end - 1;
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {
@@ -150,6 +154,23 @@ void Governor::move_to(std::size_t rung) {
 void Governor::pass_block() {
   if (since_return_ == kProven && at_ <= block_.rung) wait_ = first_wait_;
   if (block_.frames_left > 0 && --block_.frames_left == 0) ratios_[block_.rung].reset();
+  if (hopeless_.frames_left == 0) return;
+  const bool faster = samples_ >= kWindow && steady_ms() < kFasterMachine * hopeless_.steady_ms;
+  if (faster) hopeless_.frames_left = 1, next_hope_ = first_wait_;
+  if (--hopeless_.frames_left == 0)
+    for (std::size_t r = emits_all_ + 1; r < ladder_.size(); ++r) ratios_[r].reset();
+}
+
+// Whether the rung that leaves out most is too slow.
+bool Governor::is_hopeless() const {
+  return at_ + 1 == ladder_.size() && at_ > emits_all_ && samples_ >= kWindow / 2 &&
+         upper(kWindow / 2).total_ms > deadline_ms_;
+}
+
+void Governor::give_up() {
+  hopeless_ = {emits_all_, next_hope_, steady_ms()};
+  next_hope_ = std::min(2 * next_hope_, kLongestWait * first_wait_);
+  move_to(emits_all_);
 }
 
 }  // namespace hdrcam

@@ -4,8 +4,10 @@
 // in use, in units of the work that no rung changes: a machine that is slowed by other work slows both alike.
 // A rung that was never in use is tried where there is ample time; one that turned out too slow is tried
 // again after a wait that doubles, or when the machine became faster. It starts at the cheapest rung that
-// emits every frame, so that the first frames come early. Deterministic: times in, budget out; it reads no
-// clock. No allocation after the constructor. Thread-bound.
+// emits every frame, so that the first frames come early. Where not even the last rung is in time, frames are
+// lost before they are worked on, and to leave out more gains nothing: it goes back to that rung, for a
+// while. Deterministic: times in, budget out; it reads no clock. No allocation after the constructor.
+// Thread-bound.
 #pragma once
 
 #include <array>
@@ -67,6 +69,8 @@ class Governor {
   void shed_to(std::size_t rung);
   void move_to(std::size_t rung);
   void pass_block();
+  bool is_hopeless() const;
+  void give_up();
 
   const std::vector<Rung> ladder_;
   const double deadline_ms_;
@@ -81,7 +85,10 @@ class Governor {
   int pending_frames_ = 0;
   int since_return_ = 0;  // frames; large where the last change was to shed
   Block block_;
-  int wait_ = 0;  // frames, of the next block
+  int wait_ = 0;               // frames, of the next block
+  std::size_t emits_all_ = 0;  // the cheapest rung that does
+  Block hopeless_;             // of the rungs below that one, which were not in time either
+  int next_hope_ = 0;          // frames, of the next such block
   long frames_ = 0;
   int late_ = 0;
   std::vector<int> frames_at_;
