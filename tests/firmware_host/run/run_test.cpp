@@ -137,7 +137,7 @@ TEST_CASE("a deadline that nothing can hold leaves out frames, each of them coun
   CHECK(record.dropped == record.left_out);
   CHECK(seen.sequences.size() == static_cast<std::size_t>(record.emitted));
   CHECK(record.rungs.back().name == "one frame in 4");
-  CHECK(record.rungs.back().frames > 30);
+  CHECK(record.rungs.back().frames > 20);  // and then it is given up
   int all = 0;
   for (const RungRecord& rung : record.rungs) all += rung.frames;
   CHECK(all >= 58);  // the last frames come when the source has ended
