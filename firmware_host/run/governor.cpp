@@ -32,11 +32,12 @@ Governor::Governor(std::vector<Rung> ladder, Duration deadline)
           std::lround(std::clamp(kFirstWait_s / to_seconds(deadline), 1.0, kMostFirstWait)))),
       ratios_(ladder_.size()),
       since_return_(kProven),
-      wait_(first_wait_),
+      to_return_{.next = first_wait_},
+      to_leave_out_{.next = first_wait_},
       frames_at_(ladder_.size(), 0) {
   CHECK(!ladder_.empty() && deadline > Duration::zero());
   while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emit_every == 1) ++at_;
-  emits_all_ = at_, next_hope_ = first_wait_;
+  emits_all_ = at_;
 }
 
 FrameBudget Governor::next() {
@@ -51,7 +52,7 @@ void Governor::done(const FrameWork& work) {
   frames_at_[at_] += work.frames;
   if (work.frames > 1) return;  // the first frames come at once
   since_return_ = std::min(since_return_ + 1, kProven);
-  pass_block();
+  pass_waits();
   add(work);
   if (samples_ % kWindow == 0 && samples_ > 0 && upper(kWindow).total_ms <= deadline_ms_) remember();
   if (is_hopeless())
@@ -97,15 +98,14 @@ double Governor::steady_ms() const {
 }
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
-  if (at_ + 1 == ladder_.size() || (at_ == emits_all_ && hopeless_.frames_left > 0)) return std::nullopt;
+  if (at_ + 1 == end()) return std::nullopt;
   const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * deadline_ms_;
   const bool steady = samples_ >= kWindow && upper(kWindow).total_ms > deadline_ms_;
   if (!sudden && !steady) return std::nullopt;
   const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
-  const std::size_t end = hopeless_.frames_left > 0 ? emits_all_ + 1 : ladder_.size();
-  for (std::size_t r = at_ + 1; r < end; ++r)
+  for (std::size_t r = at_ + 1; r < end(); ++r)
     if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * deadline_ms_) return r;
-  return end - 1;
+  return end() - 1;
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {
@@ -118,9 +118,20 @@ std::optional<std::size_t> Governor::rung_to_return_to() const {
   return !ratios_[above] && !is_blocked(above) && ample ? std::optional(above) : std::nullopt;
 }
 
-bool Governor::is_blocked(std::size_t rung) const {
-  return block_.frames_left > 0 && rung <= block_.rung && steady_ms() > kFasterMachine * block_.steady_ms;
+void Governor::begin(Wait& wait) const {
+  wait = {wait.next, std::min(2 * wait.next, kLongestWait * first_wait_), steady_ms()};
 }
+
+bool Governor::is_faster_than_in(const Wait& wait) const {
+  return steady_ms() <= kFasterMachine * wait.steady_ms;
+}
+
+bool Governor::is_blocked(std::size_t rung) const {
+  return rung <= blocked_ && to_return_.frames_left > 0 && !is_faster_than_in(to_return_);
+}
+
+// Of the rungs that are in use at present.
+std::size_t Governor::end() const { return to_leave_out_.frames_left > 0 ? emits_all_ + 1 : ladder_.size(); }
 
 // What this rung takes, learned from frames in time: late ones tell more about the moment than about the
 // rung.
@@ -136,10 +147,7 @@ void Governor::remember() {
 void Governor::shed_to(std::size_t rung) {
   const bool failed = since_return_ < kProven;
   if (failed || !ratios_[at_]) remember();
-  if (failed) {
-    block_ = {at_, wait_, steady_ms()};
-    wait_ = std::min(2 * wait_, kLongestWait * first_wait_);
-  }
+  if (failed) blocked_ = at_, begin(to_return_);
   since_return_ = kProven;
   move_to(rung);
 }
@@ -150,15 +158,14 @@ void Governor::move_to(std::size_t rung) {
   pending_ = {}, pending_frames_ = 0;
 }
 
-// A return that held ends the waits; a wait that is over makes the rung one of unknown cost.
-void Governor::pass_block() {
-  if (since_return_ == kProven && at_ <= block_.rung) wait_ = first_wait_;
-  if (block_.frames_left > 0 && --block_.frames_left == 0) ratios_[block_.rung].reset();
-  if (hopeless_.frames_left == 0) return;
-  const bool faster = samples_ >= kWindow && steady_ms() < kFasterMachine * hopeless_.steady_ms;
-  if (faster) hopeless_.frames_left = 1, next_hope_ = first_wait_;
-  if (--hopeless_.frames_left == 0)
-    for (std::size_t r = emits_all_ + 1; r < ladder_.size(); ++r) ratios_[r].reset();
+// A return that held, or another machine, makes the next wait short again. A rung that waited to its end is
+// one of unknown cost.
+void Governor::pass_waits() {
+  if (since_return_ == kProven && at_ <= blocked_) to_return_.next = first_wait_;
+  if (to_return_.frames_left > 0 && --to_return_.frames_left == 0) ratios_[blocked_].reset();
+  if (to_leave_out_.frames_left > 0 && samples_ >= kWindow && is_faster_than_in(to_leave_out_))
+    to_leave_out_ = {.next = first_wait_};
+  to_leave_out_.frames_left = std::max(to_leave_out_.frames_left - 1, 0);
 }
 
 // Whether the rung that leaves out most is too slow.
@@ -168,8 +175,7 @@ bool Governor::is_hopeless() const {
 }
 
 void Governor::give_up() {
-  hopeless_ = {emits_all_, next_hope_, steady_ms()};
-  next_hope_ = std::min(2 * next_hope_, kLongestWait * first_wait_);
+  begin(to_leave_out_);
   move_to(emits_all_);
 }
 

@@ -52,23 +52,26 @@ class Governor {
     double total_ms = 0, steady_ms = 0;
     double ratio() const { return total_ms / steady_ms; }
   };
-  // A rung that was too slow when it was tried. Better ones are blocked with it.
-  struct Block {
-    std::size_t rung = 0;
+  // Until when something that turned out too slow is not tried again. Each wait is twice the one before.
+  struct Wait {
     int frames_left = 0;
-    double steady_ms = 0;  // of the machine then
+    int next = 0;          // frames, of the next wait
+    double steady_ms = 0;  // of the machine when it began
   };
 
   void add(const FrameWork& work);
   Sample upper(std::size_t newest) const;
   double steady_ms() const;
+  void begin(Wait& wait) const;
+  bool is_faster_than_in(const Wait& wait) const;
   bool is_blocked(std::size_t rung) const;
+  std::size_t end() const;
   std::optional<std::size_t> rung_to_shed_to() const;
   std::optional<std::size_t> rung_to_return_to() const;
   void remember();
   void shed_to(std::size_t rung);
   void move_to(std::size_t rung);
-  void pass_block();
+  void pass_waits();
   bool is_hopeless() const;
   void give_up();
 
@@ -83,12 +86,11 @@ class Governor {
   int unsettled_ = 0;                     // frames after a change that are not counted
   Sample pending_;                        // of a group of frames of which one is emitted
   int pending_frames_ = 0;
-  int since_return_ = 0;  // frames; large where the last change was to shed
-  Block block_;
-  int wait_ = 0;               // frames, of the next block
+  int since_return_ = 0;       // frames; large where the last change was to shed
+  std::size_t blocked_ = 0;    // a rung that was too slow; better ones are blocked with it
+  Wait to_return_;             // to those
   std::size_t emits_all_ = 0;  // the cheapest rung that does
-  Block hopeless_;             // of the rungs below that one, which were not in time either
-  int next_hope_ = 0;          // frames, of the next such block
+  Wait to_leave_out_;          // frames: the rungs below that one were not in time either
   long frames_ = 0;
   int late_ = 0;
   std::vector<int> frames_at_;
