@@ -150,14 +150,19 @@ void add_state(Tasks& tasks, int rows, int cols) {
   add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
     Planes& r = room->radiance;
     kernels.update({r.row(0, y), r.row(7, y), r.row(4, y), room->share.row(0, y), r.row(2, y), r.row(5, y),
-                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, room->out.row(0, y),
-                    room->out.row(1, y), room->out.row(2, y)},
+                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, 1e-3f, false,
+                    room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
                    cols);
   });
   const auto flow = std::make_shared<Planes>(2, rows, cols, -6, 6, 5);
   add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 4, [room, flow, &kernels, cols](int y) {
-    kernels.warp_variance(
-        {flow->row(0, y), flow->row(1, y), room->radiance.row(3, y), 0.4f, room->out.row(3, y)}, cols);
+    kernels.warp_variance({flow->row(0, y), flow->row(1, y), 0.4f, room->out.row(3, y)}, cols);
+  });
+  add_rows(tasks, "fusion: ageing", rows, cols, 18, 8, [room, &kernels, cols](int y) {
+    Planes& r = room->radiance;
+    kernels.age({r.row(0, y), r.row(7, y), room->share.row(0, y), r.row(4, y), room->share.row(1, y),
+                 r.row(2, y), r.row(3, y), 1.05f, 1e-4f, 0.002f, 1e6f, 1e9f, 1e-3f, room->out.row(3, y)},
+                cols);
   });
 }
 

@@ -36,13 +36,24 @@ class WorkerPool {
         &body);
   }
 
-  // Calls body(y0, y1) for consecutive bands of rows of a fixed height that does not depend on the threads.
+  // Rows are worked through in bands of a fixed height that does not depend on the threads: what a row leaves
+  // for the next stays in the cache of its thread.
+  static constexpr int kBandRows = 16;
+  static int bands_of(int rows) { return (rows + kBandRows - 1) / kBandRows; }
+
+  // Calls body(y0, y1) for consecutive bands.
   template <class Body>
   void for_rows(int rows, Body&& body) {
-    constexpr int kBand = 16;
-    for_each((rows + kBand - 1) / kBand, [&](int band) {
-      const int y0 = band * kBand;
-      body(y0, y0 + kBand < rows ? y0 + kBand : rows);
+    for_each(bands_of(rows), [&](int band) {
+      const int y0 = band * kBandRows;
+      body(y0, y0 + kBandRows < rows ? y0 + kBandRows : rows);
+    });
+  }
+  // Calls body(band, y) for all rows; those of a band one after the other. For what needs lines of its own.
+  template <class Body>
+  void for_rows_of_bands(int rows, Body&& body) {
+    for_rows(rows, [&](int y0, int y1) {
+      for (int y = y0; y < y1; ++y) body(y0 / kBandRows, y);
     });
   }
 

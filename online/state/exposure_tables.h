@@ -50,6 +50,9 @@ class ExposureTables {
   void set_texture_error(float share) { texture_error_ = share; }
   const VarianceExcess& excess() const { return excess_; }
 
+  // Half a code: what is darker cannot be told from none.
+  float least_radiance(int channel) const { return radiance(channel, 0.5f); }
+
   // code 0..255 -> radiance
   float radiance(int channel, float code) const {
     const auto& table = radiance_[static_cast<std::size_t>(channel)];

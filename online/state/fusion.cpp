@@ -9,19 +9,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kBand =
-    16;  // rows that one thread works through: what a row leaves for the next stays in its cache
-
-int bands_of(int rows) { return (rows + kBand - 1) / kBand; }
-
-// Calls row(band, y) for all rows, on all threads; those of a band one after the other.
-template <class Row>
-void across_bands(int rows, WorkerPool& pool, Row&& row) {
-  pool.for_each(bands_of(rows), [&](int band) {
-    for (int y = band * kBand; y < std::min(rows, (band + 1) * kBand); ++y) row(band, y);
-  });
-}
-
 SampleVariances noise_of(const ExposureTables& tables, int channel) {
   return {tables.variances(channel).data(), tables.exposure()};
 }
@@ -68,10 +55,10 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
   const Borrowed room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
-  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
+  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
                        {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
   contrast.reshape_like(state.radiance);
-  across_bands(rows, pool_, [&](int band, int y) {
+  pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y), *mean = mean_.row(0, band);
     std::fill_n(chi2, cols, 0.f);
     std::fill_n(covered, cols, 0.f);
@@ -87,7 +74,7 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   });
 
   gate.reshape(1, rows, cols);
-  across_bands(rows, pool_, [&](int band, int y) {
+  pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float *chi2 = disagreement_mean_.row(0, band), *covered = coverage_mean_.row(0, band);
     picture_kernels().window(window_at(disagreement_.plane(0), rows, cols, y, 2, chi2, nullptr));
     picture_kernels().window(window_at(coverage_.plane(0), rows, cols, y, 2, covered, nullptr));
@@ -110,13 +97,14 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
 }
 
 void Fusion::update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
-                    const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share) {
+                    const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
+                    Past past) {
   CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
   const int rows = before.radiance.rows(), cols = before.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
-  const Borrowed lines(pool_.scratch(), bands_of(rows), cols,
+  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
                        {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
   const float texture_error = tables.texture_error();
   after.radiance.reshape_like(before.radiance);
@@ -132,12 +120,13 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
                                  samples.radiance.row(c, y), nullptr, known, 0, guess_line(band, c, y)},
                                 cols);
   };
-  across_bands(rows, pool_, [&](int band, int y) {
-    for (int next = y % kBand == 0 ? std::max(0, y - 1) : y + 1; next <= std::min(y + 1, rows - 1); ++next)
+  pool_.for_rows_of_bands(rows, [&](int band, int y) {
+    for (int next = y % WorkerPool::kBandRows == 0 ? std::max(0, y - 1) : y + 1;
+         next <= std::min(y + 1, rows - 1); ++next)
       guess(band, next);
     std::fill_n(share.row(0, y), cols, 0.f);
-    float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band);
-    float* misaligned = moved != nullptr ? misaligned_.row(0, band) : nullptr;
+    float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band), *misaligned = misaligned_.row(0, band);
+    if (moved != nullptr) warp_variance(moved->flow, y, misaligned);
     for (int c = 0; c < 3; ++c) {
       WindowRow window{.line = {},
                        .cols = cols,
@@ -146,10 +135,15 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
                        .variance = texture_error > 0 ? doubt : nullptr};
       for (int k = 0; k < 3; ++k) window.line[k] = guess_line(band, c, mirrored_row(y + k - 1, rows));
       picture_kernels().window(window);
-      if (moved != nullptr) warp_variance(*moved, c, y, misaligned);
       if (texture_error > 0)
-        for (int x = 0; x < cols; ++x)
-          doubt[x] = texture_error * doubt[x] + (moved != nullptr ? misaligned[x] : 0);
+        for (int x = 0; x < cols; ++x) doubt[x] *= texture_error;
+      if (moved != nullptr) {
+        const float* contrast = moved->contrast.row(c, y);
+        if (texture_error > 0)
+          for (int x = 0; x < cols; ++x) doubt[x] += misaligned[x] * contrast[x];
+        else
+          for (int x = 0; x < cols; ++x) doubt[x] = misaligned[x] * contrast[x];
+      }
       fusion_kernels().update({.state = before.radiance.row(c, y),
                                .variance = before.variance.row(c, y),
                                .sample = samples.radiance.row(c, y),
@@ -157,12 +151,14 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
                                .mean = mean,
                                .blur = samples.blur.row(c, y),
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
-                               .extra = texture_error > 0 ? doubt : misaligned,
+                               .extra = texture_error > 0 || moved != nullptr ? doubt : nullptr,
                                .noise = noise_of(tables, c),
                                .known = known,
                                .relative2 = relative2,
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,
+                               .least = tables.least_radiance(c),
+                               .starts = past == Past::None,
                                .new_state = after.radiance.row(c, y),
                                .new_variance = after.variance.row(c, y),
                                .share = share.row(0, y)},
@@ -171,11 +167,10 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
   });
 }
 
-void Fusion::warp_variance(const Moved& moved, int channel, int y, float* variance) const {
-  const Image<float>&contrast = moved.contrast, &flow = moved.flow;
-  fusion_kernels().warp_variance({flow.row(0, y), flow.row(1, y), contrast.row(channel, y),
-                                  options_.misalignment * options_.misalignment, variance},
-                                 contrast.cols());
+void Fusion::warp_variance(const Image<float>& flow, int y, float* per_contrast) const {
+  fusion_kernels().warp_variance(
+      {flow.row(0, y), flow.row(1, y), options_.misalignment * options_.misalignment, per_contrast},
+      flow.cols());
 }
 
 }  // namespace hdrcam

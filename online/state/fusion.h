@@ -31,12 +31,15 @@ class BorrowedSamples {
   const Borrowed room_;
 };
 
-// What was moved, for the variance that this adds: its local contrast [rgb, rows, cols] and the flow along
-// which it was read.
+// Samples that were moved, for the variance that this adds: the local contrast at the pixels that they were
+// moved to [rgb, rows, cols], and the flow along which they were read.
 struct Moved {
   const Image<float>& contrast;
   const Image<float>& flow;
 };
+
+// Whether the state before a sample holds anything: of what it does not know it has at least a guess.
+enum class Past { None, Seen };
 
 struct FusionOptions {
   float relative_noise = 0.02f;     // of radiance: error outside the model
@@ -82,10 +85,11 @@ class Fusion {
   // pixel unclipped, the radiance becomes the larger of the bounds. Writes radiance and variance of `after`,
   // another state than `before`, and each pixel's share of this sample into `share`.
   void update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
-              const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share);
+              const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
+              Past past = Past::Seen);
 
-  // Variance that moving adds to one channel of row y: misalignment and interpolation.
-  void warp_variance(const Moved& moved, int channel, int y, float* variance) const;
+  // Variance that reading along the flow adds to row y, per local contrast: misalignment and interpolation.
+  void warp_variance(const Image<float>& flow, int y, float* per_contrast) const;
 
  private:
   FusionOptions options_;

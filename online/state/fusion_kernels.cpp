@@ -10,6 +10,7 @@ namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
 constexpr float kTiny = 1e-20f;
+constexpr float kClipped = 0.05f;  // weight of a sample that is only a bound
 constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
 
 // V is Lanes, or float for what is over at the end of a row.
@@ -106,7 +107,7 @@ void gate(const GatedRow& row, int n) {
       for (int c = 0; c < 3; ++c) {
         const V ratio = get<V>(row.state[c] + x) / (0.9f * get<V>(row.sample[c] + x) + kTiny);
         const V under = (1 - ratio) / 0.15f;
-        below = most(get<V>(row.weight[c] + x) < 0.05f ? under : V{}, below);
+        below = most(get<V>(row.weight[c] + x) < kClipped ? under : V{}, below);
       }
       put(bounded + i, -below * below);
     });
@@ -121,10 +122,23 @@ void gate(const GatedRow& row, int n) {
   });
 }
 
+// The variance of what is only guessed to be there, a surface that may be another one: its own size. A dark
+// code knows less than that, and must not take the place of what was seen next to it.
+template <class V>
+inline V guessed(V state, V sample, float least_radiance) {
+  const V size = most(most(state, sample), all<V>(least_radiance));
+  return size * size;
+}
+
 void update(const UpdatedRow& row, int n) {
   across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
     using V = decltype(noise);
-    const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
+    const V s = get<V>(row.state + x), r = get<V>(row.sample + x), weighs = get<V>(row.weight + x);
+    V v = get<V>(row.variance + x);
+    if (!row.starts) {
+      const V guess = weighs < kClipped ? v : least(v, guessed(s, r, row.least));
+      v = v < row.known ? v : guess;
+    }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
     const V blur = get<V>(row.blur + x), blur2 = blur * blur;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
@@ -132,7 +146,7 @@ void update(const UpdatedRow& row, int n) {
     const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-    V weight = get<V>(row.weight + x) / (doubt + kTiny);
+    V weight = weighs / (doubt + kTiny);
     if (row.gate != nullptr) weight *= get<V>(row.gate + x);
     const V before = 1 / (v + kTiny), both = 1 / (before + weight);
     // what no frame saw unclipped keeps the larger of the bounds
@@ -165,15 +179,28 @@ void warp_variance(const WarpedRow& row, int n) {
       const V fy = beyond(clamped(get<V>(dy + i), -kFar, kFar));
       const V between = 2 * (fx * (1 - fx) + fy * (1 - fy));
       const V moving = least(all<V>(1), get<V>(length + i));
-      put<V>(row.variance + x0 + i,
-             row.scale * (0.3f * moving + 0.7f * between) * get<V>(row.contrast + x0 + i));
+      put<V>(row.per_contrast + x0 + i, row.scale * (0.3f * moving + 0.7f * between));
     });
+  });
+}
+
+void age(const AgedRow& row, int n) {
+  across(n, [&](int x, auto lane) {
+    using V = decltype(lane);
+    const V s = get<V>(row.state + x), gate = get<V>(row.gate + x);
+    const V aged = get<V>(row.variance + x) * row.growth + row.relative2 * s * s +
+                   get<V>(row.per_contrast + x) * get<V>(row.contrast + x);
+    const V unseen = all<V>(row.unseen), doubted = aged / most(gate, all<V>(1e-4f));
+    V lost = doubted < row.unseen ? doubted : unseen;
+    lost = gate < row.floor ? unseen : lost;
+    const V guess = aged < row.known ? most(aged, guessed(s, get<V>(row.sample + x), row.least)) : unseen;
+    put<V>(row.new_variance + x, get<V>(row.weight + x) < kClipped ? lost : least(lost, guess));
   });
 }
 
 }  // namespace
 
 extern const FusionKernels kFusionKernels;
-const FusionKernels kFusionKernels{&sample, &stand_in, &compare, &gate, &update, &warp_variance};
+const FusionKernels kFusionKernels{&sample, &stand_in, &compare, &gate, &update, &warp_variance, &age};
 
 }  // namespace hdrcam::HDRCAM_TARGET

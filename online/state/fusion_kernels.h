@@ -54,15 +54,29 @@ struct UpdatedRow {
   const float *gate, *extra;  // null: 1, 0
   SampleVariances noise;
   float known, relative2, blur_variance, unknown_blur_variance;
+  float least;  // radiance that the samples cannot tell from none
+  bool starts;  // the state holds nothing yet, not even a guess
   float *new_state, *new_variance;
   float* share;  // a third of this channel's is added
 };
 
-// Variance added by a warp along (dx, dy) to one channel.
+// Variance that a warp along (dx, dy) adds, per local contrast.
 struct WarpedRow {
-  const float *dx, *dy, *contrast;
+  const float *dx, *dy;
   float scale;
-  float* variance;
+  float* per_contrast;
+};
+
+// One channel of the state, carried to the pixels of a new frame: how uncertain it has become.
+struct AgedRow {
+  const float *state, *variance, *gate;
+  const float *sample, *weight;          // the new frame's
+  const float *contrast, *per_contrast;  // what the warp adds
+  float growth, relative2;               // of the variance, and of radiance squared
+  float floor;                           // of the gate: below it the state shows something else
+  float known, unseen;                   // variance from which on a pixel is not known; of one that is lost
+  float least;                           // radiance that the sample cannot tell from none
+  float* new_variance;
 };
 
 struct FusionKernels {
@@ -72,6 +86,7 @@ struct FusionKernels {
   void (*gate)(const GatedRow&, int n);
   void (*update)(const UpdatedRow&, int n);
   void (*warp_variance)(const WarpedRow&, int n);
+  void (*age)(const AgedRow&, int n);
 };
 
 const FusionKernels& fusion_kernels();

@@ -1,6 +1,7 @@
 #include "online/state/state_filter.h"
 
 #include "online/pictures/warp.h"
+#include "online/state/fusion_kernels.h"
 
 namespace hdrcam {
 
@@ -18,7 +19,7 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predicted_.radiance.copy_from(samples_.radiance);
   predicted_.variance.fill(kUnseenVariance);
-  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share);
+  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share, Past::None);
 }
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
@@ -38,25 +39,29 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
-  const Borrowed room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}, {&added_, 1}});
+  const Borrowed room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
+  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols, {{&per_contrast_, 1}});
   fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, contrast_);
 
-  const float growth = 1 + options_.variance_growth,
-              relative2 = options_.relative_growth * options_.relative_growth;
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    float* added = added_.row(0, y0);  // a line for each band
+  pool_.for_rows_of_bands(rows, [&](int band, int y) {
+    float* per_contrast = per_contrast_.row(0, band);
+    fusion_.warp_variance(flow, y, per_contrast);
     for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y) {
-        fusion_.warp_variance({contrast_, flow}, c, y, added);
-        const float *s = predicted_.radiance.row(c, y), *gate = gate_.row(0, y);
-        float* v = predicted_.variance.row(c, y);
-        for (int x = 0; x < cols; ++x) {
-          const float carried =
-              (v[x] * growth + relative2 * s[x] * s[x] + added[x]) / std::max(1e-4f, gate[x]);
-          const bool lost = gate[x] < options_.fusion.gate_floor || !(carried < kUnseenVariance);
-          v[x] = lost ? kUnseenVariance : carried;
-        }
-      }
+      fusion_kernels().age({.state = predicted_.radiance.row(c, y),
+                            .variance = predicted_.variance.row(c, y),
+                            .gate = gate_.row(0, y),
+                            .sample = samples_.radiance.row(c, y),
+                            .weight = samples_.weight.row(c, y),
+                            .contrast = contrast_.row(c, y),
+                            .per_contrast = per_contrast,
+                            .growth = 1 + options_.variance_growth,
+                            .relative2 = options_.relative_growth * options_.relative_growth,
+                            .floor = options_.fusion.gate_floor,
+                            .known = known_limit(fusion_.white()),
+                            .unseen = kUnseenVariance,
+                            .least = tables.least_radiance(c),
+                            .new_variance = predicted_.variance.row(c, y)},
+                           cols);
   });
 }
 

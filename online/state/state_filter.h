@@ -48,7 +48,8 @@ class StateFilter {
   SampleResiduals residuals_;
   RadianceState predicted_;  // without shares; this and the following are borrowed during a call
   Samples samples_;
-  Image<float> gate_, contrast_, added_;  // added_: lines
+  Image<float> gate_, contrast_;
+  Image<float> per_contrast_;  // lines
 };
 
 }  // namespace hdrcam

@@ -47,17 +47,17 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.4, 0.0745, 0.008},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.6, 35.1, 0.0895,
-     0.0105},
-    {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 37.9, 35.3, 0.073,
-     0.0085},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 35.2, 29.9, 0.059, 0.015},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 30.8, 25.5, 0.139, 0.011},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 38.6, 37.0, 0.077, 0.0085},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 38.6, 36.4, 0.0775, 0.0095},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 38.5, 36.9, 0.0735, 0.008},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 35.4, 32.5, 0.1135, 0.018},
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.0, 37.1, 0.0711, 0.0065},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.75, 35.3, 0.0877,
+     0.0095},
+    {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 38.9, 36.6, 0.069,
+     0.0065},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.45, 33.7, 0.0473, 0.0035},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 31.7, 26.7, 0.117, 0.0065},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 38.65, 37.0, 0.0755, 0.0075},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 38.75, 37.1, 0.0743, 0.0085},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 38.75, 37.1, 0.0735, 0.008},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 36.5, 33.6, 0.0945, 0.015},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -68,8 +68,8 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1, 0.013},         {"shrinkage", kWalk, no_shrinkage, 0.6, 0.003},
-    {"warp variance", kWalk, no_warp_variance, 2.4, 0.012}, {"gate", kWalk, no_gate, 0.17, -0.002},
+    {"look-ahead", kWalk, no_look_ahead, 1.1, 0.015},       {"shrinkage", kWalk, no_shrinkage, 0.6, 0.003},
+    {"warp variance", kWalk, no_warp_variance, 2.9, 0.014}, {"gate", kWalk, no_gate, 0.17, -0.002},
     {"blur variance", kPan, no_blur_variance, 0.75, 0.005}, {"learned noise", kDim, assumed_noise, 1.2, 0.05},
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "capture/clip_policy.h"
 #include "online/pictures/between_pixels.h"
 #include "online/priors/motion/refinement_kernels.h"
 
@@ -147,7 +148,8 @@ void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
   pool_.for_each(2, [&](int i) { refine(directions_[static_cast<std::size_t>(i)], scale, effort); });
 }
 
-// The guesses of this scale's patches: what the coarser scale found, and what is given.
+// The guesses of this scale's patches: what is given, and what the coarser scale found. Where the picture is
+// clipped only the latter, which comes from the surroundings: what is given could never be refuted.
 PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
   const auto at = static_cast<std::size_t>(scale);
   const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
@@ -162,12 +164,14 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
       const int x = std::min(col * grid.stride, from.cols - kPatchSize) + kPatchSize / 2;
       std::array<float, 2> given{};
       if (guided) given = guess_at(d.start, x << scale, y << scale);
+      const bool clipped = from.gray[y * from.pitch + x] >= clip_policy::kMotionShare.brightest;
       for (int c = 0; c < 2; ++c) {
         const float here = shrink * given[static_cast<std::size_t>(c)];
-        if (guided) d.starts.at(c, row, col) = here;
-        d.patches.at(c, row, col) =
+        const float found =
             begins ? here
                    : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
+        d.patches.at(c, row, col) = found;
+        if (guided) d.starts.at(c, row, col) = clipped ? found : here;
       }
     }
   d.flow.reshape(2, from.rows, from.cols);

@@ -101,7 +101,8 @@ inline Fit compare(const Patch& patch, const Window& at, std::ptrdiff_t pitch) {
           {-(patch.xx * bx + patch.xy * by), -(patch.xy * bx + patch.yy * by)}};
 }
 
-// One patch: the best of the guesses, then descent while it gets better.
+// One patch: the best of the guesses, then descent while it gets better. Where a patch shows nothing, in a
+// black frame above all, every place looks alike, and the first guess stays.
 struct Descent {
   const PatchSearch& search;
   Patch patch;
@@ -120,9 +121,10 @@ struct Descent {
   }
   Fit look(Vector at) const { return compare(patch, window(search.to, x, y, at), search.to.pitch); }
   void consider(Vector guess) {
+    constexpr float kClear = 32;  // codes^2, over the patch: noise makes one of two places that much better
     if (guess.u == best.u && guess.v == best.v) return;  // often: neighbours at rest, or that took this one
     const Fit other = look(guess);
-    if (other.error < fit.error) best = guess, fit = other;
+    if (other.error + kClear < fit.error) best = guess, fit = other;
   }
   void descend() {
     constexpr float kLeastStep2 = 1e-4f;  // pixels^2
@@ -151,8 +153,9 @@ void search(const PatchSearch& s, int first, int last) {
   for (int row = first; row < last; ++row)
     for (int col = 0; col < cols; ++col) {
       const int i = row * cols + col;
-      Descent descent(s, row, col, found(i));
-      if (s.start_u != nullptr) descent.consider({s.start_u[i], s.start_v[i]});
+      const bool starts = s.start_u != nullptr;
+      Descent descent(s, row, col, starts ? Vector{s.start_u[i], s.start_v[i]} : found(i));
+      if (starts) descent.consider(found(i));
       if (col > 0) descent.consider(found(i - 1));
       if (row > first) descent.consider(found(i - cols));
       finish(descent, i);

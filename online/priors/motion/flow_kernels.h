@@ -35,7 +35,7 @@ struct PatchSearch {
   FlowPicture from, to;
   PatchGrid grid;
   FlowPlanes patches;              // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
-  const float *start_u, *start_v;  // [grid.rows, grid.cols], a second guess; or null
+  const float *start_u, *start_v;  // [grid.rows, grid.cols], the first guess, before `patches`; or null
   int steps;                       // of descent, in each of the two sweeps
 };
 

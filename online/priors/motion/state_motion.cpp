@@ -15,9 +15,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kRed = 0.299f, kGreen = 0.587f, kBlue = 0.114f;
-
-float to_gray(float r, float g, float b) { return kRed * r + kGreen * g + kBlue * b; }
+// The channels count alike: in a dark frame only one of them may show anything.
+float to_gray(float r, float g, float b) { return (r + g + b) * (1 / 3.f); }
 
 void gray_of_frame(const ExposedFrame& frame, Image<float>& gray, WorkerPool& pool) {
   const auto& codes = frame.codes;

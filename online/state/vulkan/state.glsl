@@ -8,3 +8,4 @@ const int kWeight = 3, kComparable = 6, kBlur = 9;
 const int kConfidence = 2;
 const int kCodes = 257, kRoots = 2050, kSegments = 2048;
 const float kTiny = 1e-20;
+const float kClipped = 0.05;  // weight of a sample that is only a bound

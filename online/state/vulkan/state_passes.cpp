@@ -50,7 +50,7 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
                                                 {"blur", k_blur, 3},
                                                 {"disagreement", k_disagreement, 6},
                                                 {"gate", k_gate, 5},
-                                                {"age", k_age, 4},
+                                                {"age", k_age, 6},
                                                 {"residuals", k_residuals, 6},
                                                 {"guess", k_guess, 3},
                                                 {"update", k_update, 9},
@@ -132,18 +132,20 @@ void StatePasses::gate(const GpuPicture& state, const GpuPicture& samples, const
 }
 
 void StatePasses::age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
-                      const GpuPicture& gate) const {
+                      const GpuPicture& gate, const GpuPicture& samples, const GpuTables& tables,
+                      float white) const {
   const struct {
     int rows, cols;
-    float growth, relative2, misalignment2, least, unseen;
+    float growth, relative2, misalignment2, gate_floor, known, unseen;
   } constants{state.rows,
               state.cols,
               1 + options_.variance_growth,
               square(options_.relative_growth),
               square(options_.fusion.misalignment),
               options_.fusion.gate_floor,
+              known_limit(white),
               kUnseenVariance};
-  run(kAge, {*state, *contrast, *motion, *gate}, constants, contrast.grid());
+  run(kAge, {*state, *contrast, *motion, *gate, *samples, tables.curves.get()}, constants, contrast.grid());
 }
 
 void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
@@ -167,10 +169,10 @@ void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, 
       {found.cols, found.rows, 3});
 }
 
-void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
-                       float white, const GpuPicture& gate, const GpuPicture& contrast,
-                       const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-                       const GpuPicture& detail, const GpuPicture& share) const {
+void StatePasses::fuse(Taking taking, const GpuPicture& state, const GpuPicture& samples,
+                       const GpuTables& tables, float white, const GpuPicture& gate,
+                       const GpuPicture& contrast, const GpuPicture& motion, const GpuPicture& guess,
+                       const GpuPicture& mean, const GpuPicture& detail, const GpuPicture& share) const {
   const FusionOptions& o = options_.fusion;
   const struct {
     int rows, cols;
@@ -182,11 +184,12 @@ void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& sam
   else
     box_mean(guess, 1, mean);
   const struct {
-    int rows, cols, joins;
+    int rows, cols, joins, starts;
     float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
   } constants{state.rows,
               state.cols,
-              joins,
+              taking == Taking::Later ? 1 : 0,
+              taking == Taking::First ? 1 : 0,
               known_limit(white),
               tables.exposure,
               square(o.relative_noise),
@@ -200,15 +203,16 @@ void StatePasses::fuse(int joins, const GpuPicture& state, const GpuPicture& sam
 
 void StatePasses::update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                          float white, const GpuPicture& guess, const GpuPicture& mean,
-                         const GpuPicture& detail, const GpuPicture& share) const {
-  fuse(0, state, samples, tables, white, mean, mean, mean, guess, mean, detail, share);
+                         const GpuPicture& detail, const GpuPicture& share, Past past) const {
+  fuse(past == Past::None ? Taking::First : Taking::Own, state, samples, tables, white, mean, mean, mean,
+       guess, mean, detail, share);
 }
 
 void StatePasses::join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                        float white, const GpuPicture& gate, const GpuPicture& contrast,
                        const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
                        const GpuPicture& detail, const GpuPicture& share) const {
-  fuse(1, state, samples, tables, white, gate, contrast, motion, guess, mean, detail, share);
+  fuse(Taking::Later, state, samples, tables, white, gate, contrast, motion, guess, mean, detail, share);
 }
 
 void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {

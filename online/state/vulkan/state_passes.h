@@ -48,14 +48,14 @@ class StatePasses {
             const GpuPicture& found, const GpuPicture& found_mean, const GpuPicture& gate) const;
   // StateFilter's growth of the variance, Fusion::warp_variance in it
   void age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
-           const GpuPicture& gate) const;
+           const GpuPicture& gate, const GpuPicture& samples, const GpuTables& tables, float white) const;
   // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, (rows - 1) / 2, (cols - 1) / 2]
   void residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
                  const GpuTables& tables, float white, const GpuPicture& found) const;
   // Fusion::update with a frame's own samples; guess, mean, detail: room
   void update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
               const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
-              const GpuPicture& share) const;
+              const GpuPicture& share, Past past = Past::Seen) const;
   // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
   void join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
             const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
@@ -89,7 +89,8 @@ class StatePasses {
            const GpuGrid& grid) const {
     device_->work().run(*kernels_[pass], buffers, constants, grid);
   }
-  void fuse(int joins, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
+  enum class Taking { First, Own, Later };  // samples: of the first frame, of a frame itself, of a later one
+  void fuse(Taking taking, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
             float white, const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
             const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
             const GpuPicture& share) const;

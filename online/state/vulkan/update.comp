@@ -1,11 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Inverse-variance update of the state by samples. A frame's own samples count whole and set the share;
+// Inverse-variance update of the state by samples. A frame's own samples count whole and set the share; where
+// it is the first one (`starts` 1) there is nothing before it, not even a guess;
 // later frames' samples (`joins` 1) count as far as the gate says, with the variance of their warp, and their
 // share is joined to that of those before.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, joins;
+  int rows, cols, joins, starts;
   float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
 };
 CHANGES(0, State, state)
@@ -19,6 +20,7 @@ CHANGES(7, Share, share)
 READS(8, Detail, detail)  // the local contrast of what the mean is of
 #include "online/pictures/vulkan/picture.glsl"
 #include "online/state/vulkan/state.glsl"
+#include "online/state/vulkan/guessed.glsl"
 #include "online/state/vulkan/noise.glsl"
 #include "online/state/vulkan/warp_variance.glsl"
 
@@ -30,7 +32,9 @@ void main() {
   float shared_ = 0;
   for (int c = 0; c < 3; ++c) {
     const int i = at(c, y, x), of_variance = at(kVariance + c, y, x);
-    const float s = state[i], v = state[of_variance], r = samples[i], m = mean[i];
+    const float s = state[i], r = samples[i], m = mean[i], weighs = samples[at(kWeight + c, y, x)];
+    float v = state[of_variance];
+    if (starts == 0 && !(v < known) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
     const float blur = samples[at(kBlur + c, y, x)], blur2 = blur * blur;
     float variance = noise_variance(c, m) + relative2 * m * m, value = r;
     if (v < known) {
@@ -41,7 +45,7 @@ void main() {
     }
     if (joins != 0) variance += extra * contrast[i];
     if (texture_error > 0) variance += texture_error * detail[i];
-    const float weight = samples[at(kWeight + c, y, x)] * trust / (variance + kTiny);
+    const float weight = weighs * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
     if (weight > 1e-5 / (m * m + kTiny) || v < known) {
       state[i] = (s * before + value * weight) / (before + weight);

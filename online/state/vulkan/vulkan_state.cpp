@@ -119,7 +119,8 @@ Result<void> VulkanState::restart_there(const StateInput& input) {
   std::copy_n(fetched_.plane(0), radiance.size(), radiance.plane(0));
   stack(radiance, unseen, stacked_);
   upload(work, stacked_, on.state);
-  on.passes.update(on.state, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share);
+  on.passes.update(on.state, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share,
+                   Past::None);
   download(work, on.state, fetched_);
   download(work, on.share, fetched_share_);
   TRY(work.finish());
@@ -146,7 +147,7 @@ Result<void> VulkanState::advance_there(const StateInput& input, const FlowField
   passes.local_contrast(on.predicted, on.mean, on.contrast);
   passes.gate(on.predicted, on.samples, on.mean, on.contrast, on.tables, on.motion, input.white, on.found,
               on.found_mean, on.gate);
-  passes.age(on.predicted, on.contrast, on.motion, on.gate);
+  passes.age(on.predicted, on.contrast, on.motion, on.gate, on.samples, on.tables, input.white);
   const bool judges = rows_ > 2 && cols_ > 2;
   if (judges) passes.residuals(on.predicted, on.samples, on.motion, on.tables, input.white, on.residuals);
   passes.update(on.predicted, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share);

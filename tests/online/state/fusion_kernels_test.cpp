@@ -111,9 +111,10 @@ TEST_CASE("the gate compares what both know, and takes clipped samples for bound
 TEST_CASE("the update is the inverse-variance mean, or the larger bound of what nobody knows", "[isa]") {
   Numbers numbers(5);
   for (const int n : kSizes)
-    for (const bool whole : {false, true}) {
+    for (const auto& [whole, starts] :
+         {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
       const auto size = static_cast<std::size_t>(n);
-      constexpr float kKnown = 1, kRelative2 = 4e-4f, kBlur = 1, kUnknownBlur = 8;
+      constexpr float kKnown = 1, kRelative2 = 4e-4f, kBlur = 1, kUnknownBlur = 8, kLeast = 0.2f;
       Row state = numbers.between(0, 1, n), variance = numbers.between(0, 2, n);
       const Row sample = numbers.between(0, 1, n), mean = numbers.between(0.01f, 1, n);
       const Row blur = numbers.between(-0.1f, 0.1f, n), gate = numbers.between(0, 1, n);
@@ -124,10 +125,12 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
       fusion_kernels().update(
           {state.data(), variance.data(), sample.data(), weight.data(), mean.data(), blur.data(),
            whole ? nullptr : gate.data(), whole ? nullptr : extra.data(), noise(), kKnown, kRelative2, kBlur,
-           kUnknownBlur, new_state.data(), new_variance.data(), share.data()},
+           kUnknownBlur, kLeast, starts, new_state.data(), new_variance.data(), share.data()},
           n);
       for (std::size_t x = 0; x < size; ++x) {
         float &s = as_state[x], &v = as_variance[x];
+        const float guessed = std::max({s, sample[x], kLeast});
+        if (!starts && v >= kKnown && weight[x] >= 0.05f) v = std::min(v, guessed * guessed);
         const float blur2 = blur[x] * blur[x];
         float doubt = tables().variance(1, mean[x]) + kRelative2 * mean[x] * mean[x], taken = sample[x];
         if (v < kKnown) {
@@ -175,16 +178,45 @@ TEST_CASE("a warp adds variance by its length and by its fraction of a pixel", "
   for (const int n : kSizes) {
     const auto size = static_cast<std::size_t>(n);
     Row dx = numbers.between(-5, 5, n);
-    const Row dy = numbers.between(-0.5f, 0.5f, n), contrast = numbers.between(0, 1, n);
+    const Row dy = numbers.between(-0.5f, 0.5f, n);
     dx[0] = -2;
     Row variance(size), expected(size);
-    fusion_kernels().warp_variance({dx.data(), dy.data(), contrast.data(), 0.16f, variance.data()}, n);
+    fusion_kernels().warp_variance({dx.data(), dy.data(), 0.16f, variance.data()}, n);
     for (std::size_t x = 0; x < size; ++x) {
       const float fx = dx[x] - std::floor(dx[x]), fy = dy[x] - std::floor(dy[x]);
       const float between = 2 * (fx * (1 - fx) + fy * (1 - fy));
-      expected[x] = 0.16f * (0.3f * std::min(1.f, std::hypot(dx[x], dy[x])) + 0.7f * between) * contrast[x];
+      expected[x] = 0.16f * (0.3f * std::min(1.f, std::hypot(dx[x], dy[x])) + 0.7f * between);
     }
     require_near(variance, expected, 1e-3f);
+  }
+}
+
+TEST_CASE("what is carried grows uncertain with time, warp and doubt, but never more than a guess is",
+          "[isa]") {
+  Numbers numbers(5);
+  for (const int n : kSizes) {
+    const auto size = static_cast<std::size_t>(n);
+    constexpr float kGrowth = 1.05f, kRelative2 = 1e-4f, kFloor = 0.1f, kKnown = 1, kUnseen = 100,
+                    kLeast = 0.1f;
+    const Row state = numbers.between(0, 1, n), sample = numbers.between(0, 1, n);
+    const Row contrast = numbers.between(0, 1, n), per_contrast = numbers.between(0, 0.2f, n);
+    Row variance = numbers.between(-1, 1.2f, n), gate = numbers.between(0, 1, n),
+        weight = numbers.between(-1, 1, n);
+    for (std::size_t x = 0; x < size; ++x) variance[x] = x % 5 == 0 ? kUnseen : std::max(variance[x], 1e-4f);
+    Row found(size), expected(size);
+    fusion_kernels().age(
+        {state.data(), variance.data(), gate.data(), sample.data(), weight.data(), contrast.data(),
+         per_contrast.data(), kGrowth, kRelative2, kFloor, kKnown, kUnseen, kLeast, found.data()},
+        n);
+    for (std::size_t x = 0; x < size; ++x) {
+      const float aged =
+          variance[x] * kGrowth + kRelative2 * state[x] * state[x] + per_contrast[x] * contrast[x];
+      const float lost = gate[x] < kFloor ? kUnseen : std::min(kUnseen, aged / gate[x]);
+      const float guessed = std::max({state[x], sample[x], kLeast});
+      const float guess = aged < kKnown ? std::max(aged, guessed * guessed) : kUnseen;
+      expected[x] = weight[x] < 0.05f ? lost : std::min(lost, guess);
+    }
+    require_near(found, expected, 1e-4f);
   }
 }
 

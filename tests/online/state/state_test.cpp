@@ -177,6 +177,70 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
   CHECK(highest == Approx(4));
 }
 
+TEST_CASE(
+    "a nearly black frame whose motion nobody believes does not replace what was seen, nor does a later "
+    "one") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kSeen = 1e-3f;
+  WorkerPool pool(1);
+  const auto shown = [&](int index, float exposure) {
+    ExposedFrame frame;
+    frame.index = index, frame.exposure = exposure;
+    frame.codes = Image<float>(3, kRows, kCols);
+    frame.codes.fill(std::round(ExposureTables(Response::gamma(2.2f), {}, exposure).code(0, kSeen)));
+    return frame;
+  };
+  const ExposedFrame longest = shown(0, 64), black = shown(1, 1 / 16.f);
+  const ExposureTables of_longest(Response::gamma(2.2f), {}, 64),
+      of_black(Response::gamma(2.2f), {}, 1 / 16.f);
+  REQUIRE(black.codes.at(0, 5, 5) < 6);
+  REQUIRE(of_black.radiance(0, 6) > 4 * kSeen);
+  FlowField nowhere = still(kRows, kCols);
+  nowhere.confidence.fill(0);
+  StateFilter filter({}, kRows, kCols, pool);
+  filter.fusion().set_white(16);
+  filter.restart(longest, of_longest);
+  filter.advance(black, of_black, nowhere);
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(kSeen).epsilon(0.5));
+
+  // clipped, and of a place that no frame saw before
+  RadianceState bound{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  bound.radiance.fill(1 / 64.f), bound.variance.fill(kUnseenVariance);
+  Samples samples;
+  Fusion& fusion = filter.fusion();
+  fusion.sample(black.codes, black.codes, of_black, samples);
+  RadianceState joined;
+  Image<float> gate(1, kRows, kCols), share;
+  gate.fill(1);
+  fusion.update(bound, samples, of_black, &gate, nullptr, joined, share);
+  for (const float l : joined.radiance.samples()) REQUIRE(l > 0.7f / 64);
+}
+
+TEST_CASE("a state that is doubted is no worse than a guess, and weighs against a dark code") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kSeen = 1e-3f, kDarkCode = 4;
+  WorkerPool pool(1);
+  const NoiseModel quiet{.full_well = 1e6f, .read_noise = 1, .code_noise = 0.1f};
+  const ExposureTables tables(Response::gamma(2.2f), quiet, 1 / 64.f);
+  const float dark = tables.radiance(0, kDarkCode);
+  REQUIRE(dark > 6 * kSeen);
+  ExposedFrame frame;
+  frame.index = 1, frame.exposure = 1 / 64.f;
+  frame.codes = Image<float>(3, kRows, kCols);
+  frame.codes.fill(kDarkCode);
+  RadianceState seen{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                     Image<float>(1, kRows, kCols)};
+  seen.radiance.fill(kSeen), seen.variance.fill(kSeen * kSeen);
+  FlowField doubtful = still(kRows, kCols);
+  doubtful.confidence.fill(0.0021f);  // just not lost
+  StateFilter filter({}, kRows, kCols, pool);
+  filter.fusion().set_white(64);
+  filter.resume(seen, {});
+  filter.advance(frame, tables, doubtful);
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l < 0.7f * dark);
+}
+
 TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {
   constexpr int kRows = 20, kCols = 20;
   WorkerPool pool(1);

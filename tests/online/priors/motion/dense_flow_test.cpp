@@ -96,6 +96,31 @@ TEST_CASE("dense flow finds a shift to a thirtieth of a pixel, both ways", "[isa
             inside) < 0.035);
 }
 
+TEST_CASE("where pictures show only their noise, the flow stays where it starts", "[isa]") {
+  std::mt19937 random(4);
+  std::normal_distribution<float> noise(2, 0.7f);  // codes, of a nearly black frame
+  const auto dark = [&](float, float) { return std::max(0.f, noise(random)); };
+  const auto a = picture(kRows, kCols, dark), b = picture(kRows, kCols, dark);
+  Image<float> start(2, kRows, kCols), there, back;
+  std::fill_n(start.plane(0), start.plane_size(), 3.f), std::fill_n(start.plane(1), start.plane_size(), -2.f);
+  WorkerPool pool(1);
+  FlowRequest request{&a, &b, &there, &back};
+  request.start_a_to_b = {&start, 1}, request.start_b_to_a = {&start, -1};
+  DenseFlow(pool).compute(FlowQuality::Fine, request);
+  CHECK(endpoint_error(
+            there,
+            [](float, float) {
+              return Vector{3, -2};
+            },
+            inside) < 0.5);
+  CHECK(endpoint_error(
+            back,
+            [](float, float) {
+              return Vector{-3, 2};
+            },
+            inside) < 0.5);
+}
+
 TEST_CASE("dense flow follows a turn and a zoom", "[isa]") {
   const Texture texture(2);
   constexpr float kTurn = 0.03f, kZoom = 1.04f;

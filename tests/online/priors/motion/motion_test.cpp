@@ -98,6 +98,33 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
   }
 }
 
+TEST_CASE("motion that only the blue channel of a dark frame shows is found") {
+  constexpr float kStep = 3;  // pixels
+  std::uint64_t draws = 0;
+  const auto dark = [&](int index) {
+    ExposedFrame frame = frame_of(index, 1, [&](float, float) {
+      return 2 + 0.8f * static_cast<float>(test::MovingScene::noise(12 * draws++));
+    });
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x) {
+        const float along = static_cast<float>(x) - kStep * static_cast<float>(index);
+        frame.codes.at(2, y, x) += 8 + 5 * std::sin(0.35f * along) * std::cos(0.3f * static_cast<float>(y));
+      }
+    return frame;
+  };
+  WorkerPool pool(1);
+  const ExposureTables tables(Response::linear(), {}, 1);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const RadianceState state = state_of(dark(0), tables, pool);
+  estimator.match(state, dark(1), tables, FlowQuality::Fine, motion);
+  double off = 0;
+  for (int y = 12; y < kRows - 12; ++y)
+    for (int x = 12; x < kCols - 12; ++x)
+      off += std::abs(static_cast<double>(motion.to_previous.vectors.at(0, y, x) + kStep));
+  CHECK(off / ((kRows - 24) * (kCols - 24)) < 0.4);
+}
+
 TEST_CASE("what a frame clips is followed over it as fast as it moved before, though its texture repeats") {
   constexpr float kPeriod = 16, kStep = 6;  // pixels; two steps look like 4 pixels back
   const auto stripes = [&](int index) {
