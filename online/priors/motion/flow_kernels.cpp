@@ -121,10 +121,11 @@ struct Descent {
   }
   Fit look(Vector at) const { return compare(patch, window(search.to, x, y, at), search.to.pitch); }
   void consider(Vector guess) {
-    constexpr float kClear = 32;  // codes^2, over the patch: noise makes one of two places that much better
+    // of its error, and codes^2 over the patch: noise makes one of two places that much better
+    constexpr float kShare = 0.25f, kLeast = 32;
     if (guess.u == best.u && guess.v == best.v) return;  // often: neighbours at rest, or that took this one
     const Fit other = look(guess);
-    if (other.error + kClear < fit.error) best = guess, fit = other;
+    if (other.error + kLeast < (1 - kShare) * fit.error) best = guess, fit = other;
   }
   void descend() {
     constexpr float kLeastStep2 = 1e-4f;  // pixels^2
