@@ -71,10 +71,10 @@ def check_looks(browser):
                 input.dispatchEvent(new Event('change'));'''
 
     def shown_with(control, value):
-        before = browser.run('return document.getElementById("picture").dataset.sequence')
+        before = browser.run(mean)
         browser.run(choose, control, value)
-        browser.wait_for(f'return document.getElementById("picture").dataset.sequence > {int(before) + 2}', 'a newer picture')
-        return browser.run(mean)
+        changed = f'const before = {before};' + mean.replace('return', 'const now =') + 'return Math.abs(now - before) > 5 && now;'
+        return browser.wait_for(changed, f'a picture that shows "{control}" at {value}')
 
     means = [shown_with('ev', value) for value in ('-3', '0', '3')]
     assert means[0] + 10 < means[1] < means[2] - 10, f'the exposure slider does nothing: {means}'
@@ -203,8 +203,10 @@ def main():
             check_looks(browser)
             check_radiance_under_pointer(browser, program)
             if len(sys.argv) > 2:
-                pathlib.Path(sys.argv[2]).write_bytes(base64.b64decode(browser.screenshot()))
-                step(f'{sys.argv[2]}: {pathlib.Path(sys.argv[2]).stat().st_size} bytes')
+                picture = pathlib.Path(sys.argv[2])
+                picture.parent.mkdir(parents=True, exist_ok=True)
+                picture.write_bytes(base64.b64decode(browser.screenshot()))
+                step(f'{picture}: {picture.stat().st_size} bytes')
             check_actions(browser, program, hdrcam)
             # What it was made to be refused, and the pictures before the first frame.
             expected = ('/record - Failed to load resource', 'status of 503')

@@ -13,7 +13,8 @@ class Program:
     def __init__(self, program, folder, *more_arguments):
         self.process = subprocess.Popen(
             [program, 'live', '--camera', 'sim:walk', '--format', 'RGB24', '--preset', 'fast', '--http', '127.0.0.1:0',
-             '--http-token', TOKEN, '--http-record', f'{folder}/%03d.mkv', '--log-format', 'json', *more_arguments],
+             '--http-token', TOKEN, '--http-record', f'{folder}/%03d.mkv', '--log-format', 'json',
+             '--compression', 'zip', *more_arguments],  # what exr_reader.py reads
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.log = []
         self.url = None
