@@ -19,6 +19,11 @@ std::optional<FramePose> given_pose(const FrameFacts& facts) {
   return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
 }
 
+// The noise of two frames is compared at the pixels of the shorter exposure.
+bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer) {
+  return newer.exposure <= older.exposure;
+}
+
 }  // namespace
 
 struct OnlineStage::Step {
@@ -139,7 +144,11 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     FlowField& onward = step.motion.from_previous;
     pool_.scratch().lend(onward.vectors, 2, camera_.height, camera_.width);
     pool_.scratch().lend(onward.confidence, 1, camera_.height, camera_.width);
-    motion_->match(state_->state(), step.frame, tables, budget_.flow, step.motion);
+    const bool learns = knobs_.noise == NoiseKind::Learned,
+               at_newer = noise_is_seen_in_newer(previous.frame, step.frame);
+    const RatedFlows rated{.to_previous = learns && at_newer,
+                           .from_previous = knobs_.look_ahead > 0 || (learns && !at_newer)};
+    motion_->match(state_->state(), step.frame, tables, budget_.flow, rated, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
     if (knobs_.look_ahead == 0) TRY(advance(step, nullptr));
@@ -163,8 +172,8 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
     context.after_tables = &tables_for(after->frame);
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
   }
-  context.onward = knobs_.field != FieldKind::None || knobs_.look_ahead > 1;
-  motion_->complete(state_->state(), step.frame, context, budget_.flow, step.motion);
+  motion_->complete(state_->state(), step.frame, context, budget_.flow,
+                    {.from_previous = field_takes_part() || knobs_.look_ahead > 1}, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
   learn_texture_error(step);
@@ -188,7 +197,7 @@ Instant OnlineStage::time_before(std::size_t at, std::size_t n) const {
 }
 
 Result<void> OnlineStage::fit(Step& step) {
-  step.in_field = knobs_.field != FieldKind::None && !budget_.field_rests;
+  step.in_field = field_takes_part();
   if (!step.in_field) {
     field_rested_ = true;
     return {};
@@ -283,7 +292,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .state = joined_,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
       .to_next = ahead > 0 ? later[0].from_previous : nullptr,
-      .field = step.in_field ? FieldNow(field_.get()) : FieldNow(),
+      .field = FieldNow(step.in_field ? field_.get() : nullptr),
       .view = view,
       .pose = step.in_field ? step.pose
               : given       ? given_pose(step.frame.facts)
@@ -335,7 +344,7 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   if (knobs_.noise == NoiseKind::Assumed) return;
   constexpr int kEager = 8;  // frames: at first the model is solved at each frame, then at every eighth
   Stopwatch watch;
-  if (step.frame.exposure <= previous.frame.exposure)
+  if (noise_is_seen_in_newer(previous.frame, step.frame))
     noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
                               {gain_of(step.frame), gain_of(previous.frame)});
   else

@@ -69,6 +69,7 @@ class OnlineStage {
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(const ExposedFrame& frame);
+  bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void learn_noise(const Step& previous, const Step& step);
   void learn_texture_error(const Step& step);
   float gain_of(const ExposedFrame& frame) const;

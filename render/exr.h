@@ -34,7 +34,8 @@ inline constexpr std::string_view kProvenance = "provenance";  // enum Provenanc
 }  // namespace exr_channel
 
 enum class ExrSample { Half, Float };
-enum class ExrCompression { None, Rle, Zip, Piz };  // from fast and large to small
+enum class ExrCompression { None, Rle, Zip, Piz };                        // the largest files first
+inline constexpr ExrCompression kUsualCompression = ExrCompression::Piz;  // faster than Zip (README)
 
 // CIE 1931 xy of the primaries and of white; the default is Rec. ITU-R BT.709-6, D65.
 struct Chromaticities {
@@ -78,7 +79,7 @@ struct ExrPicture {
   int rows = 0, cols = 0;
   std::vector<ExrChannel> channels;  // in any order, names distinct
   ExrAttributes attributes;
-  ExrCompression compression = ExrCompression::Piz;  // faster than Zip, and smaller (README)
+  ExrCompression compression = kUsualCompression;
 };
 
 // A decoded picture.

@@ -52,7 +52,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   if (!keys_.empty()) motion_.match(*keys_.back(), *key);
   steady_.add(key->time_s, key->T_world_camera);
   keys_.push_back(std::move(key));
-  field_ = estimate.field ? estimate.field.snapshot() : SnapshotHold();
+  field_ = estimate.field.snapshot();
   response_ = online.response();
   copy_input(estimate.frame, input_);
   while (!done() && ready(shown_)) TRY(film(show));

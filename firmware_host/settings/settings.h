@@ -73,7 +73,7 @@ struct Settings {
     // Output path by the name of the sink (sinks/sink_table.h); "" or missing: not wanted.
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
-    ExrCompression compression = ExrCompression::Piz;
+    ExrCompression compression = kUsualCompression;
     std::string white_balance = "none";  // or "camera", or gains "2,1,1.5" (render/white_balance.h)
     std::string http_token;              // of the live view's actions; "": made at the start
     std::string http_takes;              // recordings that its page starts: "takes/%03d.mkv"; "": none

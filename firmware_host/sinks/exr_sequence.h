@@ -33,7 +33,7 @@ struct ExrLayers {
 
 struct ExrSequenceOptions {
   ExrLayers layers = {};
-  ExrCompression compression = ExrCompression::Piz;
+  ExrCompression compression = kUsualCompression;
   std::optional<double> framerate_hz = std::nullopt;  // of the camera: framesPerSecond and timeCode
   std::optional<double> white_cd_m2 =
       std::nullopt;        // luminance of radiance 1, where the camera has been calibrated

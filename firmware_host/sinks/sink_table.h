@@ -24,7 +24,7 @@ struct SinkRequest {
                      // address
   const CameraFacts& camera;
   ExrLayers layers = {};
-  ExrCompression compression = ExrCompression::Piz;
+  ExrCompression compression = kUsualCompression;
   VideoOptions video = {};
   Storage& storage;               // outlives the sink
   std::string http_token = {};    // of the live view

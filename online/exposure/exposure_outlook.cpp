@@ -57,8 +57,8 @@ void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::siz
   const Image<float>& radiance = estimate.state.radiance;
   const int c = channel(static_cast<int>(to));
   const float here = radiance.at(c, y, x), variance = estimate.state.variance.at(c, y, x);
-  const float dx = estimate.to_previous->vectors.at(0, y, x), dy = estimate.to_previous->vectors.at(1, y, x);
-  const float length = std::sqrt(dx * dx + dy * dy);
+  const Offset motion = offset_at(estimate.to_previous->vectors, x, y);
+  const float length = std::sqrt(motion.x * motion.x + motion.y * motion.y);
   const bool known = variance <= known_limit(estimate.white);
   radiance_[to] =
       known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, 0.6180339887));
@@ -72,9 +72,7 @@ void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::siz
     float sum = 0;
     for (int t = 0; t < taps; ++t) {
       const float instant = fraction * ((static_cast<float>(t) + 0.5f) / static_cast<float>(taps) - 0.5f);
-      sum += BetweenPixels(radiance.rows(), radiance.cols(), static_cast<float>(x) + instant * dx,
-                           static_cast<float>(y) + instant * dy)
-                 .of(radiance, c);
+      sum += BetweenPixels(radiance.rows(), radiance.cols(), x, y, instant * motion).of(radiance, c);
     }
     const float blur = sum / static_cast<float>(taps) - here;
     squared_blur_[static_cast<std::size_t>(k)][to] =

@@ -28,14 +28,4 @@ inline void copy(const Image<float>& from, Image<float>& to, WorkerPool& pool) {
               [=](std::size_t i0, std::size_t i1) { std::copy(in + i0, in + i1, out + i0); });
 }
 
-// to = by * from.
-inline void scale(const Image<float>& from, float by, Image<float>& to, WorkerPool& pool) {
-  to.reshape_like(from);
-  const float* in = from.plane(0);
-  float* out = to.plane(0);
-  for_samples(from.size(), pool, [=](std::size_t i0, std::size_t i1) {
-    for (std::size_t i = i0; i < i1; ++i) out[i] = by * in[i];
-  });
-}
-
 }  // namespace hdrcam

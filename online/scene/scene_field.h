@@ -55,17 +55,18 @@ class SceneField {
   virtual SnapshotHold snapshot() = 0;
 };
 
-// A field as it is now, for whoever may read it. A snapshot copies the networks, and a frame more while it is
-// held; so it is taken when somebody first asks. Thread-bound as the field, and valid until its next change.
+// A field as it is now, for whoever may read it, or none. A snapshot copies the networks, and while it is
+// held each frame that is observed costs one more copy; so it is taken when somebody first asks. Thread-bound
+// as the field, and valid until its next change.
 class FieldNow {
  public:
-  FieldNow() = default;  // no field
+  FieldNow() = default;
   explicit FieldNow(SceneField* field) : field_(field) {}
 
   explicit operator bool() const { return field_ != nullptr; }
   const SnapshotHold& operator->() const { return snapshot(); }
   const SnapshotHold& snapshot() const {
-    if (!taken_) taken_ = field_->snapshot();
+    if (field_ != nullptr && !taken_) taken_ = field_->snapshot();
     return taken_;
   }
 

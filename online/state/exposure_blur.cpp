@@ -9,6 +9,7 @@ namespace hdrcam {
 bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool) {
   std::atomic<bool> found = false;
   pool.for_rows(flow.rows(), [&](int y0, int y1) {
+    if (found.load(std::memory_order_relaxed)) return;
     const int pixels = (y1 - y0) * flow.cols();
     if (exposure_blur_kernels().blurs(flow.row(0, y0), flow.row(1, y0), fraction, pixels)) found = true;
   });

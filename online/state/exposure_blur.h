@@ -9,7 +9,7 @@
 
 namespace hdrcam {
 
-// Whether any motion is so long that blur_difference() is not zero.
+// Whether any motion is so long that blur_difference() may be other than zero.
 bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool);
 
 // B(S) - S: the change of the picture S by the exposure's blur. radiance, difference: [rgb or fewer, rows,

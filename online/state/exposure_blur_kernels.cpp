@@ -15,9 +15,8 @@ constexpr float kLongest = 64;                // pixels that the taps still reso
 struct Instants {
   Lanes count, share;  // share: 1 / count
 };
-inline Lanes length_of(Lanes dx, Lanes dy, float fraction) { return root(dx * dx + dy * dy) * fraction; }
 inline Instants instants_of(Lanes dx, Lanes dy, float fraction) {
-  const Lanes length = length_of(dx, dy, fraction), span = least(length, Lanes{} + kLongest);
+  const Lanes length = root(dx * dx + dy * dy) * fraction, span = least(length, Lanes{} + kLongest);
   const Lanes complete = lanes(whole(span));
   const Lanes taps = complete + (span > complete ? Lanes{} + 2.f : Lanes{} + 1.f);
   const Lanes count = clamped(taps, kLeastTaps, kMostTaps);
@@ -86,12 +85,13 @@ void blur(const BlurBand& b) {
 }
 
 bool blurs(const float* dx, const float* dy, float fraction, int n) {
-  Lanes longest{};
+  Lanes longest2{};
   for (int i = 0; i < n; i += kLanes) {
     const int count = least(n - i, kLanes);
-    longest = most(length_of(load_some(dx + i, count), load_some(dy + i, count), fraction), longest);
+    const Lanes x = load_some(dx + i, count), y = load_some(dy + i, count);
+    longest2 = most(x * x + y * y, longest2);
   }
-  return any_negative(longest >= kLeastBlur);
+  return any_negative(root(longest2) * fraction >= kLeastBlur);
 }
 
 }  // namespace

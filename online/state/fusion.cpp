@@ -33,7 +33,6 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
 
 void Fusion::model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
                         float fraction, Samples& samples) {
-  constexpr float kBelieved = 0.3f;  // confidence
   if (!exposure_blurs(flow, fraction, pool_)) return;
   const float known = known_limit(white_);
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
@@ -43,7 +42,7 @@ void Fusion::model_blur(const RadianceState& state, const Image<float>& confiden
       for (int y = y0; y < y1; ++y)
         fusion_kernels().stand_in(
             {state.radiance.row(c, y), state.variance.row(c, y), samples.radiance.row(c, y),
-             confidence.row(0, y), known, kBelieved, shown_.row(c, y)},
+             confidence.row(0, y), known, options_.blur_confidence, shown_.row(c, y)},
             cols);
   });
   blur_difference(shown_, flow, fraction, samples.blur, pool_);

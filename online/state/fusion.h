@@ -45,6 +45,7 @@ struct FusionOptions {
   float relative_noise = 0.02f;     // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
   float unknown_blur_variance = 8;  // the same where the state does not know the pixel
+  float blur_confidence = 0.3f;     // of the motion, from which on the state tells the blur
   float blur_tolerance = 0.1f;      // of the squared blur: disagreement that the gate allows for it
   float chi2_tolerance = 1.5f;      // mean chi^2 over the window up to which a sample is taken as it is
   float chi2_scale = 1.5f;          // e-folding of the weight above it

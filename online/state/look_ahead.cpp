@@ -36,20 +36,26 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     return;
   }
   const BorrowedSamples room(pool_.scratch(), state.radiance, samples_);
-  const Borrowed path(pool_.scratch(), rows, cols, {{&path_.vectors, 2}, {&path_.confidence, 1}});
-  const Borrowed between(pool_.scratch(), rows, cols, {{&between_.radiance, 3}, {&between_.variance, 3}});
+  const int rows_of_more = later.size() > 1 ? rows : 0;  // what only more than one later frame needs
+  const Borrowed for_more(pool_.scratch(), rows_of_more, cols,
+                          {{&path_.vectors, 2},
+                           {&path_.confidence, 1},
+                           {&between_.radiance, 3},
+                           {&between_.variance, 3},
+                           {&share_, 1}});
   const RadianceState* before = &state;
+  const FlowField* path = later[0].from_previous;
   for (std::size_t i = 0; i < later.size(); ++i) {
     const LaterFrame& ahead = later[i];
-    follow(*ahead.from_previous, i == 0);
-    take_samples(ahead, fusion);
+    if (i > 0) path = &lengthened(*path, *ahead.from_previous);
+    take_samples(ahead, path->vectors, fusion);
     const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
-    fusion.model_blur(*before, path_.confidence, path_.vectors, fraction, samples_);
-    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}, {&share_, 1}});
-    fusion.gate(*before, samples_, *ahead.tables, path_.confidence, gate_, contrast_);
+    fusion.model_blur(*before, path->confidence, path->vectors, fraction, samples_);
+    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
+    fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
     RadianceState& after = (later.size() - i) % 2 == 1 ? joined : between_;
-    const Moved moved{contrast_, path_.vectors};
+    const Moved moved{contrast_, path->vectors};
     fusion.update(*before, samples_, *ahead.tables, &gate_, &moved, after,
                   i == 0 ? joined.later_share : share_);
     before = &after;
@@ -63,28 +69,35 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
 }
 
 // The samples of a later frame, at the pixels of the state's frame.
-void LookAhead::take_samples(const LaterFrame& ahead, Fusion& fusion) {
+void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, Fusion& fusion) {
   const Image<float>& codes = ahead.frame->codes;
   const Borrowed room(pool_.scratch(), codes.rows(), codes.cols(),
                       {{&codes_, 3}, {&brightest_, 3}, {&dilated_, 3}});
-  warp_cubic(codes, path_.vectors, 0, codes_, pool_);
+  warp_cubic(codes, path, 0, codes_, pool_);
   dilate_2x2(codes, dilated_, pool_);
-  warp_linear(dilated_, path_.vectors, brightest_, pool_);
+  warp_linear(dilated_, path, brightest_, pool_);
   fusion.sample(codes_, brightest_, *ahead.tables, samples_);
 }
 
-// Lengthens the path by one interval: flows are chained, confidences multiplied.
-void LookAhead::follow(const FlowField& from_previous, bool nearest) {
-  if (nearest) {
-    copy(from_previous.vectors, path_.vectors, pool_);
-    copy(from_previous.confidence, path_.confidence, pool_);
-    return;
-  }
-  const Borrowed room(pool_.scratch(), path_.vectors.rows(), path_.vectors.cols(), {{&warped_, 2}});
-  warp_linear(from_previous.confidence, path_.vectors, warped_, pool_);
-  for (std::size_t i = 0; i < warped_.size(); ++i) path_.confidence.samples()[i] *= warped_.samples()[i];
-  warp_linear(from_previous.vectors, path_.vectors, warped_, pool_);
-  for (std::size_t i = 0; i < warped_.size(); ++i) path_.vectors.samples()[i] += warped_.samples()[i];
+// A path and the interval after it: flows are chained, confidences multiplied. The path may be the one that
+// is returned.
+const FlowField& LookAhead::lengthened(const FlowField& path, const FlowField& next) {
+  const int rows = path.vectors.rows(), cols = path.vectors.cols();
+  const Borrowed room(pool_.scratch(), rows, cols, {{&onward_, 2}, {&trust_, 1}});
+  warp_linear(next.vectors, path.vectors, onward_, pool_);
+  warp_linear(next.confidence, path.vectors, trust_, pool_);
+  path_.vectors.reshape(2, rows, cols), path_.confidence.reshape(1, rows, cols);
+  const auto join = [&](const Image<float>& before, const Image<float>& after, Image<float>& both,
+                        auto&& op) {
+    for_samples(both.size(), pool_, [&, op](std::size_t i0, std::size_t i1) {
+      const float *a = before.plane(0), *b = after.plane(0);
+      float* out = both.plane(0);
+      for (std::size_t i = i0; i < i1; ++i) out[i] = op(a[i], b[i]);
+    });
+  };
+  join(path.vectors, onward_, path_.vectors, [](float a, float b) { return a + b; });
+  join(path.confidence, trust_, path_.confidence, [](float a, float b) { return a * b; });
+  return path_;
 }
 
 }  // namespace hdrcam

@@ -30,15 +30,15 @@ class LookAhead {
             JoinedState& joined);
 
  private:
-  void follow(const FlowField& from_previous, bool nearest);
-  void take_samples(const LaterFrame& ahead, Fusion& fusion);
+  const FlowField& lengthened(const FlowField& path, const FlowField& next);
+  void take_samples(const LaterFrame& ahead, const Image<float>& path, Fusion& fusion);
 
   WorkerPool& pool_;
   // all borrowed during a call
   Samples samples_;
-  FlowField path_;         // from the state's frame to the current later frame
+  FlowField path_;         // from the state's frame to a later frame than the next
   RadianceState between_;  // of two later frames, without shares
-  Image<float> share_, codes_, brightest_, dilated_, gate_, contrast_, warped_;
+  Image<float> share_, codes_, brightest_, dilated_, gate_, contrast_, onward_, trust_;
 };
 
 }  // namespace hdrcam

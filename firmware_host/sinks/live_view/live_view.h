@@ -23,10 +23,10 @@
 namespace hdrcam {
 
 struct LiveViewOptions {
-  std::string token;                                 // for actions; "": made at the start and printed
-  ExrCompression compression = ExrCompression::Piz;  // of /frame.exr
-  double framerate_hz = 30;                          // of the camera
-  VideoOptions video = {};                           // how bright HDR pictures are
+  std::string token;                               // for actions; "": made at the start and printed
+  ExrCompression compression = kUsualCompression;  // of /frame.exr
+  double framerate_hz = 30;                        // of the camera
+  VideoOptions video = {};                         // how bright HDR pictures are
 };
 
 class LiveView : public FrameSink {

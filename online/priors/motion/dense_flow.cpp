@@ -22,13 +22,11 @@ PatchGrid grid_of(const FlowPicture& picture, int stride) {
   return {places(picture.rows), places(picture.cols), stride};
 }
 
-std::array<float, 2> guess_at(const FlowGuess& guess, int x, int y) {
+Offset guess_at(const FlowGuess& guess, int x, int y) {
   const Image<float>& vectors = *guess.vectors;
-  const float dx = guess.scale * vectors.at(0, y, x), dy = guess.scale * vectors.at(1, y, x);
-  if (!guess.carried) return {dx, dy};
-  const BetweenPixels there(vectors.rows(), vectors.cols(), static_cast<float>(x) + dx,
-                            static_cast<float>(y) + dy);
-  return {guess.scale * there.of(vectors, 0), guess.scale * there.of(vectors, 1)};
+  const Offset here = guess.scale * offset_at(vectors, x, y);
+  if (!guess.carried) return here;
+  return guess.scale * BetweenPixels(vectors.rows(), vectors.cols(), x, y, here).vector_of(vectors);
 }
 
 FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.plane(1)}; }
@@ -88,10 +86,13 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
     for (Direction& direction : directions_)
       for (Image<float>& picture : direction.room) pool_.scratch().lend(picture, 1, 1, piece);
     for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
-    pool_.for_each(2, [&](int i) {
-      Direction& direction = directions_[static_cast<std::size_t>(i)];
-      enlarge(direction.flow, finest, *direction.answer);
-    });
+    if (finest == 0)
+      for (Direction& direction : directions_) std::swap(direction.flow, *direction.answer);
+    else
+      pool_.for_each(2, [&](int i) {
+        Direction& direction = directions_[static_cast<std::size_t>(i)];
+        enlarge(direction.flow, *direction.answer);
+      });
   }
   for (Direction& direction : directions_)
     for (Image<float>& picture : direction.room) pool_.scratch().take_back(picture);
@@ -162,11 +163,11 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
     for (int col = 0; col < grid.cols; ++col) {
       const int y = std::min(row * grid.stride, from.rows - kPatchSize) + kPatchSize / 2;
       const int x = std::min(col * grid.stride, from.cols - kPatchSize) + kPatchSize / 2;
-      std::array<float, 2> given{};
+      Offset given;
       if (guided) given = guess_at(d.start, x << scale, y << scale);
       const bool clipped = from.gray[y * from.pitch + x] >= clip_policy::kMotionShare.brightest;
       for (int c = 0; c < 2; ++c) {
-        const float here = shrink * given[static_cast<std::size_t>(c)];
+        const float here = shrink * (c == 0 ? given.x : given.y);
         const float found =
             begins ? here
                    : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
@@ -198,13 +199,8 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
   refinement_kernels().refine(refinement);
 }
 
-// To the size of the answer, which is that of the flow or twice that, perhaps with an odd last row or column.
-void DenseFlow::enlarge(const Image<float>& flow, int scale, Image<float>& answer) {
-  CHECK(scale <= 1);
-  if (scale == 0) {
-    answer.copy_from(flow);
-    return;
-  }
+// To the size of the answer, which is twice that of the flow, perhaps with an odd last row or column.
+void DenseFlow::enlarge(const Image<float>& flow, Image<float>& answer) {
   const int rows = flow.rows(), cols = flow.cols();
   std::vector<float>& line = lines_[&answer == directions_[0].answer ? 0 : 1];
   line.resize(static_cast<std::size_t>(cols) + 2);  // a column more on both sides

@@ -61,7 +61,7 @@ class DenseFlow {
   void match(int scale, int coarsest, const Effort& effort);
   PatchSearch prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
   void refine(Direction& direction, int scale, const Effort& effort);
-  void enlarge(const Image<float>& flow, int scale, Image<float>& answer);
+  void enlarge(const Image<float>& flow, Image<float>& answer);
 
   WorkerPool& pool_;
   const FlowKernels& kernels_;

@@ -1,7 +1,8 @@
 // How pixels moved between the state and a new frame: the interface for another flow. Two passes: match()
-// when the frame arrives, complete() before the state advances, when the next frame may be known. Both flows
-// have a confidence per pixel; where a frame shows none (clipped, black) an implementation may assume one
-// with low confidence. Thread-bound; the result does not depend on the number of threads.
+// when the frame arrives, complete() before the state advances, when the next frame may be known. A flow
+// whose rating is asked for has a confidence per pixel; where a frame shows none (clipped, black) an
+// implementation may assume one with low confidence. Thread-bound; the result does not depend on the number
+// of threads.
 #pragma once
 
 #include <memory>
@@ -23,7 +24,11 @@ struct MotionContext {
   const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead
   const ExposureTables* after_tables = nullptr;
   float after_ratio = 0.5f;
-  bool onward = true;  // whether the confidence of the motion from the state is needed
+};
+
+// The flows whose confidence somebody reads; that of the others is left as it was.
+struct RatedFlows {
+  bool to_previous = true, from_previous = true;
 };
 
 class MotionPrior {
@@ -32,9 +37,10 @@ class MotionPrior {
 
   // state: at the previous frame. tables: at the frame's exposure.
   virtual void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-                     FlowQuality quality, StateMotion& motion) = 0;
+                     FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;
+  // Rates the motion to the previous frame in any case.
   virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
-                        FlowQuality quality, StateMotion& motion) = 0;
+                        FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;
 };
 
 // Optical flow (DIS) between the frame and the re-exposed state: state_motion.h.

@@ -8,7 +8,7 @@
 #include "online/pictures/between_pixels.h"
 #include "online/pictures/for_samples.h"
 #include "online/pictures/local_statistics.h"
-#include "online/pictures/warp.h"
+#include "online/pictures/picture_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/state/exposure_blur.h"
 
@@ -89,17 +89,14 @@ void rate_flow(FlowField& flow, const FlowField& back, const ExposedFrame* frame
   });
 }
 
-BetweenPixels at(int rows, int cols, int x, int y, const std::array<float, 2>& by) {
-  return {rows, cols, static_cast<float>(x) + by[0], static_cast<float>(y) + by[1]};
-}
-
 }  // namespace
 
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
     : rows_(rows), cols_(cols), pool_(pool), flow_(pool) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
-                            const ExposureTables& tables, FlowQuality quality, StateMotion& motion) {
+                            const ExposureTables& tables, FlowQuality quality, const RatedFlows& rated,
+                            StateMotion& motion) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors};
@@ -112,40 +109,49 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
                             : 1.f;
     start_at_last(ratio, request);
     const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
-    // the exposure is centred: blurred along the motion back is blurred along the motion
+    // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
     const float fraction = ratio * frame.blur_fraction;
     const bool blurs = exposure_blurs(last_, fraction, pool_);
     if (blurs) blur_difference(state.radiance, last_, fraction, blur_, pool_);
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
   flow_.compute(quality, request);
-  rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
-  rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
+  if (rated.to_previous) rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
+  if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }
 
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
-                               const MotionContext& context, FlowQuality quality, StateMotion& motion) {
+                               const MotionContext& context, FlowQuality quality, const RatedFlows& rated,
+                               StateMotion& motion) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
   continue_last(context.before_ratio, motion.to_previous.vectors);
-  if (context.after != nullptr) {
+  if (context.after != nullptr && is_worth_bridging([](std::size_t) { return 0.f; })) {
     const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
     clipped_share(*context.after, clipped_after_);
-    double useful = 0;
-    for (std::size_t i = 0; i < clipped_.size(); ++i)
-      useful += static_cast<double>(clipped_.samples()[i] * (1 - clipped_after_.samples()[i]));
-    constexpr double kWorthwhile = 0.02;  // share of the picture
-    if (useful > kWorthwhile * static_cast<double>(clipped_.size())) {
+    if (is_worth_bridging([&](std::size_t i) { return clipped_after_.samples()[i]; })) {
       const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
       match_after(state, context, quality);
       bridge(context.after_ratio, motion);
     }
   }
   rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
-  if (context.onward) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
+  if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
   if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
   last_time_ = frame.facts.timestamp;
   copy(motion.to_previous.vectors, last_, pool_);
+}
+
+// Whether enough of the picture is clipped in the frame and not in the one after it, whose clipped share at a
+// pixel is `after(i)`.
+template <class After>
+bool MotionEstimator::is_worth_bridging(After&& after) const {
+  constexpr double kWorthwhile = 0.02;  // share of the picture
+  const double enough = kWorthwhile * static_cast<double>(clipped_.size());
+  double useful = 0;
+  for (std::size_t i = 0; i < clipped_.size() && useful <= enough; ++i)
+    useful += static_cast<double>(clipped_.samples()[i] * (1 - after(i)));
+  return useful > enough;
 }
 
 // Where a search between a frame and the state starts: the last motion goes on at constant velocity, for
@@ -172,7 +178,7 @@ void MotionEstimator::continue_last(float ratio, Image<float>& to) {
           measured_now_.at(0, y, x) = 1;
           continue;
         }
-        const BetweenPixels there = at(rows_, cols_, x, y, {to.at(0, y, x), to.at(1, y, x)});
+        const BetweenPixels there(rows_, cols_, x, y, offset_at(to, x, y));
         const float still = there.of(measured_, 0), a = clipped * smooth_step(0, 1, still);
         measured_now_.at(0, y, x) = 1 - a * (1 - kKept * still);
         for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (ratio * there.of(last_, d) - to.at(d, y, x));
@@ -198,7 +204,7 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
 // read there (a fixed point, three iterations) and averaged.
 void MotionEstimator::bridge(float r, StateMotion& motion) {
   constexpr int kRounds = 3;
-  const float onward = -(1 - r) / r;
+  const float to_after = -(1 - r) / r;
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
   // to the state, at the pixels of the frame
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -206,32 +212,36 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
       for (int x = 0; x < cols_; ++x) {
         const float clipped = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x));
         if (!(clipped > 0)) continue;
-        std::array<float, 2> back{};
+        Offset back;
         for (int round = 0; round < kRounds; ++round) {
-          const BetweenPixels after = at(rows_, cols_, x, y, {onward * back[0], onward * back[1]});
-          const BetweenPixels before = at(rows_, cols_, x, y, back);
-          for (int d = 0; d < 2; ++d)
-            back[static_cast<std::size_t>(d)] =
-                0.5f * r * (after.of(after_to_state_, d) - before.of(state_to_after_, d));
+          const Offset after = BetweenPixels(rows_, cols_, x, y, to_after * back).vector_of(after_to_state_);
+          const Offset before = BetweenPixels(rows_, cols_, x, y, back).vector_of(state_to_after_);
+          back = 0.5f * r * Offset{after.x - before.x, after.y - before.y};
         }
-        const BetweenPixels after = at(rows_, cols_, x, y, {onward * back[0], onward * back[1]});
+        const BetweenPixels after(rows_, cols_, x, y, to_after * back);
         const float a = clipped * (1 - smooth_step(0.1f, 0.6f, after.of(clipped_after_, 0)));
-        for (int d = 0; d < 2; ++d)
-          to.at(d, y, x) += a * (back[static_cast<std::size_t>(d)] - to.at(d, y, x));
+        to.at(0, y, x) += a * (back.x - to.at(0, y, x));
+        to.at(1, y, x) += a * (back.y - to.at(1, y, x));
         measured_.at(0, y, x) += a * (1 - measured_.at(0, y, x));
       }
   });
   // from the state, at its own pixels
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&ahead_, 2}});
-  scale(state_to_after_, r, ahead_, pool_);
-  warp_linear(clipped_, ahead_, mask_, pool_);
+  ahead_.reshape(2, rows_, cols_), mask_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int d = 0; d < 2; ++d)
+      for (int y = y0; y < y1; ++y) {
+        const float* whole = state_to_after_.row(d, y);
+        float* ahead = ahead_.row(d, y);
+        for (int x = 0; x < cols_; ++x) ahead[x] = r * whole[x];
+      }
+    picture_kernels().warp_linear(
+        {clipped_.plane(0), mask_.plane(0), ahead_.plane(0), ahead_.plane(1), 1, rows_, cols_, y0, y1, 0});
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {
         const float clipped = smooth_step(0.4f, 0.9f, mask_.at(0, y, x));
         if (!(clipped > 0)) continue;
-        const BetweenPixels after =
-            at(rows_, cols_, x, y, {state_to_after_.at(0, y, x), state_to_after_.at(1, y, x)});
+        const BetweenPixels after(rows_, cols_, x, y, offset_at(state_to_after_, x, y));
         const float a = clipped * (1 - smooth_step(0.1f, 0.6f, after.of(clipped_after_, 0)));
         for (int d = 0; d < 2; ++d) from.at(d, y, x) += a * (ahead_.at(d, y, x) - from.at(d, y, x));
       }

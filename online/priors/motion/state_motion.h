@@ -13,17 +13,19 @@ class MotionEstimator final : public MotionPrior {
  public:
   MotionEstimator(int rows, int cols, WorkerPool& pool);
 
-  // Matches both flows, with their confidence. The state is rendered as the frame would show it: at its
+  // Matches both flows. The state is rendered as the frame would show it: at its
   // exposure, and blurred along the motion of the last step. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-             FlowQuality quality, StateMotion& motion) override;
+             FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
   // Completes the motion where the frame is clipped, from the previous step and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
-                FlowQuality quality, StateMotion& motion) override;
+                FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
 
  private:
   void start_at_last(float ratio, FlowRequest& request) const;
   void continue_last(float ratio, Image<float>& to);
+  template <class After>
+  bool is_worth_bridging(After&& after) const;
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
   void bridge(float r, StateMotion& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);

@@ -15,5 +15,5 @@ WRITES(2, Guess, guess)
 void main() {
   if (!is_pixel()) return;
   const int x = column(), y = row(), c = plane(), i = at(c, y, x);
-  guess[i] = state[at(kVariance + c, y, x)] > known ? samples[i] : state[i];
+  guess[i] = state[at(kVariance + c, y, x)] < known ? state[i] : samples[i];
 }

@@ -20,8 +20,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kBlurBelieved = 0.3f;  // confidence of the motion, as Fusion::model_blur has it
-
 float square(float v) { return v * v; }
 
 }  // namespace
@@ -97,7 +95,7 @@ void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, 
   const struct {
     int rows, cols;
     float known, believed;
-  } choice{state.rows, state.cols, known_limit(white), kBlurBelieved};
+  } choice{state.rows, state.cols, known_limit(white), options_.fusion.blur_confidence};
   run(kShown, {*state, *samples, *motion, *shown}, choice, shown.grid());
   const struct {
     int rows, cols;

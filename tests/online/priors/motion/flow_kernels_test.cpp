@@ -28,7 +28,7 @@ float confidence_of(const Image<float>& there, const Image<float>& back, const I
   if (to_x < -0.5f || to_y < -0.5f || to_x > static_cast<float>(cols) - 0.5f ||
       to_y > static_cast<float>(rows) - 0.5f)
     return 0;
-  const BetweenPixels at(rows, cols, to_x, to_y);
+  const BetweenPixels at(rows, cols, 0, 0, {to_x, to_y});
   const float off_x = u + at.of(back, 0), off_y = v + at.of(back, 1);
   const float agreement = std::exp(-0.5f * (off_x * off_x + off_y * off_y));
   if (codes == nullptr) return agreement;
@@ -71,11 +71,11 @@ TEST_CASE("a picture is read between its pixels, and beyond its border as at it"
   Image<float> ramp(2, 3, 4);
   for (int y = 0; y < 3; ++y)
     for (int x = 0; x < 4; ++x) ramp.at(1, y, x) = static_cast<float>(10 * y + x);
-  const auto read = [&](float x, float y) { return BetweenPixels(3, 4, x, y).of(ramp, 1); };
+  const auto read = [&](float x, float y) { return BetweenPixels(3, 4, 0, 0, {x, y}).of(ramp, 1); };
   CHECK(read(1.25f, 0.5f) == Approx(6.25f));
   CHECK(read(3, 2) == 23);
   CHECK(read(-7, 1) == 10);
   CHECK(read(9, 9) == 23);
   CHECK(read(std::nanf(""), 1) == 10);
-  CHECK(BetweenPixels(1, 1, 0.5f, 0.5f).of(Image<float>(1, 1, 1), 0) == 0);
+  CHECK(BetweenPixels(1, 1, 0, 0, {0.5f, 0.5f}).of(Image<float>(1, 1, 1), 0) == 0);
 }
