@@ -288,6 +288,7 @@ Knobs knobs_of(Preset preset) {
     case Preset::Best:
       knobs.budget.flow = FlowQuality::Fine;
       knobs.budget.render_step = 1;
+      knobs.look_ahead = 2;
       fit.steps = 1, fit.interval = 2;
       knobs.view_steps = 100;
       break;
