@@ -61,7 +61,7 @@ struct Settings {
     std::string deadline;  // per frame; "": a camera's frame interval, none of a recording; "33ms"; kOff
     Preset preset = Preset::Balanced;
     EmitLayer emit = EmitLayer::Merged;
-    int lookahead = 1;            // frames, 0..2
+    int lookahead = -1;           // frames, 0..2; -1: the preset's
     int threads = 0;              // 0: all processors
     std::string backend = "cpu";  // or "vulkan", "vulkan:NAME": the compute device (run/backend.h)
     int seed = 1;                 // of the fit's random rays

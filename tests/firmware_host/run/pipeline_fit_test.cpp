@@ -171,6 +171,17 @@ TEST_CASE("gain counts as exposure: the same light through time or through gain 
   }
 }
 
+TEST_CASE("the preset says how far a run looks ahead, unless the run does") {
+  Settings settings;
+  CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == 1);
+  settings.fit.preset = Preset::Best;
+  CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == 2);
+  for (const int frames : {0, 1, 2}) {
+    settings.fit.lookahead = frames;
+    CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == frames);
+  }
+}
+
 TEST_CASE("exposures are relative to the geometric mean of the cycle") {
   test::MovingScene scene;
   scene.exposures_s = {0.001, 0.004, 0.032};
