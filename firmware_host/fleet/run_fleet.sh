@@ -20,6 +20,8 @@ while [ $# -gt 0 ]; do
   shift
 done
 [ -n "$out" ] && [ ${#recordings[@]} -gt 0 ] || { echo "give recordings and -o FOLDER" >&2; exit 2; }
+[ "$manner" != slurm ] || command -v sbatch >/dev/null ||
+  { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
 twice=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort | uniq -d)
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
 mkdir -p "$out"
