@@ -15,7 +15,7 @@ make_clean_root() {
   shift 2
   mirror=${mirror:-$({ cat /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources 2>/dev/null || true; } |
     sed -n 's/^URIs: *//p; s/^deb \(http[^ ]*\) .*/\1/p' | head -n 1)}
-  mirror=${mirror:-http://deb.debian.org/debian}
+  [ -n "$mirror" ] || { say "no mirror of Debian in /etc/apt; give one" >&2; exit 1; }
   root=$(mktemp -d /var/tmp/hdrcam-clean.XXXXXX)
   chmod 755 "$root" # the service's user must reach the libraries
   trap remove_clean_root EXIT
