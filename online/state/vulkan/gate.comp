@@ -23,7 +23,7 @@ void main() {
   const float agreement = 1 - min(1.0, covered) * (1 - least) * (1 - exp(-excess / scale));
   float bound = 1;
   for (int c = 0; c < 3; ++c) {
-    if (samples[at(kWeight + c, y, x)] >= 0.05) continue;
+    if (samples[at(kWeight + c, y, x)] >= kClipped) continue;
     const float ratio = state[at(c, y, x)] / (0.9 * samples[at(c, y, x)] + kTiny);
     const float below = (1 - ratio) / 0.15;
     if (ratio < 1) bound = min(bound, exp(-below * below));
