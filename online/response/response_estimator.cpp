@@ -18,6 +18,7 @@ namespace {
 
 constexpr int kKnots = 255;      // g(z) at the codes 1..255
 constexpr int kGaugeKnot = 127;  // where g is fixed: a common factor of x is not observable
+constexpr int kIterations = 4;   // of the robust fit
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
@@ -69,6 +70,10 @@ struct Knots {
     return (g[b] - g[a]) / (b - a);
   }
 };
+
+void make_monotone(Vector& g) {
+  for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+}
 
 std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   std::array<Response::Curve, 3> inverse;
@@ -212,8 +217,7 @@ struct ResponseEstimator::Curve {
 
 struct ResponseEstimator::Fit {
   std::array<Curve, 3> curves;
-  Vector off;             // ln of true over stated exposure, by exposure_keys()
-  double off_misfit = 0;  // -2 ln of their prior
+  Vector off;  // ln of true over stated exposure, by exposure_keys()
 };
 
 float ExposureCorrections::corrected(float exposure) const {
@@ -229,6 +233,7 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
   constexpr double kMinRatio = 1.15;       // of exposures: below it a pair does not constrain the curve
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
   constexpr double kDarkShare = 0.0005;    // of the pixels
+  constexpr double kBelowBlack = 0.1;      // of the pixels, at most: by noise and compression
   const ExposedFrame& shorter = a.exposure <= b.exposure ? a : b;
   const ExposedFrame& longer = &shorter == &a ? b : a;
   if (longer.exposure < static_cast<float>(kMinRatio) * shorter.exposure) return false;
@@ -243,8 +248,9 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
   for (std::size_t c = 0; c < 3; ++c) {
     const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
     if (shorter.exposure < 1.1f * shortest_) {
-      const float darkest = dark.quantile(kDarkShare);
+      const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
       darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
+      most_black_[c] = shortest ? most : std::min(most_black_[c], most);
     }
     Matches& matches = matches_[c][key];
     matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
@@ -259,61 +265,75 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
   return true;
 }
 
-// Candidates: the stated black level alone; otherwise shares of the darkest codes, the same share for all
-// channels, because a pedestal belongs to the sensor, not to a channel.
-std::vector<BlackLevel> ResponseEstimator::possible_black_levels() const {
-  if (stated_black_) return {*stated_black_};
-  std::vector<BlackLevel> levels;
-  const float bound = *std::max_element(darkest_.begin(), darkest_.end());
-  for (const float share : {1.f, 2 / 3.f, 1 / 3.f, 0.f}) {
-    if (share > 0 && (bound < 1 || share * bound > kMaxBlackLevel)) continue;
-    BlackLevel& level = levels.emplace_back();
-    for (std::size_t c = 0; c < 3; ++c) level.set(c, share * darkest_[c]);
+// The black level under which a channel's matches agree best, exposures as stated. A pedestal is the
+// exception: it must explain the matches better by a penalty, and by two where it is above the darkest
+// pixels. The prior counts half below these, because it takes a dark scene under an unusual curve for a
+// pedestal under a usual one, and does not argue for a level above them.
+float ResponseEstimator::find_black_level(std::size_t channel, const NoiseModel& noise) const {
+  constexpr double kPenalty = 10, kPriorShare = 0.5;
+  const float darkest = std::min(darkest_[channel], kMaxBlackLevel);
+  const float most = std::min(most_black_[channel], kMaxBlackLevel);
+  double usual = std::numeric_limits<double>::max();  // the prior's misfit at levels that are not above
+  const auto misfit = [&](float level) {
+    const Curve curve = fit_curve(channel, level, noise);
+    const bool above = level > darkest;
+    if (!above) usual = std::min(usual, curve.prior_misfit);
+    return curve.match_misfit +
+           kPriorShare * (above ? std::max(usual, curve.prior_misfit) : curve.prior_misfit) +
+           kPenalty * ((level > 0 ? 1 : 0) + (above ? 1 : 0));
+  };
+  std::vector<float> levels{0};
+  const float third = (most - darkest) / 3;
+  for (const float level : {darkest / 2, darkest, darkest + third, most - third, most})
+    if (level >= levels.back() + 1) levels.push_back(level);
+  std::vector<double> misfits;
+  for (const float level : levels) misfits.push_back(misfit(level));
+
+  const auto least =
+      static_cast<std::size_t>(std::min_element(misfits.begin(), misfits.end()) - misfits.begin());
+  float best = levels[least];
+  if (least == 0) return best;
+  double smallest = misfits[least];
+  for (const std::size_t beside : {least - 1, std::min(least + 1, levels.size() - 1)}) {
+    const float between = (levels[least] + levels[beside]) / 2;
+    if (const double m = misfit(between); m < smallest) smallest = m, best = between;
   }
-  return levels;
+  return best;
 }
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model) const {
-  Fit best;
-  BlackLevel best_black;
-  double least = std::numeric_limits<double>::max();
-  // A pedestal is the exception: it must explain the matches better by this much. The prior counts half here,
-  // because it takes a dark scene under an unusual curve for a pedestal under a usual one.
-  constexpr double kPedestalPenalty = 10, kPriorShare = 0.5;
-  for (const BlackLevel& black : possible_black_levels()) {
-    Fit fit = solve(black, noise);
-    double misfit = (black != BlackLevel() ? kPedestalPenalty : 0) + kPriorShare * fit.off_misfit;
-    for (const Curve& curve : fit.curves) misfit += curve.match_misfit + kPriorShare * curve.prior_misfit;
-    if (misfit < least) least = misfit, best = std::move(fit), best_black = black;
-  }
+  BlackLevel black;
+  for (std::size_t c = 0; c < 3; ++c)
+    black.set(c, stated_black_ ? (*stated_black_)[c] : find_black_level(c, noise));
   const std::vector<int> keys = exposure_keys();
-  if (model == ResponseModel::Linear) return {Response::linear(), best_black, {}};
-  if (model == ResponseModel::Mean) return {prior_mean_response(), best_black, {}};
+  if (model == ResponseModel::Linear) return {Response::linear(), black, {}};
+  if (model == ResponseModel::Mean) return {prior_mean_response(), black, {}};
   if (model == ResponseModel::Network) {
     std::array<Vector, 3> g;
     for (std::size_t c = 0; c < 3; ++c)
       g[c] = fit_curve_network(prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
         Agreement agreed(keys.size());
-        add_matches(c, best_black[c], noise, at, keys, Vector::Zero(agreed.d.size()), agreed);
+        add_matches(c, black[c], noise, at, keys, Vector::Zero(agreed.d.size()), agreed);
         A = std::move(agreed.A), b = std::move(agreed.b);
       });
-    return {Response(curves_of(g)), best_black, {}};
+    return {Response(curves_of(g)), black, {}};
   }
+  const Fit fit = solve(black, noise);
   // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
   // fixed.
   std::array<Response::Curve, 3> uncertainty;
   for (std::size_t c = 0; c < 3; ++c) {
     const Vector variance =
-        best.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
+        fit.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
     for (int z = 0; z < kKnots; ++z)
       uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
     uncertainty[c][0] = uncertainty[c][1];
   }
   ExposureCorrections exposures;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64), best.off[static_cast<Eigen::Index>(k)]);
-  const auto& [red, green, blue] = best.curves;
-  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), best_black, exposures};
+    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64), fit.off[static_cast<Eigen::Index>(k)]);
+  const auto& [red, green, blue] = fit.curves;
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, exposures};
 }
 
 std::vector<int> ResponseEstimator::exposure_keys() const {
@@ -376,46 +396,66 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
   }
 }
 
+// The equations of a channel's next curve, and the misfits of this one.
+ResponseEstimator::Agreement ResponseEstimator::equations(std::size_t channel, float black_level,
+                                                          const NoiseModel& noise,
+                                                          const std::vector<int>& keys, const Vector& off,
+                                                          Curve& curve) const {
+  const Prior& p = prior();
+  Agreement agreed(keys.size());
+  agreed.A = p.precision, agreed.b = p.precision * p.mean;
+  agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
+  add_matches(channel, black_level, noise, curve.g, keys, off, agreed);
+  const Vector d = curve.g - p.mean;
+  curve.match_misfit = agreed.misfit;
+  curve.prior_misfit = d.dot(p.precision * d);
+  return agreed;
+}
+
+// A channel's curve, exposures as stated.
+ResponseEstimator::Curve ResponseEstimator::fit_curve(std::size_t channel, float black_level,
+                                                      const NoiseModel& noise) const {
+  const std::vector<int> keys = exposure_keys();
+  const Vector as_stated = Vector::Zero(static_cast<Eigen::Index>(keys.size()));
+  Curve curve{prior().mean, {}};
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    const Agreement agreed = equations(channel, black_level, noise, keys, as_stated, curve);
+    curve.g = agreed.A.llt().solve(agreed.b);
+    make_monotone(curve.g);
+  }
+  equations(channel, black_level, noise, keys, as_stated, curve);
+  return curve;
+}
+
 // Curves and exposures together: each channel's curve is eliminated from the equations of the exposures,
 // which all channels share.
 ResponseEstimator::Fit ResponseEstimator::solve(const BlackLevel& black_level,
                                                 const NoiseModel& noise) const {
-  constexpr int kIterations = 4;
-  const Prior& p = prior();
   const std::vector<int> keys = exposure_keys();
   const Matrix off_precision = precision_of_exposures(keys);
   Fit fit{{}, Vector::Zero(off_precision.rows())};
-  for (Curve& curve : fit.curves) curve = {p.mean, {}};
-  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+  for (Curve& curve : fit.curves) curve = {prior().mean, {}};
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
     Matrix Q = off_precision;
     Vector q = Vector::Zero(Q.rows());
     std::array<Vector, 3> as_stated;  // curves, and their change with the exposures
     std::array<Matrix, 3> change;
     for (std::size_t c = 0; c < 3; ++c) {
       Curve& curve = fit.curves[c];
-      Agreement agreed(keys.size());
-      agreed.A = p.precision, agreed.b = p.precision * p.mean;
-      agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
-      add_matches(c, black_level[c], noise, curve.g, keys, fit.off, agreed);
-      const Vector d = curve.g - p.mean;
-      curve.match_misfit = agreed.misfit;
-      curve.prior_misfit = d.dot(p.precision * d);
-      if (iteration == kIterations) continue;
+      Agreement agreed = equations(c, black_level[c], noise, keys, fit.off, curve);
       const Eigen::LLT<Matrix> factor(agreed.A);
       as_stated[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
       Q += agreed.C - agreed.B.transpose() * change[c];
       q += agreed.d - change[c].transpose() * agreed.b;
       curve.precision = std::move(agreed.A);
     }
-    if (iteration == kIterations) break;
     fit.off = Q.ldlt().solve(q);
     for (std::size_t c = 0; c < 3; ++c) {
       Vector& g = fit.curves[c].g;
       g = as_stated[c] - change[c] * fit.off;
-      for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
+      make_monotone(g);
     }
   }
-  fit.off_misfit = fit.off.dot(off_precision * fit.off);
   return fit;
 }
 

@@ -6,7 +6,8 @@
 // under a prior from real cameras (dorf_prior.inc), gives a result within two or three frames; no alignment,
 // no flow (flow-matched samples made it worse: docs/decisions.md). Stated exposures are facts with an
 // uncertainty: what each is off is fitted with the curves, as far as the channels' matches disagree without
-// it. It chooses the black level for which the matches agree best with each other and with real cameras.
+// it. It chooses the black level of each channel for which its matches agree best with each other and with
+// real cameras.
 // Thread-bound.
 #pragma once
 
@@ -70,7 +71,7 @@ class ResponseEstimator {
   // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
   int pairs() const { return pairs_; }
 
-  // Takes about 40 ms. `noise` gives the uncertainty of the codes. Every model has the black level of the
+  // Takes about 50 ms. `noise` gives the uncertainty of the codes. Every model has the black level of the
   // curve.
   ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve) const;
 
@@ -86,16 +87,20 @@ class ResponseEstimator {
   struct Agreement;  // of a curve with the matches
   struct Fit;        // all channels and exposures
 
-  std::vector<BlackLevel> possible_black_levels() const;
   std::vector<int> exposure_keys() const;
+  float find_black_level(std::size_t channel, const NoiseModel& noise) const;
   void add_matches(std::size_t channel, float black_level, const NoiseModel& noise, const Eigen::VectorXd& g,
                    const std::vector<int>& keys, const Eigen::VectorXd& off, Agreement& agreed) const;
+  Agreement equations(std::size_t channel, float black_level, const NoiseModel& noise,
+                      const std::vector<int>& keys, const Eigen::VectorXd& off, Curve& curve) const;
+  Curve fit_curve(std::size_t channel, float black_level, const NoiseModel& noise) const;
   Fit solve(const BlackLevel& black_level, const NoiseModel& noise) const;
 
   std::optional<BlackLevel> stated_black_;
   int pairs_ = 0;
-  float shortest_ = 0;              // exposure
-  std::array<float, 3> darkest_{};  // codes of the shortest exposure: an upper bound of the black level
+  float shortest_ = 0;  // exposure
+  // codes of the shortest exposure: what is darker is noise; above it no black level is looked for
+  std::array<float, 3> darkest_{}, most_black_{};
   std::array<std::map<std::pair<int, int>, Matches>, 3> matches_;  // by exposures in 1/64 stop
 };
 

@@ -1,5 +1,6 @@
 #include "online/response/response.h"
 
+#include <array>
 #include <cmath>
 
 #include "capture/unpack.h"
@@ -128,6 +129,30 @@ TEST_CASE("a black level is found together with the response") {
   const auto estimate = estimated(exposed(scene, 6));
   for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == Approx(14).margin(1.5));
   CHECK(response_error(estimate.response, Response::gamma(2.2f)) < 0.15);
+}
+
+TEST_CASE("black levels differ by channel, and compression makes some pixels darker than black") {
+  constexpr int kRows = 192, kCols = 256;
+  constexpr std::array<float, 3> kBlack{18, 12, 0};
+  const Response response = prior_mean_response();
+  std::vector<ExposedFrame> frames(3);
+  float exposure = 0.25f;
+  for (ExposedFrame& frame : frames) {
+    frame.exposure = exposure, exposure *= 8;
+    frame.codes.reshape(3, kRows, kCols);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) {
+          const double light = std::exp2(-5.5 + 5.5 * std::sin(x * 0.06) * std::cos(y * 0.05));
+          const float code = response.code_of(c, std::min(1.f, frame.exposure * static_cast<float>(light)));
+          const float black = kBlack[static_cast<std::size_t>(c)];
+          const bool darkened = (x + 37 * y) % 100 == 0;
+          frame.codes.at(c, y, x) = darkened ? 0 : std::round(black + code * (255 - black) / 255);
+        }
+  }
+  const auto estimate = estimated(frames);
+  for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == Approx(kBlack[c]).margin(2));
+  CHECK(response_error(estimate.response, response) < 0.1);
 }
 
 TEST_CASE("pairs that say nothing are left out") {
