@@ -286,6 +286,7 @@ float ResponseEstimator::find_black_level(std::size_t channel, const NoiseModel&
   const float third = (most - darkest) / 3;
   for (const float level : {darkest / 2, darkest, darkest + third, most - third, most})
     if (level >= levels.back() + 1) levels.push_back(level);
+  if (levels.size() == 1) return 0;
   std::vector<double> misfits;
   for (const float level : levels) misfits.push_back(misfit(level));
 

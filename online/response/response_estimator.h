@@ -71,8 +71,8 @@ class ResponseEstimator {
   // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
   int pairs() const { return pairs_; }
 
-  // Takes about 50 ms. `noise` gives the uncertainty of the codes. Every model has the black level of the
-  // curve.
+  // Takes 50 to 100 ms, the more levels are tried. `noise` gives the uncertainty of the codes. Every model
+  // has the black level of the curve.
   ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve) const;
 
  private:
