@@ -199,7 +199,7 @@ class Ranking {
 struct ResponseEstimator::Agreement {
   Matrix A, B, C;
   Vector b, d;
-  double misfit = 0;  // -2 ln of the likelihood of the matches
+  double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior of g
 
   explicit Agreement(std::size_t exposures)
       : A(Matrix::Zero(kKnots, kKnots)),
@@ -211,8 +211,7 @@ struct ResponseEstimator::Agreement {
 
 struct ResponseEstimator::Curve {
   Vector g;
-  Matrix precision;                           // of g, given the matches, the prior and the exposures
-  double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior
+  Matrix precision;  // of g, given the matches, the prior and the exposures
 };
 
 struct ResponseEstimator::Fit {
@@ -275,11 +274,11 @@ float ResponseEstimator::find_black_level(std::size_t channel, const NoiseModel&
   const float most = std::min(most_black_[channel], kMaxBlackLevel);
   double usual = std::numeric_limits<double>::max();  // the prior's misfit at levels that are not above
   const auto misfit = [&](float level) {
-    const Curve curve = fit_curve(channel, level, noise);
+    const Agreement agreed = agreement_at(level, channel, noise);
     const bool above = level > darkest;
-    if (!above) usual = std::min(usual, curve.prior_misfit);
-    return curve.match_misfit +
-           kPriorShare * (above ? std::max(usual, curve.prior_misfit) : curve.prior_misfit) +
+    if (!above) usual = std::min(usual, agreed.prior_misfit);
+    return agreed.match_misfit +
+           kPriorShare * (above ? std::max(usual, agreed.prior_misfit) : agreed.prior_misfit) +
            kPenalty * ((level > 0 ? 1 : 0) + (above ? 1 : 0));
   };
   std::vector<float> levels{0};
@@ -295,7 +294,8 @@ float ResponseEstimator::find_black_level(std::size_t channel, const NoiseModel&
   float best = levels[least];
   if (least == 0) return best;
   double smallest = misfits[least];
-  for (const std::size_t beside : {least - 1, std::min(least + 1, levels.size() - 1)}) {
+  for (const std::size_t beside : {least - 1, least + 1}) {
+    if (beside == levels.size()) continue;
     const float between = (levels[least] + levels[beside]) / 2;
     if (const double m = misfit(between); m < smallest) smallest = m, best = between;
   }
@@ -393,39 +393,37 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
     }
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage
-    if (used > 0) agreed.misfit += sum * std::max(used, usable) / used;
+    if (used > 0) agreed.match_misfit += sum * std::max(used, usable) / used;
   }
 }
 
-// The equations of a channel's next curve, and the misfits of this one.
-ResponseEstimator::Agreement ResponseEstimator::equations(std::size_t channel, float black_level,
-                                                          const NoiseModel& noise,
-                                                          const std::vector<int>& keys, const Vector& off,
-                                                          Curve& curve) const {
+// Of a channel's curve with its matches and the prior.
+ResponseEstimator::Agreement ResponseEstimator::agreement(std::size_t channel, float black_level,
+                                                          const NoiseModel& noise, const Vector& g,
+                                                          const std::vector<int>& keys,
+                                                          const Vector& off) const {
   const Prior& p = prior();
   Agreement agreed(keys.size());
   agreed.A = p.precision, agreed.b = p.precision * p.mean;
   agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
-  add_matches(channel, black_level, noise, curve.g, keys, off, agreed);
-  const Vector d = curve.g - p.mean;
-  curve.match_misfit = agreed.misfit;
-  curve.prior_misfit = d.dot(p.precision * d);
+  add_matches(channel, black_level, noise, g, keys, off, agreed);
+  const Vector d = g - p.mean;
+  agreed.prior_misfit = d.dot(p.precision * d);
   return agreed;
 }
 
-// A channel's curve, exposures as stated.
-ResponseEstimator::Curve ResponseEstimator::fit_curve(std::size_t channel, float black_level,
-                                                      const NoiseModel& noise) const {
+// Of the curve that agrees best at this black level, exposures as stated.
+ResponseEstimator::Agreement ResponseEstimator::agreement_at(float black_level, std::size_t channel,
+                                                             const NoiseModel& noise) const {
   const std::vector<int> keys = exposure_keys();
   const Vector as_stated = Vector::Zero(static_cast<Eigen::Index>(keys.size()));
-  Curve curve{prior().mean, {}};
+  Vector g = prior().mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Agreement agreed = equations(channel, black_level, noise, keys, as_stated, curve);
-    curve.g = agreed.A.llt().solve(agreed.b);
-    make_monotone(curve.g);
+    const Agreement agreed = agreement(channel, black_level, noise, g, keys, as_stated);
+    g = agreed.A.llt().solve(agreed.b);
+    make_monotone(g);
   }
-  equations(channel, black_level, noise, keys, as_stated, curve);
-  return curve;
+  return agreement(channel, black_level, noise, g, keys, as_stated);
 }
 
 // Curves and exposures together: each channel's curve is eliminated from the equations of the exposures,
@@ -443,7 +441,7 @@ ResponseEstimator::Fit ResponseEstimator::solve(const BlackLevel& black_level,
     std::array<Matrix, 3> change;
     for (std::size_t c = 0; c < 3; ++c) {
       Curve& curve = fit.curves[c];
-      Agreement agreed = equations(c, black_level[c], noise, keys, fit.off, curve);
+      Agreement agreed = agreement(c, black_level[c], noise, curve.g, keys, fit.off);
       const Eigen::LLT<Matrix> factor(agreed.A);
       as_stated[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
       Q += agreed.C - agreed.B.transpose() * change[c];

@@ -7,8 +7,7 @@
 // no flow (flow-matched samples made it worse: docs/decisions.md). Stated exposures are facts with an
 // uncertainty: what each is off is fitted with the curves, as far as the channels' matches disagree without
 // it. It chooses the black level of each channel for which its matches agree best with each other and with
-// real cameras.
-// Thread-bound.
+// real cameras. Thread-bound.
 #pragma once
 
 #include <Eigen/Core>
@@ -91,15 +90,16 @@ class ResponseEstimator {
   float find_black_level(std::size_t channel, const NoiseModel& noise) const;
   void add_matches(std::size_t channel, float black_level, const NoiseModel& noise, const Eigen::VectorXd& g,
                    const std::vector<int>& keys, const Eigen::VectorXd& off, Agreement& agreed) const;
-  Agreement equations(std::size_t channel, float black_level, const NoiseModel& noise,
-                      const std::vector<int>& keys, const Eigen::VectorXd& off, Curve& curve) const;
-  Curve fit_curve(std::size_t channel, float black_level, const NoiseModel& noise) const;
+  Agreement agreement(std::size_t channel, float black_level, const NoiseModel& noise,
+                      const Eigen::VectorXd& g, const std::vector<int>& keys,
+                      const Eigen::VectorXd& off) const;
+  Agreement agreement_at(float black_level, std::size_t channel, const NoiseModel& noise) const;
   Fit solve(const BlackLevel& black_level, const NoiseModel& noise) const;
 
   std::optional<BlackLevel> stated_black_;
   int pairs_ = 0;
   float shortest_ = 0;  // exposure
-  // codes of the shortest exposure: what is darker is noise; above it no black level is looked for
+  // Codes of the shortest exposure: hardly a pixel is darker; no black level is above.
   std::array<float, 3> darkest_{}, most_black_{};
   std::array<std::map<std::pair<int, int>, Matches>, 3> matches_;  // by exposures in 1/64 stop
 };

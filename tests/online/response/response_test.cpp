@@ -28,6 +28,18 @@ ResponseEstimate estimated(const std::vector<ExposedFrame>& frames,
   return estimator.estimate({}, model);
 }
 
+// A frame of 256x192 whose codes are code(c, y, x).
+template <class Code>
+ExposedFrame frame_of(float exposure, Code&& code) {
+  ExposedFrame frame;
+  frame.exposure = exposure;
+  frame.codes.reshape(3, 192, 256);
+  for (int c = 0; c < 3; ++c)
+    for (int y = 0; y < frame.codes.rows(); ++y)
+      for (int x = 0; x < frame.codes.cols(); ++x) frame.codes.at(c, y, x) = code(c, y, x);
+  return frame;
+}
+
 }  // namespace
 
 TEST_CASE("a response is strictly monotone and inverts itself") {
@@ -132,24 +144,17 @@ TEST_CASE("a black level is found together with the response") {
 }
 
 TEST_CASE("black levels differ by channel, and compression makes some pixels darker than black") {
-  constexpr int kRows = 192, kCols = 256;
   constexpr std::array<float, 3> kBlack{18, 12, 0};
   const Response response = prior_mean_response();
-  std::vector<ExposedFrame> frames(3);
-  float exposure = 0.25f;
-  for (ExposedFrame& frame : frames) {
-    frame.exposure = exposure, exposure *= 8;
-    frame.codes.reshape(3, kRows, kCols);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x) {
-          const double light = std::exp2(-5.5 + 5.5 * std::sin(x * 0.06) * std::cos(y * 0.05));
-          const float code = response.code_of(c, std::min(1.f, frame.exposure * static_cast<float>(light)));
-          const float black = kBlack[static_cast<std::size_t>(c)];
-          const bool darkened = (x + 37 * y) % 100 == 0;
-          frame.codes.at(c, y, x) = darkened ? 0 : std::round(black + code * (255 - black) / 255);
-        }
-  }
+  std::vector<ExposedFrame> frames;
+  for (const float exposure : {0.25f, 2.f, 16.f})
+    frames.push_back(frame_of(exposure, [&](int c, int y, int x) {
+      const double light = std::exp2(-5.5 + 5.5 * std::sin(x * 0.06) * std::cos(y * 0.05));
+      const float code = response.code_of(c, std::min(1.f, exposure * static_cast<float>(light)));
+      const float black = kBlack[static_cast<std::size_t>(c)];
+      const bool darkened = (x + 37 * y) % 100 == 0;
+      return darkened ? 0 : std::round(black + code * (255 - black) / 255);
+    }));
   const auto estimate = estimated(frames);
   for (std::size_t c = 0; c < 3; ++c) CHECK(estimate.black_level[c] == Approx(kBlack[c]).margin(2));
   CHECK(response_error(estimate.response, response) < 0.1);
@@ -180,23 +185,15 @@ TEST_CASE("pairs that say nothing are left out") {
 TEST_CASE("a step of four stops over lamps and shadows is no scene cut") {
   // Where it is darker there are more lamps. They count for most of a short exposure's mean, and are clipped
   // in the long one, so that the means of the two go opposite ways.
-  constexpr int kRows = 192, kCols = 256;
   const Response response = Response::gamma(2.2f);
   const auto exposed_by = [&](float exposure, int shift) {
-    ExposedFrame frame;
-    frame.exposure = exposure;
-    frame.codes.reshape(3, kRows, kCols);
-    for (int c = 0; c < 3; ++c)
-      for (int y = 0; y < kRows; ++y)
-        for (int x = 0; x < kCols; ++x) {
-          const double darkness = 0.5 + 0.5 * std::sin((x + shift) * 0.06) * std::cos(y * 0.05);
-          const double chance = test::MovingScene::noise(static_cast<std::uint64_t>(y * 4096 + x + shift));
-          const bool lamp = chance > 1.28 - 0.7 * darkness;  // a tenth to a third of the pixels
-          const double light = lamp ? 1 : std::exp2(-4 - 1.5 * darkness);
-          frame.codes.at(c, y, x) =
-              std::round(response.code_of(c, std::min(1.f, exposure * static_cast<float>(light))));
-        }
-    return frame;
+    return frame_of(exposure, [&](int c, int y, int x) {
+      const double darkness = 0.5 + 0.5 * std::sin((x + shift) * 0.06) * std::cos(y * 0.05);
+      const double chance = test::MovingScene::noise(static_cast<std::uint64_t>(y * 4096 + x + shift));
+      const bool lamp = chance > 1.28 - 0.7 * darkness;  // a tenth to a third of the pixels
+      const double light = lamp ? 1 : std::exp2(-4 - 1.5 * darkness);
+      return std::round(response.code_of(c, std::min(1.f, exposure * static_cast<float>(light))));
+    });
   };
   CHECK(ResponseEstimator().add_pair(exposed_by(0.25f, 0), exposed_by(4, 2)));
 }
