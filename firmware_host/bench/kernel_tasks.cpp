@@ -6,6 +6,7 @@
 #include "hal/core/image.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
+#include "online/priors/motion/clipped_motion_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/priors/motion/refinement_kernels.h"
 #include "online/scene/hash_grid/field/field_kernels.h"
@@ -278,6 +279,21 @@ void add_motion(Tasks& tasks, int rows, int cols) {
                   .assumed = 0.5f,
                   .confidence = room->weight.plane(0)});
   });
+  // three rounds of two places, four components read and a mean; a last place, two shares; all of it clipped
+  const auto clipped = std::make_shared<Planes>(2, rows, cols, 0.7f, 0.75f, 6);
+  clipped->fill(1, 0);
+  add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 50 + 50, 12,
+           [room, vectors, clipped, rows, cols](int y) {
+             clipped_motion_kernels().bridge({{rows, cols, y},
+                                              clipped->row(0, y),
+                                              clipped->plane(1),
+                                              vectors->plane(0),
+                                              vectors->plane(2),
+                                              0.5f,
+                                              room->flow.row(0, y),
+                                              room->flow.row(1, y),
+                                              room->weight.row(0, y)});
+           });
   task("flow: refinement, 5 x 5 sweeps", "px", pixels, [room] {
     FlowRefinement refinement{room->pictures[0],
                               room->pictures[1],

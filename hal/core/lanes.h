@@ -54,6 +54,12 @@ template <class V>
 inline V clamped(V v, float low, float high) {
   return least(most(v, all<V>(low)), all<V>(high));
 }
+// 0 up to `begin`, 1 from `end` on, a smooth cubic between.
+template <class V>
+inline V smooth_step(float begin, float end, V x) {
+  const V t = clamped((x - begin) * (1 / (end - begin)), 0, 1);
+  return t * t * (3 - 2 * t);
+}
 
 }  // namespace
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -134,6 +134,14 @@ struct Places {
   fraction = lanes(q & (kSubpixels - 1)) / kSubpixels;
 }
 
+// In a picture of this size.
+[[maybe_unused]] inline Places places(Lanes x, Lanes y, int rows, int cols) {
+  Places at;
+  place(x, cols, at.x, at.fx);
+  place(y, rows, at.y, at.fy);
+  return at;
+}
+
 // [channels, rows, cols] of floats.
 struct Planes {
   const float* first;

@@ -16,10 +16,8 @@ inline void across(const WarpBand& w, int y, Body&& body) {
   const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * w.cols;
   for (int x = 0; x < w.cols; x += kLanes) {
     const int count = least(w.cols - x, kLanes);
-    Places at;
-    place(lanes(x + kEachLane) + load_some(w.dx + line + x, count), w.cols, at.x, at.fx);
-    place(static_cast<float>(y) + load_some(w.dy + line + x, count), w.rows, at.y, at.fy);
-    body(x, count, at);
+    const Lanes dx = load_some(w.dx + line + x, count), dy = load_some(w.dy + line + x, count);
+    body(x, count, places(lanes(x + kEachLane) + dx, static_cast<float>(y) + dy, w.rows, w.cols));
   }
 }
 

@@ -13,13 +13,6 @@ constexpr float kTiny = 1e-20f;
 constexpr float kClipped = 0.05f;  // weight of a sample that is only a bound
 constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
 
-// V is Lanes, or float for what is over at the end of a row.
-template <class V>
-inline V step(float begin, float end, V x) {
-  const V t = clamped((x - begin) * (1 / (end - begin)), 0, 1);
-  return t * t * (3 - 2 * t);
-}
-
 // Calls body(first, count) for one block of a row after the other.
 template <class Body>
 inline void in_blocks(int n, Body&& body) {
@@ -62,9 +55,9 @@ void sample(const SampledRow& row, int n) {
   across(n, [&](int x, auto lane) {
     using V = decltype(lane);
     const V code = get<V>(row.codes + x), bright = most(code, get<V>(row.brightest + x));
-    put<V>(row.weight + x, 1 - step(kFadeBegin, kFadeEnd, bright));
-    put<V>(row.comparable + x, (1 - step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
-                                   step(kCompareDarkBegin, kCompareDarkEnd, code));
+    put<V>(row.weight + x, 1 - smooth_step(kFadeBegin, kFadeEnd, bright));
+    put<V>(row.comparable + x, (1 - smooth_step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
+                                   smooth_step(kCompareDarkBegin, kCompareDarkEnd, code));
     put<V>(row.radiance + x, table_at(row.radiances, clamped(code, 0, 255)));
   });
 }

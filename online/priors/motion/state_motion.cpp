@@ -4,11 +4,10 @@
 #include <array>
 
 #include "capture/clip_policy.h"
-#include "hal/core/interpolate.h"
-#include "online/pictures/between_pixels.h"
 #include "online/pictures/for_samples.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
+#include "online/priors/motion/clipped_motion_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/state/exposure_blur.h"
 
@@ -162,27 +161,23 @@ void MotionEstimator::start_at_last(float ratio, FlowRequest& request) const {
   request.start_b_to_a = {&last_, -ratio};
 }
 
-// Where the frame is clipped, its motion is that of the last step. What is clipped in one frame after the
-// other has nobody who measures it, and a motion that was wrong once would stay; so it gives way, more with
-// each such frame, to what the search spreads over it from its surroundings.
+// Where the frame is clipped, its motion is that of the last step.
 void MotionEstimator::continue_last(float ratio, Image<float>& to) {
-  constexpr float kKept = 0.9f;  // of what was measured, for each frame that continues it
-  const bool first = last_.empty();
-  if (first) measured_.reshape(1, rows_, cols_);
+  if (last_.empty()) {
+    measured_.reshape(1, rows_, cols_);
+    return measured_.fill(1);
+  }
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&measured_now_, 1}});
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols_; ++x) {
-        const float clipped = smooth_step(0.5f, 0.95f, clipped_.at(0, y, x));
-        if (first || !(clipped > 0)) {
-          measured_now_.at(0, y, x) = 1;
-          continue;
-        }
-        const BetweenPixels there(rows_, cols_, x, y, offset_at(to, x, y));
-        const float still = there.of(measured_, 0), a = clipped * smooth_step(0, 1, still);
-        measured_now_.at(0, y, x) = 1 - a * (1 - kKept * still);
-        for (int d = 0; d < 2; ++d) to.at(d, y, x) += a * (ratio * there.of(last_, d) - to.at(d, y, x));
-      }
+      clipped_motion_kernels().go_on({{rows_, cols_, y},
+                                      clipped_.row(0, y),
+                                      last_.plane(0),
+                                      measured_.plane(0),
+                                      ratio,
+                                      to.row(0, y),
+                                      to.row(1, y),
+                                      measured_now_.row(0, y)});
   });
   std::swap(measured_, measured_now_);  // the memory of the old one is what is given back
 }
@@ -198,36 +193,23 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   flow_.compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
 }
 
-// Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, at
-// constant velocity. A pixel x of the frame in between, with motion u to the state, is at x + u in the state
-// and at x - u (1 - r) / r in the frame after, where r is its share of the time between them; both flows are
-// read there (a fixed point, three iterations) and averaged.
+// Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it. r:
+// the frame's share of the time between them.
 void MotionEstimator::bridge(float r, StateMotion& motion) {
-  constexpr int kRounds = 3;
-  const float to_after = -(1 - r) / r;
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
-  // to the state, at the pixels of the frame
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols_; ++x) {
-        const float clipped = smooth_step(0.4f, 0.9f, clipped_.at(0, y, x));
-        if (!(clipped > 0)) continue;
-        Offset back;
-        for (int round = 0; round < kRounds; ++round) {
-          const Offset after = BetweenPixels(rows_, cols_, x, y, to_after * back).vector_of(after_to_state_);
-          const Offset before = BetweenPixels(rows_, cols_, x, y, back).vector_of(state_to_after_);
-          back = 0.5f * r * Offset{after.x - before.x, after.y - before.y};
-        }
-        const BetweenPixels after(rows_, cols_, x, y, to_after * back);
-        const float a = clipped * (1 - smooth_step(0.1f, 0.6f, after.of(clipped_after_, 0)));
-        to.at(0, y, x) += a * (back.x - to.at(0, y, x));
-        to.at(1, y, x) += a * (back.y - to.at(1, y, x));
-        measured_.at(0, y, x) += a * (1 - measured_.at(0, y, x));
-      }
+      clipped_motion_kernels().bridge({{rows_, cols_, y},
+                                       clipped_.row(0, y),
+                                       clipped_after_.plane(0),
+                                       after_to_state_.plane(0),
+                                       state_to_after_.plane(0),
+                                       r,
+                                       to.row(0, y),
+                                       to.row(1, y),
+                                       measured_.row(0, y)});
   });
-  // from the state, at its own pixels
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&ahead_, 2}});
-  ahead_.reshape(2, rows_, cols_), mask_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int d = 0; d < 2; ++d)
       for (int y = y0; y < y1; ++y) {
@@ -238,13 +220,13 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
     picture_kernels().warp_linear(
         {clipped_.plane(0), mask_.plane(0), ahead_.plane(0), ahead_.plane(1), 1, rows_, cols_, y0, y1, 0});
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols_; ++x) {
-        const float clipped = smooth_step(0.4f, 0.9f, mask_.at(0, y, x));
-        if (!(clipped > 0)) continue;
-        const BetweenPixels after(rows_, cols_, x, y, offset_at(state_to_after_, x, y));
-        const float a = clipped * (1 - smooth_step(0.1f, 0.6f, after.of(clipped_after_, 0)));
-        for (int d = 0; d < 2; ++d) from.at(d, y, x) += a * (ahead_.at(d, y, x) - from.at(d, y, x));
-      }
+      clipped_motion_kernels().bridge_ahead({{rows_, cols_, y},
+                                             mask_.row(0, y),
+                                             clipped_after_.plane(0),
+                                             state_to_after_.plane(0),
+                                             r,
+                                             from.row(0, y),
+                                             from.row(1, y)});
   });
 }
 
