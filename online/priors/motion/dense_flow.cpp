@@ -43,7 +43,7 @@ struct DenseFlow::Effort {
 DenseFlow::Effort DenseFlow::effort_of(FlowQuality quality) {
   switch (quality) {
     case FlowQuality::Fast:
-      return {1, 4, 3, 2, 3};
+      return {1, 4, 2, 2, 3};
     case FlowQuality::Medium:
       return {0, 4, 3, 2, 3};
     case FlowQuality::Fine:
@@ -189,8 +189,8 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
 
 void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
   constexpr float kPictures = 0.5f;   // against smoothness
-  constexpr float kLeastSlope2 = 10;  // (codes per pixel)^2
-  constexpr float kSmallest = 0.1f;   // pixels
+  constexpr float kLeastSlope2 = 40;  // (codes per pixel)^2
+  constexpr float kSmallest = 0.05f;  // pixels
   const auto at = static_cast<std::size_t>(scale);
   FlowRefinement refinement{
       (*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), {},           kPictures,

@@ -57,10 +57,9 @@ struct Patch {
   const float *gray, *dx, *dy;
   std::ptrdiff_t pitch;
   float mean_dx, mean_dy;
-  float xx, xy, yy;  // inverse of the structure tensor
+  float xx, xy, yy;  // structure tensor: codes^2 per pixel^2, summed over the patch
 };
 inline Patch patch_at(const FlowPicture& from, int x, int y) {
-  constexpr float kLeastTexture = 1e-3f, kNoise = 4;  // codes^2: a flat patch moves by less than its noise
   const std::ptrdiff_t offset = y * from.pitch + x;
   Patch patch{from.gray + offset, from.dx + offset, from.dy + offset, from.pitch, 0, 0, 0, 0, 0};
   Lanes sx{}, sy{}, xx{}, xy{}, yy{};
@@ -71,18 +70,26 @@ inline Patch patch_at(const FlowPicture& from, int x, int y) {
   const Quad total = sums(sx, sy, xx, yy);
   const Quad cross = sums(xy, xy, xy, xy);
   patch.mean_dx = total[0] / kPixels, patch.mean_dy = total[1] / kPixels;
-  const float a = total[2] - total[0] * patch.mean_dx + kNoise,
-              d = total[3] - total[1] * patch.mean_dy + kNoise;
-  const float b = cross[0] - total[0] * patch.mean_dy;
-  float determinant = a * d - b * b;
-  determinant = determinant > kLeastTexture ? determinant : kLeastTexture;
-  patch.xx = d / determinant, patch.xy = -b / determinant, patch.yy = a / determinant;
+  patch.xx = total[2] - total[0] * patch.mean_dx, patch.yy = total[3] - total[1] * patch.mean_dy;
+  patch.xy = cross[0] - total[0] * patch.mean_dy;
   return patch;
 }
 
-// How well the patch is explained there, and the step of Gauss and Newton from there.
+// The step of Gauss and Newton, damped (Levenberg) by what the patch differs by: that much of the difference
+// may be noise, and the motion is expected to be this far from where the step begins. What a texture does not
+// tell against its noise stays as it is.
+inline Vector step_of(const Patch& patch, float error, float bx, float by) {
+  constexpr float kFlat = 4;                   // codes^2 per pixel^2: the texture of a flat patch
+  constexpr float kExpected2 = 0.18f * 0.18f;  // pixels^2
+  const float damping = kFlat + error / (kPixels * kExpected2);
+  const float xx = patch.xx + damping, yy = patch.yy + damping, xy = patch.xy;
+  const float scale = -1 / (xx * yy - xy * xy);
+  return {scale * (yy * bx - xy * by), scale * (xx * by - xy * bx)};
+}
+
+// How well the patch is explained there, and the step from there.
 struct Fit {
-  float error;
+  float error;  // codes^2 over the patch
   Vector step;
 };
 inline Fit compare(const Patch& patch, const Window& at, std::ptrdiff_t pitch) {
@@ -97,8 +104,8 @@ inline Fit compare(const Patch& patch, const Window& at, std::ptrdiff_t pitch) {
   }
   const Quad total = sums(sum, square, sx, sy);
   const float bx = total[2] - total[0] * patch.mean_dx, by = total[3] - total[0] * patch.mean_dy;
-  return {total[1] - total[0] * total[0] / kPixels,
-          {-(patch.xx * bx + patch.xy * by), -(patch.xy * bx + patch.yy * by)}};
+  const float error = total[1] - total[0] * total[0] / kPixels;
+  return {error, step_of(patch, error, bx, by)};
 }
 
 // One patch: the best of the guesses, then descent while it gets better. Where a patch shows nothing, in a

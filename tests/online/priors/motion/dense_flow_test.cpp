@@ -202,7 +202,7 @@ TEST_CASE("each quality of dense flow is nearer the truth than the one below it"
   CAPTURE(fast, medium, fine);
   CHECK(medium < 0.9 * fast);
   CHECK(fine < medium);
-  CHECK(fine < 0.092);  // pixels; .197 without the refinement
+  CHECK(fine < 0.105);  // pixels; .197 without the refinement
 }
 
 TEST_CASE("a search that starts from a guess stays with it where the picture repeats itself", "[isa]") {

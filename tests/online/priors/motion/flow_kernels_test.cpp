@@ -79,3 +79,56 @@ TEST_CASE("a picture is read between its pixels, and beyond its border as at it"
   CHECK(read(std::nanf(""), 1) == 10);
   CHECK(BetweenPixels(1, 1, 0, 0, {0.5f, 0.5f}).of(Image<float>(1, 1, 1), 0) == 0);
 }
+
+namespace {
+
+// Gray and its derivatives with the border that the search wants.
+struct Searched {
+  Image<float> planes;
+  FlowPicture view{};
+
+  Searched(const Image<float>& gray)
+      : planes(3, gray.rows() + 2 * kFlowBorder, gray.cols() + 2 * kFlowBorder) {
+    const auto origin = [&](int c) { return planes.row(c, kFlowBorder) + kFlowBorder; };
+    const std::ptrdiff_t pitch = planes.cols();
+    for (int y = 0; y < gray.rows(); ++y) std::copy_n(gray.row(0, y), gray.cols(), origin(0) + y * pitch);
+    flow_kernels().extend(origin(0), pitch, gray.rows(), gray.cols());
+    flow_kernels().derive(origin(0), pitch, gray.rows(), gray.cols(), origin(1), origin(2));
+    view = {origin(0), origin(1), origin(2), pitch, gray.rows(), gray.cols()};
+  }
+};
+
+// Root mean square of what the search moves patches by, from rest.
+double moved(const Image<float>& from, const Image<float>& to) {
+  constexpr int kStride = 4, kSteps = 1;
+  const Searched a(from), b(to);
+  const auto places = [&](int size) { return 1 + (size - kPatchSize) / kStride; };
+  const PatchGrid grid{places(from.rows()), places(from.cols()), kStride};
+  Image<float> patches(2, grid.rows, grid.cols);
+  flow_kernels().search(
+      {a.view, b.view, grid, {patches.plane(0), patches.plane(1)}, nullptr, nullptr, kSteps}, 0, grid.rows);
+  double sum = 0;
+  for (const float v : patches.samples()) sum += static_cast<double>(v) * v;
+  return std::sqrt(sum / static_cast<double>(patches.plane_size()));
+}
+
+}  // namespace
+
+TEST_CASE("a step of the search goes as far as the texture tells against the noise", "[isa]") {
+  constexpr int kRows = 64, kCols = 96;
+  constexpr float kShift = 0.3f;
+  test::Numbers numbers(11);
+  const auto texture = [&](float shift, float noise) {
+    Image<float> out = picture(numbers, 1, kRows, kCols, -noise, noise);
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kCols; ++x)
+        out.at(0, y, x) += 128 + 12 * std::sin(0.5f * (static_cast<float>(x) - shift)) +
+                           12 * std::sin(0.4f * (static_cast<float>(y) - shift));
+    return out;
+  };
+  const double still = moved(texture(0, 12), texture(0, 12));
+  const double clean = moved(texture(0, 0.5f), texture(kShift, 0.5f));
+  CAPTURE(still, clean);
+  CHECK(still < 0.45);  // pixels; .56 where steps are not damped
+  CHECK(clean == Approx(std::sqrt(2.0) * kShift).margin(0.03));
+}
