@@ -10,9 +10,10 @@ namespace hdrcam {
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
   FitBudget fit;
-  bool fills = false;   // unseen pixels get the field's radiance where it exceeds the state's lower bound
-  int render_step = 2;  // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
-  bool shrinks = true;  // the emitted picture by its known variance (render/shrinkage.h)
+  bool fills = false;       // unseen pixels get the field's radiance where it exceeds the state's lower bound
+  int render_step = 2;      // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
+  bool joins_later = true;  // the later frames that it waits for join the emitted picture
+  bool shrinks = true;      // the emitted picture by its known variance (render/shrinkage.h)
   // No pose, depth, fit or view of the field for this frame; the field starts anew when its rest ends.
   bool field_rests = false;
   bool emits = true;  // the frame that becomes ready; otherwise it only takes part in the state

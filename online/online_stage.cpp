@@ -147,7 +147,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     const bool learns = knobs_.noise == NoiseKind::Learned,
                at_newer = noise_is_seen_in_newer(previous.frame, step.frame);
     const RatedFlows rated{.to_previous = learns && at_newer,
-                           .from_previous = knobs_.look_ahead > 0 || (learns && !at_newer)};
+                           .from_previous = joins_newest() || (learns && !at_newer)};
     motion_->match(state_->state(), step.frame, tables, budget_.flow, rated, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     learn_noise(previous, step);
@@ -280,7 +280,8 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       pool_.scratch(), camera_.height, camera_.width,
       {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
   const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
-  state_->join(kept ? step.state : state_->state(), {later.data(), ahead}, white_, joined_);
+  state_->join(kept ? step.state : state_->state(), {later.data(), budget_.joins_later ? ahead : 0}, white_,
+               joined_);
   SceneView view;
   view.T_world_camera = step.T_world_camera;
   view.time_s = step.frame.facts.timestamp.seconds();

@@ -44,6 +44,10 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
       rung.budget.flow = quality;
       add(name);
     }
+  if (rung.budget.joins_later) {
+    rung.budget.joins_later = false;
+    add("no look-ahead");
+  }
   if (rung.budget.shrinks) {
     rung.budget.shrinks = false;
     add("no shrinkage");

@@ -82,8 +82,9 @@ std::optional<Governor> governor_of(const RunPlan& plan, const PipelineOptions& 
                                     const CameraFacts& camera, RunPace pace, PreviewUse previews) {
   const std::optional<Duration> deadline = deadline_of(plan.settings.fit, camera, pace);
   if (!deadline || plan.film != nullptr) return std::nullopt;
-  return Governor(budget_ladder(options.knobs.budget, field_use(plan.settings, options, use), previews),
-                  *deadline);
+  FrameBudget asked = options.knobs.budget;
+  asked.joins_later = options.knobs.look_ahead > 0;
+  return Governor(budget_ladder(asked, field_use(plan.settings, options, use), previews), *deadline);
 }
 
 void add_deadline(const Governor& governor, RunRecord& record) {

@@ -98,6 +98,49 @@ TEST_CASE("the same frames give the same bytes on one thread and on three, with 
   CHECK(run(scene, 7, options, 1).radiance == run(scene, 7, options, 3).radiance);
 }
 
+TEST_CASE("frames that join no later ones are of earlier ones alone, and leave those that do as they are") {
+  const test::MovingScene scene;
+  constexpr int kFrames = 14;
+  struct Emitted {
+    std::vector<float> radiance;
+    float most_later = 0;  // largest share of later frames
+  };
+  const auto emitted = [&](int look_ahead, auto&& joins) {
+    Knobs options = state_alone();
+    options.look_ahead = look_ahead;
+    WorkerPool pool(1);
+    Stream stream(scene, options, pool);
+    std::vector<Emitted> frames;
+    const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+      const auto radiance = estimate.state.radiance.samples(), later = estimate.state.later_share.samples();
+      frames.push_back({{radiance.begin(), radiance.end()}, *std::ranges::max_element(later)});
+      return {};
+    };
+    for (int i = 0; i < kFrames; ++i) {
+      FrameBudget budget = options.budget;
+      budget.joins_later = joins(i);
+      REQUIRE(stream.take(scene.frame(i), budget, emit));
+    }
+    REQUIRE(stream.finish(options.budget, emit));
+    REQUIRE(frames.size() == kFrames);
+    return frames;
+  };
+  const auto is_left_alone = [](int call) { return call % 4 == 2 || call % 4 == 3; };
+  for (const int look_ahead : {1, 2}) {
+    const std::vector<Emitted> all = emitted(look_ahead, [](int) { return true; });
+    const std::vector<Emitted> some = emitted(look_ahead, [&](int call) { return !is_left_alone(call); });
+    for (int i = 7; i < kFrames - look_ahead; ++i) {  // emitted by the call that brings its last later frame
+      const auto frame = static_cast<std::size_t>(i);
+      INFO("look-ahead " << look_ahead << ", frame " << i);
+      CHECK(all[frame].most_later > 0.05f);
+      if (is_left_alone(i + look_ahead))
+        CHECK(some[frame].most_later == 0);
+      else
+        CHECK(some[frame].radiance == all[frame].radiance);
+    }
+  }
+}
+
 TEST_CASE("the merged frames are nearer to the scene than the frames that went in") {
   test::MovingScene scene;
   scene.rows = 96, scene.cols = 128;
