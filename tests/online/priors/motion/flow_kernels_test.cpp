@@ -87,7 +87,7 @@ struct Searched {
   Image<float> planes;
   FlowPicture view{};
 
-  Searched(const Image<float>& gray)
+  explicit Searched(const Image<float>& gray)
       : planes(3, gray.rows() + 2 * kFlowBorder, gray.cols() + 2 * kFlowBorder) {
     const auto origin = [&](int c) { return planes.row(c, kFlowBorder) + kFlowBorder; };
     const std::ptrdiff_t pitch = planes.cols();
