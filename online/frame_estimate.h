@@ -14,9 +14,11 @@ namespace hdrcam {
 
 struct FrameEstimate {
   const ExposedFrame& frame;
-  const JoinedState& state;            // includes this frame and its look-ahead
-  const FlowField* to_previous;        // null at the first frame
-  const FlowField* to_next = nullptr;  // null without look-ahead, and at the last frame
+  const JoinedState& state;      // includes this frame and its look-ahead
+  const FlowField* to_previous;  // null at the first frame
+  // Vectors alone: only what joins later frames asks for their confidence. Null without look-ahead, and at
+  // the last frame.
+  const Image<float>* to_next = nullptr;
   FieldNow field;                      // fitted up to this frame, inclusive; empty without a field
   SceneView view;                      // the frame's own view, at full size, in the world of the field
   std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown

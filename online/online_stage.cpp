@@ -292,7 +292,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .frame = step.frame,
       .state = joined_,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
-      .to_next = ahead > 0 ? later[0].from_previous : nullptr,
+      .to_next = ahead > 0 ? &later[0].from_previous->vectors : nullptr,
       .field = FieldNow(step.in_field ? field_.get() : nullptr),
       .view = view,
       .pose = step.in_field ? step.pose

@@ -65,7 +65,7 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
 
 void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {
   if (options_.shows_flow_forward && estimate.to_next != nullptr)
-    frame.flow_forward.copy_from(estimate.to_next->vectors);
+    frame.flow_forward.copy_from(*estimate.to_next);
   else
     frame.flow_forward.reshape(0, 0, 0);
   if (options_.shows_points) find_surface_points(estimate, frame.radiance, frame.points);

@@ -170,14 +170,14 @@ void MotionEstimator::continue_last(float ratio, Image<float>& to) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&measured_now_, 1}});
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      clipped_motion_kernels().go_on({{rows_, cols_, y},
-                                      clipped_.row(0, y),
-                                      last_.plane(0),
-                                      measured_.plane(0),
-                                      ratio,
-                                      to.row(0, y),
-                                      to.row(1, y),
-                                      measured_now_.row(0, y)});
+      clipped_motion_kernels().go_on({.at = {rows_, cols_, y},
+                                      .clipped = clipped_.row(0, y),
+                                      .last = last_.plane(0),
+                                      .measured = measured_.plane(0),
+                                      .ratio = ratio,
+                                      .u = to.row(0, y),
+                                      .v = to.row(1, y),
+                                      .measured_now = measured_now_.row(0, y)});
   });
   std::swap(measured_, measured_now_);  // the memory of the old one is what is given back
 }
@@ -199,15 +199,15 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      clipped_motion_kernels().bridge({{rows_, cols_, y},
-                                       clipped_.row(0, y),
-                                       clipped_after_.plane(0),
-                                       after_to_state_.plane(0),
-                                       state_to_after_.plane(0),
-                                       r,
-                                       to.row(0, y),
-                                       to.row(1, y),
-                                       measured_.row(0, y)});
+      clipped_motion_kernels().bridge({.at = {rows_, cols_, y},
+                                       .clipped = clipped_.row(0, y),
+                                       .clipped_after = clipped_after_.plane(0),
+                                       .after_to_state = after_to_state_.plane(0),
+                                       .state_to_after = state_to_after_.plane(0),
+                                       .share = r,
+                                       .u = to.row(0, y),
+                                       .v = to.row(1, y),
+                                       .measured = measured_.row(0, y)});
   });
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&ahead_, 2}});
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -220,13 +220,13 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
     picture_kernels().warp_linear(
         {clipped_.plane(0), mask_.plane(0), ahead_.plane(0), ahead_.plane(1), 1, rows_, cols_, y0, y1, 0});
     for (int y = y0; y < y1; ++y)
-      clipped_motion_kernels().bridge_ahead({{rows_, cols_, y},
-                                             mask_.row(0, y),
-                                             clipped_after_.plane(0),
-                                             state_to_after_.plane(0),
-                                             r,
-                                             from.row(0, y),
-                                             from.row(1, y)});
+      clipped_motion_kernels().bridge_ahead({.at = {rows_, cols_, y},
+                                             .clipped = mask_.row(0, y),
+                                             .clipped_after = clipped_after_.plane(0),
+                                             .state_to_after = state_to_after_.plane(0),
+                                             .share = r,
+                                             .u = from.row(0, y),
+                                             .v = from.row(1, y)});
   });
 }
 
