@@ -82,7 +82,7 @@ void RenderStage::look_at_all(const FrameEstimate& estimate, int step, HdrFrame&
   if (!options_.shows_field_flow) return;
   for (const auto& [toward, flow] :
        {std::pair(Neighbour::Previous, &frame.field_flow), {Neighbour::Next, &frame.field_flow_forward}}) {
-    enlarge(view_.flow[static_cast<int>(toward)], step, rows, cols, *flow, pool_);
+    enlarge(view_.flow[static_cast<std::size_t>(toward)], step, rows, cols, *flow, pool_);
     for (float& px : flow->samples()) px *= static_cast<float>(step);  // in pixels of the full-size picture
   }
 }

@@ -65,8 +65,8 @@ void add_pictures(Tasks& tasks, int rows, int cols) {
                                   Planes(2, rows, cols, -6, 6, 2), Planes(3, rows, cols, 0, 0, 3)});
   for (int y = 0; y < rows; ++y)  // by one in a hundred, and what a measured flow is unsure of
     for (int x = 0; x < cols; ++x) {
-      room->zoom.row(0, y)[x] += 0.01f * static_cast<float>(x - cols / 2);
-      room->zoom.row(1, y)[x] += 0.01f * static_cast<float>(y - rows / 2);
+      room->zoom.row(0, y)[x] += 0.01f * static_cast<float>(2 * x - cols) / 2;
+      room->zoom.row(1, y)[x] += 0.01f * static_cast<float>(2 * y - rows) / 2;
     }
   const PictureKernels& kernels = picture_kernels();
   const auto warp = [&](const char* name, auto kernel, float limit, double flops, double look_ups) {

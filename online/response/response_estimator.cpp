@@ -287,6 +287,7 @@ float ResponseEstimator::find_black_level(std::size_t channel, const NoiseModel&
     if (level >= levels.back() + 1) levels.push_back(level);
   if (levels.size() == 1) return 0;
   std::vector<double> misfits;
+  misfits.reserve(levels.size());
   for (const float level : levels) misfits.push_back(misfit(level));
 
   const auto least =

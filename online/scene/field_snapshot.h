@@ -3,6 +3,7 @@
 // reader holds it, so that neither waits for the other and nothing is allocated per frame.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <utility>
@@ -37,9 +38,10 @@ struct LookRoom {
 // The rendered view; all images are [n, rows, cols] of the view. The caller keeps it, so that reusing a
 // picture allocates nothing.
 struct FieldPicture {
-  Image<float> radiance;       // [rgb] finite, >= 0
-  Image<float> depth;          // [1] camera z, >= 1, in units of the field's near plane
-  Image<float> flow[2];        // [dx dy] by Neighbour: px, to the view of the next and of the previous frame
+  Image<float> radiance;  // [rgb] finite, >= 0
+  Image<float> depth;     // [1] camera z, >= 1, in units of the field's near plane
+  std::array<Image<float>, 2>
+      flow;                    // [dx dy] by Neighbour: px, to the view of the next and of the previous frame
   Image<float> dynamic_share;  // [1] 0..1 of the light comes from the dynamic branch
   Image<float> confidence;     // [1] 0..1: the state's share; 0 where the field alone gives the radiance
   std::unique_ptr<LookRoom> room;
