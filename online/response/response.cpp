@@ -91,8 +91,8 @@ double response_error(const Response& a, const Response& b) {
       const double d = std::log2(a.inverse(c)[z]) - std::log2(b.inverse(c)[z]);
       mean += d, square += d * d;
     }
-    constexpr double n = kLast - kFirst + 1;
-    sum += square / n - (mean / n) * (mean / n);
+    constexpr double kCodes = kLast - kFirst + 1;
+    sum += square / kCodes - (mean / kCodes) * (mean / kCodes);
   }
   return std::sqrt(std::max(0.0, sum / 3));
 }

@@ -33,7 +33,7 @@ void TextureError::observe(const ExposedFrame& frame, const RadianceState& state
   const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
   const int lines = (rows - 2 * kMargin + lines_apart - 1) / lines_apart;
   if (lines <= 0 || cols <= 2 * kMargin) return;
-  const auto line_room = static_cast<std::size_t>(3 * ((cols - 2 * kMargin + kStride - 1) / kStride));
+  const auto line_room = 3 * static_cast<std::size_t>((cols - 2 * kMargin + kStride - 1) / kStride);
   shares_.resize(line_room * static_cast<std::size_t>(lines));
   found_.assign(static_cast<std::size_t>(lines), 0);
   pool_.for_each(lines, [&](int i) {

@@ -41,7 +41,8 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
       cols_(std::max(2, cols / options.step_px)),
       pool_(pool) {
   // the lens in steps: grid point x is the centre of pixel x * step + step / 2, and lies at x + 0.5
-  const double step = options.step_px, first = options.step_px / 2 + 0.5;
+  const int half_step = options.step_px / 2;
+  const double step = options.step_px, first = half_step + 0.5;
   lens_.fx_px /= step, lens_.fy_px /= step;
   lens_.cx_px = (lens_.cx_px - first) / step + 0.5, lens_.cy_px = (lens_.cy_px - first) / step + 0.5;
   for (Keyframe& keyframe : keyframes_) keyframe.seen = Image<float>(3, rows_, cols_);
@@ -159,19 +160,19 @@ MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Rel
   const float u = (keyframe.seen.at(0, y, x) - cx) / fx, v = (keyframe.seen.at(1, y, x) - cy) / fy;
   float a[3];
   relative.turn((static_cast<float>(x) + 0.5f - cx) / fx, (static_cast<float>(y) + 0.5f - cy) / fy, a);
-  // a + d t projects to (u, v):  A + d B = 0
-  const float Ax = a[0] - u * a[2], Ay = a[1] - v * a[2];
-  const float Bx = relative.t[0] - u * relative.t[2], By = relative.t[1] - v * relative.t[2];
-  const float BB = Bx * Bx + By * By;
+  // a + d t projects to (u, v): (ax, ay) + d (bx, by) = 0
+  const float ax = a[0] - u * a[2], ay = a[1] - v * a[2];
+  const float bx = relative.t[0] - u * relative.t[2], by = relative.t[1] - v * relative.t[2];
+  const float bb = bx * bx + by * by;
   const float grown = static_cast<float>(keyframe.age) * options_.noise_growth_px * options_.noise_growth_px;
   const float sigma =
       std::sqrt(options_.noise_px * options_.noise_px + grown) / (fx * static_cast<float>(options_.step_px));
-  if (!(BB > 1e-12f)) return Seen::Nothing;
-  const float d = -(Ax * Bx + Ay * By) / BB;
+  if (!(bb > 1e-12f)) return Seen::Nothing;
+  const float d = -(ax * bx + ay * by) / bb;
   const float z = a[2] + std::max(d, 0.f) * relative.t[2];
   if (!(z > kNearestZ)) return Seen::Nothing;
-  const float sigma_d = sigma * z / std::sqrt(BB);
-  const float across = (Ax * By - Ay * Bx) / (std::sqrt(BB) * z);
+  const float sigma_d = sigma * z / std::sqrt(bb);
+  const float across = (ax * by - ay * bx) / (std::sqrt(bb) * z);
   if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d)
     return Seen::Moving;
   estimate = {std::max(d, 0.f), 1 / (sigma_d * sigma_d)};

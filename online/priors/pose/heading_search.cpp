@@ -115,6 +115,7 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
                                      const RigidTransform& turned, int count) {
   const std::vector<Parallax> parallax = parallaxes(points, lens, turned);
   std::vector<Candidate> candidates;
+  candidates.reserve(kHeadings);
   std::vector<double> errors;
   for (int i = 0; i < kHeadings; ++i) candidates.push_back(explain(parallax, heading(i), errors));
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -129,6 +130,7 @@ std::vector<Heading> search_headings(std::span<const ScenePoint> points, const I
     if (static_cast<int>(chosen.size()) == count) break;
   }
   std::vector<Heading> headings;
+  headings.reserve(chosen.size());
   for (const Candidate& candidate : chosen)
     headings.push_back(as_pose(candidate, parallax, points.size(), turned));
   return headings;

@@ -184,11 +184,11 @@ void PointTracks::seed(const Image<float>& confidence, int rows, int cols, const
   const int across = std::max(1, static_cast<int>(cols / cell)),
             down = std::max(1, static_cast<int>(rows / cell));
   const double cell_x = static_cast<double>(cols) / across, cell_y = static_cast<double>(rows) / down;
-  occupied_.assign(static_cast<std::size_t>(across * down), 0);
+  occupied_.assign(static_cast<std::size_t>(across) * static_cast<std::size_t>(down), 0);
   const auto cell_of = [&](const Eigen::Vector2d& px) {
     const int x = std::clamp(static_cast<int>(px.x() / cell_x), 0, across - 1);
     const int y = std::clamp(static_cast<int>(px.y() / cell_y), 0, down - 1);
-    return static_cast<std::size_t>(y * across + x);
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(across) + static_cast<std::size_t>(x);
   };
   if (!depth_known && !points_.empty()) return;
   for (const ScenePoint& point : points_) occupied_[cell_of(point.seen_px)] = 1;

@@ -135,7 +135,7 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
         1 / std::clamp(std::isfinite(answer.inverse_depth) ? answer.inverse_depth : 1.f, 1e-4f, 1.f);
     picture.dynamic_share.at(0, y, x) = std::clamp(presentable(answer.dynamic_share), 0.f, 1.f);
     picture.confidence.at(0, y, x) = std::clamp(presentable(answer.confidence), 0.f, 1.f);
-    for (int n = 0; n < 2; ++n)
+    for (std::size_t n = 0; n < 2; ++n)
       for (int a = 0; a < 2; ++a)
         picture.flow[n].at(a, y, x) =
             std::isfinite(answer.flow[n][a]) ? answer.flow[n][a] / map.scale[a] : 0.f;

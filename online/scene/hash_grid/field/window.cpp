@@ -189,8 +189,8 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
       }
       kernels.base(row, n);
       for (int i = 0; i < n; ++i) {
-        base[i][static_cast<std::size_t>(kBaseLogRadiance + c)] = log_radiance[i];
-        base[i][static_cast<std::size_t>(kBaseGate + c)] = gate[i];
+        base[i][kBaseLogRadiance + static_cast<std::size_t>(c)] = log_radiance[i];
+        base[i][kBaseGate + static_cast<std::size_t>(c)] = gate[i];
       }
     }
   });
@@ -305,7 +305,7 @@ void Window::take_surface(WindowFrame& frame, WorkerPool& pool) const {
 RigidTransform Window::move_anchor() {
   CHECK(!order_.empty());
   const RigidTransform T_world_new = newest().T_world_camera;
-  const RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
+  RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   for (int i = 0; i < size(); ++i) {
     WindowFrame& lifted = writable(i);

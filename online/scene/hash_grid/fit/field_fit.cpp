@@ -236,8 +236,8 @@ TrainingRay FieldFit::ray_at(int index, int x, int y) {
   ray.guide = base[kBaseSurface];
   for (int c = 0; c < 3; ++c) {
     ray.values[c] = frame.values.at(c, y, x);
-    ray.state_log_radiance[c] = base[static_cast<std::size_t>(kBaseLogRadiance + c)];
-    ray.state_trust[c] = 1 - base[static_cast<std::size_t>(kBaseGate + c)];
+    ray.state_log_radiance[c] = base[kBaseLogRadiance + static_cast<std::size_t>(c)];
+    ray.state_trust[c] = 1 - base[kBaseGate + static_cast<std::size_t>(c)];
   }
   const float blur_px = std::hypot(base[kBaseFlow + 2], base[kBaseFlow + 3]) * frame.blur_fraction;
   ray.sharpness = 1 / (1 + blur_px * blur_px);
