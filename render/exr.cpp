@@ -85,30 +85,30 @@ Imf::Compression library_name(ExrCompression compression) {
   return Imf::ZIP_COMPRESSION;
 }
 
-// OpenEXR multiplies row vectors from the left, p_camera = p_world * M, so M is the transpose of
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * m, so m is the transpose of
 // T_camera_world; the inverse of a rigid [R t] is [R' -R't].
 Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
   const auto& T = T_world_camera;
-  Imath::M44f M;
+  Imath::M44f m;
   for (int row = 0; row < 3; ++row) {
     double t_camera_world = 0;
     for (int k = 0; k < 3; ++k) {
-      const double R = T[static_cast<std::size_t>(4 * k + row)];  // R'(row, k)
-      M[k][row] = static_cast<float>(R);
-      t_camera_world -= R * T[static_cast<std::size_t>(4 * k + 3)];
+      const double R = T[4 * static_cast<std::size_t>(k) + static_cast<std::size_t>(row)];  // R'(row, k)
+      m[k][row] = static_cast<float>(R);
+      t_camera_world -= R * T[4 * static_cast<std::size_t>(k) + 3];
     }
-    M[3][row] = static_cast<float>(t_camera_world);
+    m[3][row] = static_cast<float>(t_camera_world);
   }
-  return M;
+  return m;
 }
 
-PoseMatrix world_from_camera(const Imath::M44f& M) {
+PoseMatrix world_from_camera(const Imath::M44f& m) {
   PoseMatrix T{};
   for (int row = 0; row < 3; ++row) {
-    const auto first = static_cast<std::size_t>(4 * row);
+    const auto first = 4 * static_cast<std::size_t>(row);
     for (int k = 0; k < 3; ++k) {
-      T[first + static_cast<std::size_t>(k)] = static_cast<double>(M[row][k]);
-      T[first + 3] -= static_cast<double>(M[row][k]) * static_cast<double>(M[3][k]);
+      T[first + static_cast<std::size_t>(k)] = static_cast<double>(m[row][k]);
+      T[first + 3] -= static_cast<double>(m[row][k]) * static_cast<double>(m[3][k]);
     }
   }
   return T;

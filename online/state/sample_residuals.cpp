@@ -46,7 +46,7 @@ void SampleResiduals::observe(const RadianceState& predicted, const Samples& sam
 
 void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samples& samples,
                                const Image<float>& confidence, const ExposureTables& tables, float known) {
-  constexpr ResidualSampling how = kResidualSampling;
+  const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
   const int rows = predicted.radiance.rows(), cols = predicted.radiance.cols();
   const int lines_apart = std::max(1, rows * cols / (how.stride_px * how.stride_px) / kPixels);
