@@ -16,10 +16,10 @@ float mu_law(float x) { return std::log1p(kMu * x) / std::log(kMu + 1); }
 
 // PU21, "banding + glare": luminance in cd/m2 to perceptually uniform units.
 float pu21(float luminance) {
-  constexpr float p[7] = {0.353487901f,   0.3734658629f, 8.277049286e-05f, 0.9062562627f,
-                          0.09150303166f, 0.9099517204f, 596.3148142f};
-  const float y = std::pow(std::clamp(luminance, 0.005f, 10000.0f), p[3]);
-  return p[6] * (std::pow((p[0] + p[1] * y) / (1 + p[2] * y), p[4]) - p[5]);
+  constexpr float kP[7] = {0.353487901f,   0.3734658629f, 8.277049286e-05f, 0.9062562627f,
+                           0.09150303166f, 0.9099517204f, 596.3148142f};
+  const float y = std::pow(std::clamp(luminance, 0.005f, 10000.0f), kP[3]);
+  return kP[6] * (std::pow((kP[0] + kP[1] * y) / (1 + kP[2] * y), kP[4]) - kP[5]);
 }
 
 double decibel(double mean_square) { return -10 * std::log10(std::max(mean_square, 1e-12)); }
