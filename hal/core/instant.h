@@ -18,7 +18,8 @@ struct Instant {
   }
   double seconds() const { return static_cast<double>(since_boot.count()) * 1e-9; }
 
-  friend auto operator<=>(const Instant&, const Instant&) = default;
+  friend bool operator==(const Instant&, const Instant&) = default;
+  friend auto operator<=>(const Instant& a, const Instant& b) { return a.since_boot <=> b.since_boot; }
   friend Duration operator-(Instant a, Instant b) { return a.since_boot - b.since_boot; }
   friend Instant operator+(Instant a, Duration d) { return {a.since_boot + d}; }
 };

@@ -53,7 +53,7 @@ std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
   if (entry == nullptr) return std::nullopt;
   std::string_view text = entry->value;
   const auto take = [&text](double& value) {
-    text.remove_prefix(std::min(text.find_first_not_of(" "), text.size()));
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     return error == std::errc();

@@ -141,7 +141,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     camera_->disconnected.connect(this, &LibcameraCamera::on_disconnected);
   }
   ~LibcameraCamera() override {
-    (void)stop();
+    (void)LibcameraCamera::stop();
     camera_->requestCompleted.disconnect(this);
     camera_->disconnected.disconnect(this);
     slots_.clear(), buffers_.reset();

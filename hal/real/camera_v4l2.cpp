@@ -93,7 +93,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     capabilities_.modes = modes_of(nodes_.video, nodes_.identity.queue_type);
     control_.describe(capabilities_);
   }
-  ~V4l2Camera() override { (void)stop(); }
+  ~V4l2Camera() override { (void)V4l2Camera::stop(); }
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
 
@@ -179,7 +179,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (!started_) return {};
     started_ = false;
     wake_.set();
-    const auto stopped = stream_.stop();
+    auto stopped = stream_.stop();
     if (!stopped && stopped.error().code != ErrorCode::Unplugged) return stopped;
     return {};
   }
@@ -216,7 +216,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
     if (!due) return {};
-    const Result<void> wrote = control_.write(due->request);
+    Result<void> wrote = control_.write(due->request);
     if (wrote) pacer_.written(*due, clock_.now());
     return wrote;
   }

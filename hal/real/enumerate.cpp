@@ -47,6 +47,7 @@ std::vector<std::string> mode_facts(const CameraCapabilities& camera) {
     list += fmt::format("{}{}x{}@{:.0f}", list.empty() ? "" : " ", mode.width, mode.height,
                         1 / to_seconds(mode.frame_duration));
   }
+  facts.reserve(sizes.size());
   for (const auto& [format, list] : sizes) facts.push_back(fmt::format("{}: {}", name(format), list));
   if (facts.empty()) facts.emplace_back("no picture format that hdrcam supports");
   return facts;

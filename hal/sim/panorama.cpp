@@ -149,7 +149,7 @@ Panorama::Panorama(Environment kind, std::uint64_t seed, int face_px, WorkerPool
     for (int x = 0; x < side_; ++x) {
       const float s = (static_cast<float>(x) + 0.5f) / static_cast<float>(side_) * 2 - 1;
       const Vec3 d = normalized(direction_of(row / side_, s, t));
-      texels_[static_cast<std::size_t>(row * side_ + x)] =
+      texels_[static_cast<std::size_t>(row) * static_cast<std::size_t>(side_) + static_cast<std::size_t>(x)] =
           texel_of(exp2(stops_at(kind, {d, std::atan2(d.x, d.z), -d.y, noise_seed})));
     }
   });

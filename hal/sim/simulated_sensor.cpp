@@ -159,8 +159,9 @@ void SimulatedSensor::read_row(const Shot& shot, int channel, int y, std::span<f
   }
   if (hot_pixels_) hot_pixels_->add(channel, y, static_cast<float>(shot.exposure_s), electrons);
   if (noise_) {
-    const auto row = static_cast<std::uint64_t>(channel * light_.rows() + y);
-    noise_->apply(electrons, kCapacity * simulation_.full_well_e, shot.sequence, row * electrons.size());
+    const int row = channel * light_.rows() + y;
+    noise_->apply(electrons, kCapacity * simulation_.full_well_e, shot.sequence,
+                  static_cast<std::uint64_t>(row) * electrons.size());
   }
 }
 

@@ -109,7 +109,7 @@ Texture::Texture(Pattern pattern, std::uint64_t seed) {
       const Place place{(static_cast<float>(x) + 0.5f) / kSide, (static_cast<float>(y) + 0.5f) / kSide, seed,
                         noise_seed};
       const Colour colour = exp2(pattern_at(pattern, place));
-      levels_[0][static_cast<std::size_t>(y * kSide + x)] = texel_of(colour);
+      levels_[0][static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x)] = texel_of(colour);
       sum += luminance(colour);
     }
   for (Texel& texel : levels_[0]) texel *= kSide * kSide / sum;

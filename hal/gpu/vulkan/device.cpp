@@ -135,6 +135,7 @@ Result<void> Device::compile(const GpuShader& shader, Kernel& kernel) {
   VkResult done = vk_.CreateShaderModule(device_, &module, nullptr, &kernel.module);
 
   std::vector<VkDescriptorSetLayoutBinding> bindings;
+  bindings.reserve(static_cast<std::size_t>(shader.buffers));
   for (int i = 0; i < shader.buffers; ++i)
     bindings.push_back({static_cast<std::uint32_t>(i),
                         (kernel.uniforms >> i & 1) != 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER

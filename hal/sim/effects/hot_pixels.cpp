@@ -11,8 +11,9 @@ HotPixels::HotPixels(HotPixelSettings settings, std::uint64_t seed, int channels
   constexpr std::uint64_t kPlaceStream = 0x686f74, kRateStream = 0x6c65616b;
   const CounterRandom place(seed, kPlaceStream), rate(seed, kRateStream);
   std::uint64_t sample = 0;
-  first_.reserve(static_cast<std::size_t>(channels * rows + 1));
-  for (int row = 0; row < channels * rows; ++row) {
+  const int lines = channels * rows;
+  first_.reserve(static_cast<std::size_t>(lines) + 1);
+  for (int line = 0; line < lines; ++line) {
     first_.push_back(leaks_.size());
     for (int x = 0; x < cols; ++x, ++sample)
       if (place.uniform(sample) < settings.share)
@@ -22,7 +23,8 @@ HotPixels::HotPixels(HotPixelSettings settings, std::uint64_t seed, int channels
 }
 
 std::span<const HotPixels::Leak> HotPixels::in_row(int channel, int y) const {
-  const auto row = static_cast<std::size_t>(channel * rows_ + y);
+  const auto row =
+      static_cast<std::size_t>(channel) * static_cast<std::size_t>(rows_) + static_cast<std::size_t>(y);
   return std::span(leaks_).subspan(first_[row], first_[row + 1] - first_[row]);
 }
 
