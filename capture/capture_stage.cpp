@@ -178,7 +178,7 @@ void CaptureStage::settle_trigger() {
 Result<void> CaptureStage::top_up() {
   while (under_way_ < depth_) {
     if (!pending_) pending_ = matcher_->next_request();
-    const Result<void> queued = camera_.queue(*pending_);
+    Result<void> queued = camera_.queue(*pending_);
     if (!queued && queued.error().code == ErrorCode::Busy) {
       ++counters_.requests_late;
       break;

@@ -101,8 +101,11 @@ std::string described(std::span<const Exposure> cycle) {
 Path best_path(std::span<const CycleStep> steps, std::span<const double> log_exposures) {
   constexpr double kLeast = 0.25, kMost = 2.5, kStep = 1.07;  // of the stretch: real cameras lie within
   Path best;
-  for (double stretch = kLeast; stretch <= kMost; stretch *= kStep)
+  double stretch = kLeast;
+  while (stretch <= kMost) {
     if (Path path = cheapest(steps, log_exposures, stretch); path.cost < best.cost) best = std::move(path);
+    stretch *= kStep;
+  }
   return best;
 }
 
@@ -135,6 +138,7 @@ std::vector<double> first_guess(std::span<const CycleStep> steps, std::size_t pe
     std::vector<std::vector<double>> ratios(period);
     for (std::size_t i = 0; i < window; ++i) ratios[i % period].push_back(steps[begin + i].log_ratio);
     std::vector<double> to_next;
+    to_next.reserve(period);
     for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
     double deviation = 0;
     for (std::size_t i = 0; i < window; ++i)
@@ -154,6 +158,7 @@ std::vector<double> refined(std::span<const CycleStep> steps, std::span<const do
     if (to == (from + 1) % log_exposures.size()) ratios[from].push_back(steps[i].log_ratio);
   }
   std::vector<double> to_next;
+  to_next.reserve(ratios.size());
   for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
   return around_mean(to_next);
 }
@@ -200,6 +205,7 @@ Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
   std::vector<double> log_exposures = first_guess(steps[0], period);
   for (int round = 0; round < kRounds; ++round) log_exposures = refined(steps[0], log_exposures);
   std::vector<Exposure> cycle;
+  cycle.reserve(log_exposures.size());
   for (const double log_exposure : log_exposures)
     cycle.push_back({Instant::from_seconds(kReference_s * std::exp(log_exposure)).since_boot, 1});
   return cycle;

@@ -52,6 +52,10 @@ Greens greens(PixelLayout layout) {
   return {};
 }
 
+std::size_t index_of(const PhotometricSignature& signature, int y, int x) {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(signature.cols) + static_cast<std::size_t>(x);
+}
+
 // Calls body(value in a, value in b) for the sites that the two frames share.
 template <class Body>
 void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature& b, SiteShift shift,
@@ -59,8 +63,7 @@ void for_shared_sites(const PhotometricSignature& a, const PhotometricSignature&
   const int y1 = std::min(a.rows, a.rows - shift.dy), x1 = std::min(a.cols, a.cols - shift.dx);
   for (int y = std::max(0, -shift.dy); y < y1; ++y)
     for (int x = std::max(0, -shift.dx); x < x1; ++x)
-      body(a.at_site[static_cast<std::size_t>(y * a.cols + x)],
-           b.at_site[static_cast<std::size_t>((y + shift.dy) * a.cols + x + shift.dx)]);
+      body(a.at_site[index_of(a, y, x)], b.at_site[index_of(a, y + shift.dy, x + shift.dx)]);
 }
 
 // Marks the sites that are brighter than the site of a given rank; they are the same for every exposure
@@ -74,7 +77,7 @@ Bitmap brighter_than(const PhotometricSignature& signature, float threshold) {
   for (int y = 0; y < signature.rows; ++y)
     for (int x = 0; x < signature.cols; ++x)
       bitmap[static_cast<std::size_t>(y)] |=
-          std::uint64_t{signature.at_site[static_cast<std::size_t>(y * signature.cols + x)] > threshold} << x;
+          std::uint64_t{signature.at_site[index_of(signature, y, x)] > threshold} << x;
   return bitmap;
 }
 
@@ -98,10 +101,12 @@ SiteShift align(const PhotometricSignature& a, const PhotometricSignature& b) {
       const int width = a.cols - std::abs(dx), height = a.rows - std::abs(dy);
       const std::uint64_t seen = (std::uint64_t{1} << width) - 1;
       int differing = 0;
-      for (int y = std::max(0, -dy); y < std::max(0, -dy) + height; ++y)
+      for (int y = std::max(0, -dy); y < std::max(0, -dy) + height; ++y) {
+        const int y_in_b = y + dy;
         differing += std::popcount((in_a[static_cast<std::size_t>(y)] >> std::max(0, -dx) ^
-                                    in_b[static_cast<std::size_t>(y + dy)] >> std::max(0, dx)) &
+                                    in_b[static_cast<std::size_t>(y_in_b)] >> std::max(0, dx)) &
                                    seen);
+      }
       const double area = width * height;
       // A small preference for no motion, since flat pictures fit everywhere.
       const double share = differing / area + 0.002 * (std::abs(dx) + std::abs(dy));
