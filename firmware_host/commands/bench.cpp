@@ -34,6 +34,7 @@ Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
     const auto found = std::ranges::find(all, wanted, &CostPoint::name);
     if (found == all.end()) {
       std::vector<std::string> known;
+      known.reserve(all.size());
       for (const CostPoint& point : all) known.push_back(point.name);
       return Error{ErrorCode::Invalid,
                    fmt::format("there is no point '{}'; there are {}", wanted, fmt::join(known, ", "))};

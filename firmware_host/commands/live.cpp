@@ -72,7 +72,7 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
                      .title = camera.name,
                      .command = command_line_of(flags, settings),
                      .trace = trace.trace()};
-  const Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
+  Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
   return ended;

@@ -47,7 +47,7 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
     if (!frame || frame.value() == nullptr) break;
   }
   RunRecord record;
-  const Result<void> ended = source->finish(record);
+  Result<void> ended = source->finish(record);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   say("{} frames; {}\n{}\n", source->counters().emitted, proof_of(source->counters()), settings.record.file);
   TRY(failed);

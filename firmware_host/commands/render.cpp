@@ -119,7 +119,7 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
       .sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds(),
       .stop = &around.stop,
       .trace = trace.trace()};
-  const Result<void> ended = trace.write_after(run(run_plan, *source, around.storage), around.storage);
+  Result<void> ended = trace.write_after(run(run_plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   return ended;
 }

@@ -74,7 +74,7 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
                .truth = flags.truth,
                .stop = &around.stop,
                .trace = trace.trace()};
-  const Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
+  Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
   return ended;
 }

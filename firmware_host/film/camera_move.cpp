@@ -201,6 +201,7 @@ Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& pa
   if (rows.size() > kMostPoses)
     return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} poses", path, kMostPoses)};
   std::vector<Pose> poses;
+  poses.reserve(rows.size());
   for (const Row& row : rows) poses.push_back({row[0], offset_of(row)});
   return of(std::move(poses), path);
 }
