@@ -131,6 +131,7 @@ std::vector<const ContactSheet::Row*> ContactSheet::chosen_rows() const {
   std::vector<const Row*> chosen;
   const int n = static_cast<int>(rows_.size());
   const int shown = std::min(n, kRowsShown);
+  chosen.reserve(static_cast<std::size_t>(shown));
   for (int i = 0; i < shown; ++i)
     chosen.push_back(&rows_[static_cast<std::size_t>(shown == 1 ? 0 : i * (n - 1) / (shown - 1))]);
   return chosen;
