@@ -89,6 +89,7 @@ std::vector<Rgb> false_colour_scale(int steps) {
   for (int i = 0; i < steps; ++i) codes.at(0, 0, i) = static_cast<std::uint8_t>(255 * i / (steps - 1));
   const Image<std::uint8_t> colours = false_colours(codes);
   std::vector<Rgb> scale;
+  scale.reserve(static_cast<std::size_t>(steps));
   for (int i = 0; i < steps; ++i)
     scale.push_back({colours.at(0, 0, i), colours.at(1, 0, i), colours.at(2, 0, i)});
   return scale;
