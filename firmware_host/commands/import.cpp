@@ -30,8 +30,9 @@ struct ImportOptions {
 };
 
 // Returns the number of frames. The verdicts of the pictures on the exposures go into the recording.
-Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path) {
-  auto writer = TRY(create_recording(around.storage, path, clip.camera()));
+Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path,
+                                  RecordingCodec codec) {
+  auto writer = TRY(create_recording(around.storage, path, clip.camera(), Creation::New, codec));
   CapturedFrame frame;
   while (TRY(clip.next(frame))) {
     if (around.stop)
@@ -70,7 +71,7 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
   TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
-  const std::uint64_t frames = TRY(copy_frames(around, clip, making.path()));
+  const std::uint64_t frames = TRY(copy_frames(around, clip, making.path(), settings.record.codec));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
@@ -150,7 +151,8 @@ void add_import(CLI::App& app, Verb& chosen) {
   verb->add_flag("--allow-outside", options->allow_outside,
                  "also read images that the clip.json names outside its own folder");
   options->kept.add_to(*verb);
-  options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
+  options->settings =
+      std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"record.codec", "machine.memory_mib"});
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return import_any(around, *options); };
   });

@@ -60,7 +60,8 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
   RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
                                  .timeout = flags.limits.options(true).timeout,
                                  .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns,
-                                 .copy_to = settings.record.file};
+                                 .copy_to = settings.record.file,
+                                 .copy_codec = settings.record.codec};
   if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
   const auto source = TRY(RecordingSource::open(around.storage, file, options, around.stop));
   const CameraFacts& camera = source->camera();

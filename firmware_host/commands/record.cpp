@@ -35,7 +35,8 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
                           Surroundings& around) {
   RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
                                  .timeout = flags.limits.options(false).timeout,
-                                 .copy_to = settings.record.file};
+                                 .copy_to = settings.record.file,
+                                 .copy_codec = settings.record.codec};
   if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
   const auto source =
       TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));

@@ -90,6 +90,7 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   auto reader = TRY(open_recording(storage, path, Damage::IsSkipped));
   RecordingSummary summary;
   summary.camera = reader->camera();
+  summary.codec = reader->codec();
   const auto file = TRY(storage.open(path));
   summary.bytes = TRY(file->size());
   std::vector<FrameFacts> frames;
@@ -136,7 +137,7 @@ std::string as_table(const RecordingSummary& summary, const std::string& path) {
   if (summary.damaged > 0) row("damaged", fmt::format("{} frame(s)", summary.damaged));
   row("poses",
       summary.with_pose == 0 ? "none" : fmt::format("{} of {} frames", summary.with_pose, summary.frames));
-  row("size", fmt::format("{:.2f} MB", static_cast<double>(summary.bytes) * 1e-6));
+  row("size", fmt::format("{:.2f} MB, {}", static_cast<double>(summary.bytes) * 1e-6, name(summary.codec)));
   const std::string damage = summary.left_out.sentence();
   if (!damage.empty()) row("unreadable", damage);
   row("complete", summary.end ? "no: " + printable(summary.end->message) : damage.empty() ? "yes" : "no");
@@ -167,6 +168,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
                {"exposure_sources", summary.sources},
                {"damaged", summary.damaged},
                {"with_pose", summary.with_pose},
+               {"codec", name(summary.codec)},
                {"bytes", summary.bytes},
                {"unreadable", summary.left_out.count},
                {"unreadable_places", summary.left_out.places},

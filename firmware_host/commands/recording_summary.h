@@ -15,6 +15,7 @@ namespace hdrcam {
 
 struct RecordingSummary {
   CameraFacts camera;
+  RecordingCodec codec = RecordingCodec::Huffyuv;
   std::uint64_t bytes = 0;    // of the file
   std::uint64_t frames = 0;   // whole ones
   std::uint64_t dropped = 0;  // missing sequence numbers

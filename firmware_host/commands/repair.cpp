@@ -26,7 +26,7 @@ struct Saved {
 
 // A frame keeps its number, so that what is missing before it stays visible, and says so.
 Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, const std::string& path) {
-  auto writer = TRY(create_recording(around.storage, path, from.camera(), Creation::New));
+  auto writer = TRY(create_recording(around.storage, path, from.camera(), Creation::New, from.codec()));
   Saved saved;
   std::uint64_t left_out = 0;
   for (;; ++saved.frames) {

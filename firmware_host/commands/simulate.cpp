@@ -125,8 +125,8 @@ struct Outputs {
   std::optional<TruthFolder> truth;
 };
 
-Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
-                             const SimulatedSensor& sensor) {
+Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, const SimulatedSensor& sensor,
+                             RecordingCodec codec) {
   Outputs outputs;
   CameraFacts facts = sensor.facts();
   if (!flags.truth.empty()) {
@@ -135,7 +135,7 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags,
   }
   // last, so that a refused run never empties an earlier recording
   if (!flags.output.empty())
-    outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace));
+    outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace, codec));
   return outputs;
 }
 
@@ -211,7 +211,7 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
   TRY(flags.kept.check(around.storage, {}, {{"--output", flags.output, OutputKind::Recording}}));
-  Outputs outputs = TRY(open_outputs(around, flags, sensor));
+  Outputs outputs = TRY(open_outputs(around, flags, sensor, settings.record.codec));
   return film(around, flags, timeline, sensor, pool, outputs);
 }
 
@@ -234,8 +234,8 @@ void add_simulate(CLI::App& app, Verb& chosen) {
   verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
   verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb,
-      std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "machine.memory_mib"});
+      *verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "record.codec",
+                                      "machine.memory_mib"});
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
 }

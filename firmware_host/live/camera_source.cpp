@@ -35,7 +35,8 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   source->facts_ = source->capture_->facts();
   std::unique_ptr<RecordingWriter> recording;
   if (!settings.record.file.empty())
-    recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace));
+    recording = TRY(create_recording(storage, settings.record.file, source->facts_, Creation::Replace,
+                                     settings.record.codec));
   limits.memory_bytes = static_cast<std::size_t>(settings.record.memory_mib) << 20;
   source->session_ = std::make_unique<LiveSession>(*source->capture_, std::move(recording), limits);
   return source;
@@ -98,7 +99,7 @@ Result<std::unique_ptr<RecordingWriter>> CameraSource::create_take() {
   TRY(storage_.make_directories(takes_->folder()));
   for (;; ++next_take_) {
     recording_ = takes_->path(next_take_);
-    auto take = create_recording(storage_, recording_, facts_, Creation::New);
+    auto take = create_recording(storage_, recording_, facts_, Creation::New, codec_);
     if (take || take.error().code != ErrorCode::Exists) return take;
   }
 }

@@ -54,7 +54,11 @@ class CameraSource : public FrameSource, public RunControl {
 
  private:
   CameraSource(const Settings& settings, Storage& storage, const std::atomic<bool>& stop)
-      : stop_(stop), storage_(storage), adapt_(settings.schedule.adapt), recording_(settings.record.file) {}
+      : stop_(stop),
+        storage_(storage),
+        adapt_(settings.schedule.adapt),
+        codec_(settings.record.codec),
+        recording_(settings.record.file) {}
   Result<std::unique_ptr<RecordingWriter>> create_take();
 
   const std::atomic<bool>& stop_;
@@ -68,6 +72,7 @@ class CameraSource : public FrameSource, public RunControl {
   bool replayed_ = false, fits_ = true;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;
+  const RecordingCodec codec_;         // of recordings
   std::string recording_;              // the file that is open; "" for none
   std::optional<FramePattern> takes_;  // recordings that a person starts
   std::uint64_t next_take_ = 1;

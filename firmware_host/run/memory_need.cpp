@@ -19,7 +19,7 @@ constexpr std::uint64_t kBesideField = 40;   // its priors, and its view of unse
 constexpr std::uint64_t kQueuedFrame = 66;   // of a sink's copy of an HDR frame with all its layers
 constexpr std::uint64_t kWrittenFrame = 20;  // of what the sink makes of it
 constexpr std::uint64_t kSimulator = 200;
-constexpr std::uint64_t kCodec = 24;  // packets and pictures of FFV1
+constexpr std::uint64_t kCodec = 24;  // packets and pictures of a recording's codec
 
 std::uint64_t pixels(int width, int height) {
   return static_cast<std::uint64_t>(std::max(0, width)) * static_cast<std::uint64_t>(std::max(0, height));

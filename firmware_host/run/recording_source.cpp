@@ -13,7 +13,8 @@ Result<std::unique_ptr<RecordingSource>> RecordingSource::open(Storage& storage,
   auto recording = TRY(RecordingStage::open(storage, path, options.contradiction));
   std::unique_ptr<RecordingWriter> copy;
   if (!options.copy_to.empty())
-    copy = TRY(create_recording(storage, options.copy_to, recording->camera(), Creation::Replace));
+    copy = TRY(create_recording(storage, options.copy_to, recording->camera(), Creation::Replace,
+                                options.copy_codec));
   return std::unique_ptr<RecordingSource>(
       new RecordingSource(std::move(recording), std::move(copy), options, stop));
 }

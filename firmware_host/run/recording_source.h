@@ -22,6 +22,7 @@ struct RecordingSourceOptions {
   Contradiction contradiction = Contradiction::Warns;
   std::optional<BlackLevel> black_level = {};  // stated by the user, instead of the recording's own
   std::string copy_to = {};                    // a recording of the judged frames; "" for none
+  RecordingCodec copy_codec = RecordingCodec::Huffyuv;
 };
 
 class RecordingSource : public FrameSource {

@@ -334,6 +334,10 @@ std::vector<SettingField> record_fields() {
       any<&Settings::record, &R::file>(
           "record.file", "--record",
           "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
+      choice<&Settings::record, &R::codec, RecordingCodec::Huffyuv, RecordingCodec::Ffv1>(
+          "record.codec", "--record-codec",
+          "of its pixels, without loss: huffyuv takes a fifth of the time, ffv1 a fifth less space",
+          {"huffyuv", "ffv1"}),
       number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
                                                 "memory for frames that wait for the disk, MiB",
                                                 {1, 65536, {}}),

@@ -13,6 +13,7 @@
 #include "firmware_host/log_format.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/video_options.h"
+#include "hal/recording/recording.h"
 #include "hal/replay/replayed_camera.h"
 #include "hal/trigger_line.h"
 #include "online/knobs.h"
@@ -82,7 +83,8 @@ struct Settings {
   } output;
   VideoOptions video;  // of every output that is a video
   struct Record {
-    std::string file;      // the raw recording
+    std::string file;  // the raw recording
+    RecordingCodec codec = RecordingCodec::Huffyuv;
     int memory_mib = 256;  // for frames that wait for the disk, 1..65536
   } record;
   struct Machine {

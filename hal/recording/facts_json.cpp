@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kFormat = "hdrcam recording";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;  // the newest: pixels in Huffyuv; 1 has them in FFV1
 constexpr std::string_view kSealKey = R"(,"crc32":")";
 constexpr std::size_t kSealLength = 10 + 8 + 2;  // the key, eight hex digits, `"}`
 
@@ -90,11 +90,13 @@ FrameFacts facts_of(const Json& json, int bits) {
 
 }  // namespace
 
-std::string to_json(const CameraFacts& camera) {
-  Json json = {
-      {"format", kFormat},     {"version", kVersion},           {"name", camera.name},
-      {"width", camera.width}, {"height", camera.height},       {"framerate_hz", camera.framerate_hz},
-      {"bits", camera.bits},   {"layout", name(camera.layout)}, {"linear", camera.linear}};
+std::string to_json(const CameraFacts& camera, RecordingCodec codec) {
+  const int version = codec == RecordingCodec::Ffv1 ? 1 : kVersion;
+  Json json = {{"format", kFormat},       {"version", version},
+               {"name", camera.name},     {"width", camera.width},
+               {"height", camera.height}, {"framerate_hz", camera.framerate_hz},
+               {"bits", camera.bits},     {"layout", name(camera.layout)},
+               {"linear", camera.linear}};
   if (const auto& lens = camera.intrinsics)
     json["intrinsics"] = {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};

@@ -11,6 +11,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 
@@ -21,7 +22,8 @@ struct FactsRecord {
   FrameFacts facts;         // of the frame
 };
 
-std::string to_json(const CameraFacts& camera);
+// codec: of the pixels beside them, which decides the version of the format.
+std::string to_json(const CameraFacts& camera, RecordingCodec codec);
 // bits: of a code, for the black level.
 std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits);
 std::string end_record_json(std::uint64_t frames);

@@ -9,8 +9,8 @@
 
 #include "hal/recording/cluster_scan.h"
 #include "hal/recording/facts_json.h"
-#include "hal/recording/ffv1.h"
 #include "hal/recording/matroska.h"
+#include "hal/recording/picture_codec.h"
 #include "hal/recording/recording.h"
 #include "hal/recording/sound_facts.h"
 #include "hal/recording/storage_stream.h"
@@ -100,7 +100,7 @@ Result<CameraFacts> camera_of(const Container& container, const std::string& pat
   if (const auto objection = objection_to(*camera))
     return Error{ErrorCode::Corrupt, fmt::format("'{}' cannot be of a camera: {}", path, *objection)};
   const auto tracks = container.tracks();
-  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_id != AV_CODEC_ID_FFV1 ||
+  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO ||
       tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
     return Error{ErrorCode::Corrupt,
                  fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
@@ -132,6 +132,7 @@ class MatroskaReader : public RecordingReader {
   static Result<std::unique_ptr<RecordingReader>> open(Storage& storage, const std::string& path,
                                                        Damage damage);
   const CameraFacts& camera() const override { return camera_; }
+  RecordingCodec codec() const override { return decoder_.codec(); }
   std::optional<int> frame_count() const override { return count_; }
   Result<std::optional<RawFrame>> next() override;
   Result<std::optional<FrameFacts>> next_facts() override { return advance(); }
@@ -142,7 +143,7 @@ class MatroskaReader : public RecordingReader {
   using Advance = Result<std::optional<FrameFacts>>;
 
   MatroskaReader(std::string path, Damage damage, Container container, CameraFacts camera,
-                 Ffv1Decoder decoder)
+                 PictureDecoder decoder)
       : path_(std::move(path)),
         damage_(damage),
         container_(std::move(container)),
@@ -162,7 +163,7 @@ class MatroskaReader : public RecordingReader {
   const Damage damage_;
   Container container_;
   CameraFacts camera_;
-  Ffv1Decoder decoder_;
+  PictureDecoder decoder_;
   std::optional<int> count_;
   libav::Packet picture_{av_packet_alloc()}, packet_{av_packet_alloc()};
   bool has_picture_ = false;          // picture_ waits for its facts
@@ -180,7 +181,7 @@ Result<std::unique_ptr<RecordingReader>> MatroskaReader::open(Storage& storage, 
                                                               Damage damage) {
   auto container = TRY(open_container(storage, path));
   auto camera = TRY(camera_of(container, path));
-  auto decoder = Ffv1Decoder::open(camera, *container.tracks()[matroska::kPixelTrack]->codecpar);
+  auto decoder = PictureDecoder::open(camera, *container.tracks()[matroska::kPixelTrack]->codecpar);
   if (!decoder)
     return Error{decoder.error().code, fmt::format("'{}' is damaged: {}", path, decoder.error().message)};
   std::unique_ptr<MatroskaReader> reader(

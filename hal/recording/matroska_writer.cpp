@@ -9,8 +9,8 @@ extern "C" {
 #include <cstring>
 
 #include "hal/recording/facts_json.h"
-#include "hal/recording/ffv1.h"
 #include "hal/recording/matroska.h"
+#include "hal/recording/picture_codec.h"
 #include "hal/recording/recording.h"
 #include "hal/recording/storage_stream.h"
 
@@ -28,15 +28,16 @@ struct FreeMuxer {
 class MatroskaWriter : public RecordingWriter {
  public:
   static Result<std::unique_ptr<RecordingWriter>> create(Storage& storage, const std::string& path,
-                                                         const CameraFacts& camera, Creation how);
+                                                         const CameraFacts& camera, Creation how,
+                                                         RecordingCodec codec);
   Result<void> append(const RawFrame& frame) override;
   Result<void> finish() override;
 
  private:
-  MatroskaWriter(std::unique_ptr<StorageFile> file, Ffv1Encoder encoder)
+  MatroskaWriter(std::unique_ptr<StorageFile> file, PictureEncoder encoder)
       : stream_(std::move(file), StorageStream::Direction::Write), encoder_(std::move(encoder)) {}
 
-  Result<void> write_header(const CameraFacts& camera);
+  Result<void> write_header(const CameraFacts& camera, RecordingCodec codec);
   void add_pixel_track(const CameraFacts& camera);
   void add_facts_track();
   Result<void> write_facts(const std::string& sealed);
@@ -45,7 +46,7 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> sync();
 
   StorageStream stream_;  // outlives the muxer
-  Ffv1Encoder encoder_;
+  PictureEncoder encoder_;
   std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
   libav::Packet facts_packet_;
   std::optional<Error> failure_;
@@ -57,19 +58,20 @@ class MatroskaWriter : public RecordingWriter {
 };
 
 Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage, const std::string& path,
-                                                                const CameraFacts& camera, Creation how) {
+                                                                const CameraFacts& camera, Creation how,
+                                                                RecordingCodec codec) {
   TRY(check_recordable(camera));
-  auto encoder = TRY(Ffv1Encoder::open(camera));
+  auto encoder = TRY(PictureEncoder::open(camera, codec));
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
   auto file = TRY(storage.create(path, how));
   std::unique_ptr<MatroskaWriter> writer(new MatroskaWriter(std::move(file), std::move(encoder)));
-  TRY(writer->write_header(camera));
+  TRY(writer->write_header(camera, codec));
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
 
-Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
+Result<void> MatroskaWriter::write_header(const CameraFacts& camera, RecordingCodec codec) {
   bits_ = camera.bits;
   AVFormatContext* muxer = nullptr;
   if (const int code = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr); code < 0)
@@ -81,7 +83,7 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
   frame_ms_ = std::max<std::int64_t>(1, std::llround(1000 / camera.framerate_hz));
   add_pixel_track(camera);
   add_facts_track();
-  av_dict_set(&muxer->metadata, matroska::kCameraTag, seal(to_json(camera), {}).c_str(), 0);
+  av_dict_set(&muxer->metadata, matroska::kCameraTag, seal(to_json(camera, codec), {}).c_str(), 0);
   // The muxer must never end a cluster by itself: a picture and its facts belong in the same one.
   av_opt_set_int(muxer->priv_data, "cluster_size_limit", INT_MAX, 0);
   av_opt_set_int(muxer->priv_data, "cluster_time_limit", INT_MAX, 0);
@@ -180,8 +182,9 @@ Result<void> MatroskaWriter::finish() {
 }  // namespace
 
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
-                                                          const CameraFacts& camera, Creation how) {
-  return MatroskaWriter::create(storage, path, camera, how);
+                                                          const CameraFacts& camera, Creation how,
+                                                          RecordingCodec codec) {
+  return MatroskaWriter::create(storage, path, camera, how, codec);
 }
 
 }  // namespace hdrcam

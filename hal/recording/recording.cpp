@@ -4,6 +4,8 @@
 
 namespace hdrcam {
 
+std::string_view name(RecordingCodec codec) { return codec == RecordingCodec::Ffv1 ? "ffv1" : "huffyuv"; }
+
 std::string LeftOut::sentence() const {
   if (count == 0) return reason.empty() ? "" : fmt::format("damaged, but no frame is lost ({})", reason);
   return fmt::format("{} damaged frame(s) left out: {}{} ({})", count, fmt::join(places, ", "),

@@ -1,12 +1,13 @@
-// Reading and writing recordings: raw frames and every fact about them. The container (FFV1 in Matroska,
-// facts in a JSON data track) is specified in docs/recording.md. The reader and the writer are thread-bound;
-// the storage outlives them.
+// Reading and writing recordings: raw frames and every fact about them. The container (lossless pictures in
+// Matroska, facts in a JSON data track) is specified in docs/recording.md. The reader and the writer are
+// thread-bound; the storage outlives them.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/core/frame.h"
@@ -14,6 +15,12 @@
 #include "hal/storage.h"
 
 namespace hdrcam {
+
+// How pixels are compressed; both are without loss. Huffyuv takes a fifth of the time, FFV1 a fifth less
+// space.
+enum class RecordingCodec { Huffyuv, Ffv1 };
+
+std::string_view name(RecordingCodec codec);
 
 class RecordingWriter {
  public:
@@ -44,6 +51,8 @@ class RecordingReader {
  public:
   virtual ~RecordingReader() = default;
   virtual const CameraFacts& camera() const = 0;
+  // Of its pixels; where it has none, what a copy gets unless told otherwise.
+  virtual RecordingCodec codec() const { return RecordingCodec::Huffyuv; }
   // Frames in the index, or nullopt where the file was truncated before the index was written.
   virtual std::optional<int> frame_count() const = 0;
   // The next frame; nullopt at the end. Truncated where the file was cut short, after all its whole frames.
@@ -62,7 +71,8 @@ constexpr int kMinSidePx = 2,
 // later call returns the same error.
 Result<std::unique_ptr<RecordingWriter>> create_recording(Storage& storage, const std::string& path,
                                                           const CameraFacts& camera,
-                                                          Creation how = Creation::New);
+                                                          Creation how = Creation::New,
+                                                          RecordingCodec codec = RecordingCodec::Huffyuv);
 // Errors: NotFound, Permission, NotRecording, Corrupt, Truncated (cut before the first whole frame),
 // Unsupported (a newer format).
 Result<std::unique_ptr<RecordingReader>> open_recording(Storage& storage, const std::string& path,

@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)seal_holds(text, {});
   if (const auto camera = camera_from_json(text)) {
     (void)objection_to(camera.value());
-    CHECK(camera_from_json(to_json(camera.value())).ok());
+    CHECK(camera_from_json(to_json(camera.value(), RecordingCodec::Huffyuv)).ok());
   }
   constexpr int kBits = 12;
   if (const auto record = record_from_json(text, kBits); record && !record.value().is_end) {

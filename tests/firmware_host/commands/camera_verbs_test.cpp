@@ -148,6 +148,40 @@ TEST_CASE("a recording recorded again is the same one, and does not take as long
   CHECK(frames_in(folder + "/first.mkv").size() == 5);
 }
 
+TEST_CASE(
+    "every verb that writes a recording writes the codec that it is told, and repair the one that it reads") {
+  const std::string folder = sample::scratch_folder("codecs"), walk = folder + "/huffyuv.mkv";
+  require_success({"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "8", "-o", walk,
+                   "--truth", folder + "/clip"});
+  const std::vector<std::vector<std::string>> small{
+      {"simulate", "walk?size=64x48", "--shutter", "1ms,4ms", "--frames", "8", "-o",
+       folder + "/simulated.mkv"},
+      {"import", folder + "/clip", "-o", folder + "/imported.mkv"},
+      {"record", "--camera", "replay:" + walk, "-o", folder + "/copied.mkv"},
+      {"record", "--camera", "sim:walk?size=64x48", "--frames", "8", "-o", folder + "/recorded.mkv"},
+      {"live", "--camera", "replay:" + walk, "--record", folder + "/replayed.mkv"},
+      {"live", "--camera", "sim:walk?size=64x48", "--frames", "8", "--record", folder + "/live.mkv"}};
+  const auto codec_in = [](const std::string& file) {
+    return value_of(open_recording(posix_storage(), file))->codec();
+  };
+  CHECK(codec_in(walk) == RecordingCodec::Huffyuv);
+  for (std::vector<std::string> words : small) {
+    words.insert(words.end(), {"--record-codec", "ffv1"});
+    require_success(words);
+  }
+  const auto original = frames_in(walk);
+  for (const char* name : {"simulated", "imported", "copied", "recorded", "replayed", "live"}) {
+    CAPTURE(name);
+    const std::string file = folder + "/" + name + ".mkv", repaired = folder + "/" + name + "_repaired.mkv";
+    CHECK(codec_in(file) == RecordingCodec::Ffv1);
+    require_success({"repair", file, "-o", repaired});
+    CHECK(codec_in(repaired) == RecordingCodec::Ffv1);
+  }
+  const auto copy = frames_in(folder + "/copied.mkv");
+  REQUIRE(copy.size() == original.size());
+  for (std::size_t i = 0; i < copy.size(); ++i) CHECK(sample::same(copy[i].codes, original[i].codes));
+}
+
 TEST_CASE("wrong exposures of a clip are put right by import, replay and live, or are an error") {
   const std::string folder = sample::scratch_folder("wrong_labels");
   require_success({"simulate", "walk?size=160x120", "--shutter", "1ms,4ms,16ms", "--frames", "18", "-o",

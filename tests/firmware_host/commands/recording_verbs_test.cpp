@@ -216,7 +216,9 @@ TEST_CASE("names in a recording cannot move the cursor of a terminal") {
   CHECK(table.find("\\u001B[2Jgone\\u0007") != std::string::npos);
 }
 
-TEST_CASE("info says that estimated exposures are relative, and what white balance the camera states") {
+TEST_CASE(
+    "info says that estimated exposures are relative, the white balance that the camera states, and the "
+    "codec") {
   const std::string path = sample::scratch_folder("info_estimated") + "/x.mkv";
   CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
   camera.white_balance = ChannelGains{2.125, 1, 1.5};
@@ -227,12 +229,12 @@ TEST_CASE("info says that estimated exposures are relative, and what white balan
     facts.analogue_gain = facts.digital_gain = 1;
     facts.exposure_source = ExposureSource::Estimated, facts.verdict = Verdict::Estimated;
   }
-  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  REQUIRE(sample::record(posix_storage(), path, camera, frames, RecordingCodec::Ffv1).ok());
   const auto summary = summarize(posix_storage(), path);
   REQUIRE(summary.ok());
   const std::string table = as_table(summary.value(), path);
   for (const char* words :
-       {"estimated from the pictures, relative, 4.00 EV", "8 estimated", "gains 2.125, 1, 1.5"}) {
+       {"estimated from the pictures, relative, 4.00 EV", "8 estimated", "gains 2.125, 1, 1.5", "MB, ffv1"}) {
     INFO(table << words);
     CHECK(table.find(words) != std::string::npos);
   }

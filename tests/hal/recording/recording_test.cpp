@@ -7,6 +7,8 @@
 
 #include "tests/hal/recording/sample_recordings.h"
 
+#include "tests/contracts/expect.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -20,7 +22,7 @@ std::string bytes_of(const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("a recording gives back every bit of every frame, in every layout and depth") {
+TEST_CASE("a recording gives back every bit of every frame, in every codec, layout and depth") {
   const std::string folder = sample::scratch_folder("roundtrip");
   for (const auto layout :
        {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerRggb, PixelLayout::BayerBggr})
@@ -32,14 +34,18 @@ TEST_CASE("a recording gives back every bit of every frame, in every layout and 
         frames[1].codes.fill(frames[1].codes.samples()[0]);  // flat: codes run lengths instead
         std::sort(frames[2].codes.samples().begin(), frames[2].codes.samples().end());  // smooth
         const std::string path = folder + "/x.mkv";
-        const auto recorded = sample::record(posix_storage(), path, camera, frames);
-        INFO(recorded.error().message);
-        REQUIRE(recorded.ok());
-        const auto replayed = sample::replay(posix_storage(), path);
-        INFO((replayed.error ? replayed.error->message : ""));
-        REQUIRE(!replayed.error);
-        REQUIRE(replayed.frames.size() == 3);
-        REQUIRE(replayed.is_start_of(frames));
+        for (const RecordingCodec codec : sample::kCodecs) {
+          INFO(name(codec));
+          const auto recorded = sample::record(posix_storage(), path, camera, frames, codec);
+          INFO(recorded.error().message);
+          REQUIRE(recorded.ok());
+          CHECK(value_of(open_recording(posix_storage(), path))->codec() == codec);
+          const auto replayed = sample::replay(posix_storage(), path);
+          INFO((replayed.error ? replayed.error->message : ""));
+          REQUIRE(!replayed.error);
+          REQUIRE(replayed.frames.size() == 3);
+          REQUIRE(replayed.is_start_of(frames));
+        }
       }
 }
 
@@ -83,11 +89,15 @@ TEST_CASE("a recording without frames is complete and empty") {
 
 TEST_CASE("the same frames give the same bytes") {
   const std::string folder = sample::scratch_folder("bytes");
-  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 12, 130, 97);
-  const auto frames = sample::frames(camera, 5, 11);
-  REQUIRE(sample::record(posix_storage(), folder + "/a.mkv", camera, frames).ok());
-  REQUIRE(sample::record(posix_storage(), folder + "/b.mkv", camera, frames).ok());
-  CHECK(bytes_of(folder + "/a.mkv") == bytes_of(folder + "/b.mkv"));
+  for (const RecordingCodec codec : sample::kCodecs)
+    for (const int bits : {8, 12}) {
+      INFO(name(codec) << ' ' << bits << " bits");
+      const CameraFacts camera = sample::camera(PixelLayout::Rgb, bits, 130, 97);
+      const auto frames = sample::frames(camera, 5, 11);
+      REQUIRE(sample::record(posix_storage(), folder + "/a.mkv", camera, frames, codec).ok());
+      REQUIRE(sample::record(posix_storage(), folder + "/b.mkv", camera, frames, codec).ok());
+      CHECK(bytes_of(folder + "/a.mkv") == bytes_of(folder + "/b.mkv"));
+    }
 }
 
 TEST_CASE("facts that are odd come back as they were") {

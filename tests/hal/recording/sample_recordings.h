@@ -124,10 +124,13 @@ inline bool same(const RawFrame& a, const RawFrame& b) {
   return same(a.facts, b.facts) && same(a.codes, b.codes);
 }
 
+constexpr RecordingCodec kCodecs[] = {RecordingCodec::Huffyuv, RecordingCodec::Ffv1};
+
 // Appends the frames and finishes; stops at the first error.
 inline Result<void> record(Storage& storage, const std::string& path, const CameraFacts& camera,
-                           const std::vector<RawFrame>& frames) {
-  auto writer = TRY(create_recording(storage, path, camera, Creation::Replace));
+                           const std::vector<RawFrame>& frames,
+                           RecordingCodec codec = RecordingCodec::Huffyuv) {
+  auto writer = TRY(create_recording(storage, path, camera, Creation::Replace, codec));
   for (const RawFrame& frame : frames) TRY(writer->append(frame));
   return writer->finish();
 }

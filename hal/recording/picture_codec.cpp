@@ -1,5 +1,4 @@
-#include "hal/recording/ffv1.h"
-#include "hal/recording/recording.h"
+#include "hal/recording/picture_codec.h"
 
 extern "C" {
 #include <libavutil/crc.h>
@@ -13,16 +12,30 @@ extern "C" {
 namespace hdrcam {
 namespace {
 
+AVCodecID id_of(RecordingCodec codec) {
+  return codec == RecordingCodec::Ffv1 ? AV_CODEC_ID_FFV1 : AV_CODEC_ID_FFVHUFF;
+}
+
+const char* known_as(RecordingCodec codec) { return codec == RecordingCodec::Ffv1 ? "FFV1" : "Huffyuv"; }
+
+std::optional<RecordingCodec> codec_of(AVCodecID id) {
+  for (const RecordingCodec codec : {RecordingCodec::Huffyuv, RecordingCodec::Ffv1})
+    if (id_of(codec) == id) return codec;
+  return std::nullopt;
+}
+
 // The narrowest format of the encoder that holds `bits`.
-AVPixelFormat pixel_format(PixelLayout layout, int bits) {
+AVPixelFormat pixel_format(RecordingCodec codec, PixelLayout layout, int bits) {
   if (layout == PixelLayout::Rgb) {
-    if (bits <= 8) return AV_PIX_FMT_0RGB32;  // the encoder has no planar RGB of 8 bits
+    // FFV1 has no planar RGB of 8 bits
+    if (bits <= 8) return codec == RecordingCodec::Ffv1 ? AV_PIX_FMT_0RGB32 : AV_PIX_FMT_GBRP;
     if (bits <= 9) return AV_PIX_FMT_GBRP9;
     if (bits <= 10) return AV_PIX_FMT_GBRP10;
     if (bits <= 12) return AV_PIX_FMT_GBRP12;
     return bits <= 14 ? AV_PIX_FMT_GBRP14 : AV_PIX_FMT_GBRP16;
   }
   if (bits <= 8) return AV_PIX_FMT_GRAY8;
+  if (codec == RecordingCodec::Huffyuv) return AV_PIX_FMT_GRAY16;
   if (bits <= 9) return AV_PIX_FMT_GRAY9;
   if (bits <= 10) return AV_PIX_FMT_GRAY10;
   return bits <= 12 ? AV_PIX_FMT_GRAY12 : AV_PIX_FMT_GRAY16;
@@ -37,6 +50,15 @@ Byte* row_of(Byte* const* planes, const int* strides, int plane, int y) {
   return planes[plane] + static_cast<std::ptrdiff_t>(y) * strides[plane];
 }
 
+bool is_of_bytes(const AVFrame& frame) {
+  return frame.format == AV_PIX_FMT_GRAY8 || frame.format == AV_PIX_FMT_GBRP;
+}
+
+// Of a format that is not 0RGB32.
+int plane_of(const Image<std::uint16_t>& codes, int channel) {
+  return codes.channels() == 3 ? kPlaneOfRgb[static_cast<std::size_t>(channel)] : 0;
+}
+
 void pack(const Image<std::uint16_t>& codes, AVFrame& frame) {
   const int rows = codes.rows(), cols = codes.cols();
   for (int y = 0; y < rows; ++y) {
@@ -45,16 +67,15 @@ void pack(const Image<std::uint16_t>& codes, AVFrame& frame) {
       auto* words = reinterpret_cast<std::uint32_t*>(row_of(frame.data, frame.linesize, 0, y));
       for (int x = 0; x < cols; ++x)
         words[x] = (std::uint32_t{r[x]} << 16) | (std::uint32_t{g[x]} << 8) | b[x];
-    } else if (frame.format == AV_PIX_FMT_GRAY8) {
-      auto* bytes = row_of(frame.data, frame.linesize, 0, y);
-      std::transform(codes.row(0, y), codes.row(0, y) + cols, bytes,
-                     [](std::uint16_t code) { return static_cast<std::uint8_t>(code); });
-    } else {
-      for (int c = 0; c < codes.channels(); ++c) {
-        const int plane = codes.channels() == 3 ? kPlaneOfRgb[static_cast<std::size_t>(c)] : 0;
-        auto* samples = reinterpret_cast<std::uint16_t*>(row_of(frame.data, frame.linesize, plane, y));
-        std::copy_n(codes.row(c, y), cols, samples);
-      }
+      continue;
+    }
+    for (int c = 0; c < codes.channels(); ++c) {
+      auto* bytes = row_of(frame.data, frame.linesize, plane_of(codes, c), y);
+      if (is_of_bytes(frame))
+        std::transform(codes.row(c, y), codes.row(c, y) + cols, bytes,
+                       [](std::uint16_t code) { return static_cast<std::uint8_t>(code); });
+      else
+        std::copy_n(codes.row(c, y), cols, reinterpret_cast<std::uint16_t*>(bytes));
     }
   }
 }
@@ -69,20 +90,20 @@ void unpack(const AVFrame& frame, Image<std::uint16_t>& codes) {
         const int shift = 16 - 8 * c;
         for (int x = 0; x < cols; ++x) row[x] = static_cast<std::uint16_t>((words[x] >> shift) & 0xffu);
       }
-    } else if (frame.format == AV_PIX_FMT_GRAY8) {
-      std::copy_n(row_of(frame.data, frame.linesize, 0, y), cols, codes.row(0, y));
-    } else {
-      for (int c = 0; c < codes.channels(); ++c) {
-        const int plane = codes.channels() == 3 ? kPlaneOfRgb[static_cast<std::size_t>(c)] : 0;
-        std::copy_n(reinterpret_cast<const std::uint16_t*>(row_of(frame.data, frame.linesize, plane, y)),
-                    cols, codes.row(c, y));
-      }
+      continue;
+    }
+    for (int c = 0; c < codes.channels(); ++c) {
+      const auto* bytes = row_of(frame.data, frame.linesize, plane_of(codes, c), y);
+      if (is_of_bytes(frame))
+        std::copy_n(bytes, cols, codes.row(c, y));
+      else
+        std::copy_n(reinterpret_cast<const std::uint16_t*>(bytes), cols, codes.row(c, y));
     }
   }
 }
 
-// Whether every slice matches its checksum (RFC 9043, section 4.9): the library's decoder silently fills a
-// damaged slice from the previous picture.
+// Whether every slice of FFV1 matches its checksum (RFC 9043, section 4.9): the library's decoder silently
+// fills a damaged slice from the previous picture.
 bool slices_are_whole(const AVPacket& packet) {
   constexpr int kFooterBytes = 8;  // size of the slice, 3 bytes; its state, 1; checksum over all of it, 4
   const AVCRC* table = av_crc_get_table(AV_CRC_32_IEEE);
@@ -119,14 +140,31 @@ Result<void> check_recordable(const CameraFacts& camera) {
   return {};
 }
 
-Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
+// What the encoder is told beside the size. Huffyuv's tables of codes are made for each picture up to 8 bits,
+// which takes a millisecond and saves a twentieth; of more bits they take six and stay as they are.
+void configure(RecordingCodec codec, const CameraFacts& camera, AVCodecContext& context) {
+  if (codec == RecordingCodec::Huffyuv) {
+    context.thread_count = 1;
+    av_opt_set_int(context.priv_data, "context", camera.bits <= 8 ? 1 : 0, 0);
+    return;
+  }
+  context.gop_size = 1;
+  context.level = 3;
+  context.thread_count = 0;
+  context.thread_type = FF_THREAD_SLICE;
+  context.slices = std::min(camera.width, camera.height) < 64 ? 1 : 4;
+  av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
+}
+
+Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, RecordingCodec recording) {
   libav::be_quiet();
-  Ffv1Encoder encoder;
+  PictureEncoder encoder;
   encoder.bits_ = camera.bits;
   encoder.channels_ = channels(camera.layout);
-  const AVCodec* codec = avcodec_find_encoder(AV_CODEC_ID_FFV1);
+  const AVCodec* codec = avcodec_find_encoder(id_of(recording));
   if (codec == nullptr)
-    return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 encoder"};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("the FFmpeg libraries of this machine have no {} encoder", known_as(recording))};
   encoder.context_.reset(avcodec_alloc_context3(codec));
   encoder.frame_.reset(av_frame_alloc());
   encoder.packet_.reset(av_packet_alloc());
@@ -134,18 +172,14 @@ Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
   AVCodecContext& context = *encoder.context_;
   context.width = camera.width;
   context.height = camera.height;
-  context.pix_fmt = pixel_format(camera.layout, camera.bits);
+  context.pix_fmt = pixel_format(recording, camera.layout, camera.bits);
   context.time_base = {1, 1000};
-  context.gop_size = 1;
-  context.level = 3;
   context.flags |= AV_CODEC_FLAG_BITEXACT;
-  context.thread_count = 0;
-  context.thread_type = FF_THREAD_SLICE;
-  context.slices = std::min(camera.width, camera.height) < 64 ? 1 : 4;
-  av_opt_set_int(context.priv_data, "slicecrc", 1, 0);
+  configure(recording, camera, context);
   if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)
-    return Error{ErrorCode::Invalid, fmt::format("FFV1 cannot hold {}x{} at {} bits: {}", camera.width,
-                                                 camera.height, camera.bits, libav::words(code))};
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} cannot hold {}x{} at {} bits: {}", known_as(recording), camera.width,
+                             camera.height, camera.bits, libav::words(code))};
   encoder.frame_->format = context.pix_fmt;
   encoder.frame_->width = camera.width;
   encoder.frame_->height = camera.height;
@@ -154,7 +188,7 @@ Result<Ffv1Encoder> Ffv1Encoder::open(const CameraFacts& camera) {
   return encoder;
 }
 
-Result<AVPacket*> Ffv1Encoder::encode(const Image<std::uint16_t>& codes) {
+Result<AVPacket*> PictureEncoder::encode(const Image<std::uint16_t>& codes) {
   if (codes.channels() != channels_ || codes.rows() != context_->height || codes.cols() != context_->width)
     return Error{ErrorCode::SizeChanged,
                  fmt::format("a frame of {}x{} with {} channel(s) does not fit a recording of {}x{} with {}",
@@ -172,17 +206,21 @@ Result<AVPacket*> Ffv1Encoder::encode(const Image<std::uint16_t>& codes) {
   int code = avcodec_send_frame(context_.get(), frame_.get());
   if (code >= 0) code = avcodec_receive_packet(context_.get(), packet_.get());
   if (code < 0)
-    return Error{ErrorCode::Io, fmt::format("FFV1 could not encode a frame: {}", libav::words(code))};
+    return Error{ErrorCode::Io, fmt::format("a frame could not be encoded: {}", libav::words(code))};
   return packet_.get();
 }
 
-Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecParameters& stream) {
+Result<PictureDecoder> PictureDecoder::open(const CameraFacts& camera, const AVCodecParameters& stream) {
   libav::be_quiet();
-  Ffv1Decoder decoder;
+  const auto known = codec_of(stream.codec_id);
+  if (!known) return Error{ErrorCode::Corrupt, "its pixels are of a codec that no recording has"};
+  PictureDecoder decoder;
+  decoder.codec_ = *known;
   decoder.channels_ = channels(camera.layout);
-  const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_FFV1);
+  const AVCodec* codec = avcodec_find_decoder(stream.codec_id);
   if (codec == nullptr)
-    return Error{ErrorCode::Unsupported, "the FFmpeg libraries of this machine have no FFV1 decoder"};
+    return Error{ErrorCode::Unsupported,
+                 fmt::format("the FFmpeg libraries of this machine have no {} decoder", known_as(*known))};
   decoder.context_.reset(avcodec_alloc_context3(codec));
   decoder.frame_.reset(av_frame_alloc());
   CHECK(decoder.context_ && decoder.frame_);
@@ -191,7 +229,7 @@ Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecPa
     return corrupt("the video track cannot be read", code);
   context.width = camera.width;  // the checked facts, not the unchecked track header
   context.height = camera.height;
-  context.pix_fmt = decoder.format_ = pixel_format(camera.layout, camera.bits);
+  context.pix_fmt = decoder.format_ = pixel_format(*known, camera.layout, camera.bits);
   context.thread_count = 0;
   context.thread_type = FF_THREAD_SLICE;
   if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)
@@ -199,8 +237,8 @@ Result<Ffv1Decoder> Ffv1Decoder::open(const CameraFacts& camera, const AVCodecPa
   return decoder;
 }
 
-Result<void> Ffv1Decoder::decode(const AVPacket& packet, Image<std::uint16_t>& codes) {
-  if (!slices_are_whole(packet))
+Result<void> PictureDecoder::decode(const AVPacket& packet, Image<std::uint16_t>& codes) {
+  if (codec_ == RecordingCodec::Ffv1 && !slices_are_whole(packet))
     return Error{ErrorCode::Corrupt, "the pixels of a frame do not match their checksum"};
   int code = avcodec_send_packet(context_.get(), &packet);
   if (code >= 0) code = avcodec_receive_frame(context_.get(), frame_.get());

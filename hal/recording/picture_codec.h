@@ -1,5 +1,6 @@
-// FFV1 version 3, intra frames only, slice checksums on: pictures of codes to packets and back, without loss
-// (docs/recording.md, RFC 9043). The bytes do not depend on the number of threads. Thread-bound.
+// Pictures of codes to packets and back, without loss, each packet by itself (docs/recording.md): FFmpeg's
+// variant of Huffyuv, or FFV1 version 3 (RFC 9043) with checksums of its slices. The bytes do not depend on
+// the number of threads. Thread-bound.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,17 @@
 #include "hal/core/image.h"
 #include "hal/core/result.h"
 #include "hal/recording/libav.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 
 // Checks that a recording can hold the size and bit depth. Errors: Invalid.
 Result<void> check_recordable(const CameraFacts& camera);
 
-class Ffv1Encoder {
+class PictureEncoder {
  public:
   // camera must be recordable.
-  static Result<Ffv1Encoder> open(const CameraFacts& camera);
+  static Result<PictureEncoder> open(const CameraFacts& camera, RecordingCodec codec);
   // codes: [channels(layout), rows, cols]. The packet stays valid until the next call. Errors: SizeChanged,
   // Invalid.
   Result<AVPacket*> encode(const Image<std::uint16_t>& codes);
@@ -30,14 +32,17 @@ class Ffv1Encoder {
   libav::Packet packet_;
 };
 
-class Ffv1Decoder {
+class PictureDecoder {
  public:
-  // stream: the video track. Errors: Corrupt where it does not match the camera facts.
-  static Result<Ffv1Decoder> open(const CameraFacts& camera, const AVCodecParameters& stream);
+  // stream: the video track. Errors: Corrupt where it does not match the camera facts or is of no codec of a
+  // recording.
+  static Result<PictureDecoder> open(const CameraFacts& camera, const AVCodecParameters& stream);
+  RecordingCodec codec() const { return codec_; }
   // Errors: Corrupt.
   Result<void> decode(const AVPacket& packet, Image<std::uint16_t>& codes);
 
  private:
+  RecordingCodec codec_ = RecordingCodec::Huffyuv;
   int channels_ = 1;
   AVPixelFormat format_ = AV_PIX_FMT_NONE;
   libav::CodecContext context_;
