@@ -89,7 +89,12 @@ Result<CameraFacts> camera_of(const Container& container, const std::string& pat
   if (tag == nullptr)
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is a Matroska file, but not a recording of hdrcam", path)};
-  if (!seal_holds(tag->value, {}))
+  const auto tracks = container.tracks();
+  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO ||
+      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
+  if (!seal_holds(tag->value, unsealed_head(*tracks[matroska::kPixelTrack]->codecpar)))
     return Error{ErrorCode::Corrupt,
                  fmt::format("'{}' is damaged: the checksum of its camera facts does not hold", path)};
   auto camera = camera_from_json(tag->value);
@@ -99,11 +104,6 @@ Result<CameraFacts> camera_of(const Container& container, const std::string& pat
   if (!camera) return Error{camera.error().code, fmt::format("'{}': {}", path, camera.error().message)};
   if (const auto objection = objection_to(*camera))
     return Error{ErrorCode::Corrupt, fmt::format("'{}' cannot be of a camera: {}", path, *objection)};
-  const auto tracks = container.tracks();
-  if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO ||
-      tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)
-    return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' is damaged: it lacks its track of pixels or of facts", path)};
   return camera;
 }
 

@@ -83,7 +83,9 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera, RecordingCo
   frame_ms_ = std::max<std::int64_t>(1, std::llround(1000 / camera.framerate_hz));
   add_pixel_track(camera);
   add_facts_track();
-  av_dict_set(&muxer->metadata, matroska::kCameraTag, seal(to_json(camera, codec), {}).c_str(), 0);
+  const std::string facts =
+      seal(to_json(camera, codec), unsealed_head(*muxer->streams[matroska::kPixelTrack]->codecpar));
+  av_dict_set(&muxer->metadata, matroska::kCameraTag, facts.c_str(), 0);
   // The muxer must never end a cluster by itself: a picture and its facts belong in the same one.
   av_opt_set_int(muxer->priv_data, "cluster_size_limit", INT_MAX, 0);
   av_opt_set_int(muxer->priv_data, "cluster_time_limit", INT_MAX, 0);
@@ -95,6 +97,10 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera, RecordingCo
 void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
   AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
   CHECK(track != nullptr && avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
+  // Matroska pads the head of Huffyuv to an even size. The zero is there: behind such data FFmpeg keeps
+  // zeros.
+  if (encoder_.codec() == RecordingCodec::Huffyuv)
+    track->codecpar->extradata_size += track->codecpar->extradata_size % 2;
   track->time_base = kMilliseconds;
   track->avg_frame_rate = av_d2q(camera.framerate_hz, 1 << 20);
   track->disposition = AV_DISPOSITION_DEFAULT;

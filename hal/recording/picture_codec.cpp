@@ -124,6 +124,11 @@ Error corrupt(const char* what, int code) {
 
 }  // namespace
 
+std::span<const std::uint8_t> unsealed_head(const AVCodecParameters& stream) {
+  if (stream.codec_id != AV_CODEC_ID_FFVHUFF) return {};  // that of FFV1 is sealed: RFC 9043, section 4.3
+  return {stream.extradata, static_cast<std::size_t>(std::max(0, stream.extradata_size))};
+}
+
 Result<void> check_recordable(const CameraFacts& camera) {
   const auto fits = [](int side_px) { return side_px >= kMinSidePx && side_px <= kMaxSidePx; };
   if (!fits(camera.width) || !fits(camera.height))
@@ -159,6 +164,7 @@ void configure(RecordingCodec codec, const CameraFacts& camera, AVCodecContext& 
 Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, RecordingCodec recording) {
   libav::be_quiet();
   PictureEncoder encoder;
+  encoder.codec_ = recording;
   encoder.bits_ = camera.bits;
   encoder.channels_ = channels(camera.layout);
   const AVCodec* codec = avcodec_find_encoder(id_of(recording));
@@ -230,6 +236,8 @@ Result<PictureDecoder> PictureDecoder::open(const CameraFacts& camera, const AVC
   context.width = camera.width;  // the checked facts, not the unchecked track header
   context.height = camera.height;
   context.pix_fmt = decoder.format_ = pixel_format(*known, camera.layout, camera.bits);
+  if (*known == RecordingCodec::Huffyuv)
+    context.bits_per_coded_sample = 24;  // the newest form of the head, whatever the track says of them
   context.thread_count = 0;
   context.thread_type = FF_THREAD_SLICE;
   if (const int code = avcodec_open2(&context, codec, nullptr); code < 0)

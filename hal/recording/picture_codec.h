@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
@@ -16,6 +17,10 @@ namespace hdrcam {
 // Checks that a recording can hold the size and bit depth. Errors: Invalid.
 Result<void> check_recordable(const CameraFacts& camera);
 
+// What the head of a file states of its pictures and no checksum of the codec's own covers, for the one over
+// the camera facts. Empty for FFV1.
+std::span<const std::uint8_t> unsealed_head(const AVCodecParameters& stream);
+
 class PictureEncoder {
  public:
   // camera must be recordable.
@@ -24,8 +29,10 @@ class PictureEncoder {
   // Invalid.
   Result<AVPacket*> encode(const Image<std::uint16_t>& codes);
   const AVCodecContext* context() const { return context_.get(); }
+  RecordingCodec codec() const { return codec_; }
 
  private:
+  RecordingCodec codec_ = RecordingCodec::Huffyuv;
   int bits_ = 8, channels_ = 1;
   libav::CodecContext context_;
   libav::Frame frame_;
