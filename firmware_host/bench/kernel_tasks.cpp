@@ -121,6 +121,16 @@ void add_state(Tasks& tasks, int rows, int cols) {
                     room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
                    cols);
   });
+  add_rows(tasks, "fusion: codes of the state", rows, cols, 40, 7, [room, &kernels, cols](int y) {
+    Planes& r = room->radiance;
+    const float* codes = room->tables.codes(1).data();
+    kernels.record({.radiance = {r.row(0, y), r.row(1, y), r.row(2, y)},
+                    .blur = {r.row(3, y), r.row(4, y), r.row(5, y)},
+                    .codes = {codes, codes, codes},
+                    .exposure = room->tables.exposure(),
+                    .gray = room->out.row(0, y)},
+                   cols);
+  });
   add_rows(tasks, "fusion: stand-ins", rows, cols, 2, 5, [room, &kernels, cols](int y) {
     Planes& r = room->radiance;
     kernels.stand_in(

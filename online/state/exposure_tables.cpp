@@ -20,7 +20,8 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
       const float code = response.code_of(c, x);
       float slope = response.slope(c, code);
       if (code < kDarkCode)
-        for (float d = -2; d <= 2; ++d) slope = std::max(slope, response.slope(c, code + d));
+        for (int d = -2; d <= 2; ++d)
+          slope = std::max(slope, response.slope(c, code + static_cast<float>(d)));
       float variance =
           noise.exposure_variance(x) + slope * slope * noise.code_variance() + excess.at(channel, x);
       // near black a code is a bound more than a measurement: what is darker, or was made so, reads the same
@@ -29,26 +30,6 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
       variance += bound * bound + doubt * doubt;
       variance_[channel][i] = variance / (exposure_ * exposure_);
       code_[channel][i] = code;
-    }
-  }
-}
-
-void ExposureTables::codes(int channel, std::span<const float> radiance, float* code) const {
-  constexpr std::size_t kBlock = 64;  // the places first, which become vectors, then the look-ups
-  std::array<float, kBlock> roots;
-  const auto& table = code_[static_cast<std::size_t>(channel)];
-  for (std::size_t first = 0; first < radiance.size(); first += kBlock) {
-    const std::size_t n = std::min(kBlock, radiance.size() - first);
-    const float* in = radiance.data() + first;
-    float* out = code + first;
-    for (std::size_t k = 0; k < n; ++k) {
-      const float x = in[k] * exposure_, positive = x < 0 ? 0.f : x;
-      roots[k] = std::sqrt(1 < positive ? 1.f : positive) * kSegments;
-    }
-    for (std::size_t k = 0; k < n; ++k) {
-      const auto i = static_cast<int>(roots[k]);
-      const float* at = table.data() + i;
-      out[k] = at[0] + (at[1] - at[0]) * (roots[k] - static_cast<float>(i));
     }
   }
 }

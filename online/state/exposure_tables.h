@@ -67,9 +67,10 @@ class ExposureTables {
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
   }
   // The tables themselves, for kernels that look up on their own: radiance by code [257], variance by
-  // 2048 sqrt(relative exposure) [2050].
+  // 2048 sqrt(relative exposure) [2050], code by the same [2050].
   std::span<const float> radiances(int channel) const { return radiance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> variances(int channel) const { return variance_[static_cast<std::size_t>(channel)]; }
+  std::span<const float> codes(int channel) const { return code_[static_cast<std::size_t>(channel)]; }
   // radiance -> code 0..255, clipped
   float code(int channel, float radiance) const {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
@@ -77,8 +78,6 @@ class ExposureTables {
     const auto& table = code_[static_cast<std::size_t>(channel)];
     return table[i] + (table[i + 1] - table[i]) * (root - static_cast<float>(i));
   }
-  // The same for many pixels.
-  void codes(int channel, std::span<const float> radiance, float* code) const;
 
  private:
   static constexpr int kSegments = 2048;  // uniform in sqrt(x)

@@ -13,6 +13,8 @@ constexpr float kTiny = 1e-20f;
 constexpr float kClipped = 0.05f;  // weight of a sample that is only a bound
 constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
 
+constexpr float kSegments = 2048;  // of a table by exposure, uniform in the root of the relative one
+
 // Calls body(first, count) for one block of a row after the other.
 template <class Body>
 inline void in_blocks(int n, Body&& body) {
@@ -21,7 +23,6 @@ inline void in_blocks(int n, Body&& body) {
 // For a block of pixels of this radiance.
 inline void variances_of(const SampleVariances& noise, const float* __restrict radiance, int n,
                          float* __restrict variance) {
-  constexpr float kSegments = 2048;  // uniform in the root of the relative exposure
   alignas(64) int place[kBlock];
   for (int i = 0; i < n; ++i)
     place[i] = static_cast<int>(__builtin_sqrtf(clamped(radiance[i] * noise.exposure, 0, 1)) * kSegments);
@@ -38,6 +39,8 @@ inline void across_noise(const SampleVariances& noise, const float* mean, int n,
     across(count, [&](int i, auto lane) { body(x0 + i, get<decltype(lane)>(variance + i)); });
   });
 }
+
+inline float root(float v) { return __builtin_sqrtf(v); }
 
 // A table between its entries; the two that it needs come together.
 inline float table_at(const float* table, float place) {
@@ -59,6 +62,19 @@ void sample(const SampledRow& row, int n) {
     put<V>(row.comparable + x, (1 - smooth_step(kCompareFadeBegin, kCompareFadeEnd, bright)) *
                                    smooth_step(kCompareDarkBegin, kCompareDarkEnd, code));
     put<V>(row.radiance + x, table_at(row.radiances, clamped(code, 0, 255)));
+  });
+}
+
+void record(const RecordedRow& row, int n) {
+  across(n, [&](int x, auto lane) {
+    using V = decltype(lane);
+    V sum{};
+    for (int c = 0; c < 3; ++c) {
+      V seen = get<V>(row.radiance[c] + x);
+      if (row.blur[c] != nullptr) seen += get<V>(row.blur[c] + x);
+      sum += table_at(row.codes[c], root(clamped(seen * row.exposure, 0, 1)) * kSegments);
+    }
+    put<V>(row.gray + x, sum * (1 / 3.f));
   });
 }
 
@@ -194,6 +210,7 @@ void age(const AgedRow& row, int n) {
 }  // namespace
 
 extern const FusionKernels kFusionKernels;
-const FusionKernels kFusionKernels{&sample, &stand_in, &compare, &gate, &update, &warp_variance, &age};
+const FusionKernels kFusionKernels{&sample, &record, &stand_in,      &compare,
+                                   &gate,   &update, &warp_variance, &age};
 
 }  // namespace hdrcam::HDRCAM_TARGET

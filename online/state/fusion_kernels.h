@@ -12,6 +12,15 @@ struct SampledRow {
   float *radiance, *weight, *comparable;
 };
 
+// All channels of the state as the camera would record them at one exposure: the mean of their codes.
+struct RecordedRow {
+  const float* radiance[3];
+  const float* blur[3];   // what is added to the radiance; null: nothing
+  const float* codes[3];  // by 2048 sqrt(relative exposure) (ExposureTables::codes())
+  float exposure;
+  float* gray;
+};
+
 // One channel of the state where it knows the pixel, and the motion where it is asked for is believed; the
 // sample elsewhere.
 struct StandInRow {
@@ -81,6 +90,7 @@ struct AgedRow {
 
 struct FusionKernels {
   void (*sample)(const SampledRow&, int n);
+  void (*record)(const RecordedRow&, int n);
   void (*stand_in)(const StandInRow&, int n);
   void (*compare)(const ComparedRow&, int n);
   void (*gate)(const GatedRow&, int n);

@@ -10,6 +10,7 @@
 #include "online/priors/motion/clipped_motion_kernels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "online/state/exposure_blur.h"
+#include "online/state/fusion_kernels.h"
 
 namespace hdrcam {
 namespace {
@@ -34,25 +35,16 @@ void gray_of_state(const Image<float>& radiance, const Image<float>* blur, const
                    Image<float>& gray, WorkerPool& pool) {
   gray.reshape(1, radiance.rows(), radiance.cols());
   pool.for_rows(radiance.rows(), [&](int y0, int y1) {
-    constexpr int kBlock = 64;
-    std::array<std::array<float, kBlock>, 3> codes;
-    std::array<float, kBlock> seen;
-    for (int y = y0; y < y1; ++y)
-      for (int x0 = 0; x0 < radiance.cols(); x0 += kBlock) {
-        const auto n = static_cast<std::size_t>(std::min(kBlock, radiance.cols() - x0));
-        for (int c = 0; c < 3; ++c) {
-          const float* light = radiance.row(c, y) + x0;
-          if (blur != nullptr) {
-            const float* more = blur->row(c, y) + x0;
-            for (std::size_t i = 0; i < n; ++i) seen[i] = light[i] + more[i];
-            light = seen.data();
-          }
-          tables.codes(c, {light, n}, codes[static_cast<std::size_t>(c)].data());
-        }
-        const auto& [r, g, b] = codes;
-        float* out = gray.row(0, y) + x0;
-        for (std::size_t i = 0; i < n; ++i) out[i] = to_gray(r[i], g[i], b[i]);
+    for (int y = y0; y < y1; ++y) {
+      RecordedRow row{
+          .radiance = {}, .blur = {}, .codes = {}, .exposure = tables.exposure(), .gray = gray.row(0, y)};
+      for (int c = 0; c < 3; ++c) {
+        row.radiance[c] = radiance.row(c, y);
+        if (blur != nullptr) row.blur[c] = blur->row(c, y);
+        row.codes[c] = tables.codes(c).data();
       }
+      fusion_kernels().record(row, radiance.cols());
+    }
   });
 }
 

@@ -35,11 +35,3 @@ TEST_CASE("what is not known of the response is not known of a sample") {
   const float radiance = 4 * known.inverse(1)[100];
   CHECK(tables.variance(1, radiance) == Approx(0.04f * radiance * radiance).epsilon(0.05));
 }
-
-TEST_CASE("codes of many pixels are those of one at a time, to the bit") {
-  const ExposureTables tables(Response::gamma(2.2f), {}, 0.5f);
-  std::vector<float> radiance(333), code(radiance.size());
-  for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = 0.01f * static_cast<float>(i) - 0.1f;
-  tables.codes(1, radiance, code.data());
-  for (std::size_t i = 0; i < radiance.size(); ++i) REQUIRE(code[i] == tables.code(1, radiance[i]));
-}

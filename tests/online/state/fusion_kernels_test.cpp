@@ -61,6 +61,32 @@ TEST_CASE("samples are read from the tables, and fade where fusion.h says", "[is
   }
 }
 
+TEST_CASE("the state is recorded as the camera would: blurred, clipped, through the response", "[isa]") {
+  Numbers numbers(6);
+  for (const int n : kSizes)
+    for (const bool blurred : {false, true}) {
+      std::vector<Row> radiance, blur;
+      RecordedRow row{
+          .radiance = {}, .blur = {}, .codes = {}, .exposure = tables().exposure(), .gray = nullptr};
+      for (int c = 0; c < 3; ++c) {
+        radiance.push_back(numbers.between(-0.1f, c == 0 ? 3.f : 0.1f, n));
+        blur.push_back(numbers.between(-0.1f, 0.1f, n));
+      }
+      for (int c = 0; c < 3; ++c) {
+        row.radiance[c] = radiance[static_cast<std::size_t>(c)].data();
+        if (blurred) row.blur[c] = blur[static_cast<std::size_t>(c)].data();
+        row.codes[c] = tables().codes(c).data();
+      }
+      Row gray(static_cast<std::size_t>(n)), expected(gray.size());
+      row.gray = gray.data();
+      fusion_kernels().record(row, n);
+      for (std::size_t x = 0; x < gray.size(); ++x)
+        for (std::size_t c = 0; c < 3; ++c)
+          expected[x] += tables().code(static_cast<int>(c), radiance[c][x] + (blurred ? blur[c][x] : 0)) / 3;
+      require_near(gray, expected, 1e-4f);
+    }
+}
+
 TEST_CASE("the gate compares what both know, and takes clipped samples for bounds", "[isa]") {
   Numbers numbers(5);
   for (const int n : kSizes) {
