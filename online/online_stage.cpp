@@ -144,13 +144,13 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     FlowField& onward = step.motion.from_previous;
     pool_.scratch().lend(onward.vectors, 2, camera_.height, camera_.width);
     pool_.scratch().lend(onward.confidence, 1, camera_.height, camera_.width);
-    const bool learns = knobs_.noise == NoiseKind::Learned,
+    const bool learns = learns_noise(step.frame.index),
                at_newer = noise_is_seen_in_newer(previous.frame, step.frame);
     const RatedFlows rated{.to_previous = learns && at_newer,
                            .from_previous = joins_newest() || (learns && !at_newer)};
-    motion_->match(state_->state(), step.frame, tables, budget_.flow, rated, step.motion);
+    motion_->match(state_->state(), step.frame, tables, {budget_.flow, budget_.blurs}, rated, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
-    learn_noise(previous, step);
+    if (learns) learn_noise(previous, step);
     if (knobs_.look_ahead == 0) TRY(advance(step, nullptr));
   }
   return emit_ready(false, emit);
@@ -177,7 +177,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (timing_) timing_("motion", watch.lap_ms());
 
   learn_texture_error(step);
-  state_->advance({step.frame, tables_for(step.frame), white_}, step.motion.to_previous);
+  state_->advance({step.frame, tables_for(step.frame), white_, budget_.blurs}, step.motion.to_previous);
   const float gain = gain_of(step.frame);
   tables_.at({step.frame.exposure, gain})
       .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
@@ -341,9 +341,14 @@ void OnlineStage::learn_texture_error(const Step& step) {
   for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_.share());
 }
 
+// Of every frame at first; of every fifth later, so that each pair of a cycle of up to four has its turn.
+bool OnlineStage::learns_noise(int frame) const {
+  constexpr int kEagerFrames = 24, kLaterEvery = 5;
+  return knobs_.noise == NoiseKind::Learned && (frame < kEagerFrames || frame % kLaterEvery == 0);
+}
+
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
-  if (knobs_.noise == NoiseKind::Assumed) return;
-  constexpr int kEager = 8;  // frames: at first the model is solved at each frame, then at every eighth
+  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at every eighth
   Stopwatch watch;
   if (noise_is_seen_in_newer(previous.frame, step.frame))
     noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_,

@@ -52,6 +52,10 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.shrinks = false;
     add("no shrinkage");
   }
+  if (rung.budget.blurs) {
+    rung.budget.blurs = false;
+    add("no motion blur");
+  }
   while (rung.emit_every < kRarest) {
     rung.emit_every *= 2;
     add(fmt::format("one frame in {}", rung.emit_every));

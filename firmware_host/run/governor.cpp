@@ -14,7 +14,8 @@ namespace {
 // that is returned to must leave room.
 constexpr double kSuddenlyLate = 1.15;
 constexpr double kRoomToShedTo = 0.95;
-constexpr double kRoomToReturn = 0.85;  // also of the rung below, to try one of unknown cost
+constexpr double kRoomToReturn = 0.85;   // also of the rung below, to try one of unknown cost
+constexpr double kRoomToEmitAll = 0.95;  // a frame that is left out is lost: there is less hysteresis
 
 constexpr int kSettling = 1;                                 // frames
 constexpr int kProven = 30;                                  // frames after which a return has held
@@ -87,6 +88,13 @@ Governor::Sample Governor::upper(std::size_t newest) const {
   return *rank;
 }
 
+// Of a whole window.
+double Governor::mean_ms() const {
+  double sum = 0;
+  for (const Sample& sample : window_) sum += sample.total_ms;
+  return sum / static_cast<double>(kWindow);
+}
+
 // The speed of the machine: the median time of the steady work.
 double Governor::steady_ms() const {
   const std::size_t count = std::min(samples_, kWindow);
@@ -100,7 +108,9 @@ double Governor::steady_ms() const {
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
   if (at_ + 1 == end()) return std::nullopt;
   const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * deadline_ms_;
-  const bool steady = samples_ >= kWindow && upper(kWindow).total_ms > deadline_ms_;
+  // Frames of uneven cost wait for each other: none is left out before they are late in the mean.
+  const double late_ms = at_ < emits_all_ ? upper(kWindow).total_ms : mean_ms();
+  const bool steady = samples_ >= kWindow && late_ms > deadline_ms_;
   if (!sudden && !steady) return std::nullopt;
   const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
   for (std::size_t r = at_ + 1; r < end(); ++r)
@@ -111,8 +121,10 @@ std::optional<std::size_t> Governor::rung_to_shed_to() const {
 std::optional<std::size_t> Governor::rung_to_return_to() const {
   if (at_ == 0 || samples_ < kTrial) return std::nullopt;
   if (samples_ >= kWindow)
-    for (std::size_t r = 0; r < at_; ++r)
-      if (ratios_[r] && !is_blocked(r) && *ratios_[r] * steady_ms() <= kRoomToReturn * deadline_ms_) return r;
+    for (std::size_t r = 0; r < at_; ++r) {
+      const double room = r == emits_all_ ? kRoomToEmitAll : kRoomToReturn;
+      if (ratios_[r] && !is_blocked(r) && *ratios_[r] * steady_ms() <= room * deadline_ms_) return r;
+    }
   const std::size_t above = at_ - 1;
   const bool ample = upper(std::min(samples_, kWindow)).total_ms <= kRoomToReturn * deadline_ms_;
   return !ratios_[above] && !is_blocked(above) && ample ? std::optional(above) : std::nullopt;

@@ -61,6 +61,7 @@ class Governor {
 
   void add(const FrameWork& work);
   Sample upper(std::size_t newest) const;
+  double mean_ms() const;
   double steady_ms() const;
   void begin(Wait& wait) const;
   bool is_faster_than_in(const Wait& wait) const;

@@ -16,7 +16,7 @@ class CpuState final : public StateLayer {
   }
   void advance(const StateInput& input, const FlowField& to_previous) override {
     filter_.fusion().set_white(input.white);
-    filter_.advance(input.frame, input.tables, to_previous);
+    filter_.advance(input.frame, input.tables, to_previous, input.blur_fraction());
   }
   void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
             JoinedState& joined) override {

@@ -23,12 +23,12 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
 }
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
-                          const FlowField& to_previous) {
+                          const FlowField& to_previous, float blur_fraction) {
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
   const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
-  predict(to_previous, frame.blur_fraction, tables);
+  predict(to_previous, blur_fraction, tables);
   residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
   fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share);
 }

@@ -31,7 +31,9 @@ class StateFilter {
 
   // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous
   // one) and updates it with this frame's samples.
-  void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous);
+  // blur_fraction: of the interval, over which motion blurs the frame; 0 where that does not count.
+  void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous,
+               float blur_fraction);
 
   const RadianceState& state() const { return state_; }
   const SampleResiduals& residuals() const { return residuals_; }

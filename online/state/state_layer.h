@@ -19,6 +19,9 @@ struct StateInput {
   const ExposedFrame& frame;
   const ExposureTables& tables;  // at its exposure
   float white;                   // as known_limit() takes it
+  bool blurs = true;             // motion during the exposure counts
+
+  float blur_fraction() const { return blurs ? frame.blur_fraction : 0; }
 };
 
 class StateLayer {

@@ -34,7 +34,7 @@ struct Bench {
     filter.fusion().set_white(4);
     filter.restart(frames[0], ExposureTables(response, {}, frames[0].exposure));
     MotionEstimator(scene.rows, scene.cols, pool)
-        .match(filter.state(), frames[1], tables, FlowQuality::Medium, {}, motion);
+        .match(filter.state(), frames[1], tables, {FlowQuality::Medium}, {}, motion);
   }
   static test::MovingScene large() {
     test::MovingScene scene;
@@ -66,12 +66,15 @@ void motion_match(benchmark::State& state) {
   Bench bench(threads(state));
   MotionEstimator motion(bench.scene.rows, bench.scene.cols, bench.pool);
   for (auto _ : state)
-    motion.match(bench.filter.state(), bench.frames[1], bench.tables, FlowQuality::Medium, {}, bench.motion);
+    motion.match(bench.filter.state(), bench.frames[1], bench.tables, {FlowQuality::Medium}, {},
+                 bench.motion);
 }
 
 void state_advance(benchmark::State& state) {
   Bench bench(threads(state));
-  for (auto _ : state) bench.filter.advance(bench.frames[1], bench.tables, bench.motion.to_previous);
+  const ExposedFrame& frame = bench.frames[1];
+  for (auto _ : state)
+    bench.filter.advance(frame, bench.tables, bench.motion.to_previous, frame.blur_fraction);
 }
 
 void warp_cubic_rgb(benchmark::State& state) {

@@ -41,12 +41,17 @@ class Stream {
     return online_.finish(emit);
   }
   OnlineStage& online() { return online_; }
+  void freeze_exposures() { frozen_ = true; }  // as if every exposure were an instant
 
  private:
   ExposedStream::HandOn to_online(const FrameBudget& budget, const OnlineStage::Emit& emit) {
-    return [&](ExposedFrame& frame) { return online_.ingest(frame, budget, emit); };
+    return [&](ExposedFrame& frame) {
+      if (frozen_) frame.blur_fraction = 0;
+      return online_.ingest(frame, budget, emit);
+    };
   }
 
+  bool frozen_ = false;
   ExposedStream exposed_;
   OnlineStage online_;
 };
@@ -139,6 +144,30 @@ TEST_CASE("frames that join no later ones are of earlier ones alone, and leave t
         CHECK(some[frame].radiance == all[frame].radiance);
     }
   }
+}
+
+TEST_CASE("without motion blur in their budget, frames are taken for instants") {
+  const test::MovingScene scene;
+  const auto radiance = [&](bool blurs, bool frozen) {
+    Knobs options = state_alone();
+    options.look_ahead = 0;
+    options.budget.blurs = blurs;
+    WorkerPool pool(1);
+    Stream stream(scene, options, pool);
+    if (frozen) stream.freeze_exposures();
+    std::vector<float> all;
+    const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+      const auto samples = estimate.state.radiance.samples();
+      all.insert(all.end(), samples.begin(), samples.end());
+      return {};
+    };
+    for (int i = 0; i < 10; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit));
+    REQUIRE(stream.finish(options.budget, emit));
+    return all;
+  };
+  const std::vector<float> instants = radiance(true, true);
+  CHECK(radiance(false, false) == instants);
+  CHECK(radiance(true, false) != instants);
 }
 
 TEST_CASE("the merged frames are nearer to the scene than the frames that went in") {

@@ -17,6 +17,11 @@ namespace hdrcam {
 
 enum class FlowQuality { Fast, Medium, Fine };
 
+struct MatchEffort {
+  FlowQuality flow = FlowQuality::Medium;
+  bool blurs = true;  // the state is blurred as the frame was
+};
+
 // The steps before and after the interval that is completed. Ratios of intervals: (t_i - t_i-1) over (t_i-1 -
 // t_i-2), and over (t_i+1 - t_i-1). The motion of the step before is what complete() left last.
 struct MotionContext {
@@ -37,7 +42,7 @@ class MotionPrior {
 
   // state: at the previous frame. tables: at the frame's exposure.
   virtual void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-                     FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;
+                     const MatchEffort& effort, const RatedFlows& rated, StateMotion& motion) = 0;
   // Rates the motion to the previous frame in any case.
   virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                         FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;

@@ -86,7 +86,7 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
     : rows_(rows), cols_(cols), pool_(pool), flow_(pool) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
-                            const ExposureTables& tables, FlowQuality quality, const RatedFlows& rated,
+                            const ExposureTables& tables, const MatchEffort& effort, const RatedFlows& rated,
                             StateMotion& motion) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
@@ -102,11 +102,11 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
     const float fraction = ratio * frame.blur_fraction;
-    const bool blurs = exposure_blurs(last_, fraction, pool_);
+    const bool blurs = effort.blurs && exposure_blurs(last_, fraction, pool_);
     if (blurs) blur_difference(state.radiance, last_, fraction, blur_, pool_);
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
-  flow_.compute(quality, request);
+  flow_.compute(effort.flow, request);
   if (rated.to_previous) rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }

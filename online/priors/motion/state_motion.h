@@ -16,7 +16,7 @@ class MotionEstimator final : public MotionPrior {
   // Matches both flows. The state is rendered as the frame would show it: at its exposure, and blurred along
   // the motion of the last step. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-             FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
+             const MatchEffort& effort, const RatedFlows& rated, StateMotion& motion) override;
   // Completes the motion where the frame is clipped, from the previous step and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;

@@ -143,7 +143,7 @@ Result<void> VulkanState::advance_there(const StateInput& input, const FlowField
   on.tables.take(input.tables, work);
   passes.sample(on.codes, on.codes, on.tables, on.samples);
   passes.warp(on.state, on.motion, kCubic, options_.ringing_limit, on.predicted);
-  passes.model_blur(on.predicted, on.motion, input.frame.blur_fraction, input.white, on.shown, on.samples);
+  passes.model_blur(on.predicted, on.motion, input.blur_fraction(), input.white, on.shown, on.samples);
   passes.local_contrast(on.predicted, on.mean, on.contrast);
   passes.gate(on.predicted, on.samples, on.mean, on.contrast, on.tables, on.motion, input.white, on.found,
               on.found_mean, on.gate);

@@ -38,6 +38,7 @@ struct Machine {
     work.steady_ms = slow * 5 * jitter();
     const double motion_ms[] = {3, 4.5, 7};  // fast, medium, fine
     work.total_ms = work.steady_ms + slow * motion_ms[static_cast<int>(budget.flow)] * jitter();
+    if (budget.blurs) work.total_ms += slow * jitter();
     if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();
     if (budget.emits)
       work.total_ms += slow * (2 + (budget.joins_later ? 1 : 0) + (budget.shrinks ? 2 : 0)) * jitter();
@@ -71,14 +72,15 @@ Stretch run(Governor& governor, Machine& machine, int frames) {
 }
 
 TEST_CASE(
-    "a run sheds previews first, then the field, the flow, the look-ahead, shrinkage, and emitted frames "
-    "last") {
+    "a run sheds previews first, then the field, the flow, the look-ahead, shrinkage, motion blur, and "
+    "emitted "
+    "frames last") {
   std::vector<std::string> names;
   const std::vector<Rung> rungs = ladder();
   for (const Rung& rung : rungs) names.push_back(rung.name);
   CHECK(names == std::vector<std::string>{"as asked", "no previews", "1 step of the fit", "no field",
                                           "flow medium", "flow fast", "no look-ahead", "no shrinkage",
-                                          "one frame in 2", "one frame in 4"});
+                                          "no motion blur", "one frame in 2", "one frame in 4"});
   CHECK(rungs.front().previews);
   CHECK(rungs.front().budget.fit.steps == 2);
   const Rung& last = rungs.back();
@@ -87,12 +89,16 @@ TEST_CASE(
   CHECK(last.budget.flow == FlowQuality::Fast);
   CHECK_FALSE(last.budget.joins_later);
   CHECK_FALSE(last.budget.shrinks);
+  CHECK_FALSE(last.budget.blurs);
   CHECK(last.emit_every == 4);
 }
 
 TEST_CASE("what a run does not have it does not shed, and a field that is shown never rests") {
-  const FrameBudget cheap{
-      .flow = FlowQuality::Fast, .fit = {.steps = 30}, .joins_later = false, .shrinks = false};
+  const FrameBudget cheap{.flow = FlowQuality::Fast,
+                          .fit = {.steps = 30},
+                          .joins_later = false,
+                          .blurs = false,
+                          .shrinks = false};
   const std::vector<Rung> none = budget_ladder(cheap, FieldUse::None, PreviewUse::None);
   REQUIRE(none.size() == 3);
   CHECK(none[1].name == "one frame in 2");
@@ -107,11 +113,11 @@ TEST_CASE("a run with time enough begins cheaply, is as asked within two seconds
   for (const double noise : {0.0, 0.08}) {
     Governor governor(ladder(), kDeadline);
     Machine machine{.noise = noise};
-    CHECK(governor.ladder()[static_cast<std::size_t>(governor.rung())].name == "no shrinkage");
+    CHECK(governor.ladder()[static_cast<std::size_t>(governor.rung())].name == "no motion blur");
     const Stretch start = run(governor, machine, 2 * kSecond);
     REQUIRE(start.first_as_asked);
     CHECK(start.late == 0);
-    CHECK(start.changes == 7);  // rung by rung: no cost is known yet
+    CHECK(start.changes == 8);  // rung by rung: no cost is known yet
     CHECK(run(governor, machine, 100 * kSecond).changes == 0);
   }
 }
@@ -136,7 +142,8 @@ TEST_CASE("a load of thirty seconds costs a few late frames, and quality is back
       machine.load = load;
       const Stretch loaded = run(governor, machine, 30 * kSecond);
       CAPTURE(load, noise, loaded.changes, governor.rung());
-      CHECK(loaded.late <= 10);
+      // just below the last rungs frames are late in turn, but not in the mean, and none is left out for that
+      CHECK(loaded.late <= (load < 3 ? 12 : 30 * kSecond / 6));
       CHECK(governor.rung() > 0);
       machine.load = 1;
       const Stretch after = run(governor, machine, 10 * kSecond);
@@ -170,14 +177,28 @@ TEST_CASE(
 TEST_CASE("under a steady load the rung stays, wherever between two rungs the load lies") {
   for (int step = 0; step < 30; ++step) {
     Governor governor(ladder(), kDeadline);
+    const int emits_all = governor.rung();
     Machine machine{.load = 0.9 + 0.08 * step, .noise = 0.08};
     run(governor, machine, 10 * kSecond);
     const Stretch stretch = run(governor, machine, 100 * kSecond);
     CAPTURE(machine.load, governor.rung(), stretch.late);
-    CHECK(stretch.changes <= 12);
+    CHECK(stretch.changes <= 14);
     if (governor.rung() + 1 < static_cast<int>(governor.ladder().size()))
-      CHECK(stretch.late <= 100 * kSecond / 40);
+      CHECK(stretch.late <= 100 * kSecond / (governor.rung() == emits_all ? 8 : 40));
   }
+}
+
+TEST_CASE("frames of uneven cost that are in time in the mean are all emitted") {
+  Governor governor(ladder(), kDeadline);
+  const int emits_all = governor.rung();
+  Machine machine{.load = 3.12, .noise = 0.08};
+  run(governor, machine, 10 * kSecond);
+  const std::vector<int> before = governor.frames_at();
+  run(governor, machine, 20 * kSecond);
+  int left_out = 0;
+  for (std::size_t r = static_cast<std::size_t>(emits_all) + 1; r < before.size(); ++r)
+    left_out += governor.frames_at()[r] - before[r];
+  CHECK(left_out < kSecond);
 }
 
 TEST_CASE("as the load grows, what is shed follows the order, and comes back in the opposite one") {

@@ -140,7 +140,7 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
     if (i == 0)
       filter.restart(frame, tables);
     else
-      filter.advance(frame, tables, still(scene.rows, scene.cols));
+      filter.advance(frame, tables, still(scene.rows, scene.cols), frame.blur_fraction);
     (i == 0 ? first : last) = sums();
   }
   INFO("squared error " << first.square << " -> " << last.square << ", claimed " << first.variance << " -> "
@@ -168,7 +168,7 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
     if (i == 0)
       filter.restart(frame, tables);
     else
-      filter.advance(frame, tables, still(scene.rows, scene.cols));
+      filter.advance(frame, tables, still(scene.rows, scene.cols), frame.blur_fraction);
     highest = std::max(highest, 1 / frame.exposure);
     INFO("frame " << i);
     for (const float v : filter.state().variance.samples()) REQUIRE(v >= known_limit(4));
@@ -200,7 +200,7 @@ TEST_CASE(
   StateFilter filter({}, kRows, kCols, pool);
   filter.fusion().set_white(16);
   filter.restart(longest, of_longest);
-  filter.advance(black, of_black, nowhere);
+  filter.advance(black, of_black, nowhere, black.blur_fraction);
   for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(kSeen).epsilon(0.5));
 
   // clipped, and of a place that no frame saw before
@@ -237,7 +237,7 @@ TEST_CASE("a state that is doubted is no worse than a guess, and weighs against 
   StateFilter filter({}, kRows, kCols, pool);
   filter.fusion().set_white(64);
   filter.resume(seen, {});
-  filter.advance(frame, tables, doubtful);
+  filter.advance(frame, tables, doubtful, frame.blur_fraction);
   for (const float l : filter.state().radiance.samples()) REQUIRE(l < 0.7f * dark);
 }
 

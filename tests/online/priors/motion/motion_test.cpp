@@ -55,7 +55,7 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
   MotionEstimator estimator(scene.rows, scene.cols, pool);
   StateMotion motion;
   const ExposureTables tables(response, {}, after.exposure);
-  estimator.match(filter.state(), after, tables, FlowQuality::Medium, {}, motion);
+  estimator.match(filter.state(), after, tables, {FlowQuality::Medium}, {}, motion);
   estimator.complete(filter.state(), after, {}, FlowQuality::Medium, {}, motion);
   double to = 0, from = 0, trusted = 0;
   int count = 0;
@@ -87,7 +87,7 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
       filter.restart(a, ExposureTables(response, {}, a.exposure));
       MotionEstimator estimator(scene.rows, scene.cols, pool);
       StateMotion motion;
-      estimator.match(filter.state(), b, ExposureTables(response, {}, b.exposure), FlowQuality::Medium, {},
+      estimator.match(filter.state(), b, ExposureTables(response, {}, b.exposure), {FlowQuality::Medium}, {},
                       motion);
       const auto samples = motion.to_previous.vectors.samples();
       results[threads == 1 ? 0 : 1].assign(samples.begin(), samples.end());
@@ -117,7 +117,7 @@ TEST_CASE("motion that only the blue channel of a dark frame shows is found") {
   MotionEstimator estimator(kRows, kCols, pool);
   StateMotion motion;
   const RadianceState state = state_of(dark(0), tables, pool);
-  estimator.match(state, dark(1), tables, FlowQuality::Fine, {}, motion);
+  estimator.match(state, dark(1), tables, {FlowQuality::Fine}, {}, motion);
   double off = 0;
   for (int y = 12; y < kRows - 12; ++y)
     for (int x = 12; x < kCols - 12; ++x)
@@ -140,11 +140,11 @@ TEST_CASE("what a frame clips is followed over it as fast as it moved before, th
   const ExposedFrame second = stripes(1), after = stripes(3);
   const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
   const RadianceState at_first = state_of(stripes(0), usual, pool);
-  estimator.match(at_first, second, usual, FlowQuality::Fine, {}, motion);
+  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
   estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
   REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-kStep).margin(0.5));
   const RadianceState at_second = state_of(second, usual, pool);
-  estimator.match(at_second, clipped, longer, FlowQuality::Fine, {}, motion);
+  estimator.match(at_second, clipped, longer, {FlowQuality::Fine}, {}, motion);
   estimator.complete(at_second, clipped,
                      {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
                      FlowQuality::Fine, {}, motion);
@@ -165,7 +165,7 @@ TEST_CASE("a motion that no frame measures any more gives way to that of its sur
   const ExposedFrame first = frame_of(0, 1, [&](float x, float y) { return texture(x + kStep, y); });
   const ExposedFrame second = frame_of(1, 1, texture);
   const RadianceState at_first = state_of(first, tables, pool);
-  estimator.match(at_first, second, tables, FlowQuality::Fine, {}, motion);
+  estimator.match(at_first, second, tables, {FlowQuality::Fine}, {}, motion);
   estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
   REQUIRE(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(0.5));
   // a lamp comes on, which no frame shows unclipped
@@ -174,7 +174,7 @@ TEST_CASE("a motion that no frame measures any more gives way to that of its sur
   };
   const RadianceState at_lamp = state_of(lit(2), tables, pool);
   for (int index = 2; index < 20; ++index) {
-    estimator.match(at_lamp, lit(index), tables, FlowQuality::Fine, {}, motion);
+    estimator.match(at_lamp, lit(index), tables, {FlowQuality::Fine}, {}, motion);
     estimator.complete(at_lamp, lit(index), {}, FlowQuality::Fine, {}, motion);
     if (index == 2) CHECK(motion.to_previous.vectors.at(0, 32, 48) == Approx(-kStep).margin(1));
   }
