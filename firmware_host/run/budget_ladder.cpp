@@ -16,7 +16,6 @@ int fewer(int steps) {
 }  // namespace
 
 std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, PreviewUse previews) {
-  constexpr int kRarest = 4;
   std::vector<Rung> ladder{{.name = "as asked", .budget = asked}};
   Rung rung = ladder.front();
   const auto add = [&](std::string name) {
@@ -56,9 +55,9 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.blurs = false;
     add("no motion blur");
   }
-  while (rung.emit_every < kRarest) {
-    rung.emit_every *= 2;
-    add(fmt::format("one frame in {}", rung.emit_every));
+  for (const auto& [emitted, of] : {std::pair(3, 4), {1, 2}}) {
+    rung.emitted = emitted, rung.of = of;
+    add(fmt::format("{} frame{} in {}", emitted, emitted == 1 ? "" : "s", of));
   }
   return ladder;
 }

@@ -15,7 +15,9 @@ struct Rung {
   std::string name;  // what it gives up beyond the rung before: "flow fast"
   FrameBudget budget;
   bool previews = true;
-  int emit_every = 1;  // an HDR frame for every n-th frame
+  int emitted = 1, of = 1;  // HDR frames, of so many frames
+
+  bool emits_all() const { return emitted == of; }
 };
 
 // None: the run has no field. Fills: it fills what no frame saw, and may rest. Seen: it is shown itself, and

@@ -37,14 +37,14 @@ Governor::Governor(std::vector<Rung> ladder, Duration deadline)
       to_leave_out_{.next = first_wait_},
       frames_at_(ladder_.size(), 0) {
   CHECK(!ladder_.empty() && deadline > Duration::zero());
-  while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emit_every == 1) ++at_;
+  while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emits_all()) ++at_;
   emits_all_ = at_;
 }
 
 FrameBudget Governor::next() {
   const Rung& rung = ladder_[at_];
   FrameBudget budget = rung.budget;
-  budget.emits = frames_++ % rung.emit_every == 0;
+  budget.emits = frames_++ % rung.of < rung.emitted;
   return budget;
 }
 
@@ -64,10 +64,10 @@ void Governor::done(const FrameWork& work) {
     remember(), since_return_ = 0, move_to(*better);
 }
 
-// Frames of which only one is emitted count as their mean.
+// Frames of which not all are emitted count as their mean.
 void Governor::add(const FrameWork& work) {
   pending_.total_ms += work.total_ms, pending_.steady_ms += work.steady_ms;
-  if (++pending_frames_ < ladder_[at_].emit_every) return;
+  if (++pending_frames_ < ladder_[at_].of) return;
   const Sample mean{pending_.total_ms / pending_frames_,
                     std::max(pending_.steady_ms / pending_frames_, kLeastSteady_ms)};
   if (mean.total_ms > deadline_ms_) late_ += pending_frames_;
