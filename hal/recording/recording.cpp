@@ -20,7 +20,7 @@ const LeftOut& RecordingReader::left_out() const {
 Result<std::optional<FrameFacts>> RecordingReader::next_facts() {
   auto frame = TRY(next());
   if (!frame) return std::optional<FrameFacts>();
-  return std::optional<FrameFacts>(std::move(frame->facts));
+  return std::optional<FrameFacts>(frame->facts);
 }
 
 }  // namespace hdrcam
