@@ -348,7 +348,7 @@ bool OnlineStage::learns_noise(int frame) const {
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {
-  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at every eighth
+  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at multiples of this
   Stopwatch watch;
   if (noise_is_seen_in_newer(previous.frame, step.frame))
     noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_,

@@ -69,8 +69,8 @@ class OnlineStage {
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   const ExposureTables& tables_for(const ExposedFrame& frame);
-  // Whether the newest frame joins the one that becomes ready.
   bool learns_noise(int frame) const;
+  // Whether the newest frame joins the one that becomes ready.
   bool joins_newest() const { return knobs_.look_ahead > 0 && budget_.joins_later && budget_.emits; }
   bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void learn_noise(const Step& previous, const Step& step);

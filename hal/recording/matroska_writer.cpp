@@ -37,7 +37,7 @@ class MatroskaWriter : public RecordingWriter {
   MatroskaWriter(std::unique_ptr<StorageFile> file, PictureEncoder encoder)
       : stream_(std::move(file), StorageStream::Direction::Write), encoder_(std::move(encoder)) {}
 
-  Result<void> write_header(const CameraFacts& camera, RecordingCodec codec);
+  Result<void> write_header(const CameraFacts& camera);
   void add_pixel_track(const CameraFacts& camera);
   void add_facts_track();
   Result<void> write_facts(const std::string& sealed);
@@ -67,11 +67,11 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
   auto file = TRY(storage.create(path, how));
   std::unique_ptr<MatroskaWriter> writer(new MatroskaWriter(std::move(file), std::move(encoder)));
-  TRY(writer->write_header(camera, codec));
+  TRY(writer->write_header(camera));
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
 
-Result<void> MatroskaWriter::write_header(const CameraFacts& camera, RecordingCodec codec) {
+Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
   bits_ = camera.bits;
   AVFormatContext* muxer = nullptr;
   if (const int code = avformat_alloc_output_context2(&muxer, nullptr, "matroska", nullptr); code < 0)
@@ -83,8 +83,8 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera, RecordingCo
   frame_ms_ = std::max<std::int64_t>(1, std::llround(1000 / camera.framerate_hz));
   add_pixel_track(camera);
   add_facts_track();
-  const std::string facts =
-      seal(to_json(camera, codec), unsealed_head(*muxer->streams[matroska::kPixelTrack]->codecpar));
+  const std::string facts = seal(to_json(camera, encoder_.codec()),
+                                 unsealed_head(*muxer->streams[matroska::kPixelTrack]->codecpar));
   av_dict_set(&muxer->metadata, matroska::kCameraTag, facts.c_str(), 0);
   // The muxer must never end a cluster by itself: a picture and its facts belong in the same one.
   av_opt_set_int(muxer->priv_data, "cluster_size_limit", INT_MAX, 0);

@@ -1,16 +1,18 @@
 // Deliberate faults that still fit the tree: a patch that no longer applies proves nothing, and nobody sees
 // it until all of them run for hours.
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "hal/storage.h"
+#include "tests/contracts/expect.h"
 #include "tests/places.h"
 
 #include <catch2/catch.hpp>
+
+using namespace hdrcam;
 
 namespace {
 
@@ -18,10 +20,7 @@ namespace fs = std::filesystem;
 
 const fs::path kRoot = HDRCAM_SOURCE_DIR;
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string text_of(const fs::path& path) { return value_of(read_whole(posix_storage(), path.string())); }
 
 struct Mutant {
   std::string fault;

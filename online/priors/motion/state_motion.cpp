@@ -1,7 +1,6 @@
 #include "online/priors/motion/state_motion.h"
 
 #include <algorithm>
-#include <array>
 
 #include "capture/clip_policy.h"
 #include "online/pictures/for_samples.h"

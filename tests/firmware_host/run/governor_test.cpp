@@ -73,8 +73,7 @@ Stretch run(Governor& governor, Machine& machine, int frames) {
 
 TEST_CASE(
     "a run sheds previews first, then the field, the flow, the look-ahead, shrinkage, motion blur, and "
-    "emitted "
-    "frames last") {
+    "emitted frames last") {
   std::vector<std::string> names;
   const std::vector<Rung> rungs = ladder();
   for (const Rung& rung : rungs) names.push_back(rung.name);
