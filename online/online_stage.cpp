@@ -85,7 +85,14 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
 // Response and black level from the first frames, which then take their way.
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
-  ResponseEstimator estimator(waiting_.front().facts().black_level);
+  ResponseEstimator estimator(waiting_.front().facts().black_level, noise_.code_step);
+  {
+    ExposedFrame frame;
+    for (const CompactFrame& waiting : waiting_) {
+      waiting.restore(frame);
+      estimator.add_noise(frame);
+    }
+  }
   add_pairs(SceneCuts::Possible, estimator);
   if (estimator.pairs() == 0) add_pairs(SceneCuts::None, estimator);  // not every pair of frames spans a cut
   response_measured_ = estimator.pairs() > 0;
@@ -93,6 +100,10 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   response_ = estimate.response;
   black_level_ = estimate.black_level;
   exposures_ = estimate.exposures;
+  if (estimate.noise && knobs_.noise == NoiseKind::Learned) {
+    noise_ = assumed_noise_ = *estimate.noise;
+    noise_estimator_.expect(noise_);
+  }
   ExposedFrame frame;
   for (CompactFrame& waiting : waiting_) {
     waiting.restore(frame);

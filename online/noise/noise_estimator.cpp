@@ -63,12 +63,22 @@ struct Prior {
 
 // Prior of typical cameras: full wells of 2000 to 15000 electrons within one sigma (at the gain in use), read
 // noise of 4 to 9, matches of smooth places good to half a percent or two.
-Prior prior_around(double code_noise) {
+Prior usual_prior(double code_noise) {
   constexpr double kUsualFullWell = 5500, kUsualReadNoise = 6, kUsualMismatch = 0.01, kLeastCodeNoise = 0.05;
   Prior prior;
   prior.mean << std::log(kUsualFullWell), std::log(kUsualReadNoise),
       std::log(std::max(kLeastCodeNoise, code_noise)), std::log(kUsualMismatch);
   prior.sigma << 1.0, 0.4, 0.5, 0.7;
+  return prior;
+}
+
+// Where single frames told full well and read noise.
+Prior prior_around(const NoiseModel& seen) {
+  constexpr double kFullWellSigma = 0.15, kReadNoiseSigma = 0.22;
+  Prior prior = usual_prior(static_cast<double>(seen.code_noise));
+  prior.mean[kFullWell] = std::log(static_cast<double>(seen.full_well));
+  prior.mean[kReadNoise] = std::log(static_cast<double>(seen.read_noise));
+  prior.sigma[kFullWell] = kFullWellSigma, prior.sigma[kReadNoise] = kReadNoiseSigma;
   return prior;
 }
 
@@ -178,7 +188,7 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
   constexpr double kMaxStep = 0.7;  // in ln
   constexpr double kRobust2 = 4;    // squared scale of the weights, in sigmas
   const double step = static_cast<double>(otherwise.code_step), quantisation = step * step / 12;
-  const Prior prior = prior_around(static_cast<double>(otherwise.code_noise));
+  const Prior prior = seen_ ? prior_around(*seen_) : usual_prior(static_cast<double>(otherwise.code_noise));
   Parameters p = prior.mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix<double, kParameters, kParameters> A =

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "capture/exposed_frame.h"
@@ -35,6 +36,9 @@ class NoiseEstimator {
   // and b measures a pixel's brightness more precisely.
   void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                 const Response& response, PairGains gains = {1, 1});
+
+  // What single frames show of the sensor's own noise: the mean of a narrower prior.
+  void expect(const NoiseModel& seen) { seen_ = seen; }
 
   // The most probable model; `otherwise` where there are too few samples. code_step is taken from
   // `otherwise`, and its code_noise is the mean of the prior of the code-domain noise.
@@ -73,6 +77,7 @@ class NoiseEstimator {
   std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
   Image<float> warped_, warped_mean_, compared_;        // borrowed during a call
   std::vector<int> found_;                              // by row of compared_
+  std::optional<NoiseModel> seen_;                      // by expect()
   std::vector<Equation> equations_;                     // of the last solve()
   std::vector<float> sorted_;
 };

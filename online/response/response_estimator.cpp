@@ -9,16 +9,17 @@
 
 #include "capture/clip_policy.h"
 #include "online/response/curve_network.h"
+#include "online/response/curve_squares.h"
 #include "online/response/float_order.h"
+#include "online/response/noise_evidence.h"
 
 namespace hdrcam {
 namespace {
 
 #include "online/response/dorf_prior.inc"
 
-constexpr int kKnots = 255;      // g(z) at the codes 1..255
 constexpr int kGaugeKnot = 127;  // where g is fixed: a common factor of x is not observable
-constexpr int kIterations = 4;   // of the robust fit
+constexpr int kIterations = 4;   // of the robust fit to matches
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
@@ -55,22 +56,6 @@ const Prior& prior() {
   return kPrior;
 }
 
-// A code between two knots of g, codes 1..255.
-struct Knots {
-  int lo;
-  double fraction;
-  explicit Knots(float code) {
-    const double position = std::clamp(static_cast<double>(code) - 1, 0.0, kKnots - 1.0);
-    lo = std::min(static_cast<int>(position), kKnots - 2);
-    fraction = position - lo;
-  }
-  double of(const Vector& g) const { return g[lo] + fraction * (g[lo + 1] - g[lo]); }
-  double slope(const Vector& g) const {  // per code, over three codes
-    const int z = fraction < 0.5 ? lo : lo + 1, a = std::max(0, z - 1), b = std::min(kKnots - 1, z + 1);
-    return (g[b] - g[a]) / (b - a);
-  }
-};
-
 void make_monotone(Vector& g) {
   for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
 }
@@ -85,19 +70,36 @@ std::array<Response::Curve, 3> curves_of(const std::array<Vector, 3>& g) {
   return inverse;
 }
 
-// Prior of what exposures are off, in ln: nominal times are within a sixth of a stop of the true ones, mostly
-// within a twentieth. All exposures to a power, and the curve to the same, explain the same matches: which
-// power it is only real cameras tell, so exposures are not bent that way.
-Matrix precision_of_exposures(const std::vector<int>& keys) {
+// What the channels share: the noise of the sensor, then what exposures are off, in ln.
+constexpr Eigen::Index kFullWell = 0, kReadNoise = 1, kExposures = 2;
+
+// Its prior. Nominal times are within a sixth of a stop of the true ones, mostly within a twentieth. All
+// exposures to a power, and the curve to the same, explain the same matches: which power it is only real
+// cameras tell, so exposures are not bent that way.
+Matrix precision_of_shared(const std::vector<int>& keys) {
   constexpr double kSigma = 0.06 * 0.69314718056;  // ln, of .06 stop
   constexpr double kUnbent = 1e6;
   const auto n = static_cast<Eigen::Index>(keys.size());
-  Matrix precision = Matrix::Identity(n, n) / (kSigma * kSigma);
+  Matrix precision = Matrix::Identity(kExposures + n, kExposures + n) / (kSigma * kSigma);
+  precision(kFullWell, kFullWell) = std::pow(SensorNoise::kFullWellSigma, -2);
+  precision(kReadNoise, kReadNoise) = std::pow(SensorNoise::kReadNoiseSigma, -2);
   Vector power(n);
   for (Eigen::Index k = 0; k < n; ++k) power[k] = keys[static_cast<std::size_t>(k)];
   if (n > 0) power.array() -= power.mean();
-  if (power.norm() > 0) precision += kUnbent * power * power.transpose() / power.squaredNorm();
+  if (power.norm() > 0)
+    precision.bottomRightCorner(n, n) += kUnbent * power * power.transpose() / power.squaredNorm();
   return precision;
+}
+
+Eigen::Index shared_count(const std::vector<int>& keys) {
+  return kExposures + static_cast<Eigen::Index>(keys.size());
+}
+
+// All of the spread of a sensor's own codes is shot, read and quantisation noise.
+NoiseModel noise_model(const SensorNoise& noise, float code_step) {
+  constexpr float kCodeNoise = 0.1f;  // codes
+  return {static_cast<float>(noise.full_well_electrons()), static_cast<float>(noise.read_noise_electrons()),
+          kCodeNoise, code_step};
 }
 
 // Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
@@ -194,29 +196,24 @@ class Ranking {
 
 }  // namespace
 
-// Robust squares, linear at a curve g and what the exposures are off, e, in ln:
-// g'A g + 2 g'B e + e'C e - 2 b'g - 2 d'e.
-struct ResponseEstimator::Agreement {
-  Matrix A, B, C;
-  Vector b, d;
+// Of a curve with its matches and the prior.
+struct ResponseEstimator::Agreement : CurveSquares {
   double match_misfit = 0, prior_misfit = 0;  // -2 ln of likelihood and prior of g
 
-  explicit Agreement(std::size_t exposures)
-      : A(Matrix::Zero(kKnots, kKnots)),
-        B(Matrix::Zero(kKnots, static_cast<Eigen::Index>(exposures))),
-        C(Matrix::Zero(B.cols(), B.cols())),
-        b(Vector::Zero(kKnots)),
-        d(Vector::Zero(B.cols())) {}
+  using CurveSquares::CurveSquares;
 };
 
 struct ResponseEstimator::Curve {
   Vector g;
-  Matrix precision;  // of g, given the matches, the prior and the exposures
+  Matrix precision;  // of g, given the matches, the prior and what the channels share
 };
 
 struct ResponseEstimator::Fit {
   std::array<Curve, 3> curves;
-  Vector off;  // ln of true over stated exposure, by exposure_keys()
+  Vector shared;  // noise, and ln of true over stated exposure by exposure_keys()
+  std::optional<NoiseModel> seen;
+
+  SensorNoise noise() const { return {shared[kFullWell], shared[kReadNoise]}; }
 };
 
 float ExposureCorrections::corrected(float exposure) const {
@@ -308,17 +305,17 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
   for (std::size_t c = 0; c < 3; ++c)
     black.set(c, stated_black_ ? (*stated_black_)[c] : find_black_level(c, noise));
   const std::vector<int> keys = exposure_keys();
-  if (model == ResponseModel::Linear) return {Response::linear(), black, {}};
-  if (model == ResponseModel::Mean) return {prior_mean_response(), black, {}};
+  if (model == ResponseModel::Linear) return {Response::linear(), black, {}, {}};
+  if (model == ResponseModel::Mean) return {prior_mean_response(), black, {}, {}};
   if (model == ResponseModel::Network) {
     std::array<Vector, 3> g;
     for (std::size_t c = 0; c < 3; ++c)
       g[c] = fit_curve_network(prior().mean, [&](const Vector& at, Matrix& A, Vector& b) {
-        Agreement agreed(keys.size());
-        add_matches(c, black[c], noise, at, keys, Vector::Zero(agreed.d.size()), agreed);
+        Agreement agreed(shared_count(keys));
+        add_matches(c, black[c], {noise}, at, keys, Vector::Zero(agreed.d.size()), agreed);
         A = std::move(agreed.A), b = std::move(agreed.b);
       });
-    return {Response(curves_of(g)), black, {}};
+    return {Response(curves_of(g)), black, {}, {}};
   }
   const Fit fit = solve(black, noise);
   // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
@@ -333,9 +330,10 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
   }
   ExposureCorrections exposures;
   for (std::size_t k = 0; k < keys.size(); ++k)
-    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64), fit.off[static_cast<Eigen::Index>(k)]);
+    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64),
+                  fit.shared[kExposures + static_cast<Eigen::Index>(k)]);
   const auto& [red, green, blue] = fit.curves;
-  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, exposures};
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, exposures, fit.seen};
 }
 
 std::vector<int> ResponseEstimator::exposure_keys() const {
@@ -346,27 +344,31 @@ std::vector<int> ResponseEstimator::exposure_keys() const {
   return keys;
 }
 
-void ResponseEstimator::add_matches(std::size_t channel, float black_level, const NoiseModel& noise,
-                                    const Vector& g, const std::vector<int>& keys, const Vector& off,
+void ResponseEstimator::add_matches(std::size_t channel, float black_level, const MatchNoise& noise,
+                                    const Vector& g, const std::vector<int>& keys, const Vector& shared,
                                     Agreement& agreed) const {
   constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
+  constexpr double kWidened = 2;               // how far noise that widens a histogram moves its quantiles
   constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
   const auto [first, last] = clip_policy::kResponseMatch;
   const float stretch = kMaxCode / (kMaxCode - black_level);
   const double top = g[250];
   const auto variance = [&](const Knots& k) {
     const double slope = k.slope(g), x = std::exp(k.of(g) - top);
-    return slope * slope / 12 +
-           0.5 * static_cast<double>(noise.exposure_variance(static_cast<float>(x))) / (x * x);
+    const double relative =
+        static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
+    return slope * slope / 12 + 0.5 * relative + (noise.widens ? kWidened * relative * relative : 0);
   };
 
   for (const auto& [key, matches] : matches_[channel]) {
     if (matches.codes.empty()) continue;
-    const auto place = [&](int k) { return std::lower_bound(keys.begin(), keys.end(), k) - keys.begin(); };
+    const auto place = [&](int k) {
+      return kExposures + (std::lower_bound(keys.begin(), keys.end(), k) - keys.begin());
+    };
     const Eigen::Index shorter = place(key.first), longer = place(key.second);
-    const double log_ratio = matches.log_ratio + off[shorter] - off[longer];
+    const double log_ratio = matches.log_ratio + shared[shorter] - shared[longer];
     const double scale =
         kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
     double sum = 0, used = 0, usable = 0;
@@ -374,23 +376,18 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
       const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
       usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
       if (z1 < first || z2 > last) continue;
-      const Knots k1(z1), k2(z2);
+      const Knots k1(static_cast<double>(z1)), k2(static_cast<double>(z2));
       const double r = k1.of(g) - k2.of(g) - log_ratio;
       const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
       const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
       sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;
-      // r is linear in four knots, (1-f1, f1) at z1, -(1-f2, f2) at z2, and in two exposures
-      const std::array<int, 4> at{k1.lo, k1.lo + 1, k2.lo, k2.lo + 1};
-      const std::array<double, 4> by{1 - k1.fraction, k1.fraction, k2.fraction - 1, -k2.fraction};
-      for (std::size_t i = 0; i < 4; ++i) {
-        agreed.b[at[i]] += w * matches.log_ratio * by[i];
-        for (std::size_t j = 0; j < 4; ++j) agreed.A(at[i], at[j]) += w * by[i] * by[j];
-        agreed.B(at[i], shorter) -= w * by[i], agreed.B(at[i], longer) += w * by[i];
-      }
-      agreed.C(shorter, shorter) += w, agreed.C(longer, longer) += w;
-      agreed.C(shorter, longer) -= w, agreed.C(longer, shorter) -= w;
-      agreed.d[shorter] -= w * matches.log_ratio, agreed.d[longer] += w * matches.log_ratio;
+      const std::array<Term, 4> of_curve{Term{k1.lo, 1 - k1.fraction},
+                                         {k1.lo + 1, k1.fraction},
+                                         {k2.lo, k2.fraction - 1},
+                                         {k2.lo + 1, -k2.fraction}};
+      const std::array<Term, 2> of_exposures{Term{shorter, -1}, {longer, 1}};
+      agreed.add(w, matches.log_ratio, of_curve, of_exposures);
     }
     // matches that a higher black level drops count like the mean of the others, so that dropping gives no
     // advantage
@@ -400,14 +397,14 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
 
 // Of a channel's curve with its matches and the prior.
 ResponseEstimator::Agreement ResponseEstimator::agreement(std::size_t channel, float black_level,
-                                                          const NoiseModel& noise, const Vector& g,
+                                                          const MatchNoise& noise, const Vector& g,
                                                           const std::vector<int>& keys,
-                                                          const Vector& off) const {
+                                                          const Vector& shared) const {
   const Prior& p = prior();
-  Agreement agreed(keys.size());
+  Agreement agreed(shared_count(keys));
   agreed.A = p.precision, agreed.b = p.precision * p.mean;
   agreed.A(kGaugeKnot, kGaugeKnot) += 1e4;
-  add_matches(channel, black_level, noise, g, keys, off, agreed);
+  add_matches(channel, black_level, noise, g, keys, shared, agreed);
   const Vector d = g - p.mean;
   agreed.prior_misfit = d.dot(p.precision * d);
   return agreed;
@@ -417,44 +414,50 @@ ResponseEstimator::Agreement ResponseEstimator::agreement(std::size_t channel, f
 ResponseEstimator::Agreement ResponseEstimator::agreement_at(float black_level, std::size_t channel,
                                                              const NoiseModel& noise) const {
   const std::vector<int> keys = exposure_keys();
-  const Vector as_stated = Vector::Zero(static_cast<Eigen::Index>(keys.size()));
+  const Vector as_stated = Vector::Zero(shared_count(keys));
   Vector g = prior().mean;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
-    const Agreement agreed = agreement(channel, black_level, noise, g, keys, as_stated);
+    const Agreement agreed = agreement(channel, black_level, {noise}, g, keys, as_stated);
     g = agreed.A.llt().solve(agreed.b);
     make_monotone(g);
   }
-  return agreement(channel, black_level, noise, g, keys, as_stated);
+  return agreement(channel, black_level, {noise}, g, keys, as_stated);
 }
 
-// Curves and exposures together: each channel's curve is eliminated from the equations of the exposures,
-// which all channels share.
+// Curves and what they share together: each channel's curve is eliminated from the equations of the shared.
 ResponseEstimator::Fit ResponseEstimator::solve(const BlackLevel& black_level,
                                                 const NoiseModel& noise) const {
+  constexpr int kIterationsWithNoise = 12;  // it may lead far from the mean of real cameras
   const std::vector<int> keys = exposure_keys();
-  const Matrix off_precision = precision_of_exposures(keys);
-  Fit fit{{}, Vector::Zero(off_precision.rows())};
+  const std::array<std::vector<NoiseLevel>, 3> levels = noise_levels_.levels();
+  const bool shows_noise =
+      std::any_of(levels.begin(), levels.end(), [](const auto& channel) { return !channel.empty(); });
+  const Matrix shared_precision = precision_of_shared(keys);
+  Fit fit{{}, Vector::Zero(shared_precision.rows()), {}};
   for (Curve& curve : fit.curves) curve = {prior().mean, {}};
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Matrix Q = off_precision;
+  for (int iteration = 0; iteration < (shows_noise ? kIterationsWithNoise : kIterations); ++iteration) {
+    Matrix Q = shared_precision;
     Vector q = Vector::Zero(Q.rows());
-    std::array<Vector, 3> as_stated;  // curves, and their change with the exposures
+    std::array<Vector, 3> alone;  // curves, and their change with the shared
     std::array<Matrix, 3> change;
     for (std::size_t c = 0; c < 3; ++c) {
       Curve& curve = fit.curves[c];
-      Agreement agreed = agreement(c, black_level[c], noise, curve.g, keys, fit.off);
+      const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
+      Agreement agreed = agreement(c, black_level[c], of_matches, curve.g, keys, fit.shared);
+      add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), kFullWell, agreed);
       const Eigen::LLT<Matrix> factor(agreed.A);
-      as_stated[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
+      alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
       Q += agreed.C - agreed.B.transpose() * change[c];
       q += agreed.d - change[c].transpose() * agreed.b;
       curve.precision = std::move(agreed.A);
     }
-    fit.off = Q.ldlt().solve(q);
+    fit.shared = Q.ldlt().solve(q);
     for (std::size_t c = 0; c < 3; ++c) {
       Vector& g = fit.curves[c].g;
-      g = as_stated[c] - change[c] * fit.off;
+      g = alone[c] - change[c] * fit.shared;
       make_monotone(g);
     }
+    if (shows_noise) fit.seen = noise_model(fit.noise(), noise.code_step);
   }
   return fit;
 }

@@ -7,7 +7,8 @@
 // no flow (flow-matched samples made it worse: docs/decisions.md). Stated exposures are facts with an
 // uncertainty: what each is off is fitted with the curves, as far as the channels' matches disagree without
 // it. It chooses the black level of each channel for which its matches agree best with each other and with
-// real cameras. Thread-bound.
+// real cameras. Where the frames show the sensor's own noise, its spread by code tells the curve's slope, too
+// (noise_evidence.h): a pair of exposures far apart hardly does. Thread-bound.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,6 +20,7 @@
 
 #include "capture/noise_model.h"
 #include "capture/unpack.h"
+#include "online/response/noise_levels.h"
 #include "online/response/response.h"
 
 namespace hdrcam {
@@ -40,6 +42,7 @@ struct ResponseEstimate {
   Response response;
   BlackLevel black_level;
   ExposureCorrections exposures;
+  std::optional<NoiseModel> noise;  // where the frames show the sensor's own (noise_levels.h)
 };
 
 // What the curve may be.
@@ -59,8 +62,12 @@ class ResponseEstimator {
   static constexpr float kMaxBlackLevel = 24;  // codes: above, dark pixels are a bright scene
 
   // black_level: as the camera or user states it; none: it is estimated too.
-  explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt)
-      : stated_black_(black_level) {}
+  // code_step: of the quantiser, in codes of 255.
+  explicit ResponseEstimator(std::optional<BlackLevel> black_level = std::nullopt, float code_step = 1)
+      : stated_black_(black_level), noise_levels_(code_step) {}
+
+  // Takes what the noise of a frame tells of the curve (noise_levels.h), unpacked without a black level.
+  void add_noise(const ExposedFrame& frame) { noise_levels_.add(frame); }
 
   // Adds the matches of two frames of different exposure, unpacked without a black level. It skips frames of
   // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut); returns whether the
@@ -82,21 +89,26 @@ class ResponseEstimator {
     double log_ratio = 0;  // ln E1/E2 < 0
     std::vector<Match> codes;
   };
+  struct MatchNoise {
+    NoiseModel model;
+    bool widens = false;  // histograms; not where compression or the camera's own filters took it away
+  };
   struct Curve;      // of one channel
   struct Agreement;  // of a curve with the matches
   struct Fit;        // all channels and exposures
 
   std::vector<int> exposure_keys() const;
   float find_black_level(std::size_t channel, const NoiseModel& noise) const;
-  void add_matches(std::size_t channel, float black_level, const NoiseModel& noise, const Eigen::VectorXd& g,
-                   const std::vector<int>& keys, const Eigen::VectorXd& off, Agreement& agreed) const;
-  Agreement agreement(std::size_t channel, float black_level, const NoiseModel& noise,
+  void add_matches(std::size_t channel, float black_level, const MatchNoise& noise, const Eigen::VectorXd& g,
+                   const std::vector<int>& keys, const Eigen::VectorXd& shared, Agreement& agreed) const;
+  Agreement agreement(std::size_t channel, float black_level, const MatchNoise& noise,
                       const Eigen::VectorXd& g, const std::vector<int>& keys,
-                      const Eigen::VectorXd& off) const;
+                      const Eigen::VectorXd& shared) const;
   Agreement agreement_at(float black_level, std::size_t channel, const NoiseModel& noise) const;
   Fit solve(const BlackLevel& black_level, const NoiseModel& noise) const;
 
   std::optional<BlackLevel> stated_black_;
+  NoiseLevels noise_levels_;
   int pairs_ = 0;
   float shortest_ = 0;  // exposure
   // Codes of the shortest exposure: hardly a pixel is darker; no black level is above.
