@@ -132,11 +132,11 @@ void NoiseLevels::add_tile(const Image<float>& codes, int y0, int x0) {
   }
 }
 
-// What the tiles with the least contrast show; none where they are too few or their noise is below what a code
-// resolves.
+// What the tiles with the least contrast show; none where they are too few or their noise is below what a
+// code resolves.
 std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
   constexpr std::size_t kLeastTiles = 24, kLeastFlat = 12;
-  constexpr float kFlatShare = 0.2f;     // of the tiles
+  constexpr float kFlatShare = 0.2f;       // of the tiles
   constexpr float kLeastVariance = 0.25f;  // codes^2, with quantisation
   if (tiles.size() < kLeastTiles) return {};
   const auto flat =
@@ -144,7 +144,7 @@ std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
   std::nth_element(tiles.begin(), tiles.begin() + static_cast<std::ptrdiff_t>(flat), tiles.end(),
                    [](const Tile& a, const Tile& b) { return a.contrast < b.contrast; });
   tiles.resize(flat);
-  const auto median = [&](float Tile::* of) {
+  const auto median = [&](float Tile::*of) {
     std::vector<float> values;
     for (const Tile& tile : tiles) values.push_back(tile.*of);
     return quantile_of(std::move(values), 0.5f);

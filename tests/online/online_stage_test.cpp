@@ -275,6 +275,21 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   CHECK(radiance == alone.radiance);
 }
 
+TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
+  test::MovingScene scene;
+  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
+  scene.exposures_s = {0.0005, 0.016};
+  scene.gamma = 3;
+  scene.full_well = 3000, scene.read_noise = 15;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  Stream stream(scene, options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  CHECK(stream.online().noise().full_well == Approx(3000).epsilon(0.15));
+  CHECK(stream.online().noise().read_noise == Approx(15).epsilon(0.25));
+}
+
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
   test::MovingScene scene;
   const Run one = run(scene, 1, state_alone(), 1);

@@ -1,5 +1,8 @@
 #include "online/noise/noise_estimator.h"
 
+#include <cmath>
+#include <optional>
+
 #include "capture/unpack.h"
 #include "tests/support/moving_scene.h"
 
@@ -10,13 +13,15 @@ using namespace hdrcam;
 namespace {
 
 // What the estimator finds in nine frames of a still scene.
-NoiseModel found_in(const test::MovingScene& scene, const Response& response) {
+NoiseModel found_in(const test::MovingScene& scene, const Response& response,
+                    const std::optional<NoiseModel>& seen = std::nullopt) {
   WorkerPool pool(2);
   FlowField still{Image<float>(2, scene.rows, scene.cols), Image<float>(1, scene.rows, scene.cols)};
   still.confidence.fill(1);
   UnpackSettings settings;
   settings.reference_exposure = 0.004;
   NoiseEstimator estimator(pool);
+  if (seen) estimator.expect(*seen);
   for (int i = 0; i + 1 < 9; ++i) {
     const auto a = unpack(scene.frame(i), i, 1 / 30., settings).value();
     const auto b = unpack(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
@@ -69,4 +74,17 @@ TEST_CASE("an error of the response is not taken for noise") {
                     << " with a wrong one");
   CHECK(wrong.full_well > 0.6f * right.full_well);
   CHECK(wrong.full_well < 1.7f * right.full_well);
+}
+
+TEST_CASE("what single frames show of the noise is the start, and pairs correct it") {
+  test::MovingScene scene = still_scene();
+  scene.full_well = 8000, scene.read_noise = 20;  // more than usual: a usual prior finds less
+  NoiseModel seen;
+  seen.full_well = 7000, seen.read_noise = 22, seen.code_noise = 0.1f;
+  const Response response = Response::gamma(scene.gamma);
+  const NoiseModel alone = found_in(scene, response), after = found_in(scene, response, seen);
+  INFO("read noise " << alone.read_noise << " alone, " << after.read_noise << " after 22 was seen, of 20");
+  CHECK(std::abs(after.read_noise - 20) < 0.5f * std::abs(alone.read_noise - 20));
+  CHECK(after.read_noise == Approx(20).epsilon(0.12));
+  CHECK(after.full_well == Approx(8000).epsilon(0.2));
 }
