@@ -47,17 +47,17 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.0, 37.1, 0.0711, 0.0065},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 37.75, 35.3, 0.0877,
-     0.0095},
-    {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 38.9, 36.6, 0.069,
-     0.0065},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.45, 33.7, 0.0473, 0.0035},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 31.7, 26.7, 0.117, 0.0065},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 38.65, 37.0, 0.0755, 0.0075},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 38.75, 37.1, 0.0743, 0.0085},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 38.75, 36.9, 0.0735, 0.008},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 36.5, 33.6, 0.0945, 0.015},
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.35, 37.3, 0.069, 0.005},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.35, 35.8, 0.0828,
+     0.0075},
+    {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 39.3, 36.65, 0.067,
+     0.005},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.65, 34.8, 0.0465, 0.0035},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.4, 29.5, 0.097, 0.0045},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.3, 38.2, 0.072, 0.006},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.5, 38.2, 0.0705, 0.0065},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.65, 37.9, 0.067, 0.006},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.8, 0.088, 0.012},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -68,9 +68,9 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1.0, 0.013},       {"shrinkage", kWalk, no_shrinkage, 0.6, 0.003},
-    {"warp variance", kWalk, no_warp_variance, 2.9, 0.014}, {"gate", kWalk, no_gate, 0.17, -0.002},
-    {"blur variance", kPan, no_blur_variance, 0.75, 0.005}, {"learned noise", kDim, assumed_noise, 1.2, 0.05},
+    {"look-ahead", kWalk, no_look_ahead, 1.0, 0.013},       {"shrinkage", kWalk, no_shrinkage, 0.75, 0.0025},
+    {"warp variance", kWalk, no_warp_variance, 3.1, 0.0155}, {"gate", kWalk, no_gate, 0.3, -0.001},
+    {"blur variance", kPan, no_blur_variance, 0.8, 0.007}, {"learned noise", kDim, assumed_noise, 2.9, 0.1},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
