@@ -290,6 +290,21 @@ TEST_CASE("the first frames tell the noise of a sensor whose exposures share har
   CHECK(stream.online().noise().read_noise == Approx(15).epsilon(0.25));
 }
 
+TEST_CASE("noise that single frames do not tell is learned from pairs of them") {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 1000, scene.read_noise = 10;
+  scene.noise_is_grey = true;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  Stream stream(scene, options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  CHECK(stream.online().noise().full_well > 500);
+  CHECK(stream.online().noise().full_well < 2000);
+}
+
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
   test::MovingScene scene;
   const Run one = run(scene, 1, state_alone(), 1);

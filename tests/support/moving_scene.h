@@ -18,6 +18,7 @@ struct MovingScene {
   double sensitivity = 250;  // exposure that saturates radiance 1: 1 / sensitivity
   float gamma = 2.2f;
   double full_well = 8000, read_noise = 4;  // electrons; 0 full well: no noise
+  bool noise_is_grey = false;               // the same in all channels, as compression leaves it
   int black_level = 0;                      // codes
   double framerate_hz = 30;
   double detail = 1;  // of the texture: below 1 it is smoother
@@ -65,7 +66,8 @@ struct MovingScene {
         for (int x = 0; x < cols; ++x) {
           double light = std::min(1.0, radiance(index, c, x, y) * exposure * sensitivity);
           if (full_well > 0) {
-            const auto key = static_cast<std::uint64_t>(((index * 3 + c) * rows + y) * cols + x);
+            const int channel = noise_is_grey ? 0 : c;
+            const auto key = static_cast<std::uint64_t>(((index * 3 + channel) * rows + y) * cols + x);
             light +=
                 noise(key) * std::sqrt(light / full_well + read_noise * read_noise / (full_well * full_well));
           }
