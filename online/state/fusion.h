@@ -42,7 +42,7 @@ struct Moved {
 enum class Past { None, Seen };
 
 struct FusionOptions {
-  float relative_noise = 0.02f;     // of radiance: error outside the model
+  float relative_noise = 0.005f;    // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
   float unknown_blur_variance = 8;  // the same where the state does not know the pixel
   float blur_confidence = 0.3f;     // of the motion, from which on the state tells the blur
