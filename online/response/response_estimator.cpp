@@ -347,7 +347,8 @@ std::vector<int> ResponseEstimator::exposure_keys() const {
 void ResponseEstimator::add_matches(std::size_t channel, float black_level, const MatchNoise& noise,
                                     const Vector& g, const std::vector<int>& keys, const Vector& shared,
                                     Agreement& agreed) const {
-  constexpr double kMatchSigma = 0.06;         // ln x: motion between the frames moves the quantiles
+  // ln x: motion between the frames moves the quantiles, and so does compression
+  const double match_sigma = noise.is_own ? 0.03 : 0.06;
   constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
   constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
   constexpr double kWidened = 2;               // how far noise that widens a histogram moves its quantiles
@@ -359,7 +360,7 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
     const double slope = k.slope(g), x = std::exp(k.of(g) - top);
     const double relative =
         static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
-    return slope * slope / 12 + 0.5 * relative + (noise.widens ? kWidened * relative * relative : 0);
+    return slope * slope / 12 + 0.5 * relative + (noise.is_own ? kWidened * relative * relative : 0);
   };
 
   for (const auto& [key, matches] : matches_[channel]) {
@@ -378,7 +379,7 @@ void ResponseEstimator::add_matches(std::size_t channel, float black_level, cons
       if (z1 < first || z2 > last) continue;
       const Knots k1(static_cast<double>(z1)), k2(static_cast<double>(z2));
       const double r = k1.of(g) - k2.of(g) - log_ratio;
-      const double s2 = kMatchSigma * kMatchSigma + variance(k1) + variance(k2);
+      const double s2 = match_sigma * match_sigma + variance(k1) + variance(k2);
       const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
       sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
       used += 1;

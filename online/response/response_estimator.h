@@ -91,7 +91,7 @@ class ResponseEstimator {
   };
   struct MatchNoise {
     NoiseModel model;
-    bool widens = false;  // histograms; not where compression or the camera's own filters took it away
+    bool is_own = false;  // of the sensor: no compression or filter took it away, and it widens histograms
   };
   struct Curve;      // of one channel
   struct Agreement;  // of a curve with the matches
