@@ -68,9 +68,9 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1.0, 0.013},       {"shrinkage", kWalk, no_shrinkage, 0.75, 0.0025},
+    {"look-ahead", kWalk, no_look_ahead, 1.0, 0.013},        {"shrinkage", kWalk, no_shrinkage, 0.75, 0.0025},
     {"warp variance", kWalk, no_warp_variance, 3.1, 0.0155}, {"gate", kWalk, no_gate, 0.3, -0.001},
-    {"blur variance", kPan, no_blur_variance, 0.8, 0.007}, {"learned noise", kDim, assumed_noise, 2.9, 0.1},
+    {"blur variance", kPan, no_blur_variance, 0.8, 0.007},   {"learned noise", kDim, assumed_noise, 2.9, 0.1},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
