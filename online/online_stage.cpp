@@ -86,12 +86,10 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
   ResponseEstimator estimator(waiting_.front().facts().black_level, noise_.code_step);
-  {
-    ExposedFrame frame;
-    for (const CompactFrame& waiting : waiting_) {
-      waiting.restore(frame);
-      estimator.add_noise(frame);
-    }
+  ExposedFrame frame;
+  for (const CompactFrame& waiting : waiting_) {
+    waiting.restore(frame);
+    estimator.add_noise(frame);
   }
   add_pairs(SceneCuts::Possible, estimator);
   if (estimator.pairs() == 0) add_pairs(SceneCuts::None, estimator);  // not every pair of frames spans a cut
@@ -104,7 +102,6 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
     noise_ = assumed_noise_ = *estimate.noise;
     noise_estimator_.expect(noise_);
   }
-  ExposedFrame frame;
   for (CompactFrame& waiting : waiting_) {
     waiting.restore(frame);
     waiting = {};

@@ -28,12 +28,10 @@ using Details = std::array<float, kTile * kTile>;
 
 Details details_of(const Image<float>& codes, int channel, int y0, int x0) {
   Details details;
-  for (int y = 0; y < kTile; ++y) {
-    const float* row = codes.row(channel, y0 + y) + x0;
-    for (int x = 0; x < kTile; ++x)
-      details[static_cast<std::size_t>(y * kTile + x)] =
-          detail(codes.row(channel, y0 + y - 1) + x0, row, codes.row(channel, y0 + y + 1) + x0, x);
-  }
+  std::size_t i = 0;
+  for (int y = y0; y < y0 + kTile; ++y)
+    for (int x = x0; x < x0 + kTile; ++x)
+      details[i++] = detail(codes.row(channel, y - 1), codes.row(channel, y), codes.row(channel, y + 1), x);
   return details;
 }
 
@@ -92,6 +90,7 @@ struct NoiseLevels::Bin {
 
 void NoiseLevels::add(const ExposedFrame& frame) {
   constexpr float kSameGain = 0.01f;
+  if ((frame.facts.flags & kFrameDamaged) != 0) return;
   const auto gain = static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain);
   if (gain_ == 0) gain_ = gain;
   if (std::abs(gain - gain_) > kSameGain * gain_) return;
@@ -146,6 +145,7 @@ std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
   tiles.resize(flat);
   const auto median = [&](float Tile::*of) {
     std::vector<float> values;
+    values.reserve(flat);
     for (const Tile& tile : tiles) values.push_back(tile.*of);
     return quantile_of(std::move(values), 0.5f);
   };

@@ -24,10 +24,10 @@ class NoiseLevels {
   // code_step: of the quantiser, in codes of 255
   explicit NoiseLevels(float code_step = 1) : code_step_(code_step) {}
 
-  // Frames of one gain count: that of the first. Unpacked without a black level.
+  // Frames of one gain count: that of the first; damaged ones do not. Unpacked without a black level.
   void add(const ExposedFrame& frame);
 
-  // By channel, dark to bright; none where the noise is not the sensor's own.
+  // [rgb], dark to bright; none in any where the noise is not the sensor's own.
   std::array<std::vector<NoiseLevel>, 3> levels() const;
 
  private:

@@ -118,17 +118,24 @@ TEST_CASE("what compression, filters and demosaicing leave is not taken for the 
   }
 }
 
-TEST_CASE("frames of another gain, whose noise is another, are left out") {
-  const Response response = Response::gamma(2.2f);
-  NoiseLevels one, two;
+TEST_CASE("frames of another gain, whose noise is another, and damaged ones are left out") {
+  const Response response = Response::gamma(2.2f), another = Response::gamma(1);
+  NoiseLevels alone, mixed;
   for (int i = 0; i < 6; ++i) {
-    ExposedFrame frame = recorded(i, i % 2 == 0 ? 0.06f : 1, response);
-    one.add(frame), two.add(frame);
-    frame = recorded(i, 1e-6f, response);
-    frame.facts.analogue_gain = 4;
-    two.add(frame);
+    const float exposure = i % 2 == 0 ? 0.06f : 1;
+    const ExposedFrame frame = recorded(i, exposure, response);
+    alone.add(frame), mixed.add(frame);
+    ExposedFrame other = recorded(i + 6, exposure, another);
+    other.facts.analogue_gain = 4;
+    mixed.add(other);
+    other.facts.analogue_gain = 1, other.facts.flags |= kFrameDamaged;
+    mixed.add(other);
   }
-  for (std::size_t c = 0; c < 3; ++c) CHECK(one.levels()[c].size() == two.levels()[c].size());
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto expected = alone.levels()[c], found = mixed.levels()[c];
+    REQUIRE(found.size() == expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(found[i].spread == expected[i].spread);
+  }
 }
 
 TEST_CASE(
