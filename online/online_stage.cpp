@@ -99,7 +99,7 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   black_level_ = estimate.black_level;
   exposures_ = estimate.exposures;
   if (estimate.noise && knobs_.noise == NoiseKind::Learned) {
-    noise_ = assumed_noise_ = *estimate.noise;
+    noise_ = *estimate.noise;
     noise_estimator_.expect(noise_);
   }
   for (CompactFrame& waiting : waiting_) {

@@ -181,7 +181,7 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
   for (const auto& [ratio, bins] : bins_)
     for (const Bin& bin : bins)
       if (bin.differences.size() >= kMinSamples) equations_.push_back(equation_of(bin, sorted_));
-  if (equations_.size() < 4) return otherwise;
+  if (equations_.size() < 4) return seen_.value_or(otherwise);
 
   // Gauss-Newton on ln variance, robust against single bins; the prior determines every direction.
   constexpr int kIterations = 20;

@@ -40,8 +40,9 @@ class NoiseEstimator {
   // What single frames show of the sensor's own noise: the mean of a narrower prior.
   void expect(const NoiseModel& seen) { seen_ = seen; }
 
-  // The most probable model; `otherwise` where there are too few samples. code_step is taken from
-  // `otherwise`, and its code_noise is the mean of the prior of the code-domain noise.
+  // The most probable model; where there are too few samples what was seen, else `otherwise`. code_step is
+  // taken from `otherwise`; the code_noise of what was seen, or of `otherwise`, is the mean of the prior of
+  // the code-domain noise.
   NoiseModel solve(const NoiseModel& otherwise);
 
  private:

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/exposed_frame.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -57,10 +58,9 @@ void add_noise_evidence(const std::vector<NoiseLevel>& levels, float black_level
   }
   if (equations.empty()) return;
   // far from the solution all levels disagree, and none is an outlier for it
-  const auto middle = rests2.begin() + static_cast<std::ptrdiff_t>(rests2.size() / 2);
-  std::nth_element(rests2.begin(), middle, rests2.end());
+  const double middle = median(rests2);
   for (const Equation& e : equations) {
-    const double weight = 1 / e.sigma2 / (1 + e.rest * e.rest / (kCauchy2 * std::max(e.sigma2, *middle)));
+    const double weight = 1 / e.sigma2 / (1 + e.rest * e.rest / (kCauchy2 * std::max(e.sigma2, middle)));
     double target = e.of_noise[0].factor * noise.full_well + e.of_noise[1].factor * noise.read_noise - e.rest;
     for (const Term& term : e.of_curve) target += term.factor * g[term.at];
     squares.add(weight, target, e.of_curve, e.of_noise);

@@ -1,6 +1,6 @@
 // What the spread of codes by a sensor's own noise says of the response: at a code whose light is x, that
-// spread is the noise of x times the slope of the code over the light. With full well and read noise unknown,
-// too, levels over the whole range leave only their sum of errors open. Reentrant.
+// spread is the noise of x times the slope of the code over the light. Full well and read noise are unknown,
+// too; levels over the whole range tell them with the curve, because x is 1 at the last code. Reentrant.
 #pragma once
 
 #include <vector>

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/core/median.h"
+
 namespace hdrcam {
 namespace {
 
@@ -73,8 +75,8 @@ float contrast_around(const Image<float>& codes, int channel, int y0, int x0) {
   return most - least;
 }
 
-float quantile_of(std::vector<float> values, float share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(values.size()));
+float lower_quartile(std::vector<float>& values) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 4);
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -143,15 +145,15 @@ std::optional<NoiseLevels::Bin> NoiseLevels::flattest(std::vector<Tile> tiles) {
   std::nth_element(tiles.begin(), tiles.begin() + static_cast<std::ptrdiff_t>(flat), tiles.end(),
                    [](const Tile& a, const Tile& b) { return a.contrast < b.contrast; });
   tiles.resize(flat);
-  const auto median = [&](float Tile::*of) {
+  const auto median_of = [&](float Tile::*of) {
     std::vector<float> values;
     values.reserve(flat);
     for (const Tile& tile : tiles) values.push_back(tile.*of);
-    return quantile_of(std::move(values), 0.5f);
+    return median(values);
   };
-  Bin bin{0, median(&Tile::variance), 0, 0, flat};
+  Bin bin{0, median_of(&Tile::variance), 0, 0, flat};
   if (!(bin.variance > kLeastVariance)) return {};
-  bin.coarse = std::sqrt(median(&Tile::coarse) / bin.variance);
+  bin.coarse = std::sqrt(median_of(&Tile::coarse) / bin.variance);
   for (const Tile& tile : tiles) bin.code += tile.code / static_cast<float>(flat);
   for (std::size_t k = 0; k < 2; ++k) {
     float shared = 0, own = 0, other = 0;
@@ -183,8 +185,8 @@ std::array<std::vector<NoiseLevel>, 3> NoiseLevels::levels() const {
           kError * kError + bin->shared * bin->shared / 4 + 1 / (kOfTile * static_cast<float>(bin->tiles));
       levels[c].push_back({bin->code, std::sqrt(own), std::sqrt(error2)});
     }
-  if (shared.size() < kLeastBins || quantile_of(std::move(shared), 0.5f) > kMostUsuallyShared ||
-      quantile_of(std::move(coarse), 0.25f) > kMostUsuallyCoarse)
+  if (shared.size() < kLeastBins || median(shared) > kMostUsuallyShared ||
+      lower_quartile(coarse) > kMostUsuallyCoarse)
     return {};
   return levels;
 }

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "capture/clip_policy.h"
+#include "hal/core/median.h"
 #include "online/response/curve_network.h"
 #include "online/response/curve_squares.h"
 #include "online/response/float_order.h"
@@ -115,10 +116,9 @@ std::vector<float> thumbnail(const ExposedFrame& frame) {
       cell.clear();
       for (int y = y0; y < std::min(y1, codes.rows()); ++y)
         for (int x = x0; x < std::min(x1, codes.cols()); ++x) cell.push_back(codes.at(1, y, x));
-      const auto middle = cell.begin() + static_cast<std::ptrdiff_t>(cell.size() / 2);
-      std::nth_element(cell.begin(), middle, cell.end());
+      const float middle = median(cell);
       const auto [darkest, brightest] = clip_policy::kSameScene;
-      cells.push_back(*middle < darkest || *middle > brightest ? -1 : *middle);
+      cells.push_back(middle < darkest || middle > brightest ? -1 : middle);
     }
   return cells;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "online/priors/pose/median.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {

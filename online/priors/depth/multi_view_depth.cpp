@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/core/median.h"
 #include "online/priors/depth/grid_sample.h"
-#include "online/priors/pose/median.h"
 
 namespace hdrcam {
 namespace {

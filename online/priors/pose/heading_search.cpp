@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "online/priors/pose/median.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {

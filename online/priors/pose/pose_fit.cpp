@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/core/check.h"
-#include "online/priors/pose/median.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/core/median.h"
 #include "online/priors/pose/heading_search.h"
-#include "online/priors/pose/median.h"
 
 namespace hdrcam {
 namespace {
