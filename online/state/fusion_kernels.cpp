@@ -155,14 +155,15 @@ void update(const UpdatedRow& row, int n) {
     const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-    V weight = weighs / (doubt + kTiny);
-    if (row.gate != nullptr) weight *= get<V>(row.gate + x);
-    const V before = 1 / (v + kTiny), both = 1 / (before + weight);
+    V weighed = weighs;
+    if (row.gate != nullptr) weighed *= get<V>(row.gate + x);
+    // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
+    const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const V limit = v < row.known ? all<V>(-1) : 1e-5f / (mean2 + kTiny);
-    put<V>(row.new_state + x, weight > limit ? (s * before + taken * weight) * both : most(s, r));
-    put<V>(row.new_variance + x, weight > limit ? both : v);
-    put<V>(row.share + x, get<V>(row.share + x) + (weight > limit ? weight * both * (1 / 3.f) : V{}));
+    const auto counts = (v < row.known) | (weighed * mean2 > 1e-5f * doubt);
+    put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
+    put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
+    put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));
   });
 }
 
