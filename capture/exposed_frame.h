@@ -20,6 +20,10 @@ struct ExposedFrame {
   float blur_fraction =
       0;               // exposure time over the time to the next frame, 0..1: share of the motion that blurs
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
+
+  ExposedFrame clone() const {
+    return {facts, index, exposure, reference_exposure, blur_fraction, codes.clone()};
+  }
 };
 
 }  // namespace hdrcam

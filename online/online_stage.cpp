@@ -19,6 +19,10 @@ std::optional<FramePose> given_pose(const FrameFacts& facts) {
   return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
 }
 
+float code_step_of(const CameraFacts& camera) {
+  return kMaxCode / static_cast<float>((1 << camera.bits) - 1);
+}
+
 // The noise of two frames is compared at the pixels of the shorter exposure.
 bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer) {
   return newer.exposure <= older.exposure;
@@ -49,13 +53,14 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       pool_(pool),
       gpu_(gpu),
       response_known_(response.has_value()),
+      learner_({knobs.response, knobs.bootstrap_frames, code_step_of(camera), camera.bits}),
       response_(response ? *response : prior_mean_response()),
-      noise_estimator_(pool),
-      texture_error_(pool),
+      noise_estimator_(std::in_place, pool),
+      texture_error_(std::in_place, pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
-  noise_.code_step = kMaxCode / static_cast<float>((1 << camera.bits) - 1);
+  noise_.code_step = code_step_of(camera);
   assumed_noise_ = noise_;
 }
 
@@ -75,6 +80,10 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
   }
   if (!response_known_) {
     Stopwatch watch;
+    if (const auto found = learner_.next(frame, noise_)) {
+      relearned_.push_back(frame.index);
+      TRY(begin_anew(*found, emit));
+    }
     remove_black_level(frame, black_level_);
     frame.exposure = exposures_.corrected(frame.exposure);
     if (timing_) timing_("unpack", watch.lap_ms());
@@ -85,23 +94,8 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
 // Response and black level from the first frames, which then take their way.
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
   started_ = true;
-  ResponseEstimator estimator(waiting_.front().facts().black_level, noise_.code_step);
+  go_over_to(learner_.first(waiting_, noise_));
   ExposedFrame frame;
-  for (const CompactFrame& waiting : waiting_) {
-    waiting.restore(frame);
-    estimator.add_noise(frame);
-  }
-  add_pairs(SceneCuts::Possible, estimator);
-  if (estimator.pairs() == 0) add_pairs(SceneCuts::None, estimator);  // not every pair of frames spans a cut
-  response_measured_ = estimator.pairs() > 0;
-  const ResponseEstimate estimate = estimator.estimate(noise_, knobs_.response);
-  response_ = estimate.response;
-  black_level_ = estimate.black_level;
-  exposures_ = estimate.exposures;
-  if (estimate.noise && knobs_.noise == NoiseKind::Learned) {
-    noise_ = *estimate.noise;
-    noise_estimator_.expect(noise_);
-  }
   for (CompactFrame& waiting : waiting_) {
     waiting.restore(frame);
     waiting = {};
@@ -113,13 +107,29 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
   return {};
 }
 
-void OnlineStage::add_pairs(SceneCuts cuts, ResponseEstimator& estimator) const {
-  ExposedFrame before, frame;
-  for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    waiting_[i].restore(frame);
-    if (i > 0) estimator.add_pair(before, frame, cuts);
-    std::swap(before, frame);
-  }
+void OnlineStage::go_over_to(const ResponseEstimate& estimate) {
+  response_ = estimate.response;
+  black_level_ = estimate.black_level;
+  exposures_ = estimate.exposures;
+  if (!estimate.noise || knobs_.noise != NoiseKind::Learned) return;
+  noise_ = *estimate.noise;
+  noise_estimator_->expect(noise_);
+}
+
+// Under another response the same codes are other radiances: nothing that was learned under the last one
+// holds. The frames that are left are emitted first; the state begins with the next.
+Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, const Emit& emit) {
+  TRY(finish(emit));
+  while (!steps_.empty()) retire_oldest();
+  tables_.clear();
+  noise_ = assumed_noise_;
+  noise_estimator_.emplace(pool_);
+  texture_error_.emplace(pool_);
+  motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
+  field_rested_ = field_ != nullptr;
+  white_ = 1;
+  go_over_to(estimate);
+  return {};
 }
 
 std::unique_ptr<OnlineStage::Step> OnlineStage::spare_step() {
@@ -267,13 +277,15 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
     }
   }
   // the newest stays, because the next frame is compared with it
-  while (steps_.size() > 1 && steps_.front()->emitted) {
-    retired_times_ = {steps_.front()->frame.facts.timestamp, retired_times_[0]};
-    ++retired_;
-    spare_.push_back(std::move(steps_.front()));
-    steps_.erase(steps_.begin());
-  }
+  while (steps_.size() > 1 && steps_.front()->emitted) retire_oldest();
   return {};
+}
+
+void OnlineStage::retire_oldest() {
+  retired_times_ = {steps_.front()->frame.facts.timestamp, retired_times_[0]};
+  ++retired_;
+  spare_.push_back(std::move(steps_.front()));
+  steps_.erase(steps_.begin());
 }
 
 Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit& emit) {
@@ -337,16 +349,16 @@ const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
           .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
                                        state_->residuals().excess(frame.exposure)))
           .first->second;
-  tables.set_texture_error(texture_error_.share());
+  tables.set_texture_error(texture_error_->share());
   return tables;
 }
 
 // Before the state takes the frame in: the frame must not be compared with itself.
 void OnlineStage::learn_texture_error(const Step& step) {
   if (knobs_.noise == NoiseKind::Assumed) return;
-  texture_error_.observe(step.frame, state_->state(), step.motion.to_previous, tables_for(step.frame),
+  texture_error_->observe(step.frame, state_->state(), step.motion.to_previous, tables_for(step.frame),
                          white_);
-  for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_.share());
+  for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
 }
 
 // Of every frame at first; of every fifth later, so that each pair of a cycle of up to four has its turn.
@@ -359,13 +371,13 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   constexpr int kEager = 8;  // frames: at first the model is solved at each, then at multiples of this
   Stopwatch watch;
   if (noise_is_seen_in_newer(previous.frame, step.frame))
-    noise_estimator_.add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
+    noise_estimator_->add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
                               {gain_of(step.frame), gain_of(previous.frame)});
   else
-    noise_estimator_.add_pair(previous.frame, step.frame, step.motion.from_previous, response_,
+    noise_estimator_->add_pair(previous.frame, step.frame, step.motion.from_previous, response_,
                               {gain_of(previous.frame), gain_of(step.frame)});
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
-    noise_ = noise_estimator_.solve(assumed_noise_);
+    noise_ = noise_estimator_->solve(assumed_noise_);
     for (auto& [key, tables] : tables_)
       tables.rebuild(response_, amplified(noise_, key.second), state_->residuals().excess(key.first));
   }

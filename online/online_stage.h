@@ -16,7 +16,7 @@
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
-#include "online/response/response_estimator.h"
+#include "online/response/response_learner.h"
 #include "online/state/state_layer.h"
 #include "online/state/texture_error.h"
 
@@ -44,13 +44,15 @@ class OnlineStage {
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const Response& response() const { return response_; }
-  // False where the first frames say nothing about the response, and the mean of real cameras stands in.
-  bool response_measured() const { return response_measured_; }
+  // False where no frames say anything about the response yet, and the mean of real cameras stands in.
+  bool response_measured() const { return response_known_ || learner_.measured(); }
+  // The frames, counted from 0, with which the response became another one.
+  const std::vector<int>& relearned() const { return relearned_; }
   const NoiseModel& noise() const { return noise_; }         // at reference_gain()
   double reference_gain() const { return reference_gain_; }  // of the first frame
   const BlackLevel& black_level() const { return black_level_; }
   // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
-  float texture_error() const { return texture_error_.share(); }
+  float texture_error() const { return texture_error_->share(); }
   // Why something no longer runs on the graphics device; "" while all does that was asked to.
   std::string trouble() const { return state_->trouble(); }
 
@@ -58,7 +60,8 @@ class OnlineStage {
   struct Step;  // one frame in progress
 
   Result<void> bootstrap(const Emit& emit);
-  void add_pairs(SceneCuts cuts, ResponseEstimator& estimator) const;
+  void go_over_to(const ResponseEstimate& estimate);
+  Result<void> begin_anew(const ResponseEstimate& estimate, const Emit& emit);
   std::unique_ptr<Step> spare_step();
   Result<void> take(ExposedFrame& frame, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
@@ -68,6 +71,7 @@ class OnlineStage {
   std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
+  void retire_oldest();
   const ExposureTables& tables_for(const ExposedFrame& frame);
   bool learns_noise(int frame) const;
   // Whether the newest frame joins the one that becomes ready.
@@ -87,14 +91,15 @@ class OnlineStage {
   std::vector<CompactFrame> waiting_;  // until the bootstrap
   bool started_ = false;
   const bool response_known_;  // from the start
-  bool response_measured_ = true;
 
+  ResponseLearner learner_;
+  std::vector<int> relearned_;
   Response response_;
   BlackLevel black_level_;
   ExposureCorrections exposures_;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
-  NoiseEstimator noise_estimator_;
-  TextureError texture_error_;
+  std::optional<NoiseEstimator> noise_estimator_;
+  std::optional<TextureError> texture_error_;
   double reference_gain_ = 0;                                 // of the first frame; 0: none came yet
   std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
 

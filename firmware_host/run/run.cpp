@@ -100,7 +100,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
                                    online.response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
   if (!online.response_measured())
-    record.notes.emplace_back("response: not in the first frames; the mean of real cameras stands in");
+    record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
+  for (const int frame : online.relearned())
+    record.notes.push_back(fmt::format(
+        "response: learned anew from frame {} on; the frames before showed little of it", frame));
   const NoiseModel& noise = online.noise();
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));
@@ -230,7 +233,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (const auto room = source.exposure_room()) exposures.emplace(*room);
 
   // Output: each HDR frame goes to the sinks, and its record is kept.
-  bool response_told = camera.linear;
+  std::size_t responses_told = camera.linear ? 1 : 0;
   const VirtualCamera::Show show = [&](HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
     if (balance) apply_white_balance(*balance, hdr);
     return sinks.emit({hdr, input, made});
@@ -253,7 +256,8 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
       kept.stages_ms.push_back({"sinks", ms});
       kept.total_ms += ms;
     }
-    if (!std::exchange(response_told, true))
+    if (const std::size_t known = 1 + pipeline.online().relearned().size();
+        std::exchange(responses_told, known) < known)
       source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
     if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online(), source, kept);
     if (novel_views) TRY(novel_views->render(estimate));

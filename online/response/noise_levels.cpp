@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kTile = 8, kCell = 4;                  // pixels; contrast is measured between cells
 constexpr int kAround = 4;                           // pixels around a tile that belong to its surroundings
+constexpr std::size_t kEnoughTiles = 16 * 2400;        // of a brightness
 constexpr int kMostTiles = 2400;                     // of a frame; larger pictures are sampled
 constexpr float kFirstEdge = 2, kEdgeRatio = 1.16f;  // of the bins, codes
 
@@ -122,7 +123,7 @@ void NoiseLevels::add_tile(const Image<float>& codes, int y0, int x0) {
       }
     const float mean = sum / (kTile * kTile);
     const auto bin = bin_of(mean, kBins);
-    if (least <= kDarkest || most >= kBrightest || !bin) continue;
+    if (least <= kDarkest || most >= kBrightest || !bin || tiles_[c][*bin].size() >= kEnoughTiles) continue;
     const std::size_t p = (c + 1) % 3, q = (c + 2) % 3;
     tiles_[c][*bin].push_back({mean,
                                contrast_around(codes, channel, y0, x0),

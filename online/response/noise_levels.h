@@ -24,7 +24,8 @@ class NoiseLevels {
   // code_step: of the quantiser, in codes of 255
   explicit NoiseLevels(float code_step = 1) : code_step_(code_step) {}
 
-  // Frames of one gain count: that of the first; damaged ones do not. Unpacked without a black level.
+  // Frames of one gain count: that of the first; damaged ones do not. Unpacked without a black level. What
+  // many frames have shown of a brightness is enough.
   void add(const ExposedFrame& frame);
 
   // [rgb], dark to bright; none in any where the noise is not the sensor's own.

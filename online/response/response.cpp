@@ -8,6 +8,8 @@
 namespace hdrcam {
 namespace {
 
+constexpr std::size_t kFirst = 12, kLast = 245;  // codes that are judged
+constexpr double kCompared = kLast - kFirst + 1;
 constexpr float kMinStep = 2e-6f;  // of x from one code to the next: strictly monotone
 
 }  // namespace
@@ -82,8 +84,17 @@ float Response::code_of(int channel, float x) const {
   return table[i] + (table[i + 1] - table[i]) * (position - static_cast<float>(i));
 }
 
+double uncertainty_of(const Response& response) {
+  double sum = 0;
+  for (int c = 0; c < 3; ++c)
+    for (std::size_t z = kFirst; z <= kLast; ++z) {
+      const double sigma = response.uncertainty(c, static_cast<float>(z));
+      sum += sigma * sigma;
+    }
+  return std::sqrt(sum / (3 * kCompared));
+}
+
 double response_error(const Response& a, const Response& b) {
-  constexpr std::size_t kFirst = 12, kLast = 245;
   double sum = 0;
   for (int c = 0; c < 3; ++c) {
     double mean = 0, square = 0;
@@ -91,8 +102,7 @@ double response_error(const Response& a, const Response& b) {
       const double d = std::log2(a.inverse(c)[z]) - std::log2(b.inverse(c)[z]);
       mean += d, square += d * d;
     }
-    constexpr double kCodes = kLast - kFirst + 1;
-    sum += square / kCodes - (mean / kCodes) * (mean / kCodes);
+    sum += square / kCompared - (mean / kCompared) * (mean / kCompared);
   }
   return std::sqrt(std::max(0.0, sum / 3));
 }

@@ -41,6 +41,9 @@ class Response {
   std::array<std::vector<float>, 3> forward_;
 };
 
+// One sigma of ln x, rms over codes 12..245 and channels.
+double uncertainty_of(const Response& response);
+
 // rms difference of log2 x over codes 12..245 after removing one gain per channel, stops
 double response_error(const Response& a, const Response& b);
 

@@ -225,6 +225,13 @@ int ExposureCorrections::key(float exposure) {
   return static_cast<int>(std::lround(std::log2(exposure) * 64));
 }
 
+// Of a stream that goes on.
+void ResponseEstimator::keep_newest(std::vector<Match>& matches) {
+  constexpr std::size_t kMost = 25 * std::size_t{kQuantiles};
+  if (matches.size() > kMost)
+    matches.erase(matches.begin(), matches.end() - static_cast<std::ptrdiff_t>(kMost));
+}
+
 bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
   constexpr double kMinRatio = 1.15;       // of exposures: below it a pair does not constrain the curve
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
@@ -257,6 +264,7 @@ bool ResponseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, S
       if (other >= code) matches.codes.push_back({static_cast<float>(code), static_cast<float>(other)});
     }
   }
+  for (auto& channel : matches_) keep_newest(channel[key].codes);
   ++pairs_;
   return true;
 }

@@ -97,6 +97,7 @@ class ResponseEstimator {
   struct Agreement;  // of a curve with the matches
   struct Fit;        // all channels and exposures
 
+  static void keep_newest(std::vector<Match>& matches);
   std::vector<int> exposure_keys() const;
   float find_black_level(std::size_t channel, const NoiseModel& noise) const;
   void add_matches(std::size_t channel, float black_level, const MatchNoise& noise, const Eigen::VectorXd& g,

@@ -16,6 +16,7 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
   const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
+  residuals_ = SampleResiduals();
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predicted_.radiance.copy_from(samples_.radiance);
   predicted_.variance.fill(kUnseenVariance);

@@ -105,6 +105,7 @@ void VulkanState::upload_motion(const FlowField& motion) {
 
 Result<void> VulkanState::restart_there(const StateInput& input) {
   const std::lock_guard turn(device_.turn());
+  residuals_ = SampleResiduals();
   Room& on = *room_;
   GpuWork& work = device_.work();
   upload(work, input.frame.codes, on.codes);

@@ -1,0 +1,64 @@
+#include "online/response/response_learner.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace hdrcam {
+namespace {
+
+// Between looks, in frames: as long as half of the stream was so far, so that they cost nothing in the mean.
+long pause_after(long frames, long least) {
+  constexpr long kMost = 300;
+  return std::clamp(frames / 2, least, kMost);
+}
+
+}  // namespace
+
+ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, const NoiseModel& noise) {
+  estimator_ = ResponseEstimator(frames.front().facts().black_level, options_.code_step);
+  look(frames, SceneCuts::Possible);
+  if (estimator_.pairs() == 0) look(frames, SceneCuts::None);  // not every pair of frames spans a cut
+  measured_ = estimator_.pairs() > 0;
+  frames_ = look_at_ = static_cast<long>(frames.size());
+  ResponseEstimate estimate = estimator_.estimate(noise, options_.model);
+  uncertainty_ = uncertainty_of(estimate.response);
+  return estimate;
+}
+
+std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame, const NoiseModel& noise) {
+  constexpr double kFarMoreCertain = 0.5;
+  if (options_.model != ResponseModel::Curve) return {};  // the others have no uncertainty
+  const long now = frames_++;
+  if (now < look_at_) return {};
+  const auto gathered = static_cast<int>(window_.size());
+  if (!fit_.valid() && gathered < options_.frames) {
+    window_.emplace_back(frame.clone(), options_.bits);
+    if (gathered + 1 == options_.frames)
+      fit_ = std::async(std::launch::async, [this, noise] {
+        look(window_, SceneCuts::Possible);
+        return estimator_.estimate(noise, options_.model);
+      });
+    return {};
+  }
+  if (now < look_at_ + 3 * options_.frames) return {};  // as long as it may take where frames come at their rate
+  ResponseEstimate found = fit_.get();
+  window_.clear();
+  look_at_ = now + pause_after(now, options_.frames);
+  const double uncertainty = uncertainty_of(found.response);
+  if (estimator_.pairs() == 0 || uncertainty > kFarMoreCertain * uncertainty_) return {};
+  measured_ = true, uncertainty_ = uncertainty;
+  return found;
+}
+
+// At frames in a row.
+void ResponseLearner::look(std::span<const CompactFrame> frames, SceneCuts cuts) {
+  ExposedFrame before, frame;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].restore(frame);
+    if (cuts == SceneCuts::Possible) estimator_.add_noise(frame);
+    if (i > 0) estimator_.add_pair(before, frame, cuts);
+    std::swap(before, frame);
+  }
+}
+
+}  // namespace hdrcam
