@@ -103,18 +103,25 @@ NoiseModel noise_model(const SensorNoise& noise, float code_step) {
           kCodeNoise, code_step};
 }
 
+// Of large pictures every n-th line tells as much.
+int line_step(const Image<float>& codes) {
+  constexpr std::size_t kEnoughPixels = 200'000;
+  return static_cast<int>((codes.plane_size() + kEnoughPixels - 1) / kEnoughPixels);
+}
+
 // Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
 // to a monotone curve, whatever lies between the exposures. Means do not: lamps and saturation move them.
 std::vector<float> thumbnail(const ExposedFrame& frame) {
   constexpr int kCells = 16;
   std::vector<float> cells, cell;
   const auto& codes = frame.codes;
+  const int step = line_step(codes);
   for (int gy = 0; gy < kCells; ++gy)
     for (int gx = 0; gx < kCells; ++gx) {
       const int y0 = codes.rows() * gy / kCells, y1 = std::max(y0 + 1, codes.rows() * (gy + 1) / kCells);
       const int x0 = codes.cols() * gx / kCells, x1 = std::max(x0 + 1, codes.cols() * (gx + 1) / kCells);
       cell.clear();
-      for (int y = y0; y < std::min(y1, codes.rows()); ++y)
+      for (int y = y0; y < std::min(y1, codes.rows()); y += step)
         for (int x = x0; x < std::min(x1, codes.cols()); ++x) cell.push_back(codes.at(1, y, x));
       const float middle = median(cell);
       const auto [darkest, brightest] = clip_policy::kSameScene;
@@ -147,9 +154,12 @@ double rank_correlation(const std::vector<float>& a, const std::vector<float>& b
 // A sorted channel that gives the place of its codes in the histogram.
 class Ranking {
  public:
-  Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch)
-      : codes_(frame.codes.plane_size()) {
-    std::copy_n(frame.codes.plane(channel), codes_.size(), codes_.begin());
+  Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch) {
+    const auto& codes = frame.codes;
+    const int step = line_step(codes);
+    codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) + static_cast<std::size_t>(codes.cols()));
+    for (int y = 0; y < codes.rows(); y += step)
+      codes_.insert(codes_.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
     sort_floats(codes_, scratch);
   }
 

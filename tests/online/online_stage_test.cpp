@@ -305,6 +305,62 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
   CHECK(stream.online().noise().full_well < 2000);
 }
 
+TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.drift_px = 0.4, scene.disc_px = 0.8;
+  scene.covered_frames = 14;
+  constexpr int kFrames = 66;
+  for (const int look_ahead : {0, 1, 2})
+    for (const FieldKind field : {FieldKind::None, FieldKind::HashGrid}) {
+      if (field != FieldKind::None && look_ahead != 1) continue;
+      Knobs options = state_alone();
+      options.look_ahead = look_ahead, options.field = field;
+      WorkerPool pool(2);
+      Stream stream(scene, options, pool);
+      Emission emission(pool);
+      HdrFrame frame;
+      std::vector<std::uint64_t> sequences;
+      const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+        emission.render(estimate, frame);
+        for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
+        sequences.push_back(frame.facts.sequence);
+        const std::vector<int>& anew = stream.online().relearned();
+        if (look_ahead == 0 && !anew.empty() && estimate.frame.index == anew.front()) {
+          const auto own = estimate.state.own_share.samples();
+          CHECK(*std::min_element(own.begin(), own.end()) > 0.99f);  // nothing of before is in it
+        }
+        return {};
+      };
+      const Response truth = Response::gamma(scene.gamma);
+      double error_before = 0;
+      for (int i = 0; i < kFrames; ++i) {
+        REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+        if (stream.online().relearned().empty())
+          error_before = response_error(stream.online().response(), truth);
+      }
+      REQUIRE(stream.finish(options.budget, emit).ok());
+
+      REQUIRE(sequences.size() == kFrames);
+      for (std::size_t i = 0; i < kFrames; ++i) CHECK(sequences[i] == i);
+      CHECK(stream.online().relearned().size() == 1);
+      CHECK(error_before > 0.2);
+      CHECK(response_error(stream.online().response(), truth) < 0.07);
+    }
+}
+
+TEST_CASE("a response that the first frames show stays as it is, however long the stream") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.drift_px = 0.4, scene.disc_px = 0.8;
+  const Knobs options = state_alone();
+  WorkerPool pool(2);
+  Stream stream(scene, options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 90; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  CHECK(stream.online().relearned().empty());
+}
+
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {
   test::MovingScene scene;
   const Run one = run(scene, 1, state_alone(), 1);

@@ -21,7 +21,8 @@ struct MovingScene {
   bool noise_is_grey = false;               // the same in all channels, as compression leaves it
   int black_level = 0;                      // codes
   double framerate_hz = 30;
-  double detail = 1;  // of the texture: below 1 it is smoother
+  double detail = 1;       // of the texture: below 1 it is smoother
+  int covered_frames = 0;  // at the start: of a covered lens
 
   CameraFacts camera() const {
     CameraFacts facts;
@@ -64,7 +65,8 @@ struct MovingScene {
     for (int c = 0; c < 3; ++c)
       for (int y = 0; y < rows; ++y)
         for (int x = 0; x < cols; ++x) {
-          double light = std::min(1.0, radiance(index, c, x, y) * exposure * sensitivity);
+          const double seen = index < covered_frames ? 0 : radiance(index, c, x, y);
+          double light = std::min(1.0, seen * exposure * sensitivity);
           if (full_well > 0) {
             const int channel = noise_is_grey ? 0 : c;
             const auto key = static_cast<std::uint64_t>(((index * 3 + channel) * rows + y) * cols + x);
