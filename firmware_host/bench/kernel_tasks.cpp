@@ -131,11 +131,9 @@ void add_state(Tasks& tasks, int rows, int cols) {
                     .gray = room->out.row(0, y)},
                    cols);
   });
-  add_rows(tasks, "fusion: stand-ins", rows, cols, 2, 5, [room, &kernels, cols](int y) {
+  add_rows(tasks, "fusion: stand-ins", rows, cols, 1, 4, [room, &kernels, cols](int y) {
     Planes& r = room->radiance;
-    kernels.stand_in(
-        {r.row(0, y), r.row(1, y), r.row(2, y), room->share.row(0, y), 0.5f, 0.3f, room->out.row(0, y)},
-        cols);
+    kernels.stand_in({r.row(0, y), r.row(1, y), r.row(2, y), 0.5f, room->out.row(0, y)}, cols);
   });
   add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, noise, cols](int y) {
     Planes& r = room->radiance;

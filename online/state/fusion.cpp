@@ -19,33 +19,21 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
                     Samples& samples) {
   for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
     image->reshape_like(codes);
+  samples.blurred = false;
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y) {
-        std::fill_n(samples.blur.row(c, y), codes.cols(), 0.f);
+      for (int y = y0; y < y1; ++y)
         fusion_kernels().sample(
             {codes.row(c, y), brightest.row(c, y), tables.radiances(c).data(), samples.radiance.row(c, y),
              samples.weight.row(c, y), samples.comparable.row(c, y)},
             codes.cols());
-      }
   });
 }
 
-void Fusion::model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
-                        float fraction, Samples& samples) {
-  if (!exposure_blurs(flow, fraction, pool_)) return;
-  const float known = known_limit(white_);
-  const int rows = state.radiance.rows(), cols = state.radiance.cols();
-  const Borrowed room(pool_.scratch(), rows, cols, {{&shown_, 3}});
-  pool_.for_rows(rows, [&](int y0, int y1) {
-    for (int c = 0; c < 3; ++c)
-      for (int y = y0; y < y1; ++y)
-        fusion_kernels().stand_in(
-            {state.radiance.row(c, y), state.variance.row(c, y), samples.radiance.row(c, y),
-             confidence.row(0, y), known, options_.blur_confidence, shown_.row(c, y)},
-            cols);
-  });
-  blur_difference(shown_, flow, fraction, samples.blur, pool_);
+void Fusion::model_blur(const RadianceState& state, const Image<float>& flow, float fraction,
+                        Samples& samples) {
+  samples.blurred = exposure_blurs(flow, fraction, pool_);
+  if (samples.blurred) blur_difference(state.radiance, flow, fraction, samples.blur, pool_);
 }
 
 void Fusion::gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
@@ -66,7 +54,7 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
           window_at(state.radiance.plane(c), rows, cols, y, 1, mean, contrast.row(c, y)));
       fusion_kernels().compare(
           {state.radiance.row(c, y), state.variance.row(c, y), mean, contrast.row(c, y),
-           samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur.row(c, y),
+           samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur_row(c, y),
            noise_of(tables, c), known_limit(white_), relative2, texture2, o.blur_tolerance, chi2, covered},
           cols);
     }
@@ -116,7 +104,7 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
   const auto guess = [&](int band, int y) {
     for (int c = 0; c < 3; ++c)
       fusion_kernels().stand_in({before.radiance.row(c, y), before.variance.row(c, y),
-                                 samples.radiance.row(c, y), nullptr, known, 0, guess_line(band, c, y)},
+                                 samples.radiance.row(c, y), known, guess_line(band, c, y)},
                                 cols);
   };
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
@@ -148,7 +136,7 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
                                .sample = samples.radiance.row(c, y),
                                .weight = samples.weight.row(c, y),
                                .mean = mean,
-                               .blur = samples.blur.row(c, y),
+                               .blur = samples.blur_row(c, y),
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
                                .extra = texture_error > 0 || moved != nullptr ? doubt : nullptr,
                                .noise = noise_of(tables, c),

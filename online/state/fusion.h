@@ -17,7 +17,10 @@ struct Samples {
   Image<float> radiance;    // [rgb, rows, cols]
   Image<float> weight;      // 1 where the code is far from saturation, 0 where saturated
   Image<float> comparable;  // 1 where the code is well inside the range: usable for comparisons
-  Image<float> blur;        // change of the radiance by motion blur, as the state predicts it
+  Image<float> blur;        // change of the radiance by motion blur, as the state predicts it; else undefined
+  bool blurred = false;
+
+  const float* blur_row(int channel, int y) const { return blurred ? blur.row(channel, y) : nullptr; }
 };
 
 // Samples in memory that is borrowed while this lives, for codes of this size.
@@ -45,7 +48,6 @@ struct FusionOptions {
   float relative_noise = 0.005f;    // of radiance: error outside the model
   float blur_variance = 1;          // of the squared blur that the state predicts, added to the sample's
   float unknown_blur_variance = 8;  // the same where the state does not know the pixel
-  float blur_confidence = 0.3f;     // of the motion, from which on the state tells the blur
   float blur_tolerance = 0.1f;      // of the squared blur: disagreement that the gate allows for it
   float chi2_tolerance = 1.5f;      // mean chi^2 over the window up to which a sample is taken as it is
   float chi2_scale = 1.5f;          // e-folding of the weight above it
@@ -68,12 +70,10 @@ class Fusion {
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 
-  // Fills samples.blur, zero until then: the change of the state's picture by the exposure's motion at these
-  // pixels, so that a long exposure is compared with the blurred state and corrected by the difference. flow:
-  // pixels per interval; fraction: of the interval that the exposure lasts. Where the motion's `confidence`
-  // is low or the state has no value for the pixel, the sample itself stands in for the scene.
-  void model_blur(const RadianceState& state, const Image<float>& confidence, const Image<float>& flow,
-                  float fraction, Samples& samples);
+  // Fills samples.blur where the exposure blurs anything: the change of the state's picture by its motion at
+  // these pixels, so that a long exposure is compared with the blurred state and corrected by the difference.
+  // flow: pixels per interval; fraction: of the interval that the exposure lasts.
+  void model_blur(const RadianceState& state, const Image<float>& flow, float fraction, Samples& samples);
 
   // The confidence that state and samples show the same surface: [1, rows, cols] 0..1, from agreement over
   // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives. contrast:
@@ -97,7 +97,7 @@ class Fusion {
   float white_ = 1;
   WorkerPool& pool_;
   // borrowed during a call
-  Image<float> disagreement_, coverage_, shown_;
+  Image<float> disagreement_, coverage_;
   Image<float> mean_, disagreement_mean_, coverage_mean_, guess_, doubt_,
       misaligned_;  // lines, one or more for each band
 };

@@ -81,10 +81,8 @@ void record(const RecordedRow& row, int n) {
 void stand_in(const StandInRow& row, int n) {
   across(n, [&](int x, auto lane) {
     using V = decltype(lane);
-    const V sample = get<V>(row.sample + x);
-    V shown = get<V>(row.variance + x) < row.known ? get<V>(row.state + x) : sample;
-    if (row.trust != nullptr) shown = get<V>(row.trust + x) > row.believed ? shown : sample;
-    put<V>(row.out + x, shown);
+    const V state = get<V>(row.state + x), sample = get<V>(row.sample + x);
+    put<V>(row.out + x, get<V>(row.variance + x) < row.known ? state : sample);
   });
 }
 
@@ -92,7 +90,7 @@ void compare(const ComparedRow& row, int n) {
   across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
     using V = decltype(noise);
     const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
-    const V blur = get<V>(row.blur + x);
+    const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{};
     const V mask = v < row.known ? get<V>(row.comparable + x) : V{};
     const V off = s + blur - r, average = 0.5f * (s + r);
     const V allowed = v + noise + row.relative2 * average * average +
@@ -149,7 +147,7 @@ void update(const UpdatedRow& row, int n) {
       v = v < row.known ? v : guess;
     }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
-    const V blur = get<V>(row.blur + x), blur2 = blur * blur;
+    const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{}, blur2 = blur * blur;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
     const V taken = v < row.known ? sharp : r;
     const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);

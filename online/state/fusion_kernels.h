@@ -21,13 +21,10 @@ struct RecordedRow {
   float* gray;
 };
 
-// One channel of the state where it knows the pixel, and the motion where it is asked for is believed; the
-// sample elsewhere.
+// One channel of the state where it knows the pixel, the sample elsewhere.
 struct StandInRow {
   const float *state, *variance, *sample;
-  const float* trust;     // confidence of the motion, or null
-  float known, believed;  // variance from which on the state does not know the pixel; confidence from which
-                          // on it is believed
+  float known;  // variance from which on the state does not know the pixel
   float* out;
 };
 
@@ -40,7 +37,8 @@ struct SampleVariances {
 // One channel of state and samples, compared: adds to chi^2 and to the number of comparable channels.
 struct ComparedRow {
   const float *state, *variance, *mean, *contrast;
-  const float *sample, *comparable, *blur;
+  const float *sample, *comparable;
+  const float* blur;  // null: 0
   SampleVariances noise;
   float known;                // variance from which on the state does not know the pixel
   float relative2, texture2;  // of radiance squared and of the local contrast: always allowed
@@ -59,8 +57,8 @@ struct GatedRow {
 // One channel of the state, updated by the samples.
 struct UpdatedRow {
   const float *state, *variance;
-  const float *sample, *weight, *mean, *blur;
-  const float *gate, *extra;  // null: 1, 0
+  const float *sample, *weight, *mean;
+  const float *blur, *gate, *extra;  // null: 0, 1, 0
   SampleVariances noise;
   float known, relative2, blur_variance, unknown_blur_variance;
   float least;  // radiance that the samples cannot tell from none

@@ -50,7 +50,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     if (i > 0) path = &lengthened(*path, *ahead.from_previous);
     take_samples(ahead, path->vectors, fusion);
     const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
-    fusion.model_blur(*before, path->confidence, path->vectors, fraction, samples_);
+    fusion.model_blur(*before, path->vectors, fraction, samples_);
     const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
     fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for

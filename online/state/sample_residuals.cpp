@@ -53,7 +53,8 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
   for (int y = 1; y < rows - 1; y += how.stride_px * lines_apart) {
     const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
     const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
-    const float *r = samples.radiance.row(c, y), *b = samples.blur.row(c, y), *w = samples.weight.row(c, y);
+    const float *r = samples.radiance.row(c, y), *w = samples.weight.row(c, y);
+    const float* blur = samples.blur_row(c, y);
     const float* trust = confidence.row(0, y);
     for (int x = 1; x < cols - 1; x += how.stride_px) {
       if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
@@ -64,7 +65,7 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
       const float x_seen = s[x] * tables.exposure();
       const float place = VarianceExcess::place_of(x_seen);
       const auto bin = static_cast<int>(static_cast<double>(place) + 0.5);  // to the nearest, without a call
-      take(c, bin, (r[x] - s[x] - b[x]) * tables.exposure(),
+      take(c, bin, (r[x] - s[x] - (blur != nullptr ? blur[x] : 0)) * tables.exposure(),
            variance * exposure2 - tables.excess().at_place(static_cast<std::size_t>(c), place));
     }
   }

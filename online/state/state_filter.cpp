@@ -39,7 +39,7 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
   const int rows = flow.rows(), cols = flow.cols();
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
-  fusion_.model_blur(predicted_, to_previous.confidence, flow, blur_fraction, samples_);
+  fusion_.model_blur(predicted_, flow, blur_fraction, samples_);
   const Borrowed room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
   const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols, {{&per_contrast_, 1}});
   fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, contrast_);

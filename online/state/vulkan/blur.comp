@@ -1,12 +1,12 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What motion during an exposure adds to a picture (online/state/exposure_blur.cpp), into the samples.
+// What motion during an exposure adds to the state (online/state/exposure_blur.cpp), into the samples.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols;
   float fraction;
 };
-READS(0, Shown, shown)
+READS(0, State, state)
 READS(1, Motion, motion)
 WRITES(2, Samples, samples)
 #include "online/pictures/vulkan/picture.glsl"
@@ -34,9 +34,9 @@ void main() {
     const ivec2 corner = min(ivec2(seen), ivec2(cols - 2, rows - 2));
     const vec2 f = seen - vec2(corner);
     const int i = at(c, corner.y, corner.x);
-    const float upper = shown[i] + (shown[i + 1] - shown[i]) * f.x;
-    const float lower = shown[i + cols] + (shown[i + cols + 1] - shown[i + cols]) * f.x;
+    const float upper = state[i] + (state[i + 1] - state[i]) * f.x;
+    const float lower = state[i + cols] + (state[i + cols + 1] - state[i + cols]) * f.x;
     sum += upper + (lower - upper) * f.y;
   }
-  samples[at(kBlur + c, y, x)] = sum / float(count) - shown[at(c, y, x)];
+  samples[at(kBlur + c, y, x)] = sum / float(count) - state[at(c, y, x)];
 }

@@ -14,7 +14,6 @@
 #include "online/state/vulkan/guess.comp.h"
 #include "online/state/vulkan/residuals.comp.h"
 #include "online/state/vulkan/sample.comp.h"
-#include "online/state/vulkan/shown.comp.h"
 #include "online/state/vulkan/update.comp.h"
 
 namespace hdrcam {
@@ -44,7 +43,6 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
                                                 {"box_mean", k_box_mean, 2},
                                                 {"local_contrast", k_local_contrast, 3},
                                                 {"sample", k_sample, 4},
-                                                {"shown", k_shown, 4},
                                                 {"blur", k_blur, 3},
                                                 {"disagreement", k_disagreement, 6},
                                                 {"gate", k_gate, 5},
@@ -90,18 +88,13 @@ void StatePasses::sample(const GpuPicture& codes, const GpuPicture& brightest, c
   run(kSample, {*codes, *brightest, tables.curves.get(), *samples}, constants, codes.grid());
 }
 
-void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction, float white,
-                             const GpuPicture& shown, const GpuPicture& samples) const {
-  const struct {
-    int rows, cols;
-    float known, believed;
-  } choice{state.rows, state.cols, known_limit(white), options_.fusion.blur_confidence};
-  run(kShown, {*state, *samples, *motion, *shown}, choice, shown.grid());
+void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction,
+                             const GpuPicture& samples) const {
   const struct {
     int rows, cols;
     float fraction;
   } constants{state.rows, state.cols, fraction};
-  run(kBlur, {*shown, *motion, *samples}, constants, shown.grid());
+  run(kBlur, {*state, *motion, *samples}, constants, {state.cols, state.rows, 3});
 }
 
 void StatePasses::gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,

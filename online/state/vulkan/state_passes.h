@@ -39,9 +39,9 @@ class StatePasses {
   // Fusion::sample
   void sample(const GpuPicture& codes, const GpuPicture& brightest, const GpuTables& tables,
               const GpuPicture& samples) const;
-  // Fusion::model_blur; shown: room for its picture
-  void model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction, float white,
-                  const GpuPicture& shown, const GpuPicture& samples) const;
+  // Fusion::model_blur
+  void model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction,
+                  const GpuPicture& samples) const;
   // Fusion::gate; mean, contrast: of the state's radiance; found, found_mean: room
   void gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,
             const GpuPicture& contrast, const GpuTables& tables, const GpuPicture& motion, float white,
@@ -71,7 +71,6 @@ class StatePasses {
     kBoxMean,
     kLocalContrast,
     kSample,
-    kShown,
     kBlur,
     kDisagreement,
     kGate,

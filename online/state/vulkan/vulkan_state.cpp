@@ -42,7 +42,6 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
               .contrast = TRY(picture(3)),
               .guess = TRY(picture(3)),
               .detail = TRY(picture(3)),
-              .shown = TRY(picture(3)),
               .found = TRY(picture(kFoundPlanes)),
               .found_mean = TRY(picture(kFoundPlanes)),
               .gate = TRY(picture(1)),
@@ -144,7 +143,7 @@ Result<void> VulkanState::advance_there(const StateInput& input, const FlowField
   on.tables.take(input.tables, work);
   passes.sample(on.codes, on.codes, on.tables, on.samples);
   passes.warp(on.state, on.motion, kCubic, options_.ringing_limit, on.predicted);
-  passes.model_blur(on.predicted, on.motion, input.blur_fraction(), input.white, on.shown, on.samples);
+  passes.model_blur(on.predicted, on.motion, input.blur_fraction(), on.samples);
   passes.local_contrast(on.predicted, on.mean, on.contrast);
   passes.gate(on.predicted, on.samples, on.mean, on.contrast, on.tables, on.motion, input.white, on.found,
               on.found_mean, on.gate);
@@ -207,8 +206,7 @@ Result<void> VulkanState::join_there(const RadianceState& of, std::span<const La
     passes.warp(on.largest, on.path, 0, 0, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
     // the path spans all intervals, the exposure lasts a part of the last one
-    passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / intervals, white, on.shown,
-                      on.samples);
+    passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / intervals, on.samples);
     passes.local_contrast(on.joined, on.mean, on.contrast);
     passes.gate(on.joined, on.samples, on.mean, on.contrast, on.tables, on.path, white, on.found,
                 on.found_mean, on.gate);

@@ -78,7 +78,7 @@ TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and l
     fusion.sample(codes, codes, tables, samples);
     Outcome out;
     state.variance.fill(1e-4f);
-    if (modelled) fusion.model_blur(state, confidence, to_the_right(8), 0.75f, samples);
+    if (modelled) fusion.model_blur(state, to_the_right(8), 0.75f, samples);
     fusion.gate(state, samples, tables, confidence, gate, contrast);
     state.variance.fill(0.01f);
     RadianceState updated;

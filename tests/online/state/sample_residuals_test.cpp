@@ -18,7 +18,7 @@ TEST_CASE(
   Image<float> confidence(1, kRows, kCols);
   confidence.fill(1);
   Samples samples;
-  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable, &samples.blur})
+  for (auto* image : {&samples.radiance, &samples.weight, &samples.comparable})
     *image = Image<float>(3, kRows, kCols);
   samples.weight.fill(1);
 
