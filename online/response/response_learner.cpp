@@ -27,7 +27,8 @@ ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, co
 
 std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame, const NoiseModel& noise) {
   constexpr double kFarMoreCertain = 0.5;
-  if (options_.model != ResponseModel::Curve) return {};  // the others have no uncertainty
+  constexpr double kCertain = 0.05;  // ln x: what is left is not what more frames would tell
+  if (options_.model != ResponseModel::Curve || uncertainty_ <= kCertain) return {};
   const long now = frames_++;
   if (now < look_at_) return {};
   const auto gathered = static_cast<int>(window_.size());

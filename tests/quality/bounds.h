@@ -52,12 +52,12 @@ inline constexpr PictureFloor kPictureFloors[] = {
      0.0075},
     {"state, look-ahead 2", kWalk, Preset::Balanced, EmitLayer::State, two_frames_ahead, 39.3, 36.65, 0.067,
      0.005},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.65, 34.8, 0.0465, 0.0035},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.65, 34.8, 0.0475, 0.0035},
     {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.4, 29.5, 0.097, 0.0045},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.3, 38.2, 0.072, 0.006},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.3, 38.1, 0.072, 0.006},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.5, 38.2, 0.0705, 0.0065},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.65, 37.9, 0.067, 0.006},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.8, 0.088, 0.012},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.8, 0.088, 0.0125},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
