@@ -114,9 +114,11 @@ void add_frame_budget(std::vector<Knob>& table) {
 void add_stream(std::vector<Knob>& table) {
   constexpr auto kAtStart = KnobChange::AtStart;
   using K = Knobs;
-  table.push_back(whole<&K::look_ahead>("look_ahead", kAtStart, 0, 2,
-                                        {"frames", "latency of as many frames, and one join for each",
-                                         "clipped and occluded pixels that later frames show"}));
+  table.push_back(whole<&K::look_ahead>(
+      "look_ahead", kAtStart, Knobs::kAsSizeAllows, 2,
+      {"frames; -1: two of pictures of at most 200,000 pixels, one of larger ones, for their memory",
+       "latency of as many frames, and one join for each",
+       "clipped and occluded pixels that later frames show"}));
   table.push_back(whole<&K::bootstrap_frames>(
       "bootstrap_frames", kAtStart, 2, 64,
       {"frames", "latency of the first emission", "a more certain first response and black level"}));
@@ -283,6 +285,7 @@ Knobs knobs_of(Preset preset) {
       break;
     case Preset::Balanced:
       knobs.budget.flow = FlowQuality::Fine;
+      knobs.look_ahead = Knobs::kAsSizeAllows;
       fit.steps = 1, fit.interval = 4;
       break;
     case Preset::Best:
@@ -294,6 +297,12 @@ Knobs knobs_of(Preset preset) {
       break;
   }
   return knobs;
+}
+
+int look_ahead_of(const Knobs& knobs, int rows, int cols) {
+  constexpr double kSmall = 200'000;  // pixels
+  if (knobs.look_ahead != Knobs::kAsSizeAllows) return knobs.look_ahead;
+  return static_cast<double>(rows) * cols <= kSmall ? 2 : 1;
 }
 
 std::span<const Knob> knob_table() {

@@ -27,7 +27,8 @@ enum class NoiseKind { Assumed, Learned };
 
 struct Knobs {
   FrameBudget budget;
-  int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for
+  int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for; or:
+  static constexpr int kAsSizeAllows = -1;  // two where the picture is small, else one (look_ahead_of())
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
@@ -42,6 +43,8 @@ struct Knobs {
   FieldOptions hash_grid;
 };
 Knobs knobs_of(Preset preset);
+// Frames that an emission waits for, of pictures of this size.
+int look_ahead_of(const Knobs& knobs, int rows, int cols);
 
 enum class KnobKind { Whole, Real, Choice };
 enum class KnobChange { PerFrame, AtStart };

@@ -48,6 +48,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
     : knobs_(knobs),
       budget_(knobs.budget),
       camera_(camera),
+      look_ahead_(look_ahead_of(knobs, camera.height, camera.width)),
       field_step_(field_step_px(knobs.field_step, camera.height, camera.width)),
       lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
@@ -169,7 +170,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     motion_->match(state_->state(), step.frame, tables, {budget_.flow, budget_.blurs}, rated, step.motion);
     if (timing_) timing_("motion", watch.lap_ms());
     if (learns) learn_noise(previous, step);
-    if (knobs_.look_ahead == 0) TRY(advance(step, nullptr));
+    if (look_ahead_ == 0) TRY(advance(step, nullptr));
   }
   return emit_ready(false, emit);
 }
@@ -191,7 +192,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow,
-                    {.from_previous = field_takes_part() || knobs_.look_ahead > 1}, step.motion);
+                    {.from_previous = field_takes_part() || look_ahead_ > 1}, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
   learn_texture_error(step);
@@ -200,10 +201,10 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   tables_.at({step.frame.exposure, gain})
       .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
   step.advanced = true;
-  if (knobs_.look_ahead > 1) step.state.copy_from(state_->state());
+  if (look_ahead_ > 1) step.state.copy_from(state_->state());
   if (timing_) timing_("state", watch.lap_ms());
   TRY(fit(step));
-  if (knobs_.look_ahead > 1) return {};  // frames before it still look along this motion
+  if (look_ahead_ > 1) return {};  // frames before it still look along this motion
   pool_.scratch().take_back(step.motion.from_previous.vectors);
   pool_.scratch().take_back(step.motion.from_previous.confidence);
   return {};
@@ -230,7 +231,7 @@ Result<void> OnlineStage::fit(Step& step) {
   const DepthMap& depth = *(depth_map_ = &depth_->estimate(seen, pose));
   step.T_world_camera = pose.T_world_camera;
   step.pose = stated_pose(step.frame, pose);
-  if (knobs_.look_ahead > 1) {
+  if (look_ahead_ > 1) {
     step.depth.inverse_depth.copy_from(depth.inverse_depth);
     step.depth.weight.copy_from(depth.weight);
   }
@@ -266,9 +267,9 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
 Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
   for (std::size_t i = 0; i < steps_.size(); ++i) {
     Step& step = *steps_[i];
-    const std::size_t ahead = std::min(static_cast<std::size_t>(knobs_.look_ahead), steps_.size() - 1 - i);
+    const std::size_t ahead = std::min(static_cast<std::size_t>(look_ahead_), steps_.size() - 1 - i);
     if (step.emitted) continue;
-    if (!step.advanced || (!all && static_cast<int>(ahead) < knobs_.look_ahead)) break;
+    if (!step.advanced || (!all && static_cast<int>(ahead) < look_ahead_)) break;
     if (budget_.emits || all) {
       TRY(emit_step(i, ahead, emit));
     } else {
@@ -299,7 +300,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   const Borrowed room(
       pool_.scratch(), camera_.height, camera_.width,
       {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
-  const bool kept = knobs_.look_ahead > 1 && !step.state.radiance.empty();
+  const bool kept = look_ahead_ > 1 && !step.state.radiance.empty();
   state_->join(kept ? step.state : state_->state(), {later.data(), budget_.joins_later ? ahead : 0}, white_,
                joined_);
   SceneView view;
@@ -318,7 +319,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .pose = step.in_field ? step.pose
               : given       ? given_pose(step.frame.facts)
                             : std::nullopt,
-      .depth = step.in_field ? (knobs_.look_ahead > 1 ? &step.depth : depth_map_) : nullptr,
+      .depth = step.in_field ? (look_ahead_ > 1 ? &step.depth : depth_map_) : nullptr,
       .depth_unit = poses_ ? poses_->near() : 1,
       .length_unit = poses_ ? unit_of(poses_->source()) : LengthUnit::Metre,
       .lens_is_assumed = !camera_.intrinsics,

@@ -75,7 +75,7 @@ class OnlineStage {
   const ExposureTables& tables_for(const ExposedFrame& frame);
   bool learns_noise(int frame) const;
   // Whether the newest frame joins the one that becomes ready.
-  bool joins_newest() const { return knobs_.look_ahead > 0 && budget_.joins_later && budget_.emits; }
+  bool joins_newest() const { return look_ahead_ > 0 && budget_.joins_later && budget_.emits; }
   bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void learn_noise(const Step& previous, const Step& step);
   void learn_texture_error(const Step& step);
@@ -84,6 +84,7 @@ class OnlineStage {
   const Knobs knobs_;
   FrameBudget budget_;
   const CameraFacts camera_;
+  const int look_ahead_;   // frames
   const int field_step_;   // px
   const Intrinsics lens_;  // assumed where the camera does not report it
   WorkerPool& pool_;

@@ -40,7 +40,7 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
     if (!path.empty()) sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixels(width, height);
   const Knobs knobs = options_of(settings, use).knobs;
   std::uint64_t per_pixel = kState;
-  if (knobs.look_ahead > 1) per_pixel += kLongerLookAhead;
+  if (look_ahead_of(knobs, height, width) > 1) per_pixel += kLongerLookAhead;
   if (knobs.field != FieldKind::None) {
     const auto step = static_cast<std::uint64_t>(field_step_px(knobs.field_step, height, width));
     per_pixel += kBesideField +

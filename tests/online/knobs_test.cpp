@@ -88,3 +88,17 @@ TEST_CASE("the presets are ordered by what they spend", "[knobs]") {
     CHECK(values.front() < values.back());
   }
 }
+
+TEST_CASE("balanced looks two frames ahead in small pictures, one in large ones, unless it is told how far",
+          "[knobs]") {
+  Knobs knobs = knobs_of(Preset::Balanced);
+  CHECK(look_ahead_of(knobs, 240, 320) == 2);
+  CHECK(look_ahead_of(knobs, 480, 640) == 1);
+  for (const int frames : {0, 1, 2}) {
+    knobs.look_ahead = frames;
+    CHECK(look_ahead_of(knobs, 240, 320) == frames);
+    CHECK(look_ahead_of(knobs, 1080, 1920) == frames);
+  }
+  CHECK(look_ahead_of(knobs_of(Preset::Realtime), 240, 320) == 1);
+  CHECK(look_ahead_of(knobs_of(Preset::Best), 1080, 1920) == 2);
+}

@@ -173,6 +173,8 @@ TEST_CASE("gain counts as exposure: the same light through time or through gain 
 
 TEST_CASE("the preset says how far a run looks ahead, unless the run does") {
   Settings settings;
+  CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == Knobs::kAsSizeAllows);
+  settings.fit.preset = Preset::Fast;
   CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == 1);
   settings.fit.preset = Preset::Best;
   CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == 2);
