@@ -27,7 +27,7 @@ enum class NoiseKind { Assumed, Learned };
 
 struct Knobs {
   FrameBudget budget;
-  int look_ahead = 1;        // frames, 0..2: later frames that an emission waits for; or:
+  int look_ahead = 1;                       // frames, 0..2: later frames that an emission waits for; or:
   static constexpr int kAsSizeAllows = -1;  // two where the picture is small, else one (look_ahead_of())
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen

@@ -358,7 +358,7 @@ const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
 void OnlineStage::learn_texture_error(const Step& step) {
   if (knobs_.noise == NoiseKind::Assumed) return;
   texture_error_->observe(step.frame, state_->state(), step.motion.to_previous, tables_for(step.frame),
-                         white_);
+                          white_);
   for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
 }
 
@@ -373,10 +373,10 @@ void OnlineStage::learn_noise(const Step& previous, const Step& step) {
   Stopwatch watch;
   if (noise_is_seen_in_newer(previous.frame, step.frame))
     noise_estimator_->add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
-                              {gain_of(step.frame), gain_of(previous.frame)});
+                               {gain_of(step.frame), gain_of(previous.frame)});
   else
     noise_estimator_->add_pair(previous.frame, step.frame, step.motion.from_previous, response_,
-                              {gain_of(previous.frame), gain_of(step.frame)});
+                               {gain_of(previous.frame), gain_of(step.frame)});
   if (step.frame.index < kEager || step.frame.index % kEager == 0) {
     noise_ = noise_estimator_->solve(assumed_noise_);
     for (auto& [key, tables] : tables_)

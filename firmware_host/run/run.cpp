@@ -102,8 +102,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   if (!online.response_measured())
     record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
   for (const int frame : online.relearned())
-    record.notes.push_back(fmt::format(
-        "response: learned anew from frame {} on; the frames before showed little of it", frame));
+    record.notes.push_back(
+        fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
   const NoiseModel& noise = online.noise();
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));

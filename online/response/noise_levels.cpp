@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kTile = 8, kCell = 4;                  // pixels; contrast is measured between cells
 constexpr int kAround = 4;                           // pixels around a tile that belong to its surroundings
-constexpr std::size_t kEnoughTiles = 16 * 2400;        // of a brightness
+constexpr std::size_t kEnoughTiles = 16 * 2400;      // of a brightness
 constexpr int kMostTiles = 2400;                     // of a frame; larger pictures are sampled
 constexpr float kFirstEdge = 2, kEdgeRatio = 1.16f;  // of the bins, codes
 

@@ -157,7 +157,8 @@ class Ranking {
   Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch) {
     const auto& codes = frame.codes;
     const int step = line_step(codes);
-    codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) + static_cast<std::size_t>(codes.cols()));
+    codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) +
+                   static_cast<std::size_t>(codes.cols()));
     for (int y = 0; y < codes.rows(); y += step)
       codes_.insert(codes_.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
     sort_floats(codes_, scratch);

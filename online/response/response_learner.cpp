@@ -41,7 +41,8 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
       });
     return {};
   }
-  if (now < look_at_ + 3 * options_.frames) return {};  // as long as it may take where frames come at their rate
+  if (now < look_at_ + 3 * options_.frames)
+    return {};  // as long as it may take where frames come at their rate
   ResponseEstimate found = fit_.get();
   window_.clear();
   look_at_ = now + pause_after(now, options_.frames);

@@ -1,8 +1,8 @@
-// Learns the response of a stream: from its first frames, and again while it goes on where these showed little
-// of it (a covered lens, a dark room, a white wall). Now and then some frames in a row are added to what is
-// known already, and the fit is done again on a thread of its own. Its answer is taken only where it is far
-// more certain: the state must begin anew with it. When that is depends on the frames alone, not on the
-// machine. Thread-bound.
+// Learns the response of a stream: from its first frames, and again while it goes on where these showed
+// little of it (a covered lens, a dark room, a white wall). Now and then some frames in a row are added to
+// what is known already, and the fit is done again on a thread of its own. Its answer is taken only where it
+// is far more certain: the state must begin anew with it. When that is depends on the frames alone, not on
+// the machine. Thread-bound.
 #pragma once
 
 #include <future>

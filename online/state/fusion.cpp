@@ -113,7 +113,7 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
       guess(band, next);
     std::fill_n(share.row(0, y), cols, 0.f);
     float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band), *misaligned = misaligned_.row(0, band);
-    if (moved != nullptr) warp_variance(moved->flow, y, misaligned);
+    if (moved != nullptr) warp_variance(moved->flow, y, misaligned, moved->intervals);
     for (int c = 0; c < 3; ++c) {
       WindowRow window{.line = {},
                        .cols = cols,
@@ -154,10 +154,9 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
   });
 }
 
-void Fusion::warp_variance(const Image<float>& flow, int y, float* per_contrast) const {
-  fusion_kernels().warp_variance(
-      {flow.row(0, y), flow.row(1, y), options_.misalignment * options_.misalignment, per_contrast},
-      flow.cols());
+void Fusion::warp_variance(const Image<float>& flow, int y, float* per_contrast, int intervals) const {
+  const float scale = static_cast<float>(intervals) * options_.misalignment * options_.misalignment;
+  fusion_kernels().warp_variance({flow.row(0, y), flow.row(1, y), scale, per_contrast}, flow.cols());
 }
 
 }  // namespace hdrcam

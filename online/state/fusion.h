@@ -35,10 +35,11 @@ class BorrowedSamples {
 };
 
 // Samples that were moved, for the variance that this adds: the local contrast at the pixels that they were
-// moved to [rgb, rows, cols], and the flow along which they were read.
+// moved to [rgb, rows, cols], and the flow along which they were read, over as many intervals.
 struct Moved {
   const Image<float>& contrast;
   const Image<float>& flow;
+  int intervals = 1;
 };
 
 // Whether the state before a sample holds anything: of what it does not know it has at least a guess.
@@ -89,8 +90,9 @@ class Fusion {
               const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
               Past past = Past::Seen);
 
-  // Variance that reading along the flow adds to row y, per local contrast: misalignment and interpolation.
-  void warp_variance(const Image<float>& flow, int y, float* per_contrast) const;
+  // Variance that reading along the flow adds to row y, per local contrast: misalignment, of each interval
+  // that it is chained of, and interpolation.
+  void warp_variance(const Image<float>& flow, int y, float* per_contrast, int intervals = 1) const;
 
  private:
   FusionOptions options_;

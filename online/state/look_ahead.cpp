@@ -55,7 +55,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
     RadianceState& after = (later.size() - i) % 2 == 1 ? joined : between_;
-    const Moved moved{contrast_, path->vectors};
+    const Moved moved{contrast_, path->vectors, static_cast<int>(i) + 1};
     fusion.update(*before, samples_, *ahead.tables, &gate_, &moved, after,
                   i == 0 ? joined.later_share : share_);
     before = &after;

@@ -160,7 +160,7 @@ void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, 
       {found.cols, found.rows, 3});
 }
 
-void StatePasses::fuse(Taking taking, const GpuPicture& state, const GpuPicture& samples,
+void StatePasses::fuse(Taking taking, int intervals, const GpuPicture& state, const GpuPicture& samples,
                        const GpuTables& tables, float white, const GpuPicture& gate,
                        const GpuPicture& contrast, const GpuPicture& motion, const GpuPicture& guess,
                        const GpuPicture& mean, const GpuPicture& detail, const GpuPicture& share) const {
@@ -186,7 +186,7 @@ void StatePasses::fuse(Taking taking, const GpuPicture& state, const GpuPicture&
               square(o.relative_noise),
               o.blur_variance,
               o.unknown_blur_variance,
-              square(o.misalignment),
+              static_cast<float>(intervals) * square(o.misalignment),
               tables.texture_error};
   run(kUpdate, {*state, *samples, *mean, tables.curves.get(), *gate, *contrast, *motion, *share, *detail},
       constants, share.pixels());
@@ -195,15 +195,16 @@ void StatePasses::fuse(Taking taking, const GpuPicture& state, const GpuPicture&
 void StatePasses::update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                          float white, const GpuPicture& guess, const GpuPicture& mean,
                          const GpuPicture& detail, const GpuPicture& share, Past past) const {
-  fuse(past == Past::None ? Taking::First : Taking::Own, state, samples, tables, white, mean, mean, mean,
+  fuse(past == Past::None ? Taking::First : Taking::Own, 1, state, samples, tables, white, mean, mean, mean,
        guess, mean, detail, share);
 }
 
 void StatePasses::join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
                        float white, const GpuPicture& gate, const GpuPicture& contrast,
                        const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-                       const GpuPicture& detail, const GpuPicture& share) const {
-  fuse(Taking::Later, state, samples, tables, white, gate, contrast, motion, guess, mean, detail, share);
+                       const GpuPicture& detail, const GpuPicture& share, int intervals) const {
+  fuse(Taking::Later, intervals, state, samples, tables, white, gate, contrast, motion, guess, mean, detail,
+       share);
 }
 
 void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {

@@ -60,7 +60,7 @@ class StatePasses {
   void join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
             const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
             const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
-            const GpuPicture& share) const;
+            const GpuPicture& share, int intervals = 1) const;
   // LookAhead: the brightest code that may have gone into a warped one; a path made longer
   void dilate(const GpuPicture& in, const GpuPicture& out) const;
   void follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const;
@@ -89,10 +89,10 @@ class StatePasses {
     device_->work().run(*kernels_[pass], buffers, constants, grid);
   }
   enum class Taking { First, Own, Later };  // samples: of the first frame, of a frame itself, of a later one
-  void fuse(Taking taking, const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
-            float white, const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
-            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
-            const GpuPicture& share) const;
+  void fuse(Taking taking, int intervals, const GpuPicture& state, const GpuPicture& samples,
+            const GpuTables& tables, float white, const GpuPicture& gate, const GpuPicture& contrast,
+            const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
+            const GpuPicture& detail, const GpuPicture& share) const;
 
   GpuDevice* device_;
   StateOptions options_;

@@ -189,7 +189,7 @@ Result<void> VulkanState::join_there(const RadianceState& of, std::span<const La
     upload(work, stacked_, on.joined);
   }
   work.clear(*on.share.buffer);
-  float intervals = 0;
+  int intervals = 0;
   for (const LaterFrame& ahead : later) {
     intervals += 1;
     upload_motion(*ahead.from_previous);
@@ -206,12 +206,13 @@ Result<void> VulkanState::join_there(const RadianceState& of, std::span<const La
     passes.warp(on.largest, on.path, 0, 0, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
     // the path spans all intervals, the exposure lasts a part of the last one
-    passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / intervals, on.samples);
+    passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / static_cast<float>(intervals),
+                      on.samples);
     passes.local_contrast(on.joined, on.mean, on.contrast);
     passes.gate(on.joined, on.samples, on.mean, on.contrast, on.tables, on.path, white, on.found,
                 on.found_mean, on.gate);
     passes.join(on.joined, on.samples, on.tables, white, on.gate, on.contrast, on.path, on.guess, on.mean,
-                on.detail, on.share);
+                on.detail, on.share, intervals);
   }
   download(work, on.joined, fetched_);
   download(work, on.share, joined.later_share);

@@ -58,6 +58,20 @@ TEST_CASE("an exposure blurs where any motion in it is long enough to be seen", 
   CHECK_FALSE(exposure_blurs(flow, 0.05f, pool));
 }
 
+TEST_CASE("what is read along a path of two intervals is doubted twice as much as along one") {
+  WorkerPool pool(1);
+  const Fusion fusion({}, pool);
+  const Image<float> flow = to_the_right(2.5f);
+  std::vector<float> one(kCols), two(kCols);
+  fusion.warp_variance(flow, 3, one.data());
+  fusion.warp_variance(flow, 3, two.data(), 2);
+  for (int x = 0; x < kCols; ++x) {
+    const auto i = static_cast<std::size_t>(x);
+    CHECK(one[i] > 0);
+    CHECK(two[i] == Approx(2 * one[i]));
+  }
+}
+
 TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and leaves it sharp") {
   WorkerPool pool(1);
   Fusion fusion({}, pool);
