@@ -70,7 +70,7 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
     points.push_back({name(preset), "preset", base});
     points.back().fit.preset = preset;
   }
-  for (const int frames : {0, 2}) {
+  for (const int frames : {0, 1}) {
     points.push_back({fmt::format("look-ahead {}", frames), "look-ahead", base});
     points.back().fit.lookahead = frames;
   }
