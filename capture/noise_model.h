@@ -4,6 +4,10 @@
 
 namespace hdrcam {
 
+// Sensor: what the frames show is the sensor's own noise, so that each pixel errs by itself. Unknown: what
+// demosaicing, noise reduction or compression may have left, errors that neighbours share.
+enum class NoiseOrigin { Unknown, Sensor };
+
 struct NoiseModel {
   float full_well = 4000;  // electrons at x = 1
   float read_noise = 9;    // electrons rms

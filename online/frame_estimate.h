@@ -27,9 +27,10 @@ struct FrameEstimate {
   LengthUnit length_unit = LengthUnit::Metre;  // of poses and depth
   bool lens_is_assumed = false;                // the camera does not report it
   const FitReport* fit;                        // the fit's work on this frame; null without a field
-  FrameBudget budget;                          // the cost allowed for this frame
-  float white;                                 // radiance that saturates the shortest exposure so far
-  double reference_exposure;                   // E_ref, seconds x gains
+  NoiseOrigin noise_origin = NoiseOrigin::Unknown;
+  FrameBudget budget;         // the cost allowed for this frame
+  float white;                // radiance that saturates the shortest exposure so far
+  double reference_exposure;  // E_ref, seconds x gains
 };
 
 }  // namespace hdrcam

@@ -112,7 +112,9 @@ void OnlineStage::go_over_to(const ResponseEstimate& estimate) {
   response_ = estimate.response;
   black_level_ = estimate.black_level;
   exposures_ = estimate.exposures;
+  noise_origin_ = NoiseOrigin::Unknown;
   if (!estimate.noise || knobs_.noise != NoiseKind::Learned) return;
+  noise_origin_ = NoiseOrigin::Sensor;
   noise_ = *estimate.noise;
   noise_estimator_->expect(noise_);
 }
@@ -324,6 +326,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .length_unit = poses_ ? unit_of(poses_->source()) : LengthUnit::Metre,
       .lens_is_assumed = !camera_.intrinsics,
       .fit = step.in_field ? &step.fit : nullptr,
+      .noise_origin = noise_origin_,
       .budget = budget_,
       .white = white_,
       .reference_exposure = step.frame.reference_exposure};

@@ -98,6 +98,7 @@ class OnlineStage {
   Response response_;
   BlackLevel black_level_;
   ExposureCorrections exposures_;
+  NoiseOrigin noise_origin_ = NoiseOrigin::Unknown;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   std::optional<NoiseEstimator> noise_estimator_;
   std::optional<TextureError> texture_error_;

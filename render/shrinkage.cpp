@@ -16,6 +16,20 @@ auto rows_of(Picture& picture, int y) {
   return std::array{picture.row(0, y), picture.row(1, y), picture.row(2, y)};
 }
 
+using ThresholdTable = std::array<float, kShrinkageTile * kShrinkageTile>;
+
+ThresholdTable table_of(const ShrinkageThresholds& thresholds, float scale) {
+  ThresholdTable table;
+  const auto risen = [&](int frequency) {
+    return 1 + thresholds.rise * static_cast<float>(frequency) / (kShrinkageTile - 1);
+  };
+  for (int i = 0; i < kShrinkageTile; ++i)
+    for (int j = 0; j < kShrinkageTile; ++j)
+      table[static_cast<std::size_t>(kShrinkageTile * i + j)] =
+          scale * thresholds.least * risen(i) * risen(j);
+  return table;
+}
+
 }  // namespace
 
 Shrinkage::Shrinkage(WorkerPool& pool, GpuDevice* gpu) : pool_(pool) {
@@ -34,17 +48,20 @@ void Shrinkage::give_up(const Error& why) {
   gpu_.reset();
 }
 
-void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset) {
+void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset,
+                      NoiseOrigin origin) {
   if (radiance.rows() < kShrinkageTile || radiance.cols() < kShrinkageTile) return;
+  const ShrinkageThresholds thresholds = thresholds_of(origin);
   if (gpu_ != nullptr) {
-    const Result<void> done = gpu_->apply(radiance, variance, offset);
+    const Result<void> done = gpu_->apply(radiance, variance, offset, thresholds);
     if (done) return;
     give_up(done.error());
   }
-  apply_here(radiance, variance, offset);
+  apply_here(radiance, variance, offset, thresholds);
 }
 
-void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance, float offset) {
+void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance, float offset,
+                           const ShrinkageThresholds& thresholds) {
   const ShrinkageKernels& kernels = shrinkage_kernels();
   const int rows = radiance.rows(), cols = radiance.cols();
   const Borrowed room(pool_.scratch(), rows, cols,
@@ -57,11 +74,13 @@ void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance,
                           rows_of(sum_, y).data(), rows_of(weight_, y).data());
   });
 
+  const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
   // Tile rows two steps apart do not overlap: two passes of independent rows, then the last row if it is out
   // of step.
   const auto shrink = [&](int channel, int y) {
-    kernels.shrink(opponent_.row(channel, y), noise_.row(channel, y), cols, sum_.row(channel, y),
-                   weight_.row(channel, y));
+    const auto& table = channel == 0 ? luminance : chroma;
+    kernels.shrink(opponent_.row(channel, y), noise_.row(channel, y), table.data(), cols,
+                   sum_.row(channel, y), weight_.row(channel, y));
   };
   const int tile_rows = (rows - kShrinkageTile) / kShrinkageStep + 1;
   for (int parity = 0; parity < 2; ++parity)

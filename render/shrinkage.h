@@ -1,11 +1,12 @@
 // Spatial shrinkage of a picture whose variance is known: 8x8 DCT tiles, overlapping by half, on the
-// logarithm of radiance in opponent colours; each coefficient is scaled by max(0, 1 - 1.5 s^2 / c^2)
-// (empirical Wiener filter), the tiles are averaged with more weight where fewer coefficients survive. For
-// the output only: nothing here feeds back. Thread-bound.
+// logarithm of radiance in opponent colours; each coefficient is scaled by max(0, 1 - t s^2 / c^2) (empirical
+// Wiener filter), the tiles are averaged with more weight where fewer coefficients survive. The threshold t
+// goes by where the noise comes from. For the output only: nothing here feeds back. Thread-bound.
 #pragma once
 
 #include <memory>
 
+#include "capture/noise_model.h"
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
 #include "hal/gpu/gpu_device.h"
@@ -13,6 +14,17 @@
 namespace hdrcam {
 
 class VulkanShrinkage;
+
+// The thresholds of a picture's coefficients. Of frequencies i and j (0..7): least (1 + rise i / 7) (1 + rise
+// j / 7), of both chroma channels that times `chroma`. What neighbours share stays in the mean of many
+// frames, whose variance then says too little, and most of it at high frequencies and in chroma, which a
+// camera has smoothed and then halved.
+struct ShrinkageThresholds {
+  float least, rise, chroma;
+};
+constexpr ShrinkageThresholds thresholds_of(NoiseOrigin origin) {
+  return origin == NoiseOrigin::Sensor ? ShrinkageThresholds{0.9f, 0, 1} : ShrinkageThresholds{1.4f, 1, 1.5f};
+}
 
 class Shrinkage {
  public:
@@ -22,10 +34,11 @@ class Shrinkage {
 
   // radiance, variance: [rgb, rows, cols]; offset: radiance below which a difference does not matter. Works
   // in place. Pictures smaller than one tile are unchanged.
-  void apply(Image<float>& radiance, const Image<float>& variance, float offset);
+  void apply(Image<float>& radiance, const Image<float>& variance, float offset, NoiseOrigin origin);
 
  private:
-  void apply_here(Image<float>& radiance, const Image<float>& variance, float offset);
+  void apply_here(Image<float>& radiance, const Image<float>& variance, float offset,
+                  const ShrinkageThresholds& thresholds);
   void give_up(const Error& why);
 
   WorkerPool& pool_;

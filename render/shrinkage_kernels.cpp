@@ -117,7 +117,8 @@ inline Tile transposed(const Tile& a) {
   return out;
 }
 
-void shrink(const float* opponent, const float* noise, int cols, float* sum, float* weight) {
+void shrink(const float* opponent, const float* noise, const float* thresholds, int cols, float* sum,
+            float* weight) {
   for (int x0 = 0;;) {
     Tile pixels;
     Lanes noises{};
@@ -133,7 +134,8 @@ void shrink(const float* opponent, const float* noise, int cols, float* sum, flo
     Lanes energies{};  // of the gains
     for (int i = 0; i < 8; ++i) {
       const Lanes power = spectrum.row[i] * spectrum.row[i];
-      const Lanes gain = positive((power - 1.5f * mean_noise) / (power + 1e-12f));
+      const Lanes threshold = mean_noise * load(thresholds + kShrinkageTile * i);
+      const Lanes gain = positive((power - threshold) / (power + 1e-12f));
       spectrum.row[i] *= gain;
       energies += gain * gain;
     }

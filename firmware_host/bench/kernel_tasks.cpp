@@ -196,15 +196,17 @@ void add_shrinkage(Tasks& tasks, int rows, int cols) {
                         rows_of(room->opponent, 3).data(), rows_of(room->sum, 0).data(),
                         rows_of(room->sum, 3).data());
   });
+  std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
+  thresholds.fill(1);
   KernelTask tiles;
   tiles.name = "shrinkage: tiles of 8x8", tiles.item = "px";
   const int lines = (rows - kShrinkageTile) / kShrinkageStep;
   tiles.items = static_cast<double>(lines) * kShrinkageStep * cols;
-  tiles.run = [room, &kernels, lines, cols] {
+  tiles.run = [room, &kernels, lines, cols, thresholds] {
     for (int line = 0; line < lines; ++line) {
       const int y = line * kShrinkageStep;
-      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), cols, room->sum.row(0, y),
-                     room->sum.row(3, y));
+      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), thresholds.data(), cols,
+                     room->sum.row(0, y), room->sum.row(3, y));
     }
   };
   tasks.push_back(std::move(tiles));

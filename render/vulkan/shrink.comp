@@ -5,6 +5,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols, tile_rows, tile_cols;
+  float least, rise, chroma;  // of the thresholds
 };
 READS(0, Opponent, opponent)
 WRITES(1, Tiles, tiles)
@@ -20,6 +21,10 @@ const float basis[64] = {
     0.277785117, -0.49039264, 0.097545161, 0.415734806, -0.415734806, -0.097545161, 0.49039264, -0.277785117,
     0.191341716, -0.461939766, 0.461939766, -0.191341716, -0.191341716, 0.461939766, -0.461939766, 0.191341716,
     0.097545161, -0.277785117, 0.415734806, -0.49039264, 0.49039264, -0.415734806, 0.277785117, -0.097545161};
+
+float threshold(int channel, int i, int j) {
+  return (channel == 0 ? least : chroma * least) * (1 + rise * i / (kTile - 1)) * (1 + rise * j / (kTile - 1));
+}
 
 void main() {
   if (column() >= tile_cols) return;
@@ -41,7 +46,7 @@ void main() {
     float sum = 0;
     for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[i % kTile * kTile + k];
     if (i > 0) {
-      const float power = sum * sum, gain = max(0.0, (power - 1.5 * noise) / (power + 1e-12));
+      const float power = sum * sum, gain = max(0.0, (power - threshold(c, i / kTile, i % kTile) * noise) / (power + 1e-12));
       sum *= gain;
       energy += gain * gain;
     }

@@ -37,7 +37,8 @@ Result<void> VulkanShrinkage::reserve(int rows, int cols) {
   return {};
 }
 
-Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset) {
+Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset,
+                                    const ShrinkageThresholds& thresholds) {
   const std::lock_guard turn(device_.turn());
   const int rows = radiance.rows(), cols = radiance.cols();
   TRY(reserve(rows, cols));
@@ -46,7 +47,11 @@ Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& 
   upload(work, radiance, radiance_);
   upload(work, variance, variance_);
   work.run(*kernels_[kOpponent], {*radiance_, *variance_, *opponent_}, constants, radiance_.pixels());
-  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, constants,
+  struct {
+    int rows, cols, tile_rows, tile_cols;
+    ShrinkageThresholds thresholds;
+  } shrinking{rows, cols, constants.tile_rows, constants.tile_cols, thresholds};
+  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, shrinking,
            {constants.tile_cols, constants.tile_rows, 3});
   struct {
     int rows, cols, tile_rows, tile_cols;

@@ -6,6 +6,7 @@
 #include <array>
 
 #include "hal/gpu/gpu_picture.h"
+#include "render/shrinkage.h"
 
 namespace hdrcam {
 
@@ -14,7 +15,8 @@ class VulkanShrinkage {
   static Result<std::unique_ptr<VulkanShrinkage>> make(GpuDevice& device);
 
   // As Shrinkage::apply; on an error the radiance is as it was. Errors: those of the device.
-  Result<void> apply(Image<float>& radiance, const Image<float>& variance, float offset);
+  Result<void> apply(Image<float>& radiance, const Image<float>& variance, float offset,
+                     const ShrinkageThresholds& thresholds);
 
  private:
   enum Pass : std::size_t { kOpponent, kShrink, kGather, kPasses };

@@ -285,8 +285,13 @@ TEST_CASE("the first frames tell the noise of a sensor whose exposures share har
   WorkerPool pool(2);
   const Knobs options = state_alone();
   Stream stream(scene, options, pool);
-  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
-  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  NoiseOrigin origin{};
+  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    origin = estimate.noise_origin;
+    return {};
+  };
+  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  CHECK(origin == NoiseOrigin::Sensor);
   CHECK(stream.online().noise().full_well == Approx(3000).epsilon(0.15));
   CHECK(stream.online().noise().read_noise == Approx(15).epsilon(0.25));
 }
@@ -300,8 +305,13 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
   WorkerPool pool(2);
   const Knobs options = state_alone();
   Stream stream(scene, options, pool);
-  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
-  for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  NoiseOrigin origin = NoiseOrigin::Sensor;
+  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    origin = estimate.noise_origin;
+    return {};
+  };
+  for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  CHECK(origin == NoiseOrigin::Unknown);
   CHECK(stream.online().noise().full_well > 500);
   CHECK(stream.online().noise().full_well < 2000);
 }

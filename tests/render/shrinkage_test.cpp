@@ -42,7 +42,8 @@ double relative_error(const Image<float>& a, const Image<float>& b) {
 }
 
 // The same filter as its header describes it, in double precision and without a thought for time.
-Image<float> plainly(const Image<float>& radiance, const Image<float>& variance) {
+Image<float> plainly(const Image<float>& radiance, const Image<float>& variance,
+                     const ShrinkageThresholds& thresholds) {
   constexpr double kT[3][3] = {
       {0.57735, 0.57735, 0.57735}, {-0.70711, 0, 0.70711}, {0.40825, -0.81650, 0.40825}};
   const int rows = radiance.rows(), cols = radiance.cols();
@@ -82,7 +83,10 @@ Image<float> plainly(const Image<float>& radiance, const Image<float>& variance)
         for (int i = 0; i < 8; ++i)
           for (int j = 0; j < 8; ++j) {
             if (i + j == 0) continue;
-            const double gain = std::max(0., (s[i][j] * s[i][j] - 1.5 * s2) / (s[i][j] * s[i][j] + 1e-12));
+            const double threshold = (c == 0 ? 1 : thresholds.chroma) * thresholds.least *
+                                     (1 + thresholds.rise * i / 7) * (1 + thresholds.rise * j / 7);
+            const double gain =
+                std::max(0., (s[i][j] * s[i][j] - threshold * s2) / (s[i][j] * s[i][j] + 1e-12));
             s[i][j] *= gain, energy += gain * gain;
           }
         for (int y = 0; y < 8; ++y)
@@ -109,12 +113,13 @@ Image<float> plainly(const Image<float>& radiance, const Image<float>& variance)
 
 TEST_CASE("shrinkage does what its header says, for sizes that are no multiple of its tiles", "[isa]") {
   const auto [rows, cols] = GENERATE(table<int, int>({{8, 8}, {24, 40}, {29, 35}}));
+  const NoiseOrigin origin = GENERATE(NoiseOrigin::Sensor, NoiseOrigin::Unknown);
   const Noisy picture(rows, cols, 0.1f);
-  const Image<float> expected = plainly(picture.radiance, picture.variance);
+  const Image<float> expected = plainly(picture.radiance, picture.variance, thresholds_of(origin));
   Image<float> found = picture.radiance.clone();
   WorkerPool pool(2);
-  Shrinkage(pool).apply(found, picture.variance, kOffset);
-  CAPTURE(rows, cols);
+  Shrinkage(pool).apply(found, picture.variance, kOffset, origin);
+  CAPTURE(rows, cols, origin);
   CHECK(relative_error(found, expected) < 2e-5);
 }
 
@@ -123,13 +128,40 @@ TEST_CASE("shrinkage takes noise away and leaves alone what is sure", "[isa]") {
   Shrinkage shrinkage(pool);
   Noisy noisy(48, 64, 0.1f);
   Image<float> found = noisy.radiance.clone();
-  shrinkage.apply(found, noisy.variance, kOffset);
-  CHECK(relative_error(found, noisy.clean) < 0.6 * relative_error(noisy.radiance, noisy.clean));
+  const NoiseOrigin origin = GENERATE(NoiseOrigin::Sensor, NoiseOrigin::Unknown);
+  shrinkage.apply(found, noisy.variance, kOffset, origin);
+  CHECK(relative_error(found, noisy.clean) < 0.7 * relative_error(noisy.radiance, noisy.clean));
 
   found.copy_from(noisy.radiance);
   noisy.variance.fill(0);
-  shrinkage.apply(found, noisy.variance, kOffset);
+  shrinkage.apply(found, noisy.variance, kOffset, origin);
   CHECK(relative_error(found, noisy.radiance) < 1e-5);
+}
+
+TEST_CASE("errors that neighbours share are shrunk more than a sensor's own noise") {
+  WorkerPool pool(1);
+  Shrinkage shrinkage(pool);
+  Noisy noisy(48, 64, 0.1f);
+  // what is left of texture, in luminance and as red against blue
+  const auto texture = [](const Image<float>& picture, bool chroma) {
+    double sum = 0;
+    for (int y = 1; y < picture.rows(); ++y)
+      for (int x = 1; x < picture.cols(); ++x) {
+        const auto tone = [&](int v, int u) {
+          const double r = std::log(picture.at(0, v, u)), g = std::log(picture.at(1, v, u)),
+                       b = std::log(picture.at(2, v, u));
+          return chroma ? r - b : r + g + b;
+        };
+        const double change = tone(y, x) - tone(y, x - 1) - tone(y - 1, x) + tone(y - 1, x - 1);
+        sum += change * change;
+      }
+    return sum;
+  };
+  Image<float> own = noisy.radiance.clone(), shared = noisy.radiance.clone();
+  shrinkage.apply(own, noisy.variance, kOffset, NoiseOrigin::Sensor);
+  shrinkage.apply(shared, noisy.variance, kOffset, NoiseOrigin::Unknown);
+  CHECK(texture(shared, false) < 0.5 * texture(own, false));
+  CHECK(texture(shared, true) < 0.5 * texture(own, true));
 }
 
 TEST_CASE("shrinkage survives radiance of nought, of 10^30, and a picture smaller than a tile", "[isa]") {
@@ -138,10 +170,10 @@ TEST_CASE("shrinkage survives radiance of nought, of 10^30, and a picture smalle
   Image<float> radiance(3, 16, 16), variance(3, 16, 16);
   radiance.fill(0), variance.fill(1e10f);
   for (int y = 0; y < 16; ++y) radiance.at(1, y, 7) = 1e30f;
-  shrinkage.apply(radiance, variance, kOffset);
+  shrinkage.apply(radiance, variance, kOffset, NoiseOrigin::Sensor);
   for (const float v : radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   Image<float> tiny(3, 7, 30);
   tiny.fill(0.5f);
-  shrinkage.apply(tiny, tiny.clone(), kOffset);
+  shrinkage.apply(tiny, tiny.clone(), kOffset, NoiseOrigin::Sensor);
   for (const float v : tiny.samples()) REQUIRE(v == 0.5f);
 }
