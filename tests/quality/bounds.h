@@ -47,17 +47,17 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.4, 36.9, 0.0665, 0.0045},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.35, 35.8, 0.0828,
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.55, 36.9, 0.0655, 0.0045},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.4, 35.9, 0.0825,
      0.0075},
-    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.35, 37.3, 0.069,
+    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.5, 37.35, 0.068,
      0.005},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.5, 34.5, 0.0465, 0.0035},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.65, 34.5, 0.0445, 0.0035},
     {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.5, 30.3, 0.093, 0.0065},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.3, 38.1, 0.072, 0.006},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.5, 38.2, 0.0705, 0.0065},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.65, 37.9, 0.067, 0.006},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.8, 0.088, 0.0125},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.4, 38.1, 0.071, 0.006},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.15, 35.9, 0.088, 0.0125},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -68,9 +68,9 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1.0, 0.013},        {"shrinkage", kWalk, no_shrinkage, 0.75, 0.0022},
-    {"warp variance", kWalk, no_warp_variance, 3.1, 0.0155}, {"gate", kWalk, no_gate, 0.3, -0.001},
-    {"blur variance", kPan, no_blur_variance, 0.8, 0.007},   {"learned noise", kDim, assumed_noise, 2.9, 0.1},
+    {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},        {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
+    {"warp variance", kWalk, no_warp_variance, 3.3, 0.0165}, {"gate", kWalk, no_gate, 0.6, 0},
+    {"blur variance", kPan, no_blur_variance, 1.5, 0.011},   {"learned noise", kDim, assumed_noise, 2.5, 0.1},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.
