@@ -7,6 +7,9 @@
 
 namespace hdrcam {
 
+// Of the tiles that the emitted picture is shrunk in: none, tiles that overlap by half, or twice as many.
+enum class ShrinkageEffort { Off, On, Dense };
+
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
   FitBudget fit;
@@ -14,7 +17,7 @@ struct FrameBudget {
   int render_step = 2;      // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
   bool joins_later = true;  // the later frames that it waits for join the emitted picture
   bool blurs = true;        // motion during the exposure is part of the match and of the state
-  bool shrinks = true;      // the emitted picture by its known variance (render/shrinkage.h)
+  ShrinkageEffort shrinkage = ShrinkageEffort::Dense;  // of the emitted picture (render/shrinkage.h)
   // No pose, depth, fit or view of the field for this frame; the field starts anew when its rest ends.
   bool field_rests = false;
   bool emits = true;  // the frame that becomes ready; otherwise it only takes part in the state

@@ -106,9 +106,10 @@ void add_frame_budget(std::vector<Knob>& table) {
       "render_step", kPerFrame, 1, 8,
       {"px", "more is cheaper: time of the field's view falls with its square",
        "less is sharper where the field fills unseen pixels and in its depth"}));
-  table.push_back(choice<&K::budget, &B::shrinks>(
-      "shrinkage", kPerFrame, {"off", "on"},
-      {"", "time of the emission, about half of it", "less noise in the output; the state is unchanged"}));
+  table.push_back(choice<&K::budget, &B::shrinkage>(
+      "shrinkage", kPerFrame, {"off", "on", "dense"},
+      {"", "time of the emission, on: about half of it; dense: that twice",
+       "less noise in the output, dense: and less flicker; the state is unchanged"}));
 }
 
 void add_stream(std::vector<Knob>& table) {
@@ -274,6 +275,7 @@ Knobs knobs_of(Preset preset) {
     case Preset::Realtime:
       knobs = knobs_of(Preset::Fast);
       knobs.budget.flow = FlowQuality::Fast;
+      knobs.budget.shrinkage = ShrinkageEffort::On;
       knobs.field = FieldKind::None;
       break;
     case Preset::Fast:

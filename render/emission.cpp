@@ -25,8 +25,8 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
   copy(estimate.state.radiance, frame.radiance, pool_);
-  if (estimate.budget.shrinks)
-    shrinkage_.apply(frame.radiance, estimate.state.variance, offset, estimate.noise_origin);
+  shrinkage_.apply(frame.radiance, estimate.state.variance,
+                   {offset, estimate.noise_origin, estimate.budget.shrinkage});
   if (estimate.to_previous != nullptr)
     copy(estimate.to_previous->vectors, frame.flow, pool_);
   else

@@ -48,51 +48,52 @@ void Shrinkage::give_up(const Error& why) {
   gpu_.reset();
 }
 
-void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset,
-                      NoiseOrigin origin) {
+void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options) {
+  if (options.effort == ShrinkageEffort::Off) return;
   if (radiance.rows() < kShrinkageTile || radiance.cols() < kShrinkageTile) return;
-  const ShrinkageThresholds thresholds = thresholds_of(origin);
   if (gpu_ != nullptr) {
-    const Result<void> done = gpu_->apply(radiance, variance, offset, thresholds);
+    const Result<void> done = gpu_->apply(radiance, variance, options);
     if (done) return;
     give_up(done.error());
   }
-  apply_here(radiance, variance, offset, thresholds);
+  apply_here(radiance, variance, options);
 }
 
-void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance, float offset,
-                           const ShrinkageThresholds& thresholds) {
+void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance,
+                           const ShrinkageOptions& options) {
   const ShrinkageKernels& kernels = shrinkage_kernels();
+  const ShrinkageThresholds thresholds = thresholds_of(options.origin);
+  const ShrinkageGrid grid = grid_of(options.effort);
   const int rows = radiance.rows(), cols = radiance.cols();
   const Borrowed room(pool_.scratch(), rows, cols,
                       {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      kernels.to_opponent(rows_of(std::as_const(radiance), y).data(), rows_of(variance, y).data(), offset,
-                          cols, rows_of(opponent_, y).data(), rows_of(noise_, y).data(),
+      kernels.to_opponent(rows_of(std::as_const(radiance), y).data(), rows_of(variance, y).data(),
+                          options.offset, cols, rows_of(opponent_, y).data(), rows_of(noise_, y).data(),
                           rows_of(sum_, y).data(), rows_of(weight_, y).data());
   });
 
   const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
-  // Tile rows two steps apart do not overlap: two passes of independent rows, then the last row if it is out
-  // of step.
-  const auto shrink = [&](int channel, int y) {
-    const auto& table = channel == 0 ? luminance : chroma;
-    kernels.shrink(opponent_.row(channel, y), noise_.row(channel, y), table.data(), cols,
-                   sum_.row(channel, y), weight_.row(channel, y));
+  const auto shrink = [&](int c, int line) {
+    const int y = std::min(line * grid.line_step, rows - kShrinkageTile);
+    const auto& table = c == 0 ? luminance : chroma;
+    kernels.shrink(opponent_.row(c, y), noise_.row(c, y), table.data(), line % 2 * grid.shift, cols,
+                   sum_.row(c, y), weight_.row(c, y));
   };
-  const int tile_rows = (rows - kShrinkageTile) / kShrinkageStep + 1;
-  for (int parity = 0; parity < 2; ++parity)
-    pool_.for_each((tile_rows + 1 - parity) / 2 * 3,
-                   [&](int i) { shrink(i % 3, (i / 3 * 2 + parity) * kShrinkageStep); });
-  if ((rows - kShrinkageTile) % kShrinkageStep != 0)
-    pool_.for_each(3, [&](int c) { shrink(c, rows - kShrinkageTile); });
+  // Lines of tiles that are a tile apart do not overlap: passes of independent lines, then the last line if
+  // it is out of step.
+  const int lines = (rows - kShrinkageTile) / grid.line_step + 1, passes = kShrinkageTile / grid.line_step;
+  for (int pass = 0; pass < passes; ++pass)
+    pool_.for_each((lines + passes - 1 - pass) / passes * 3,
+                   [&](int i) { shrink(i % 3, i / 3 * passes + pass); });
+  if ((rows - kShrinkageTile) % grid.line_step != 0) pool_.for_each(3, [&](int c) { shrink(c, lines); });
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       kernels.to_radiance(rows_of(std::as_const(sum_), y).data(), rows_of(std::as_const(weight_), y).data(),
-                          offset, cols, rows_of(radiance, y).data());
+                          options.offset, cols, rows_of(radiance, y).data());
   });
 }
 

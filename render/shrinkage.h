@@ -1,7 +1,7 @@
-// Spatial shrinkage of a picture whose variance is known: 8x8 DCT tiles, overlapping by half, on the
-// logarithm of radiance in opponent colours; each coefficient is scaled by max(0, 1 - t s^2 / c^2) (empirical
-// Wiener filter), the tiles are averaged with more weight where fewer coefficients survive. The threshold t
-// goes by where the noise comes from. For the output only: nothing here feeds back. Thread-bound.
+// Spatial shrinkage of a picture whose variance is known: overlapping 8x8 DCT tiles on the logarithm of
+// radiance in opponent colours; each coefficient is scaled by max(0, 1 - t s^2 / c^2) (empirical Wiener
+// filter), the tiles are averaged with more weight where fewer coefficients survive. The threshold t goes by
+// where the noise comes from. For the output only: nothing here feeds back. Thread-bound.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
 #include "hal/gpu/gpu_device.h"
+#include "online/frame_budget.h"
 
 namespace hdrcam {
 
@@ -26,19 +27,32 @@ constexpr ShrinkageThresholds thresholds_of(NoiseOrigin origin) {
   return origin == NoiseOrigin::Sensor ? ShrinkageThresholds{0.9f, 0, 1} : ShrinkageThresholds{1.4f, 1, 1.5f};
 }
 
+// Lines of tiles begin every `line_step` rows, tiles of a line every 4 pixels, in every other line `shift`
+// pixels later. The last of either ends with the picture.
+struct ShrinkageGrid {
+  int line_step, shift;
+};
+constexpr ShrinkageGrid grid_of(ShrinkageEffort effort) {
+  return effort == ShrinkageEffort::Dense ? ShrinkageGrid{2, 2} : ShrinkageGrid{4, 0};
+}
+
+struct ShrinkageOptions {
+  float offset;  // radiance below which a difference does not matter
+  NoiseOrigin origin = NoiseOrigin::Unknown;
+  ShrinkageEffort effort = ShrinkageEffort::On;
+};
+
 class Shrinkage {
  public:
   // gpu: which shrinks, null for the processor; it outlives this. When it fails, the processor goes on.
   explicit Shrinkage(WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~Shrinkage();
 
-  // radiance, variance: [rgb, rows, cols]; offset: radiance below which a difference does not matter. Works
-  // in place. Pictures smaller than one tile are unchanged.
-  void apply(Image<float>& radiance, const Image<float>& variance, float offset, NoiseOrigin origin);
+  // radiance, variance: [rgb, rows, cols]. Works in place. Pictures smaller than one tile are unchanged.
+  void apply(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
 
  private:
-  void apply_here(Image<float>& radiance, const Image<float>& variance, float offset,
-                  const ShrinkageThresholds& thresholds);
+  void apply_here(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
   void give_up(const Error& why);
 
   WorkerPool& pool_;

@@ -117,9 +117,10 @@ inline Tile transposed(const Tile& a) {
   return out;
 }
 
-void shrink(const float* opponent, const float* noise, const float* thresholds, int cols, float* sum,
-            float* weight) {
-  for (int x0 = 0;;) {
+void shrink(const float* opponent, const float* noise, const float* thresholds, int first, int cols,
+            float* sum, float* weight) {
+  const int last = cols - kShrinkageTile;
+  for (int x0 = first < last ? first : last;;) {
     Tile pixels;
     Lanes noises{};
     for (int i = 0; i < 8; ++i) {
@@ -147,8 +148,8 @@ void shrink(const float* opponent, const float* noise, const float* thresholds, 
       store(sum + at, load(sum + at) + share * smooth.row[i]);
       store(weight + at, load(weight + at) + share);
     }
-    if (x0 == cols - kShrinkageTile) break;
-    x0 = x0 + kShrinkageStep < cols - kShrinkageTile ? x0 + kShrinkageStep : cols - kShrinkageTile;
+    if (x0 == last) break;
+    x0 = x0 + kShrinkageStep < last ? x0 + kShrinkageStep : last;
   }
 }
 

@@ -16,9 +16,10 @@ struct ShrinkageKernels {
                       float* const opponent[3], float* const noise[3], float* const sum[3],
                       float* const weight[3]);
   // One row of tiles of one channel; the pointers stand at its first pixel, rows are `cols` floats long.
-  // thresholds: of the tile's coefficients, by both frequencies alike, per variance of a pixel.
-  void (*shrink)(const float* opponent, const float* noise, const float* thresholds, int cols, float* sum,
-                 float* weight);
+  // thresholds: of the tile's coefficients, by both frequencies alike, per variance of a pixel. first: the
+  // column of the first tile; the last one ends with the row.
+  void (*shrink)(const float* opponent, const float* noise, const float* thresholds, int first, int cols,
+                 float* sum, float* weight);
   void (*to_radiance)(const float* const sum[3], const float* const weight[3], float offset, int n,
                       float* const radiance[3]);
 };

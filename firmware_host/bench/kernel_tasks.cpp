@@ -205,7 +205,7 @@ void add_shrinkage(Tasks& tasks, int rows, int cols) {
   tiles.run = [room, &kernels, lines, cols, thresholds] {
     for (int line = 0; line < lines; ++line) {
       const int y = line * kShrinkageStep;
-      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), thresholds.data(), cols,
+      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), thresholds.data(), 0, cols,
                      room->sum.row(0, y), room->sum.row(3, y));
     }
   };

@@ -43,12 +43,16 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
       rung.budget.flow = quality;
       add(name);
     }
+  if (rung.budget.shrinkage == ShrinkageEffort::Dense) {
+    rung.budget.shrinkage = ShrinkageEffort::On;
+    add("half of shrinkage");
+  }
   if (rung.budget.joins_later) {
     rung.budget.joins_later = false;
     add("no look-ahead");
   }
-  if (rung.budget.shrinks) {
-    rung.budget.shrinks = false;
+  if (rung.budget.shrinkage != ShrinkageEffort::Off) {
+    rung.budget.shrinkage = ShrinkageEffort::Off;
     add("no shrinkage");
   }
   if (rung.budget.blurs) {

@@ -3,7 +3,7 @@
 // Each pixel as the mean of the tiles that cover it, by their weights, back in radiance.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, tile_rows, tile_cols;
+  int rows, cols, tile_rows, tile_cols, line_step, shift;
   float offset;
 };
 READS(0, Tiles, tiles)
@@ -13,16 +13,16 @@ WRITES(1, Radiance, radiance)
 void main() {
   const int x = column(), y = row();
   if (x >= cols) return;
-  const int i0 = max(0, (y - kTile + kStep) / kStep), i1 = min(y / kStep + 1, tile_rows - 1);
-  const int j0 = max(0, (x - kTile + kStep) / kStep), j1 = min(x / kStep + 1, tile_cols - 1);
+  const int i0 = max(0, (y - kTile + line_step) / line_step), i1 = min(y / line_step + 1, tile_rows - 1);
   vec3 mean;
   for (int c = 0; c < 3; ++c) {
     float sum = 0, total = 0;
     for (int i = i0; i <= i1; ++i) {
-      const int v = y - first_of(i, rows);
+      const int v = y - line_of(i), along = x - shift_of(i);
       if (v < 0 || v >= kTile) continue;
+      const int j0 = max(0, (along - kTile + kStep) / kStep), j1 = min(along / kStep + 1, tiles_in_line(i) - 1);
       for (int j = j0; j <= j1; ++j) {
-        const int u = x - first_of(j, cols), from = tile_at(c, i, j);
+        const int u = x - column_of(i, j), from = tile_at(c, i, j);
         if (u < 0 || u >= kTile) continue;
         total += tiles[from];
         sum += tiles[from + 1 + v * kTile + u];

@@ -3,7 +3,7 @@
 // Radiance and its variance as logarithms in opponent colours: [value 3, variance 3].
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, tile_rows, tile_cols;
+  int rows, cols, tile_rows, tile_cols, line_step, shift;
   float offset, most_variance;
 };
 READS(0, Radiance, radiance)

@@ -4,7 +4,7 @@
 // One invocation per tile.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, tile_rows, tile_cols;
+  int rows, cols, tile_rows, tile_cols, line_step, shift;
   float least, rise, chroma;  // of the thresholds
 };
 READS(0, Opponent, opponent)
@@ -27,8 +27,8 @@ float threshold(int channel, int i, int j) {
 }
 
 void main() {
-  if (column() >= tile_cols) return;
-  const int c = plane(), y0 = first_of(row(), rows), x0 = first_of(column(), cols);
+  if (column() >= tiles_in_line(row())) return;
+  const int c = plane(), y0 = line_of(row()), x0 = column_of(row(), column());
   float a[64], b[64];
   float noise = 0;
   for (int i = 0; i < 64; ++i) {

@@ -1,9 +1,13 @@
-// Tiles of 8x8 pixels, 4 apart; the last of a line ends with the picture. Includers declare `rows`, `cols`,
-// `tile_rows` and `tile_cols`. A tile is its weight and its 64 values times that: kTileFloats, side by side.
+// Tiles of 8x8 pixels on the grid of render/shrinkage.h; the last of a line ends with the picture. Includers
+// declare `rows`, `cols`, `tile_rows`, `tile_cols`, `line_step` and `shift`. A tile is its weight and its 64
+// values times that: kTileFloats, side by side.
 const int kTile = 8, kStep = 4, kTileFloats = 65;
 
 int at(int channel, int y, int x) { return (channel * rows + y) * cols + x; }
-int first_of(int tile, int pixels) { return min(tile * kStep, pixels - kTile); }
+int line_of(int i) { return min(i * line_step, rows - kTile); }
+int shift_of(int i) { return i % 2 * shift; }
+int column_of(int i, int j) { return min(j * kStep + shift_of(i), cols - kTile); }
+int tiles_in_line(int i) { return (max(0, cols - kTile - shift_of(i)) + kStep - 1) / kStep + 1; }
 int tile_at(int channel, int i, int j) { return ((channel * tile_rows + i) * tile_cols + j) * kTileFloats; }
 
 // Orthonormal: luminance, red - blue, green against both.

@@ -10,11 +10,11 @@ namespace {
 constexpr int kTile = 8, kStep = 4, kTileFloats = 65;  // tiles.glsl
 constexpr float kMaxLogVariance = 0.25f;               // as shrinkage.cpp has it
 
-int tiles_along(int pixels) { return (pixels - kTile + kStep - 1) / kStep + 1; }
+int tiles_along(int pixels, int step) { return (pixels - kTile + step - 1) / step + 1; }
 
-struct Constants {
+struct TileConstants {
   int rows, cols, tile_rows, tile_cols;
-  float offset, most_variance;
+  ShrinkageGrid grid;
 };
 
 }  // namespace
@@ -28,35 +28,42 @@ Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device
   return made;
 }
 
-Result<void> VulkanShrinkage::reserve(int rows, int cols) {
-  if (radiance_.rows == rows && radiance_.cols == cols) return {};
-  radiance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
-  variance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
-  opponent_ = TRY(GpuPicture::make(device_, 6, rows, cols));
-  tiles_ = TRY(GpuPicture::make(device_, 3, tiles_along(rows), tiles_along(cols) * kTileFloats));
+Result<void> VulkanShrinkage::reserve(int rows, int cols, int tile_rows, int tile_cols) {
+  if (radiance_.rows != rows || radiance_.cols != cols) {
+    radiance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
+    variance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
+    opponent_ = TRY(GpuPicture::make(device_, 6, rows, cols));
+    tiles_ = {};
+  }
+  if (tiles_.rows < tile_rows) tiles_ = TRY(GpuPicture::make(device_, 3, tile_rows, tile_cols * kTileFloats));
   return {};
 }
 
-Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance, float offset,
-                                    const ShrinkageThresholds& thresholds) {
+Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance,
+                                    const ShrinkageOptions& options) {
   const std::lock_guard turn(device_.turn());
   const int rows = radiance.rows(), cols = radiance.cols();
-  TRY(reserve(rows, cols));
+  const ShrinkageGrid grid = grid_of(options.effort);
+  const TileConstants tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kStep), grid};
+  TRY(reserve(rows, cols, tiles.tile_rows, tiles.tile_cols));
   GpuWork& work = device_.work();
-  const Constants constants{rows, cols, tiles_along(rows), tiles_along(cols), offset, kMaxLogVariance};
   upload(work, radiance, radiance_);
   upload(work, variance, variance_);
-  work.run(*kernels_[kOpponent], {*radiance_, *variance_, *opponent_}, constants, radiance_.pixels());
   struct {
-    int rows, cols, tile_rows, tile_cols;
+    TileConstants tiles;
+    float offset, most_variance;
+  } in_opponent_colours{tiles, options.offset, kMaxLogVariance};
+  work.run(*kernels_[kOpponent], {*radiance_, *variance_, *opponent_}, in_opponent_colours,
+           radiance_.pixels());
+  struct {
+    TileConstants tiles;
     ShrinkageThresholds thresholds;
-  } shrinking{rows, cols, constants.tile_rows, constants.tile_cols, thresholds};
-  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, shrinking,
-           {constants.tile_cols, constants.tile_rows, 3});
+  } shrinking{tiles, thresholds_of(options.origin)};
+  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, shrinking, {tiles.tile_cols, tiles.tile_rows, 3});
   struct {
-    int rows, cols, tile_rows, tile_cols;
+    TileConstants tiles;
     float offset;
-  } gathering{rows, cols, constants.tile_rows, constants.tile_cols, offset};
+  } gathering{tiles, options.offset};
   work.run(*kernels_[kGather], {*tiles_, *radiance_}, gathering, radiance_.pixels());
   download(work, radiance_, radiance);
   return work.finish();

@@ -15,13 +15,12 @@ class VulkanShrinkage {
   static Result<std::unique_ptr<VulkanShrinkage>> make(GpuDevice& device);
 
   // As Shrinkage::apply; on an error the radiance is as it was. Errors: those of the device.
-  Result<void> apply(Image<float>& radiance, const Image<float>& variance, float offset,
-                     const ShrinkageThresholds& thresholds);
+  Result<void> apply(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
 
  private:
   enum Pass : std::size_t { kOpponent, kShrink, kGather, kPasses };
   explicit VulkanShrinkage(GpuDevice& device) : device_(device) {}
-  Result<void> reserve(int rows, int cols);
+  Result<void> reserve(int rows, int cols, int tile_rows, int tile_cols);
 
   GpuDevice& device_;
   std::array<const GpuKernel*, kPasses> kernels_{};

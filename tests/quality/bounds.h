@@ -28,7 +28,7 @@ inline void leave(PipelineOptions&) {}
 inline void no_look_ahead(PipelineOptions& options) { options.knobs.look_ahead = 0; }
 inline void one_frame_ahead(PipelineOptions& options) { options.knobs.look_ahead = 1; }
 inline void fill(PipelineOptions& options) { options.knobs.budget.fills = true; }
-inline void no_shrinkage(PipelineOptions& options) { options.knobs.budget.shrinks = false; }
+inline void no_shrinkage(PipelineOptions& options) { options.knobs.budget.shrinkage = ShrinkageEffort::Off; }
 inline void no_warp_variance(PipelineOptions& options) { options.knobs.state.fusion.misalignment = 0; }
 inline void no_blur_variance(PipelineOptions& options) {
   options.knobs.state.fusion.blur_variance = options.knobs.state.fusion.unknown_blur_variance = 0;

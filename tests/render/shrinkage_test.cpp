@@ -43,7 +43,7 @@ double relative_error(const Image<float>& a, const Image<float>& b) {
 
 // The same filter as its header describes it, in double precision and without a thought for time.
 Image<float> plainly(const Image<float>& radiance, const Image<float>& variance,
-                     const ShrinkageThresholds& thresholds) {
+                     const ShrinkageThresholds& thresholds, const ShrinkageGrid& grid) {
   constexpr double kT[3][3] = {
       {0.57735, 0.57735, 0.57735}, {-0.70711, 0, 0.70711}, {0.40825, -0.81650, 0.40825}};
   const int rows = radiance.rows(), cols = radiance.cols();
@@ -64,15 +64,15 @@ Image<float> plainly(const Image<float>& radiance, const Image<float>& variance,
           o[c][at(y, x)] += t * std::log(a);
           noise[c][at(y, x)] += t * t * std::min(0.25, variance.at(k, y, x) / (a * a));
         }
-  const auto starts = [](int size) {
+  const auto starts = [](int size, int first, int step) {
     std::vector<int> places;
-    for (int p = 0; p + 8 <= size; p += 4) places.push_back(p);
-    if (places.back() != size - 8) places.push_back(size - 8);
+    for (int p = first; p + 8 <= size; p += step) places.push_back(p);
+    if (places.empty() || places.back() != size - 8) places.push_back(size - 8);
     return places;
   };
   for (std::size_t c = 0; c < 3; ++c)
-    for (const int y0 : starts(rows))
-      for (const int x0 : starts(cols)) {
+    for (int line = 0; const int y0 : starts(rows, 0, grid.line_step))
+      for (const int x0 : starts(cols, line++ % 2 * grid.shift, 4)) {
         double s[8][8] = {}, back[8][8] = {}, s2 = 0, energy = 1;
         for (int y = 0; y < 8; ++y)
           for (int x = 0; x < 8; ++x) s2 += noise[c][at(y0 + y, x0 + x)] / 64;
@@ -84,7 +84,8 @@ Image<float> plainly(const Image<float>& radiance, const Image<float>& variance,
           for (int j = 0; j < 8; ++j) {
             if (i + j == 0) continue;
             const double threshold = (c == 0 ? 1 : thresholds.chroma) * thresholds.least *
-                                     (1 + thresholds.rise * i / 7) * (1 + thresholds.rise * j / 7);
+                                     (1 + static_cast<double>(thresholds.rise) * i / 7) *
+                                     (1 + static_cast<double>(thresholds.rise) * j / 7);
             const double gain =
                 std::max(0., (s[i][j] * s[i][j] - threshold * s2) / (s[i][j] * s[i][j] + 1e-12));
             s[i][j] *= gain, energy += gain * gain;
@@ -112,14 +113,16 @@ Image<float> plainly(const Image<float>& radiance, const Image<float>& variance,
 }  // namespace
 
 TEST_CASE("shrinkage does what its header says, for sizes that are no multiple of its tiles", "[isa]") {
-  const auto [rows, cols] = GENERATE(table<int, int>({{8, 8}, {24, 40}, {29, 35}}));
+  const auto [rows, cols] = GENERATE(table<int, int>({{8, 8}, {9, 9}, {24, 40}, {29, 35}, {27, 38}}));
   const NoiseOrigin origin = GENERATE(NoiseOrigin::Sensor, NoiseOrigin::Unknown);
+  const ShrinkageEffort effort = GENERATE(ShrinkageEffort::On, ShrinkageEffort::Dense);
   const Noisy picture(rows, cols, 0.1f);
-  const Image<float> expected = plainly(picture.radiance, picture.variance, thresholds_of(origin));
+  const Image<float> expected =
+      plainly(picture.radiance, picture.variance, thresholds_of(origin), grid_of(effort));
   Image<float> found = picture.radiance.clone();
   WorkerPool pool(2);
-  Shrinkage(pool).apply(found, picture.variance, kOffset, origin);
-  CAPTURE(rows, cols, origin);
+  Shrinkage(pool).apply(found, picture.variance, {kOffset, origin, effort});
+  CAPTURE(rows, cols, origin, effort);
   CHECK(relative_error(found, expected) < 2e-5);
 }
 
@@ -129,12 +132,12 @@ TEST_CASE("shrinkage takes noise away and leaves alone what is sure", "[isa]") {
   Noisy noisy(48, 64, 0.1f);
   Image<float> found = noisy.radiance.clone();
   const NoiseOrigin origin = GENERATE(NoiseOrigin::Sensor, NoiseOrigin::Unknown);
-  shrinkage.apply(found, noisy.variance, kOffset, origin);
+  shrinkage.apply(found, noisy.variance, {kOffset, origin});
   CHECK(relative_error(found, noisy.clean) < 0.7 * relative_error(noisy.radiance, noisy.clean));
 
   found.copy_from(noisy.radiance);
   noisy.variance.fill(0);
-  shrinkage.apply(found, noisy.variance, kOffset, origin);
+  shrinkage.apply(found, noisy.variance, {kOffset, origin});
   CHECK(relative_error(found, noisy.radiance) < 1e-5);
 }
 
@@ -158,8 +161,8 @@ TEST_CASE("errors that neighbours share are shrunk more than a sensor's own nois
     return sum;
   };
   Image<float> own = noisy.radiance.clone(), shared = noisy.radiance.clone();
-  shrinkage.apply(own, noisy.variance, kOffset, NoiseOrigin::Sensor);
-  shrinkage.apply(shared, noisy.variance, kOffset, NoiseOrigin::Unknown);
+  shrinkage.apply(own, noisy.variance, {kOffset, NoiseOrigin::Sensor});
+  shrinkage.apply(shared, noisy.variance, {kOffset, NoiseOrigin::Unknown});
   CHECK(texture(shared, false) < 0.5 * texture(own, false));
   CHECK(texture(shared, true) < 0.5 * texture(own, true));
 }
@@ -170,10 +173,10 @@ TEST_CASE("shrinkage survives radiance of nought, of 10^30, and a picture smalle
   Image<float> radiance(3, 16, 16), variance(3, 16, 16);
   radiance.fill(0), variance.fill(1e10f);
   for (int y = 0; y < 16; ++y) radiance.at(1, y, 7) = 1e30f;
-  shrinkage.apply(radiance, variance, kOffset, NoiseOrigin::Sensor);
+  shrinkage.apply(radiance, variance, {kOffset, NoiseOrigin::Sensor});
   for (const float v : radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   Image<float> tiny(3, 7, 30);
   tiny.fill(0.5f);
-  shrinkage.apply(tiny, tiny.clone(), kOffset, NoiseOrigin::Sensor);
+  shrinkage.apply(tiny, tiny.clone(), {kOffset, NoiseOrigin::Sensor});
   for (const float v : tiny.samples()) REQUIRE(v == 0.5f);
 }

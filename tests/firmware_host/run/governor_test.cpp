@@ -36,12 +36,15 @@ struct Machine {
     const bool spike = spike_every > 0 && frames++ % spike_every == spike_every / 2;
     const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1);
     work.steady_ms = slow * 5 * jitter();
-    const double motion_ms[] = {3, 4.5, 7};  // fast, medium, fine
+    const double motion_ms[] = {3, 4.5, 7};     // fast, medium, fine
+    const double shrinkage_ms[] = {0, 1.3, 2};  // off, on, dense
     work.total_ms = work.steady_ms + slow * motion_ms[static_cast<int>(budget.flow)] * jitter();
     if (budget.blurs) work.total_ms += slow * jitter();
     if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();
     if (budget.emits)
-      work.total_ms += slow * (2 + (budget.joins_later ? 1 : 0) + (budget.shrinks ? 2 : 0)) * jitter();
+      work.total_ms += slow *
+                       (2 + (budget.joins_later ? 1 : 0) + shrinkage_ms[static_cast<int>(budget.shrinkage)]) *
+                       jitter();
     return work;
   }
 };
@@ -78,8 +81,8 @@ TEST_CASE(
   const std::vector<Rung> rungs = ladder();
   for (const Rung& rung : rungs) names.push_back(rung.name);
   CHECK(names == std::vector<std::string>{"as asked", "no previews", "1 step of the fit", "no field",
-                                          "flow medium", "flow fast", "no look-ahead", "no shrinkage",
-                                          "no motion blur", "3 frames in 4", "1 frame in 2"});
+                                          "flow medium", "flow fast", "half of shrinkage", "no look-ahead",
+                                          "no shrinkage", "no motion blur", "3 frames in 4", "1 frame in 2"});
   for (std::size_t r = 0; r + 2 < rungs.size(); ++r) CHECK(rungs[r].emits_all());
   CHECK(rungs.front().previews);
   CHECK(rungs.front().budget.fit.steps == 2);
@@ -88,7 +91,7 @@ TEST_CASE(
   CHECK(last.budget.field_rests);
   CHECK(last.budget.flow == FlowQuality::Fast);
   CHECK_FALSE(last.budget.joins_later);
-  CHECK_FALSE(last.budget.shrinks);
+  CHECK(last.budget.shrinkage == ShrinkageEffort::Off);
   CHECK_FALSE(last.budget.blurs);
   CHECK(last.emitted == 1);
   CHECK(last.of == 2);
@@ -99,7 +102,7 @@ TEST_CASE("what a run does not have it does not shed, and a field that is shown 
                           .fit = {.steps = 30},
                           .joins_later = false,
                           .blurs = false,
-                          .shrinks = false};
+                          .shrinkage = ShrinkageEffort::Off};
   const std::vector<Rung> none = budget_ladder(cheap, FieldUse::None, PreviewUse::None);
   REQUIRE(none.size() == 3);
   CHECK(none[1].name == "3 frames in 4");

@@ -44,10 +44,12 @@ TEST_CASE("shrinkage on the graphics device is the processor's at any size", "[g
   for (const auto& [rows, cols] : {std::pair(8, 8), {9, 15}, {48, 64}, {37, 70}, {7, 40}}) {
     INFO(cols << "x" << rows);
     const Noisy noisy(rows, cols);
-    for (const NoiseOrigin origin : {NoiseOrigin::Sensor, NoiseOrigin::Unknown}) {
+    for (const ShrinkageOptions options :
+         {ShrinkageOptions{kOffset, NoiseOrigin::Sensor, ShrinkageEffort::On},
+          {kOffset, NoiseOrigin::Unknown, ShrinkageEffort::Dense}}) {
       Image<float> a = noisy.radiance.clone(), b = noisy.radiance.clone();
-      there.apply(a, noisy.variance, kOffset, origin);
-      here.apply(b, noisy.variance, kOffset, origin);
+      there.apply(a, noisy.variance, options);
+      here.apply(b, noisy.variance, options);
       check_alike(a, b);
     }
   }
@@ -60,13 +62,13 @@ TEST_CASE("a graphics device that is full or lost leaves shrinkage to the proces
   WorkerPool pool(1);
   const Noisy noisy(30, 41);
   Image<float> expected = noisy.radiance.clone();
-  Shrinkage(pool).apply(expected, noisy.variance, kOffset, NoiseOrigin::Unknown);
+  Shrinkage(pool).apply(expected, noisy.variance, {kOffset, NoiseOrigin::Unknown});
   for (const GpuFaults faults : {GpuFaults{.buffers_until_full = 2}, GpuFaults{.finishes_until_lost = 0}}) {
     FaultyGpu faulty(*gpu, faults);
     Shrinkage there(pool, &faulty);
     for (int frame = 0; frame < 2; ++frame) {
       Image<float> picture = noisy.radiance.clone();
-      there.apply(picture, noisy.variance, kOffset, NoiseOrigin::Unknown);
+      there.apply(picture, noisy.variance, {kOffset, NoiseOrigin::Unknown});
       CHECK(std::equal(picture.samples().begin(), picture.samples().end(), expected.samples().begin()));
     }
   }
@@ -77,6 +79,6 @@ TEST_CASE("the checks of Vulkan find nothing wrong with shrinkage", "[gpu]") {
   if (checked.gpu == nullptr) return;
   Noisy noisy(30, 41);
   require_done(value_of(VulkanShrinkage::make(*checked.gpu))
-                   ->apply(noisy.radiance, noisy.variance, kOffset, thresholds_of(NoiseOrigin::Unknown)));
+                   ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
   checked.expect_no_complaints();
 }
