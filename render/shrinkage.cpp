@@ -76,19 +76,20 @@ void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance,
   });
 
   const ThresholdTable luminance = table_of(thresholds, 1), chroma = table_of(thresholds, thresholds.chroma);
+  const int last = (rows - kShrinkageTile + grid.line_step - 1) / grid.line_step;
   const auto shrink = [&](int c, int line) {
     const int y = std::min(line * grid.line_step, rows - kShrinkageTile);
     const auto& table = c == 0 ? luminance : chroma;
-    kernels.shrink(opponent_.row(c, y), noise_.row(c, y), table.data(), line % 2 * grid.shift, cols,
-                   sum_.row(c, y), weight_.row(c, y));
+    kernels.shrink(opponent_.row(c, y), noise_.row(c, y), table.data(),
+                   line < last ? line % 2 * grid.shift : 0, cols, sum_.row(c, y), weight_.row(c, y));
   };
   // Lines of tiles that are a tile apart do not overlap: passes of independent lines, then the last line if
   // it is out of step.
-  const int lines = (rows - kShrinkageTile) / grid.line_step + 1, passes = kShrinkageTile / grid.line_step;
+  const int in_step = (rows - kShrinkageTile) / grid.line_step, passes = kShrinkageTile / grid.line_step;
   for (int pass = 0; pass < passes; ++pass)
-    pool_.for_each((lines + passes - 1 - pass) / passes * 3,
+    pool_.for_each((in_step + passes - pass) / passes * 3,
                    [&](int i) { shrink(i % 3, i / 3 * passes + pass); });
-  if ((rows - kShrinkageTile) % grid.line_step != 0) pool_.for_each(3, [&](int c) { shrink(c, lines); });
+  if (last > in_step) pool_.for_each(3, [&](int c) { shrink(c, last); });
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)

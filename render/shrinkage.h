@@ -27,8 +27,8 @@ constexpr ShrinkageThresholds thresholds_of(NoiseOrigin origin) {
   return origin == NoiseOrigin::Sensor ? ShrinkageThresholds{0.9f, 0, 1} : ShrinkageThresholds{1.4f, 1, 1.5f};
 }
 
-// Lines of tiles begin every `line_step` rows, tiles of a line every 4 pixels, in every other line `shift`
-// pixels later. The last of either ends with the picture.
+// Lines of tiles begin every `line_step` rows, tiles of a line every 4 pixels, in every other line but the
+// last `shift` pixels later. The last of either ends with the picture.
 struct ShrinkageGrid {
   int line_step, shift;
 };

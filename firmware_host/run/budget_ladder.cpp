@@ -45,7 +45,7 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     }
   if (rung.budget.shrinkage == ShrinkageEffort::Dense) {
     rung.budget.shrinkage = ShrinkageEffort::On;
-    add("half of shrinkage");
+    add("fewer shrinkage tiles");
   }
   if (rung.budget.joins_later) {
     rung.budget.joins_later = false;

@@ -5,7 +5,7 @@ const int kTile = 8, kStep = 4, kTileFloats = 65;
 
 int at(int channel, int y, int x) { return (channel * rows + y) * cols + x; }
 int line_of(int i) { return min(i * line_step, rows - kTile); }
-int shift_of(int i) { return i % 2 * shift; }
+int shift_of(int i) { return i < tile_rows - 1 ? i % 2 * shift : 0; }
 int column_of(int i, int j) { return min(j * kStep + shift_of(i), cols - kTile); }
 int tiles_in_line(int i) { return (max(0, cols - kTile - shift_of(i)) + kStep - 1) / kStep + 1; }
 int tile_at(int channel, int i, int j) { return ((channel * tile_rows + i) * tile_cols + j) * kTileFloats; }

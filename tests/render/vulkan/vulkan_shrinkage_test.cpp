@@ -41,7 +41,7 @@ TEST_CASE("shrinkage on the graphics device is the processor's at any size", "[g
   NEEDS_GPU(gpu);
   WorkerPool pool(1);
   Shrinkage there(pool, gpu.get()), here(pool);
-  for (const auto& [rows, cols] : {std::pair(8, 8), {9, 15}, {48, 64}, {37, 70}, {7, 40}}) {
+  for (const auto& [rows, cols] : {std::pair(8, 8), {9, 15}, {48, 64}, {37, 70}, {38, 44}, {7, 40}}) {
     INFO(cols << "x" << rows);
     const Noisy noisy(rows, cols);
     for (const ShrinkageOptions options :
