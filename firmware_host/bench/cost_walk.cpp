@@ -78,7 +78,7 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
   points.push_back(with_knob(base, "field", "field", "none"));
   for (const char* steps : {"0", "10", "30"}) points.push_back(with_knob(base, "steps", "steps", steps));
   for (const char* frames : {"3", "12"}) points.push_back(with_knob(base, "window", "window_frames", frames));
-  points.push_back(with_knob(base, "shrinkage", "shrinkage", "off"));
+  for (const char* tiles : {"off", "on"}) points.push_back(with_knob(base, "shrinkage", "shrinkage", tiles));
   return points;
 }
 

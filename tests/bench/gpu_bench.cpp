@@ -67,7 +67,7 @@ void shrinkage_on_device(benchmark::State& state) {
   Shrinkage shrink(bench.pool, bench.gpu.get());
   for (auto _ : state) {
     Image<float> radiance = layer->state().radiance.clone();
-    shrink.apply(radiance, layer->state().variance, 8e-4f);
+    shrink.apply(radiance, layer->state().variance, {8e-4f});
   }
 }
 

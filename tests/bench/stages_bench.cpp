@@ -88,7 +88,7 @@ void shrinkage(benchmark::State& state) {
   Bench bench(threads(state));
   Shrinkage shrinkage(bench.pool);
   auto radiance = bench.filter.state().radiance.clone();
-  for (auto _ : state) shrinkage.apply(radiance, bench.filter.state().variance, 1e-3f);
+  for (auto _ : state) shrinkage.apply(radiance, bench.filter.state().variance, {1e-3f});
 }
 
 struct FieldBench : Bench {
