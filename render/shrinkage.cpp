@@ -19,14 +19,13 @@ auto rows_of(Picture& picture, int y) {
 using ThresholdTable = std::array<float, kShrinkageTile * kShrinkageTile>;
 
 ThresholdTable table_of(const ShrinkageThresholds& thresholds, float scale) {
+  constexpr std::size_t kTile = kShrinkageTile;
   ThresholdTable table;
-  const auto risen = [&](int frequency) {
-    return 1 + thresholds.rise * static_cast<float>(frequency) / (kShrinkageTile - 1);
+  const auto risen = [&](std::size_t frequency) {
+    return 1 + thresholds.rise * static_cast<float>(frequency) / (kTile - 1);
   };
-  for (int i = 0; i < kShrinkageTile; ++i)
-    for (int j = 0; j < kShrinkageTile; ++j)
-      table[static_cast<std::size_t>(kShrinkageTile * i + j)] =
-          scale * thresholds.least * risen(i) * risen(j);
+  for (std::size_t k = 0; k < table.size(); ++k)
+    table[k] = scale * thresholds.least * risen(k / kTile) * risen(k % kTile);
   return table;
 }
 
