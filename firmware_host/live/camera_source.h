@@ -27,6 +27,7 @@ class CameraSource : public FrameSource, public RunControl {
   RunPace pace() const override { return RunPace::Camera; }
   Result<void> start() override;
   Result<const RawFrame*> next() override;
+  Backlog backlog() const override { return session_->backlog(); }
   void emitted(FrameRecord& record) override;
   void left_out() override { session_->left_out(); }
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;

@@ -1,23 +1,27 @@
-// The queue of frames for the fit, and the shedding when the fit is slower than the camera. Skipping single
-// frames would starve a slot of the cycle: a fit at half the speed of a camera with two exposures would get
-// only one of them. So frames are shed in whole cycles: the fit gets the newest frame of the slot that
-// follows its last one, and everything older is shed. It gets runs of neighbouring frames, exposures always
-// alternate, and no frame is older than one cycle plus the fit's own work on one frame. A frame outside the
-// schedule (slot -1) is taken only as the oldest. Bounded: two cycles; when full, the oldest frame is shed.
-// Thread-safe.
+// The queue of frames for the fit, and the shedding when the fit is slower than the camera. Frames wait for
+// a fit that is late for a moment, at its start or because the machine did something else: up to `most`, and
+// until three times as many have come since it had caught up. A fit that has not by then is slower than the
+// camera. To skip single frames would starve a slot of the cycle: a fit at half the speed of a camera with
+// two exposures would get only one of them. So frames are shed in whole cycles: the fit gets the newest frame
+// of the slot that follows its last one, and everything older is shed. It gets runs of neighbouring frames,
+// exposures always alternate, and no frame is older than one cycle plus the fit's own work on one frame. A
+// frame outside the schedule (slot -1) is taken only as the oldest. That lasts until nothing was shed for as
+// long as frames would have waited. Bounded: when full, the oldest frame is shed. Thread-safe.
 #pragma once
 
-#include <array>
 #include <condition_variable>
 #include <mutex>
+#include <vector>
 
 #include "firmware_host/live/frame_pool.h"
+#include "firmware_host/run/backlog.h"
 
 namespace hdrcam {
 
 class FitInbox {
  public:
-  explicit FitInbox(int slots) : slots_(slots), capacity_(static_cast<std::size_t>(2 * slots + 1)) {}
+  // most: frames that may wait, at least two cycles and one frame.
+  FitInbox(int slots, int most);
 
   // Never waits. Returns the number of frames shed for it.
   int put(FrameShare frame);
@@ -28,22 +32,26 @@ class FitInbox {
   };
   Taken take(Duration timeout);
 
+  // Pressing: frames are shed, or would soon be.
+  Backlog backlog() const;
   // No more frames follow.
   void close();
   bool ended() const;  // closed and empty
 
  private:
-  static constexpr std::size_t kMost = 2 * ExposureSchedule::kMaxSlots + 1;
-
+  bool waits() const;
+  std::size_t room() const;  // frames
   std::size_t next() const;  // index of the frame that the fit gets next
+  void shed_front(std::size_t count);
   void drop_front(std::size_t count);
 
   const int slots_;
-  const std::size_t capacity_;
+  const std::size_t most_, patience_;  // frames
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::array<FrameShare, kMost> frames_;  // oldest first
+  std::vector<FrameShare> frames_;  // oldest first; the first count_ of them
   std::size_t count_ = 0;
+  std::size_t since_caught_up_ = 0, since_shed_;  // frames that came
   int last_slot_ = -1;
   bool closed_ = false;
 };

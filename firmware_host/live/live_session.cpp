@@ -1,6 +1,7 @@
 #include "firmware_host/live/live_session.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "hal/clock.h"
 #include "hal/core/thread_name.h"
@@ -16,6 +17,12 @@ int frames_in(std::size_t bytes, const CameraFacts& camera) {
                                                   LiveOptions::kFewestFrames, LiveOptions::kMostFrames));
 }
 
+// One second of them, and no more than half of the pool: the recorder waits for a disk with the other half.
+int most_waiting(const CameraFacts& camera, int pool, int slots) {
+  const int two_cycles = 2 * slots + 1;
+  return std::max(two_cycles, std::min(static_cast<int>(std::lround(camera.framerate_hz)), pool / 2));
+}
+
 }  // namespace
 
 LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording,
@@ -23,7 +30,8 @@ LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter>
     : capture_(capture),
       options_(options),
       pool_(frames_in(options.memory_bytes, capture.facts())),
-      inbox_(capture.schedule().slots()) {
+      inbox_(capture.schedule().slots(),
+             most_waiting(capture.facts(), pool_.size(), capture.schedule().slots())) {
   if (recording) recorder_ = recorder_of(std::move(recording));
 }
 

@@ -76,6 +76,8 @@ class LiveSession {
   // or something failed (finish() returns the error). `tick` is called meanwhile, at least ten times a
   // second, to show progress. A run that only records returns no frames: the call lasts as long as it.
   FrameShare next(const std::atomic<bool>& stop, const std::function<void()>& tick);
+  // The frames that wait behind that one.
+  Backlog backlog() const { return inbox_.backlog(); }
   // Records that a frame became an HDR frame. Returns its latency since its arrival.
   Duration emitted(std::uint64_t sequence);
   // Records that a frame that the fit took does not become one.

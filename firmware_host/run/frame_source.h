@@ -7,6 +7,7 @@
 #include <string>
 
 #include "capture/exposure_room.h"
+#include "firmware_host/run/backlog.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/run_record.h"
@@ -30,6 +31,8 @@ class FrameSource {
   // The next frame, valid until the next call; null at the end, also when the user stopped the run. Errors:
   // those of the camera or the file.
   virtual Result<const RawFrame*> next() = 0;
+  // The frames that wait behind the one that next() returned.
+  virtual Backlog backlog() const { return Backlog::Unknown; }
   // Called for each emitted HDR frame: adds the source's values to its record.
   virtual void emitted(FrameRecord&) {}
   // Called for each frame that is not emitted, to hold the deadline.

@@ -17,6 +17,8 @@ constexpr double kRoomToShedTo = 0.95;
 constexpr double kRoomToReturn = 0.85;   // also of the rung below, to try one of unknown cost
 constexpr double kRoomToEmitAll = 0.95;  // a frame that is left out is lost: there is less hysteresis
 
+constexpr double kRoomToCatchUp = 0.8;  // of all of them, under a backlog that presses
+
 constexpr int kSettling = 1;                                 // frames
 constexpr int kProven = 30;                                  // frames after which a return has held
 constexpr int kLongestWait = 16;                             // in first waits
@@ -48,7 +50,8 @@ FrameBudget Governor::next() {
   return budget;
 }
 
-void Governor::done(const FrameWork& work) {
+void Governor::done(const FrameWork& work, Backlog backlog) {
+  backlog_ = backlog;
   if (work.frames == 0) return;
   frames_at_[at_] += work.frames;
   if (work.frames > 1) return;  // the first frames come at once
@@ -88,11 +91,15 @@ Governor::Sample Governor::upper(std::size_t newest) const {
   return *rank;
 }
 
-// Of a whole window.
+// Of a whole window, in which the longest frame, perhaps an outlier, counts as the second longest.
 double Governor::mean_ms() const {
-  double sum = 0;
-  for (const Sample& sample : window_) sum += sample.total_ms;
-  return sum / static_cast<double>(kWindow);
+  double sum = 0, longest = 0, second = 0;
+  for (const Sample& sample : window_) {
+    sum += sample.total_ms;
+    second = std::max(second, std::min(longest, sample.total_ms));
+    longest = std::max(longest, sample.total_ms);
+  }
+  return (sum - longest + second) / static_cast<double>(kWindow);
 }
 
 // The speed of the machine: the median time of the steady work.
@@ -107,19 +114,20 @@ double Governor::steady_ms() const {
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
   if (at_ + 1 == end()) return std::nullopt;
-  const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * deadline_ms_;
+  const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * allowed_ms();
   // Frames of uneven cost wait for each other: none is left out before they are late in the mean.
   const double late_ms = at_ < emits_all_ ? upper(kWindow).total_ms : mean_ms();
-  const bool steady = samples_ >= kWindow && late_ms > deadline_ms_;
+  const bool steady = samples_ >= kWindow && late_ms > allowed_ms();
   if (!sudden && !steady) return std::nullopt;
   const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
   for (std::size_t r = at_ + 1; r < end(); ++r)
-    if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * deadline_ms_) return r;
+    if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * allowed_ms()) return r;
   return end() - 1;
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {
-  if (at_ == 0 || samples_ < kTrial) return std::nullopt;
+  const bool waited_for = backlog_ == Backlog::Waiting || backlog_ == Backlog::Pressing;
+  if (at_ == 0 || samples_ < kTrial || waited_for) return std::nullopt;
   if (samples_ >= kWindow)
     for (std::size_t r = 0; r < at_; ++r) {
       const double room = r == emits_all_ ? kRoomToEmitAll : kRoomToReturn;
@@ -143,7 +151,15 @@ bool Governor::is_blocked(std::size_t rung) const {
 }
 
 // Of the rungs that are in use at present.
-std::size_t Governor::end() const { return to_leave_out_.frames_left > 0 ? emits_all_ + 1 : ladder_.size(); }
+std::size_t Governor::end() const {
+  const bool absorbs = backlog_ == Backlog::None || backlog_ == Backlog::Waiting;
+  const bool emits_all = to_leave_out_.frames_left > 0 || (absorbs && at_ <= emits_all_);
+  return emits_all ? emits_all_ + 1 : ladder_.size();
+}
+
+double Governor::allowed_ms() const {
+  return deadline_ms_ * (backlog_ == Backlog::Pressing ? kRoomToCatchUp : 1);
+}
 
 // What this rung takes, learned from frames in time: late ones tell more about the moment than about the
 // rung.

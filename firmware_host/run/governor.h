@@ -6,14 +6,17 @@
 // again after a wait that doubles, or when the machine became faster. It starts at the cheapest rung that
 // emits every frame, so that the first frames come early. Where not even the last rung is in time, frames are
 // lost before they are worked on, and to leave out more gains nothing: it goes back to that rung, for a
-// while. Deterministic: times in, budget out; it reads no clock. No allocation after the constructor.
-// Thread-bound.
+// while. Where frames queue, it knows better than times tell whether the run keeps up: none is left out for
+// late frames that the queue absorbs, none of quality returns while frames wait, and a backlog that does not
+// shrink is worked off within a smaller deadline. Deterministic: times in, budget out; it reads no clock. No
+// allocation after the constructor. Thread-bound.
 #pragma once
 
 #include <array>
 #include <optional>
 #include <vector>
 
+#include "firmware_host/run/backlog.h"
 #include "firmware_host/run/budget_ladder.h"
 #include "hal/core/instant.h"
 
@@ -33,8 +36,8 @@ class Governor {
 
   // The budget of the next frame. Call it once per frame.
   FrameBudget next();
-  // How long that frame took.
-  void done(const FrameWork& work);
+  // How long that frame took, and what waits behind it.
+  void done(const FrameWork& work, Backlog backlog = Backlog::Unknown);
 
   int rung() const { return static_cast<int>(at_); }  // of the next frame
   const std::vector<Rung>& ladder() const { return ladder_; }
@@ -67,6 +70,7 @@ class Governor {
   bool is_faster_than_in(const Wait& wait) const;
   bool is_blocked(std::size_t rung) const;
   std::size_t end() const;
+  double allowed_ms() const;
   std::optional<std::size_t> rung_to_shed_to() const;
   std::optional<std::size_t> rung_to_return_to() const;
   void remember();
@@ -92,6 +96,7 @@ class Governor {
   Wait to_return_;             // to those
   std::size_t emits_all_ = 0;  // the cheapest rung that does
   Wait to_leave_out_;          // frames: the rungs below that one were not in time either
+  Backlog backlog_ = Backlog::Unknown;
   long frames_ = 0;
   int late_ = 0;
   std::vector<int> frames_at_;

@@ -275,7 +275,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
       ++record.captured;
       const TraceSpan span(plan.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
       TRY(pipeline.take(*frame, governor ? governor->next() : options.knobs.budget, deliver));
-      if (governor) governor->done(pipeline.work());
+      if (governor) governor->done(pipeline.work(), source.backlog());
     }
     TRY(pipeline.finish(deliver));
     return film ? film->finish(show) : Result<void>{};
