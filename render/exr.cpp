@@ -19,10 +19,11 @@
 #include <exception>
 #include <stdexcept>
 
+#include "render/half_kernels.h"
+
 namespace hdrcam {
 namespace {
 
-constexpr float kLargestHalf = 65504;
 constexpr std::size_t kMaxSamples = std::size_t{1} << 28;  // 1 GiB of floats: a larger size means damage
 constexpr int kMaxSide = 1 << 16;
 
@@ -165,10 +166,9 @@ bool all_finite(std::span<const float> samples) {
   return finite;
 }
 
-std::vector<Imath::half> to_half(std::span<const float> samples) {
-  std::vector<Imath::half> halves(samples.size());
-  std::transform(samples.begin(), samples.end(), halves.begin(),
-                 [](float v) { return Imath::half(std::clamp(v, -kLargestHalf, kLargestHalf)); });
+std::vector<std::uint16_t> to_half(std::span<const float> samples) {
+  std::vector<std::uint16_t> halves(samples.size());
+  CHECK(half_kernels().to_half(samples.data(), samples.size(), halves.data()));
   return halves;
 }
 
@@ -183,7 +183,7 @@ std::vector<std::byte> write_file(const ExrPicture& picture) {
   header.compression() = library_name(picture.compression);
   add_attributes(header, picture.attributes);
   Imf::FrameBuffer frame;
-  std::vector<std::vector<Imath::half>> halves;
+  std::vector<std::vector<std::uint16_t>> halves;
   halves.reserve(picture.channels.size());
   for (const ExrChannel& channel : picture.channels) {
     const bool half = channel.stored == ExrSample::Half;
@@ -193,7 +193,7 @@ std::vector<std::byte> write_file(const ExrPicture& picture) {
                               ? static_cast<const void*>(halves.emplace_back(to_half(channel.samples)).data())
                               : channel.samples.data();
     frame.insert(channel.name,
-                 slice_of(samples, type, half ? sizeof(Imath::half) : sizeof(float), picture.cols));
+                 slice_of(samples, type, half ? sizeof(std::uint16_t) : sizeof(float), picture.cols));
   }
   BytesOut out;
   {
@@ -276,7 +276,7 @@ Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture) {
   for (const ExrChannel& channel : picture.channels) {
     CHECK_EQ(channel.samples.size(),
              static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
-    CHECK(all_finite(channel.samples));
+    if (channel.stored == ExrSample::Float) CHECK(all_finite(channel.samples));
   }
   try {
     return write_file(picture);

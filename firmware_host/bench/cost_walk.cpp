@@ -33,7 +33,7 @@ Result<PointCost> measure(const CostPoint& point, const std::string& clip, const
                           const std::atomic<bool>& stop) {
   settings.fit = point.fit;
   settings.output.paths = {{"frames", scratch + "/%06d.exr"}};
-  settings.output.compression = ExrCompression::None;
+  settings.output.compression = FrameCompression::None;
   PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};
   const Scratch removed{scratch};
   TRY(storage.make_directories(scratch));

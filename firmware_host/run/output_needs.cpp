@@ -17,6 +17,22 @@ OutputNeeds needs_of(const Settings::Output& output) {
   return needs;
 }
 
+ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
+  switch (output.compression) {
+    case FrameCompression::None:
+      return ExrCompression::None;
+    case FrameCompression::Rle:
+      return ExrCompression::Rle;
+    case FrameCompression::Zip:
+      return ExrCompression::Zip;
+    case FrameCompression::Piz:
+      return ExrCompression::Piz;
+    case FrameCompression::Auto:
+      break;
+  }
+  return pace == RunPace::Camera ? ExrCompression::None : kUsualCompression;
+}
+
 Result<void> check_needs(const Settings& settings) {
   if (needs_of(settings.output).flow_forward && settings.fit.lookahead == 0)
     return Error{ErrorCode::Invalid,

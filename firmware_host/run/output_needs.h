@@ -1,7 +1,8 @@
-// What the outputs of a run need of the method besides the HDR frames. Reentrant.
+// What the outputs of a run need of the method besides the HDR frames, and how these are written. Reentrant.
 #pragma once
 
 #include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/result.h"
 
 namespace hdrcam {
@@ -16,6 +17,8 @@ struct OutputNeeds {
   bool shows_field() const { return depth || field_flow; }
 };
 OutputNeeds needs_of(const Settings::Output& output);
+
+ExrCompression compression_of(const Settings::Output& output, RunPace pace);
 
 // Invalid where the settings switch off what an output needs.
 Result<void> check_needs(const Settings& settings);

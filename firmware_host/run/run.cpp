@@ -214,8 +214,8 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (plan.film != nullptr) filming.framerate_hz = plan.film->framerate_hz;
   SinkSet sinks =
       TRY(SinkSet::open(plan.sinks, settings.output.paths,
-                        {"", filming, settings.output.layers, settings.output.compression, settings.video,
-                         storage, settings.output.http_token, source.control(), plan.trace},
+                        {"", filming, settings.output.layers, compression_of(settings.output, pace),
+                         settings.video, storage, settings.output.http_token, source.control(), plan.trace},
                         pace));
   std::optional<NovelViews> novel_views;
   if (!plan.truth.empty())

@@ -313,11 +313,13 @@ std::vector<SettingField> output_fields() {
       "output.layers", "--layers",
       "more EXR channels; flow is the state's motion to the previous frame, field_flow the field's", "none",
       {"depth", "flow", "flow_forward", "field_flow", "field_flow_forward", "confidence", "provenance"}));
-  using C = ExrCompression;
-  fields.push_back(choice<&Settings::output, &O::compression, C::Piz, C::Zip, C::Rle, C::None>(
+  using C = FrameCompression;
+  fields.push_back(choice<&Settings::output, &O::compression, C::Auto, C::Piz, C::Zip, C::Rle, C::None>(
       "output.compression", "--compression",
-      "compression of the EXR files, all without loss: piz is the smallest, rle a third of its time",
-      {"piz", "zip", "rle", "none"}));
+      "compression of the EXR files, all without loss: piz is the smallest, rle a third of its time; auto: "
+      "piz, and "
+      "none beside a camera, which does not wait",
+      {"auto", "piz", "zip", "rle", "none"}));
   fields.push_back(white_balance_field());
   fields.push_back(any<&Settings::output, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));

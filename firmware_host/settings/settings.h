@@ -24,6 +24,9 @@ namespace hdrcam {
 // What a driver's timestamp marks.
 enum class StampMeaning { AsDriverSays, ExposureBegin, ExposureEnd };
 
+// Of EXR files. Auto: the smallest files, beside a camera those that take the least time.
+enum class FrameCompression { Auto, None, Rle, Zip, Piz };
+
 // The word for a time that is not wanted.
 inline constexpr std::string_view kOff = "off";
 
@@ -74,7 +77,7 @@ struct Settings {
     // Output path by the name of the sink (sinks/sink_table.h); "" or missing: not wanted.
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
-    ExrCompression compression = kUsualCompression;
+    FrameCompression compression = FrameCompression::Auto;
     std::string white_balance = "none";  // or "camera", or gains "2,1,1.5" (render/white_balance.h)
     std::string http_token;              // of the live view's actions; "": made at the start
     std::string http_takes;              // recordings that its page starts: "takes/%03d.mkv"; "": none
