@@ -74,6 +74,7 @@ Backlog FitInbox::backlog() const {
   constexpr std::size_t kShare = 2;  // of the room, half
   const std::lock_guard lock(mutex_);
   if (!waits() || kShare * count_ > most_) return Backlog::Pressing;
+  if (since_caught_up_ > most_) return Backlog::Lasting;
   return count_ > 1 ? Backlog::Waiting : Backlog::None;
 }
 

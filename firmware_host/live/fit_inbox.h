@@ -32,7 +32,7 @@ class FitInbox {
   };
   Taken take(Duration timeout);
 
-  // Pressing: frames are shed, or would soon be.
+  // Lasting: it has not caught up for as many frames as may wait.
   Backlog backlog() const;
   // No more frames follow.
   void close();

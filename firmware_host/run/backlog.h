@@ -7,7 +7,8 @@ enum class Backlog {
   Unknown,   // nothing queues: a recording waits
   None,      // the next frame at most
   Waiting,   // a few: the fit was late, and catches up
-  Pressing,  // many, or some were shed: it does not catch up by itself
+  Lasting,   // a few, for long: it does not catch up by itself
+  Pressing,  // so many that some will be shed, or were
 };
 
 }  // namespace hdrcam

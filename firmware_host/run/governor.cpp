@@ -16,6 +16,7 @@ constexpr double kSuddenlyLate = 1.15;
 constexpr double kRoomToShedTo = 0.95;
 constexpr double kRoomToReturn = 0.85;   // also of the rung below, to try one of unknown cost
 constexpr double kRoomToEmitAll = 0.95;  // a frame that is left out is lost: there is less hysteresis
+constexpr double kRoomBesideQueue = 0.95;  // to return, where a queue absorbs what is late
 
 constexpr double kRoomToCatchUp = 0.8;  // of all of them, under a backlog that presses
 
@@ -113,7 +114,7 @@ double Governor::steady_ms() const {
 }
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
-  if (at_ + 1 == end()) return std::nullopt;
+  if (at_ + 1 == end() || backlog_ == Backlog::None) return std::nullopt;
   const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * allowed_ms();
   // Frames of uneven cost wait for each other: none is left out before they are late in the mean.
   const double late_ms = at_ < emits_all_ ? upper(kWindow).total_ms : mean_ms();
@@ -126,15 +127,15 @@ std::optional<std::size_t> Governor::rung_to_shed_to() const {
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {
-  const bool waited_for = backlog_ == Backlog::Waiting || backlog_ == Backlog::Pressing;
-  if (at_ == 0 || samples_ < kTrial || waited_for) return std::nullopt;
+  const bool some_wait = backlog_ != Backlog::Unknown && backlog_ != Backlog::None;
+  if (at_ == 0 || samples_ < kTrial || some_wait) return std::nullopt;
   if (samples_ >= kWindow)
     for (std::size_t r = 0; r < at_; ++r) {
-      const double room = r == emits_all_ ? kRoomToEmitAll : kRoomToReturn;
+      const double room = r == emits_all_ ? kRoomToEmitAll : room_to_return();
       if (ratios_[r] && !is_blocked(r) && *ratios_[r] * steady_ms() <= room * deadline_ms_) return r;
     }
   const std::size_t above = at_ - 1;
-  const bool ample = upper(std::min(samples_, kWindow)).total_ms <= kRoomToReturn * deadline_ms_;
+  const bool ample = upper(std::min(samples_, kWindow)).total_ms <= room_to_return() * deadline_ms_;
   return !ratios_[above] && !is_blocked(above) && ample ? std::optional(above) : std::nullopt;
 }
 
@@ -152,13 +153,18 @@ bool Governor::is_blocked(std::size_t rung) const {
 
 // Of the rungs that are in use at present.
 std::size_t Governor::end() const {
-  const bool absorbs = backlog_ == Backlog::None || backlog_ == Backlog::Waiting;
+  const bool absorbs = backlog_ != Backlog::Unknown && backlog_ != Backlog::Pressing;
   const bool emits_all = to_leave_out_.frames_left > 0 || (absorbs && at_ <= emits_all_);
   return emits_all ? emits_all_ + 1 : ladder_.size();
 }
 
+double Governor::room_to_return() const {
+  return backlog_ == Backlog::None ? kRoomBesideQueue : kRoomToReturn;
+}
+
 double Governor::allowed_ms() const {
-  return deadline_ms_ * (backlog_ == Backlog::Pressing ? kRoomToCatchUp : 1);
+  const bool catches_up = backlog_ == Backlog::Lasting || backlog_ == Backlog::Pressing;
+  return deadline_ms_ * (catches_up ? kRoomToCatchUp : 1);
 }
 
 // What this rung takes, learned from frames in time: late ones tell more about the moment than about the

@@ -70,6 +70,7 @@ class Governor {
   bool is_faster_than_in(const Wait& wait) const;
   bool is_blocked(std::size_t rung) const;
   std::size_t end() const;
+  double room_to_return() const;
   double allowed_ms() const;
   std::optional<std::size_t> rung_to_shed_to() const;
   std::optional<std::size_t> rung_to_return_to() const;

@@ -13,7 +13,8 @@ namespace hdrcam {
 bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool);
 
 // B(S) - S: the change of the picture S by the exposure's blur. radiance, difference: [rgb or fewer, rows,
-// cols]; flow: [dx dy, rows, cols]. Zero where the motion is below a third of a pixel.
+// cols]; flow: [dx dy, rows, cols]. Zero where the exposure moves less than .6 pixels: reading between
+// pixels would blur more than it.
 void blur_difference(const Image<float>& radiance, const Image<float>& flow, float fraction,
                      Image<float>& difference, WorkerPool& pool);
 

@@ -7,8 +7,9 @@
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
-constexpr float kLeastBlur = 0.3f;            // pixels: a shorter one changes nothing visible
+constexpr float kLeastBlur = 0.6f;            // pixels: a shorter one changes nothing visible
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
+constexpr float kTapsPerPixel = 0.7f;
 constexpr float kLongest = 64;                // pixels that the taps still resolve
 
 // The instants of eight pixels' exposures; none where the motion is short.
@@ -17,8 +18,8 @@ struct Instants {
 };
 inline Instants instants_of(Lanes dx, Lanes dy, float fraction) {
   const Lanes length = root(dx * dx + dy * dy) * fraction, span = least(length, Lanes{} + kLongest);
-  const Lanes complete = lanes(whole(span));
-  const Lanes taps = complete + (span > complete ? Lanes{} + 2.f : Lanes{} + 1.f);
+  const Lanes wanted = kTapsPerPixel * span, complete = lanes(whole(wanted));
+  const Lanes taps = complete + (wanted > complete ? Lanes{} + 2.f : Lanes{} + 1.f);
   const Lanes count = clamped(taps, kLeastTaps, kMostTaps);
   const Whole moves = length >= kLeastBlur;
   return {moves ? count : Lanes{}, moves ? 1 / count : Lanes{}};

@@ -48,12 +48,12 @@ struct PictureFloor {
 };
 inline constexpr PictureFloor kPictureFloors[] = {
     {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.55, 36.9, 0.0655, 0.0045},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.4, 35.9, 0.0825,
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.4, 35.75, 0.0825,
      0.0075},
     {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.5, 37.35, 0.068,
      0.005},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.65, 34.5, 0.0445, 0.0035},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.5, 30.3, 0.093, 0.0065},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.85, 34.8, 0.0415, 0.0035},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.5, 30.3, 0.093, 0.007},
     {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.4, 38.1, 0.071, 0.006},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
@@ -70,7 +70,7 @@ struct PartWorth {
 inline constexpr PartWorth kPartWorths[] = {
     {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},        {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
     {"warp variance", kWalk, no_warp_variance, 3.3, 0.0165}, {"gate", kWalk, no_gate, 0.6, 0},
-    {"blur variance", kPan, no_blur_variance, 1.5, 0.011},   {"learned noise", kDim, assumed_noise, 2.5, 0.1},
+    {"blur variance", kPan, no_blur_variance, 1.1, 0.009},   {"learned noise", kDim, assumed_noise, 2.5, 0.1},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.

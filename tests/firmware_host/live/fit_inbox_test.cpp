@@ -52,7 +52,7 @@ TEST_CASE("frames wait for a fit that is late for a moment, and it gets them all
     fit(1);
     CHECK(inbox.backlog() == Backlog::Pressing);
     for (int i = 0; i < 10; ++i) capture(1), fit(2);
-    CHECK(inbox.backlog() == Backlog::Waiting);
+    CHECK(inbox.backlog() == Backlog::Lasting);
     fit(4);
     CHECK(inbox.backlog() == Backlog::None);
   }
