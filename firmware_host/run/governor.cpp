@@ -14,8 +14,8 @@ namespace {
 // that is returned to must leave room.
 constexpr double kSuddenlyLate = 1.15;
 constexpr double kRoomToShedTo = 0.95;
-constexpr double kRoomToReturn = 0.85;   // also of the rung below, to try one of unknown cost
-constexpr double kRoomToEmitAll = 0.95;  // a frame that is left out is lost: there is less hysteresis
+constexpr double kRoomToReturn = 0.85;     // also of the rung below, to try one of unknown cost
+constexpr double kRoomToEmitAll = 0.95;    // a frame that is left out is lost: there is less hysteresis
 constexpr double kRoomBesideQueue = 0.95;  // to return, where a queue absorbs what is late
 
 constexpr double kRoomToCatchUp = 0.8;  // of all of them, under a backlog that presses

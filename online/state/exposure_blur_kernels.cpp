@@ -10,7 +10,7 @@ namespace {
 constexpr float kLeastBlur = 0.6f;            // pixels: a shorter one changes nothing visible
 constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
 constexpr float kTapsPerPixel = 0.7f;
-constexpr float kLongest = 64;                // pixels that the taps still resolve
+constexpr float kLongest = 64;  // pixels that the taps still resolve
 
 // The instants of eight pixels' exposures; none where the motion is short.
 struct Instants {

@@ -11,7 +11,6 @@ namespace hdrcam {
 namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
@@ -48,7 +47,7 @@ bool project(const ScenePoint& point, double inverse_depth, const Intrinsics& le
   return true;
 }
 
-// The normal equations of one linearisation, with what is needed to recover the depths afterwards.
+// The normal equations of one linearisation.
 struct Linearised {
   Matrix6 H = Matrix6::Zero();
   Vector6 g = Vector6::Zero();
@@ -76,15 +75,17 @@ bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const 
   return true;
 }
 
-// Adds one point with its depth eliminated.
-void accumulate(const ScenePoint& point, const PointTerms& q, Linearised& sum) {
-  const double depth_curvature = q.weight * q.per_depth.squaredNorm() + point.information;
-  const double depth_gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
-  const Vector6 coupling = q.weight * q.per_pose.transpose() * q.per_depth;
-  sum.H.noalias() += q.weight * q.per_pose.transpose() * q.per_pose;
-  sum.H.noalias() -= coupling * (coupling.transpose() / depth_curvature);
-  sum.g.noalias() += q.weight * q.per_pose.transpose() * q.px;
-  sum.g.noalias() -= coupling * (depth_gradient / depth_curvature);
+// Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
+EliminatedDepth accumulate(const ScenePoint& point, const PointTerms& q, Linearised& sum) {
+  const Matrix26 weighted = q.weight * q.per_pose;
+  EliminatedDepth depth;
+  depth.curvature = q.weight * q.per_depth.squaredNorm() + point.information;
+  depth.gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
+  depth.coupling = weighted.transpose().lazyProduct(q.per_depth);
+  const Vector6 scaled = depth.coupling / depth.curvature;
+  sum.H += weighted.transpose().lazyProduct(q.per_pose) - depth.coupling.lazyProduct(scaled.transpose());
+  sum.g += weighted.transpose().lazyProduct(q.px) - scaled * depth.gradient;
+  return depth;
 }
 
 Vector6 solve(Linearised& sum, Freedom freedom) {
@@ -148,7 +149,7 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
 
 PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
                  const RigidTransform& T_camera_world, const FitOptions& options,
-                 std::span<double> inverse_depths) {
+                 std::span<double> inverse_depths, std::vector<EliminatedDepth>& room) {
   CHECK_EQ(points.size(), inverse_depths.size());
   PoseFit fit;
   fit.T_camera_world = T_camera_world;
@@ -157,19 +158,17 @@ PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
     const double width = std::max(kRobustSigmas, options.widest_sigmas * std::pow(0.5, step));
     Linearised sum;
     PointTerms terms;
+    room.clear();
     for (std::size_t i = 0; i < points.size(); ++i)
       if (points[i].seen &&
-          linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms))
-        accumulate(points[i], terms, sum);
+          linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms)) {
+        room.push_back(accumulate(points[i], terms, sum));
+        room.back().point = i;
+      }
     const Vector6 move = solve(sum, options.freedom);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!points[i].seen ||
-          !linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms))
-        continue;
-      const double curvature = terms.weight * terms.per_depth.squaredNorm() + points[i].information;
-      const double gradient = terms.weight * terms.per_depth.dot(terms.px + terms.per_pose * move) +
-                              points[i].information * terms.offset;
-      inverse_depths[i] = std::max(0.0, inverse_depths[i] - gradient / curvature);
+    for (const EliminatedDepth& depth : room) {
+      double& d = inverse_depths[depth.point];
+      d = std::max(0.0, d - (depth.gradient + depth.coupling.dot(move)) / depth.curvature);
     }
     const Eigen::Matrix3d turn = rotation(move.head<3>());
     T = {turn * T.R, turn * T.t + move.tail<3>()};

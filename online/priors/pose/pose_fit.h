@@ -46,11 +46,19 @@ struct FitOptions {
       12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
+// What the equation of a point's depth leaves once the pose is solved for.
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+struct EliminatedDepth {
+  Vector6 coupling;  // with the pose's step
+  double gradient = 0, curvature = 0;
+  std::size_t point = 0;
+};
+
 // Improves a start pose; with no steps it only computes its cost. inverse_depths: [points] start on entry
-// (prior means), the fitted values on return.
+// (prior means), the fitted values on return. `room` is scratch memory.
 PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
                  const RigidTransform& T_camera_world, const FitOptions& options,
-                 std::span<double> inverse_depths);
+                 std::span<double> inverse_depths, std::vector<EliminatedDepth>& room);
 
 // The noise that no depth can explain: the median residual across the epipolar lines, as a standard deviation
 // in sigmas. `errors` is scratch memory.

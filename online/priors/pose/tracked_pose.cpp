@@ -54,11 +54,12 @@ std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t 
 
 void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
   std::vector<double> errors;
+  std::vector<EliminatedDepth> room;
   for (int round = 0; round < rounds; ++round) {
     const FitOptions options{
         .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
     heading.T_camera_world =
-        fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
+        fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths, room).T_camera_world;
     heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world, errors);
   }
 }
@@ -77,6 +78,7 @@ TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOpti
   // points that drift into one cell leave others to new ones, so there are more of them than cells
   for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
     room->reserve(2 * static_cast<std::size_t>(options.tracks.points));
+  eliminated_.reserve(depths_.capacity());
 }
 
 const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowField& from_previous) {
@@ -106,8 +108,9 @@ void TrackedPose::track(const FlowField& from_previous) {
 
   tracks_.inverse_depths(depths_);
   trial_depths_ = depths_;
-  const PoseFit turned = fit_pose(tracks_.points(), lens_, T_camera_world_,
-                                  {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
+  const PoseFit turned =
+      fit_pose(tracks_.points(), lens_, T_camera_world_, {.freedom = Freedom::Rotation, .steps = kTurnSteps},
+               trial_depths_, eliminated_);
   if (stands_still(turned)) {
     tracks_.settle(lens_, T_camera_world_);
     return accept(T_camera_world_, CameraMotion::Still, tracks_.still_share(options_.still_px));
@@ -121,7 +124,7 @@ void TrackedPose::track(const FlowField& from_previous) {
 // The depths fix the scale of the translation.
 void TrackedPose::follow_translation(const PoseFit& turned) {
   const PoseFit moved =
-      fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
+      fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_, eliminated_);
   if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
   const bool was_moving = pose_.motion == CameraMotion::General;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
@@ -151,7 +154,7 @@ void TrackedPose::find_translation(const PoseFit& turned) {
 
   Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
   fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps},
-           first.inverse_depths);
+           first.inverse_depths, eliminated_);
   refine(points, lens_, 1, first);
   const double clear_px =
       std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());

@@ -55,6 +55,7 @@ class TrackedPose final : public PosePrior {
   RigidTransform T_camera_world_;
   RigidTransform T_camera_previous_;                    // the motion of the last frame
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
+  std::vector<EliminatedDepth> eliminated_;
   bool started_ = false, depth_known_ = false;
   CameraPose pose_;
 };

@@ -240,8 +240,7 @@ TEST_CASE("what is carried grows uncertain with time, warp and doubt, but never 
   }
 }
 
-TEST_CASE("the blur of an exposure is the mean over its instants, less than .6 pixels is none",
-          "[isa]") {
+TEST_CASE("the blur of an exposure is the mean over its instants, less than .6 pixels is none", "[isa]") {
   Numbers numbers(5);
   constexpr int kRows = 9, kCols = 75;
   constexpr float kFraction = 0.7f;
@@ -264,7 +263,9 @@ TEST_CASE("the blur of an exposure is the mean over its instants, less than .6 p
           const auto at = static_cast<std::size_t>(c * kRows * kCols) + own;
           const float length = std::hypot(u[own], v[own]) * kFraction;
           const int count =
-              length < 0.6f ? 0 : std::clamp(static_cast<int>(std::ceil(0.7f * std::min(length, 64.f))) + 1, 3, 9);
+              length < 0.6f
+                  ? 0
+                  : std::clamp(static_cast<int>(std::ceil(0.7f * std::min(length, 64.f))) + 1, 3, 9);
           float sum = 0;
           for (int k = 0; k < count; ++k) {
             const float instant =

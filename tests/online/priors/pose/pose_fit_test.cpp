@@ -40,6 +40,8 @@ std::vector<double> priors(const std::vector<ScenePoint>& points) {
   return depths;
 }
 
+std::vector<EliminatedDepth> room;
+
 }  // namespace
 
 TEST_CASE("known depths give the pose with its scale, outliers or not", "[pose]") {
@@ -47,7 +49,7 @@ TEST_CASE("known depths give the pose with its scale, outliers or not", "[pose]"
   std::vector<double> truth;
   const auto points = scene(0, outliers, truth);
   auto depths = priors(points);
-  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths);
+  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths, room);
   CHECK((fit.T_camera_world.R - kTruth.R).norm() < 1e-4);
   CHECK((fit.T_camera_world.t - kTruth.t).norm() < 1e-4);
   CHECK(fit.inlier_share > (outliers > 0 ? 0.6 : 0.99));
@@ -57,7 +59,7 @@ TEST_CASE("the scale is that of the depths: all a tenth nearer, the step a tenth
   std::vector<double> truth;
   const auto points = scene(0.1, 0, truth);
   auto depths = priors(points);
-  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths);
+  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths, room);
   CHECK(fit.T_camera_world.t.norm() * 1.1 == Approx(kTruth.t.norm()).epsilon(0.01));
 }
 
@@ -66,7 +68,7 @@ TEST_CASE("a rotation without a translation keeps the camera's centre", "[pose]"
   const auto points = scene(0, 0, truth);
   auto depths = priors(points);
   const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
-  const PoseFit fit = fit_pose(points, kLens, start, {.freedom = Freedom::Rotation}, depths);
+  const PoseFit fit = fit_pose(points, kLens, start, {.freedom = Freedom::Rotation}, depths, room);
   CHECK((fit.T_camera_world.inverse().t - start.inverse().t).norm() < 1e-9);
 }
 
@@ -76,7 +78,7 @@ TEST_CASE("nothing seen leaves the pose as it was", "[pose]") {
   for (ScenePoint& p : points) p.seen = false;
   auto depths = priors(points);
   const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
-  const PoseFit fit = fit_pose(points, kLens, start, {}, depths);
+  const PoseFit fit = fit_pose(points, kLens, start, {}, depths, room);
   CHECK(fit.seen == 0);
   CHECK((fit.T_camera_world.t - start.t).norm() < 1e-9);
 }
@@ -86,7 +88,7 @@ TEST_CASE("the heading is found without any depth", "[pose]") {
   auto points = scene(0, 4, truth);
   for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
   auto depths = priors(points);
-  const PoseFit turned = fit_pose(points, kLens, {}, {.freedom = Freedom::Rotation}, depths);
+  const PoseFit turned = fit_pose(points, kLens, {}, {.freedom = Freedom::Rotation}, depths, room);
   const auto headings = search_headings(points, kLens, turned.T_camera_world, 4);
   REQUIRE(headings.size() == 4);
   double best = -1;
