@@ -51,13 +51,13 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.joins_later = false;
     add("no look-ahead");
   }
-  if (rung.budget.shrinkage != ShrinkageEffort::Off) {
-    rung.budget.shrinkage = ShrinkageEffort::Off;
-    add("no shrinkage");
-  }
   if (rung.budget.blurs) {
     rung.budget.blurs = false;
     add("no motion blur");
+  }
+  if (rung.budget.shrinkage != ShrinkageEffort::Off) {
+    rung.budget.shrinkage = ShrinkageEffort::Off;
+    add("no shrinkage");
   }
   for (const auto& [emitted, of] : {std::pair(3, 4), {1, 2}}) {
     rung.emitted = emitted, rung.of = of;

@@ -1,5 +1,5 @@
 // What a run gives up to hold its deadline, rung by rung: previews first, then the field, the quality of the
-// flow, the look-ahead, shrinkage, the model of motion blur, and at last emitted frames; never capture, never
+// flow, the look-ahead, the model of motion blur, shrinkage, and at last emitted frames; never capture, never
 // the recording. Rung 0 is what was asked for; each rung gives up one thing more than the one before. Plain
 // values; reentrant.
 #pragma once

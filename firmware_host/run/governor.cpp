@@ -10,15 +10,14 @@
 namespace hdrcam {
 namespace {
 
-// Shares of the deadline. Between the last two lies the hysteresis: a rung in use may fill the deadline, one
-// that is returned to must leave room.
+// Shares of the deadline. A rung in use may fill the deadline, one that is returned to must leave room: the
+// hysteresis.
 constexpr double kSuddenlyLate = 1.15;
 constexpr double kRoomToShedTo = 0.95;
 constexpr double kRoomToReturn = 0.85;     // also of the rung below, to try one of unknown cost
 constexpr double kRoomToEmitAll = 0.95;    // a frame that is left out is lost: there is less hysteresis
 constexpr double kRoomBesideQueue = 0.95;  // to return, where a queue absorbs what is late
-
-constexpr double kRoomToCatchUp = 0.8;  // of all of them, under a backlog that presses
+constexpr double kRoomToCatchUp = 0.8;     // under a backlog that lasts: the deadline itself
 
 constexpr int kSettling = 1;                                 // frames
 constexpr int kProven = 30;                                  // frames after which a return has held

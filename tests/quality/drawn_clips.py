@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+"""drawn_clips.py GENERATOR DATA FOLDER SEED..: clips with ground truth whose settings nobody chose
+
+GENERATOR: a renderer of clips with the flags below (--out, --style, --pano, --crf..) that writes clip.json, ldr/ and gt/. DATA: a folder with
+panoramas/*.hdr, photos/{Desk,Tree,Bonita}.exr and the 201 responses of DoRF (dorf201_on_uniform_E_1024.csv). Each seed draws a scene, a
+camera's path, objects and their speed, a cycle of exposures, three responses, full well, read noise and bits; half of the clips are JPEG, four in
+ten come through a camera's engine with exposures that are not quite the stated ones. 16 frames of 320x240. Then: ./run quality FOLDER."""
+import os
+import random
+import subprocess
+import sys
+
+PANORAMAS = ["adams_place_bridge_1k", "dikhololo_night_1k", "forest_slope_1k", "kiara_1_dawn_1k", "studio_small_03_1k", "venice_sunset_1k"]
+PHOTOS = ["Desk", "Tree", "Bonita"]
+RESPONSES = 201
+CYCLES = ["-2,0,2", "-3,0,3", "-2,2", "-3,1", "-4,0", "-4,0,4", "-2,0,2,4", "0,3", "-1.5,0,1.5", "-3,-1,1,3"]  # EV
+
+
+def drawn(seed, data):
+    """The generator's flags; the order of the draws is part of what a seed means."""
+    draw = random.Random(seed)
+    flags = {
+        "style": draw.choice(["dome", "street", "room"]),
+        "pano": f"{data}/panoramas/{draw.choice(PANORAMAS)}.hdr",
+        "tex": ",".join(f"{data}/photos/{photo}.exr" for photo in PHOTOS),
+        "crfcsv": f"{data}/dorf201_on_uniform_E_1024.csv",
+        "crf": ",".join(str(draw.randrange(RESPONSES)) for _ in range(3)),
+        "seed": seed,
+        "ev": draw.choice(CYCLES),
+        "cam": draw.choice(["handheld", "handheld", "pan", "dolly", "orbit", "none"]),
+        "objs": draw.randrange(1, 6),
+        "speed": draw.choice([0.5, 1, 1, 2, 3]),
+        "fullwell": draw.choice([1200, 3000, 6000, 12000]),
+        "read": draw.choice([3, 6, 8, 14]),
+        "bits": draw.choice([8, 8, 10, 12]),
+        "frames": 16,
+        "w": 320,
+        "h": 240,
+    }
+    if draw.random() < 0.5:
+        flags["jpeg"] = draw.choice([80, 88, 93, 96])
+        flags["bits"] = 8
+    if draw.random() < 0.4:
+        flags["isp"] = 1
+        flags["toe"] = draw.choice([0, 0.002, 0.004])
+        flags["evnominal"] = 0.06
+        flags["sharpen"] = draw.choice([0, 0.3, 0.6])
+    if flags["style"] == "room":
+        flags["lamps"] = draw.randrange(1, 4)
+    return flags
+
+
+def main():
+    if len(sys.argv) < 5 or not all(seed.isdigit() for seed in sys.argv[4:]):
+        sys.exit(__doc__)
+    generator, data, folder = sys.argv[1:4]
+    for seed in map(int, sys.argv[4:]):
+        out = f"{folder}/s{seed}"
+        if os.path.exists(f"{out}/clip.json"):
+            continue
+        flags = {"out": out, "name": f"s{seed}", **drawn(seed, data)}
+        made = subprocess.run([generator] + [word for flag, value in flags.items() for word in (f"--{flag}", str(value))],
+                              capture_output=True, text=True)
+        if made.returncode != 0:
+            sys.exit(f"drawn_clips.py: '{generator}' failed on seed {seed}: {made.stderr.strip()[-300:]}")
+        print(out, flush=True)
+
+
+main()
