@@ -71,9 +71,8 @@ void FitInbox::drop_front(std::size_t count) {
 }
 
 Backlog FitInbox::backlog() const {
-  constexpr std::size_t kShare = 2;  // of the room, half
   const std::lock_guard lock(mutex_);
-  if (!waits() || kShare * count_ > most_) return Backlog::Pressing;
+  if (count_ > most_ / 2 || since_shed_ < most_ / 4) return Backlog::Pressing;
   if (since_caught_up_ > most_) return Backlog::Lasting;
   return count_ > 1 ? Backlog::Waiting : Backlog::None;
 }
