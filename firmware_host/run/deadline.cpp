@@ -13,4 +13,9 @@ std::optional<Duration> deadline_of(const Settings::Fit& fit, const CameraFacts&
   return Duration(std::llround(1e9 / camera.framerate_hz));
 }
 
+bool is_pace_of(const CameraFacts& camera, Duration deadline) {
+  constexpr double kAlmost = 0.999;  // of the interval, which is rounded
+  return to_seconds(deadline) * camera.framerate_hz >= kAlmost;
+}
+
 }  // namespace hdrcam

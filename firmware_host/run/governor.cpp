@@ -30,6 +30,7 @@ constexpr double kLeastSteady_ms = 1e-3;
 
 Governor::Governor(std::vector<Rung> ladder, Duration deadline)
     : ladder_(std::move(ladder)),
+      deadline_(deadline),
       deadline_ms_(to_seconds(deadline) * 1e3),
       first_wait_(static_cast<int>(
           std::lround(std::clamp(kFirstWait_s / to_seconds(deadline), 1.0, kMostFirstWait)))),

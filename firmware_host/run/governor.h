@@ -42,6 +42,7 @@ class Governor {
   int rung() const { return static_cast<int>(at_); }  // of the next frame
   const std::vector<Rung>& ladder() const { return ladder_; }
   bool previews() const { return ladder_[at_].previews; }
+  Duration deadline() const { return deadline_; }
   double deadline_ms() const { return deadline_ms_; }
   int late() const { return late_; }  // frames over the deadline; of those with one emission, their mean
   // Frames at each rung.
@@ -82,6 +83,7 @@ class Governor {
   void give_up();
 
   const std::vector<Rung> ladder_;
+  const Duration deadline_;
   const double deadline_ms_;
   const int first_wait_;  // frames
   std::size_t at_ = 0;

@@ -226,6 +226,9 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
                                                  sinks.has_previews() ? PreviewUse::Some : PreviewUse::None);
   RunRecord record = opened_record(plan, camera, pace, pool.threads());
   if (governor) record.deadline_ms = governor->deadline_ms();
+  const auto backlog = [&] {
+    return is_pace_of(camera, governor->deadline()) ? source.backlog() : Backlog::Unknown;
+  };
   Stopwatch wall;
 
   // The exposures that the fit asks for, of a camera that lets it.
@@ -275,7 +278,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
       ++record.captured;
       const TraceSpan span(plan.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
       TRY(pipeline.take(*frame, governor ? governor->next() : options.knobs.budget, deliver));
-      if (governor) governor->done(pipeline.work(), source.backlog());
+      if (governor) governor->done(pipeline.work(), backlog());
     }
     TRY(pipeline.finish(deliver));
     return film ? film->finish(show) : Result<void>{};

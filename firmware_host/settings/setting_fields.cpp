@@ -316,9 +316,8 @@ std::vector<SettingField> output_fields() {
   using C = FrameCompression;
   fields.push_back(choice<&Settings::output, &O::compression, C::Auto, C::Piz, C::Zip, C::Rle, C::None>(
       "output.compression", "--compression",
-      "compression of the EXR files, all without loss: piz is the smallest, rle a third of its time; auto: "
-      "piz, and "
-      "none beside a camera, which does not wait",
+      "compression of the EXR files, all without loss: piz is the smallest, rle takes a third of its time; "
+      "auto: piz, but none beside a camera, which does not wait",
       {"auto", "piz", "zip", "rle", "none"}));
   fields.push_back(white_balance_field());
   fields.push_back(any<&Settings::output, &O::http_token>(

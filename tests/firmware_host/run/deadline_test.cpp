@@ -26,5 +26,17 @@ TEST_CASE("a camera's deadline is its frame interval, a recording has none, and 
   CHECK_FALSE(deadline_of(fit, camera, RunPace::Camera));
 }
 
+TEST_CASE("to hold the frame interval is to keep up with the camera, to hold less is not") {
+  CameraFacts camera;
+  for (const double framerate_hz : {24.0, 25.0, 30000 / 1001.0, 30.0, 59.94}) {
+    camera.framerate_hz = framerate_hz;
+    const auto interval = deadline_of(Settings::Fit{}, camera, RunPace::Camera);
+    REQUIRE(interval);
+    CHECK(is_pace_of(camera, *interval));
+    CHECK(is_pace_of(camera, 2 * *interval));
+    CHECK_FALSE(is_pace_of(camera, *interval * 9 / 10));
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam
