@@ -13,10 +13,10 @@ enum class ShrinkageEffort { Off, On, Dense };
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
   FitBudget fit;
-  bool fills = false;       // unseen pixels get the field's radiance where it exceeds the state's lower bound
-  int render_step = 2;      // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
-  bool joins_later = true;  // the later frames that it waits for join the emitted picture
-  bool blurs = true;        // motion during the exposure is part of the match and of the state
+  bool fills = false;    // unseen pixels get the field's radiance where it exceeds the state's lower bound
+  int render_step = 2;   // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
+  int later_frames = 2;  // of those that it waits for, so many join the emitted picture, the nearest first
+  bool blurs = true;     // motion during the exposure is part of the match and of the state
   ShrinkageEffort shrinkage = ShrinkageEffort::Dense;  // of the emitted picture (render/shrinkage.h)
   // No pose, depth, fit or view of the field for this frame; the field starts anew when its rest ends.
   bool field_rests = false;

@@ -117,7 +117,7 @@ void add_stream(std::vector<Knob>& table) {
   using K = Knobs;
   table.push_back(whole<&K::look_ahead>(
       "look_ahead", kAtStart, Knobs::kAsSizeAllows, 2,
-      {"frames; -1: two of pictures of at most 200,000 pixels, one of larger ones, for their memory",
+      {"frames; -1: two of pictures of at most 640x480, one of larger ones, for their memory",
        "latency of as many frames, and one join for each",
        "clipped and occluded pixels that later frames show"}));
   table.push_back(whole<&K::bootstrap_frames>(
@@ -302,9 +302,9 @@ Knobs knobs_of(Preset preset) {
 }
 
 int look_ahead_of(const Knobs& knobs, int rows, int cols) {
-  constexpr double kSmall = 200'000;  // pixels
+  constexpr std::int64_t kSmall = 640 * 480;  // pixels
   if (knobs.look_ahead != Knobs::kAsSizeAllows) return knobs.look_ahead;
-  return static_cast<double>(rows) * cols <= kSmall ? 2 : 1;
+  return static_cast<std::int64_t>(rows) * cols <= kSmall ? 2 : 1;
 }
 
 std::span<const Knob> knob_table() {

@@ -5,6 +5,7 @@
 
 #include "capture/amplified_noise.h"
 #include "hal/core/stopwatch.h"
+#include "online/pictures/for_samples.h"
 
 namespace hdrcam {
 namespace {
@@ -33,7 +34,7 @@ bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer
 struct OnlineStage::Step {
   ExposedFrame frame;
   StateMotion motion;  // between the state at the frame before and this one
-  // After this frame; kept only where the look-ahead is longer than one frame.
+  // After this frame, where a later one has taken its place before this one was emitted; borrowed.
   RadianceState state;
   DepthMap depth;
   RigidTransform T_world_camera;
@@ -198,18 +199,33 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (timing_) timing_("motion", watch.lap_ms());
 
   learn_texture_error(step);
+  if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep_state(*steps_[at - 1]);
   state_->advance({step.frame, tables_for(step.frame), white_, budget_.blurs}, step.motion.to_previous);
   const float gain = gain_of(step.frame);
   tables_.at({step.frame.exposure, gain})
       .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
   step.advanced = true;
-  if (look_ahead_ > 1) step.state.copy_from(state_->state());
   if (timing_) timing_("state", watch.lap_ms());
   TRY(fit(step));
-  if (look_ahead_ > 1) return {};  // frames before it still look along this motion
+  if (look_ahead_ < 2) end_look_along(step);  // else frames before it still do
+  return {};
+}
+
+// The state goes on from this step, which is emitted later.
+void OnlineStage::keep_state(Step& step) {
+  const auto keep = [this](const Image<float>& part, Image<float>& kept) {
+    pool_.scratch().lend(kept, part.channels(), part.rows(), part.cols());
+    copy(part, kept, pool_);
+  };
+  keep(state_->state().radiance, step.state.radiance);
+  keep(state_->state().variance, step.state.variance);
+  keep(state_->state().own_share, step.state.own_share);
+}
+
+// No earlier frame looks along the motion to this one any more.
+void OnlineStage::end_look_along(Step& step) {
   pool_.scratch().take_back(step.motion.from_previous.vectors);
   pool_.scratch().take_back(step.motion.from_previous.confidence);
-  return {};
 }
 
 // The instant of the n-th frame before steps_[at], one or two.
@@ -287,8 +303,12 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
 void OnlineStage::retire_oldest() {
   retired_times_ = {steps_.front()->frame.facts.timestamp, retired_times_[0]};
   ++retired_;
+  RadianceState& kept = steps_.front()->state;
+  for (Image<float>* part : {&kept.radiance, &kept.variance, &kept.own_share})
+    pool_.scratch().take_back(*part);
   spare_.push_back(std::move(steps_.front()));
   steps_.erase(steps_.begin());
+  if (!steps_.empty() && steps_.front()->advanced) end_look_along(*steps_.front());
 }
 
 Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit& emit) {
@@ -302,9 +322,9 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   const Borrowed room(
       pool_.scratch(), camera_.height, camera_.width,
       {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
-  const bool kept = look_ahead_ > 1 && !step.state.radiance.empty();
-  state_->join(kept ? step.state : state_->state(), {later.data(), budget_.joins_later ? ahead : 0}, white_,
-               joined_);
+  const bool kept = !step.state.radiance.empty();
+  const std::size_t joining = std::min(ahead, static_cast<std::size_t>(budget_.later_frames));
+  state_->join(kept ? step.state : state_->state(), {later.data(), joining}, white_, joined_);
   SceneView view;
   view.T_world_camera = step.T_world_camera;
   view.time_s = step.frame.facts.timestamp.seconds();

@@ -68,6 +68,8 @@ class OnlineStage {
   Instant time_before(std::size_t at, std::size_t n) const;
   Result<void> fit(Step& step);
   void start_second_layer(const ExposedFrame& first);
+  void keep_state(Step& step);
+  void end_look_along(Step& step);
   std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
@@ -75,7 +77,9 @@ class OnlineStage {
   const ExposureTables& tables_for(const ExposedFrame& frame);
   bool learns_noise(int frame) const;
   // Whether the newest frame joins the one that becomes ready.
-  bool joins_newest() const { return look_ahead_ > 0 && budget_.joins_later && budget_.emits; }
+  bool joins_newest() const {
+    return look_ahead_ > 0 && budget_.later_frames >= look_ahead_ && budget_.emits;
+  }
   bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void learn_noise(const Step& previous, const Step& step);
   void learn_texture_error(const Step& step);

@@ -37,6 +37,10 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.field_rests = true;
     add("no field");
   }
+  if (rung.budget.later_frames > 1) {
+    rung.budget.later_frames = 1;
+    add("one later frame");
+  }
   for (const auto& [quality, name] :
        {std::pair(FlowQuality::Medium, "flow medium"), {FlowQuality::Fast, "flow fast"}})
     if (rung.budget.flow > quality) {
@@ -47,8 +51,8 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.shrinkage = ShrinkageEffort::On;
     add("fewer shrinkage tiles");
   }
-  if (rung.budget.joins_later) {
-    rung.budget.joins_later = false;
+  if (rung.budget.later_frames > 0) {
+    rung.budget.later_frames = 0;
     add("no look-ahead");
   }
   if (rung.budget.blurs) {

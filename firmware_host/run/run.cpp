@@ -83,7 +83,7 @@ std::optional<Governor> governor_of(const RunPlan& plan, const PipelineOptions& 
   const std::optional<Duration> deadline = deadline_of(plan.settings.fit, camera, pace);
   if (!deadline || plan.film != nullptr) return std::nullopt;
   FrameBudget asked = options.knobs.budget;
-  asked.joins_later = options.knobs.look_ahead != 0;
+  asked.later_frames = look_ahead_of(options.knobs, camera.height, camera.width);
   return Governor(budget_ladder(asked, field_use(plan.settings, options, use), previews), *deadline);
 }
 

@@ -71,12 +71,12 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
 // The samples of a later frame, at the pixels of the state's frame.
 void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, Fusion& fusion) {
   const Image<float>& codes = ahead.frame->codes;
-  const Borrowed room(pool_.scratch(), codes.rows(), codes.cols(),
-                      {{&codes_, 3}, {&brightest_, 3}, {&dilated_, 3}});
-  warp_cubic(codes, path, 0, codes_, pool_);
+  const Borrowed room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}, {&dilated_, 3}});
+  Image<float>& warped = samples_.blur;  // its memory is idle until the blur is modelled
+  warp_cubic(codes, path, 0, warped, pool_);
   dilate_2x2(codes, dilated_, pool_);
   warp_linear(dilated_, path, brightest_, pool_);
-  fusion.sample(codes_, brightest_, *ahead.tables, samples_);
+  fusion.sample(warped, brightest_, *ahead.tables, samples_);
 }
 
 // A path and the interval after it: flows are chained, confidences multiplied. The path may be the one that

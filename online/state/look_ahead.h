@@ -38,7 +38,7 @@ class LookAhead {
   Samples samples_;
   FlowField path_;         // from the state's frame to a later frame than the next
   RadianceState between_;  // of two later frames, without shares
-  Image<float> share_, codes_, brightest_, dilated_, gate_, contrast_, onward_, trust_;
+  Image<float> share_, brightest_, dilated_, gate_, contrast_, onward_, trust_;
 };
 
 }  // namespace hdrcam

@@ -93,7 +93,9 @@ TEST_CASE("balanced looks two frames ahead in small pictures, one in large ones,
           "[knobs]") {
   Knobs knobs = knobs_of(Preset::Balanced);
   CHECK(look_ahead_of(knobs, 240, 320) == 2);
-  CHECK(look_ahead_of(knobs, 480, 640) == 1);
+  CHECK(look_ahead_of(knobs, 480, 640) == 2);
+  CHECK(look_ahead_of(knobs, 640, 481) == 1);
+  CHECK(look_ahead_of(knobs, 1080, 1920) == 1);
   for (const int frames : {0, 1, 2}) {
     knobs.look_ahead = frames;
     CHECK(look_ahead_of(knobs, 240, 320) == frames);

@@ -104,14 +104,15 @@ TEST_CASE("the same frames give the same bytes on one thread and on three, with 
   CHECK(run(scene, 7, options, 1).radiance == run(scene, 7, options, 3).radiance);
 }
 
-TEST_CASE("frames that join no later ones are of earlier ones alone, and leave those that do as they are") {
+TEST_CASE(
+    "of the later frames as many join a picture as its budget says, and leave other pictures as they are") {
   const test::MovingScene scene;
   constexpr int kFrames = 14;
   struct Emitted {
     std::vector<float> radiance;
     float most_later = 0;  // largest share of later frames
   };
-  const auto emitted = [&](int look_ahead, auto&& joins) {
+  const auto emitted = [&](int look_ahead, auto&& joining) {
     Knobs options = state_alone();
     options.look_ahead = look_ahead;
     WorkerPool pool(1);
@@ -124,25 +125,36 @@ TEST_CASE("frames that join no later ones are of earlier ones alone, and leave t
     };
     for (int i = 0; i < kFrames; ++i) {
       FrameBudget budget = options.budget;
-      budget.joins_later = joins(i);
+      budget.later_frames = joining(i);
       REQUIRE(stream.take(scene.frame(i), budget, emit));
     }
     REQUIRE(stream.finish(options.budget, emit));
     REQUIRE(frames.size() == kFrames);
     return frames;
   };
-  const auto is_left_alone = [](int call) { return call % 4 == 2 || call % 4 == 3; };
+  // To wait longer changes nothing by itself.
+  const std::vector<Emitted> wait_one = emitted(1, [](int) { return 0; }),
+                             wait_two = emitted(2, [](int) { return 0; });
+  for (std::size_t frame = 0; frame < kFrames; ++frame) {
+    INFO("frame " << frame);
+    CHECK(wait_one[frame].radiance == wait_two[frame].radiance);
+  }
   for (const int look_ahead : {1, 2}) {
-    const std::vector<Emitted> all = emitted(look_ahead, [](int) { return true; });
-    const std::vector<Emitted> some = emitted(look_ahead, [&](int call) { return !is_left_alone(call); });
+    const auto by_turns = [&](int call) { return call / 2 % (look_ahead + 1); };
+    const std::vector<Emitted> turns = emitted(look_ahead, by_turns);
+    std::vector<std::vector<Emitted>> same;  // by the number of later frames
+    for (int later = 0; later <= look_ahead; ++later)
+      same.push_back(emitted(look_ahead, [&](int) { return later; }));
     for (int i = 7; i < kFrames - look_ahead; ++i) {  // emitted by the call that brings its last later frame
       const auto frame = static_cast<std::size_t>(i);
       INFO("look-ahead " << look_ahead << ", frame " << i);
-      CHECK(all[frame].most_later > 0.05f);
-      if (is_left_alone(i + look_ahead))
-        CHECK(some[frame].most_later == 0);
-      else
-        CHECK(some[frame].radiance == all[frame].radiance);
+      CHECK(same[0][frame].most_later == 0);
+      for (std::size_t later = 1; later < same.size(); ++later) {
+        CHECK(same[later][frame].most_later > 0.05f);
+        CHECK(same[later][frame].radiance != same[later - 1][frame].radiance);
+      }
+      const auto joined = static_cast<std::size_t>(by_turns(i + look_ahead));
+      CHECK(turns[frame].radiance == same[joined][frame].radiance);
     }
   }
 }

@@ -28,9 +28,7 @@ void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPictur
 
 HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
                              int cols, WorkerPool& pool, GpuDevice* gpu)
-    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {
-  snapshots_.push_back(std::make_unique<HashGridSnapshot>(fit_, gpu_));
-}
+    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {}
 
 HashGridField::~HashGridField() {
   for (const auto& snapshot : snapshots_) CHECK(!snapshot->is_held());

@@ -35,7 +35,7 @@ struct Machine {
     if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();
     if (budget.emits)
       work.total_ms += slow *
-                       (2 + (budget.joins_later ? 1 : 0) + shrinkage_ms[static_cast<int>(budget.shrinkage)]) *
+                       (2 + 0.5 * budget.later_frames + shrinkage_ms[static_cast<int>(budget.shrinkage)]) *
                        jitter();
     return work;
   }
