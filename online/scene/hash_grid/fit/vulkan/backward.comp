@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // The backward pass of a small network (../../field/mlp.h): from the gradient of its raw outputs to that of its
 // features, and what the gradient of its weights is made of (outer.comp). One invocation per sample, which computes
 // its activations anew: that is cheaper than to keep them from the pass forward.
@@ -47,20 +48,20 @@ void rectify(int active_at, int place) {
   for (int i = 0; i < hidden; ++i) from[i] = pulls[place + i] = trace[active_at + i] > 0 ? to[i] : 0;
 }
 
+// Drivers compile each copy of a layer: there is one forward and one backward.
 void main() {
   const int s = first + column();
   if (column() >= count) return;
   const int second = hidden / 4 * (1 + inputs), third = second + hidden / 4 * (1 + hidden);
   const int at = s * (inputs + 2 * hidden), pulled = s * (2 * hidden + outputs);
   for (int i = 0; i < inputs; ++i) from[i] = trace[at + i] = features[i * ld + s];
-  layer(0, inputs, at + inputs);
-  layer(second, hidden, at + inputs + hidden);
+  [[dont_unroll]] for (int l = 0; l < 2; ++l)
+    layer(l == 0 ? 0 : second, l == 0 ? inputs : hidden, at + inputs + l * hidden);
   for (int o = 0; o < outputs; ++o)
     from[o] = pulls[pulled + 2 * hidden + o] = d_raw[(plane_of_raw + o) * ld + s];
-  pull(third, hidden, outputs);
-  rectify(at + inputs + hidden, pulled + hidden);
-  pull(second, hidden, hidden);
-  rectify(at + inputs, pulled);
-  pull(0, inputs, hidden);
+  [[dont_unroll]] for (int l = 2; l >= 0; --l) {
+    pull(l == 0 ? 0 : l == 1 ? second : third, l == 0 ? inputs : hidden, l == 2 ? outputs : hidden);
+    if (l > 0) rectify(at + inputs + (l - 1) * hidden, pulled + (l - 1) * hidden);
+  }
   for (int i = 0; i < inputs; ++i) d_features[i * ld + s] = to[i];
 }

@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Displaces samples along the scene flow of the dynamic branch, into the neighbour's slot (../ray_shard.h); one of a
 // ray without a neighbour keeps its place. One invocation per sample.
 #include "hal/gpu/element.glsl"

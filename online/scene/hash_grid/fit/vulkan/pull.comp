@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // The gradient of render.comp: from that of what it gives (`wanted`, laid out as its `seen`) to the networks' raw
 // outputs and the places of the displaced samples. Twins: pull_ray() in ../../field/ray_rendering.h, pull_samples()
 // in ../ray_shard.cpp.
@@ -68,8 +69,8 @@ void pull_projection(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3 d_d
 
 // The displaced sample, `moved`: its raw outputs, and the place that they were read at.
 void pull_displaced(Ray ray, int s, int moved, vec3 landing, vec3 d_u, vec3 d_v, vec3 d_d, Spot at, Base there,
-                    vec3 d_radiance, float density, float d_density) {
-  const vec3 exponent = exponent_of(there, kMoving, moved), d_exponent = pull_radiance(exponent, d_radiance);
+                    vec3 exponent, vec3 d_radiance, float density, float d_density) {
+  const vec3 d_exponent = pull_radiance(exponent, d_radiance);
   const vec3 d_gate = d_exponent * triple(kMoving + 1, moved), prior = surface_prior(landing.z, surface(there));
   const float d_prior = pull_density(raw[kMoving * ld + moved] + prior.x, density, d_density);
   const vec3 d_back = d_sample3(8, s);
@@ -83,7 +84,7 @@ void pull_displaced(Ray ray, int s, int moved, vec3 landing, vec3 d_u, vec3 d_v,
   d_base.of[2] = vec4(back == 1 ? d_back.xy : vec2(0), 0, 0);
   d_base.of[3] = vec4(d_prior * prior.z, 0, 0, 0);
   vec3 d_landing = vec3(0, 0, d_prior * prior.y);
-  for (int k = 0; k < 4; ++k) {
+  [[dont_unroll]] for (int k = 0; k < 4; ++k) {
     const vec4 a = base[at.a + k], b = base[at.b + k], c = base[at.c + k], d = base[at.d + k];
     d_landing.x += at.inside.x * dot(d_base.of[k], mix(b - a, d - c, at.fraction.y));
     d_landing.y += at.inside.y * dot(d_base.of[k], mix(c - a, d - b, at.fraction.x));
@@ -122,7 +123,7 @@ void main() {
     vec3 d_still = weight * (1 - share) * d_radiance;  // radiance
     float of_still = d_depth * placed[4 * ld + s] + dot(d_radiance, radiance_of(still_exponent));
     float of_moving = d_depth * placed[4 * ld + s] + d_share;
-    vec3 moving_exponent = vec3(0), d_flow = vec3(0), landing = vec3(0), d_u, d_v, d_d;
+    vec3 moving_exponent = vec3(0), d_flow = vec3(0), landing = vec3(0), landing_still = vec3(0), d_u, d_v, d_d;
     float occlusion = 0, d_occlusion = 0;
     if (has_dynamic != 0) {
       moving_exponent = exponent_of(ray.own, kMoving, s);
@@ -133,7 +134,8 @@ void main() {
       const vec3 point = point_of(moved);
       landing = project(neighbour, point);
       pull_projection(neighbour, point, d_u, d_v, d_d);
-      of_still += d_visible + dot(d_landing, project(neighbour, point_of(s)).xy);
+      landing_still = project(neighbour, point_of(s));
+      of_still += d_visible + dot(d_landing, landing_still.xy);
       of_moving += d_visible * occlusion + dot(d_landing, landing.xy);
       d_occlusion = weight * share * d_visible + d_sample(7, s);
       d_flow = weight * share * unit * vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
@@ -146,18 +148,19 @@ void main() {
     if (ray.warps) {
       const float total_there = density.x + density.z + kEmpty, share_there = density.z / total_there;
       const float weight_there = transmittance_there[k] * (last ? 1 : 1 - exp(-total_there * spacing));
-      const Base still_there = found(spot_at(ray.there, project(neighbour, point_of(s)).xy));
+      const Base still_there = found(spot_at(ray.there, landing_still.xy));
       const Spot at = spot_at(ray.there, landing.xy);
       const Base moving_there = found(at);
       const vec3 there_exponent = exponent_of(still_there, 0, s);
       const float of_still_there = dot(d_warped, radiance_of(there_exponent));
-      const float of_moving_there = dot(d_warped, radiance_of(exponent_of(moving_there, kMoving, moved)));
+      const vec3 moved_exponent = exponent_of(moving_there, kMoving, moved);
+      const float of_moving_there = dot(d_warped, radiance_of(moved_exponent));
       d_still_raw += pull_radiance(there_exponent, weight_there * (1 - share_there) * d_warped) * gate(still_there);
       const vec2 d_there = pull_composite(density.x, density.z, spacing, transmittance_there[k], last,
                                           (1 - share_there) * of_still_there + share_there * of_moving_there,
                                           weight_there * (of_moving_there - of_still_there), behind_there);
       d_density.x += d_there.x, d_density.z = d_there.y;
-      pull_displaced(ray, s, moved, landing, d_u, d_v, d_d, at, moving_there,
+      pull_displaced(ray, s, moved, landing, d_u, d_v, d_d, at, moving_there, moved_exponent,
                      weight_there * share_there * d_warped, density.z, d_density.z);
     }
     // a density that is added up is its own times v or 1 - v; so is its gradient by the exponent
@@ -168,7 +171,7 @@ void main() {
     if (has_dynamic == 0) continue;
     d_raw[kMoving * ld + s] = pull_density(raw[kMoving * ld + s] + prior, density.y, d_density.y);
     put3(kMoving + 1, s, pull_radiance(moving_exponent, weight * share * d_radiance) * gate(ray.own));
-    for (int i = 0; i < 2; ++i)
+    [[dont_unroll]] for (int i = 0; i < 2; ++i)
       put3(kMoving + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (ray.warps && i == ray.toward ? d_flow : vec3(0)));
     d_raw[(kMoving + 10 + ray.toward) * ld + s] = d_occlusion * occlusion * (1 - occlusion);
   }

@@ -58,7 +58,7 @@ vec4 found(Spot at, int k) {
 }
 Base found(Spot at) {
   Base result;
-  for (int k = 0; k < 4; ++k) result.of[k] = found(at, k);
+  [[dont_unroll]] for (int k = 0; k < 4; ++k) result.of[k] = found(at, k);
   return result;
 }
 

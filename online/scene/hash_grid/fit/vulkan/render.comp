@@ -1,5 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 // Volume rendering along rays (../../field/compositing.h, ../../field/ray_rendering.h): what the losses need.
 //   seen  [radiance(3), landing(2), inverse depth, share, visible, warped radiance(3)][rays], then
 //         [weight, flow residual(6), occlusion towards the neighbour, flow back from there(3)][rays * samples]
@@ -42,7 +43,7 @@ void main() {
     depth += weight * placed[4 * ld + s], share += moving;
     seen[of_samples] = weight;
     if (has_dynamic != 0)
-      for (int i = 0; i < 6; ++i) seen[of_samples + (1 + i) * n] = raw[(kMoving + 4 + i) * ld + s];
+      [[dont_unroll]] for (int i = 0; i < 6; ++i) seen[of_samples + (1 + i) * n] = raw[(kMoving + 4 + i) * ld + s];
     if (!ray.warps) continue;
     const float occlusion = sigmoid(raw[(kMoving + 10 + ray.toward) * ld + s]);
     const vec3 at_still = project(neighbour, point_of(s)), at_moving = project(neighbour, point_of(moved));
