@@ -23,7 +23,8 @@ vec3 carried(View view, vec2 ray, float q) {
 
 vec3 place(View to_anchor, vec2 pixel, float q) {
   const vec3 p = carried(to_anchor, (pixel - centre) / focal, q);
-  return vec3(((focal * p.xy / p.z + centre) / size - 0.5) / margin + 0.5, kDepthOffset + kDepthScale * q / p.z);
+  return vec3(((focal * p.xy / p.z + centre) / size - 0.5) / margin + 0.5,
+              kDepthOffset + kDepthScale * q / p.z);
 }
 
 vec3 project(View from_anchor, vec3 x) {

@@ -28,7 +28,8 @@ bvec3 is_far(int corner) { return bvec3((corner & 1) != 0, (corner & 2) != 0, (c
 // Row of the level's table.
 uint entry_of(Corners at, int corner, uint slot) {
   const bvec3 far = is_far(corner);
-  const uint a = far.x ? at.high.x : at.low.x, b = far.y ? at.high.y : at.low.y, c = far.z ? at.high.z : at.low.z;
+  const uint a = far.x ? at.high.x : at.low.x, b = far.y ? at.high.y : at.low.y;
+  const uint c = far.z ? at.high.z : at.low.z;
   return (at.dense ? a + b + c : (a ^ b ^ c) & (at.entries - 1)) + slot * at.entries;
 }
 

@@ -1,5 +1,5 @@
-// One Adam step on one parameter (../adam.h), left as it is where the gradient is 0. Includers declare what they are
-// told: rate after bias correction, gradient_scale, beta1, beta2, epsilon.
+// One Adam step on one parameter (../adam.h), left as it is where the gradient is 0. Includers declare what
+// they are told: rate after bias correction, gradient_scale, beta1, beta2, epsilon.
 void adam(float gradient, inout float parameter, inout float mean, inout float variance) {
   if (gradient == 0) return;
   const float g = gradient * gradient_scale;

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Adam on the entries of a table that scatter.comp has touched; clears their gradient. One invocation per entry, slot
-// and level.
+// Adam on the entries of a table that scatter.comp has touched; clears their gradient. One invocation per
+// entry, slot and level.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   float rate, gradient_scale, beta1, beta2, epsilon;

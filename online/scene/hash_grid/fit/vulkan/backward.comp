@@ -1,9 +1,9 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// The backward pass of a small network (../../field/mlp.h): from the gradient of its raw outputs to that of its
-// features, and what the gradient of its weights is made of (outer.comp). One invocation per sample, which computes
-// its activations anew: that is cheaper than to keep them from the pass forward.
+// The backward pass of a small network (../../field/mlp.h): from the gradient of its raw outputs to that of
+// its features, and what the gradient of its weights is made of (outer.comp). One invocation per sample, which
+// computes its activations anew: that costs a third more arithmetic, and no memory between the passes.
 //   trace  [samples][features, hidden, hidden]: the layers' inputs
 //   pulls  [samples][hidden, hidden, outputs]: the gradients of the layers' sums
 #include "hal/gpu/element.glsl"

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// Displaces samples along the scene flow of the dynamic branch, into the neighbour's slot (../ray_shard.h); one of a
-// ray without a neighbour keeps its place. One invocation per sample.
+// Displaces samples along the scene flow of the dynamic branch, into the neighbour's slot (../ray_shard.h); one
+// of a ray without a neighbour keeps its place. One invocation per sample.
 #include "hal/gpu/element.glsl"
 #include "online/scene/hash_grid/fit/vulkan/fit_constants.glsl"
 layout(std430, set = 0, binding = 0) readonly buffer Rays { vec4 told[]; };

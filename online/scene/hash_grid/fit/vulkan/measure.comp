@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// How large the gradient of the features is: the sum of its squares over a chunk of samples, in their order, and the
-// largest magnitude of each level (a maximum does not depend on order; magnitudes compare like their bits). One
-// invocation per chunk and feature.
+// How large the gradient of the features is: the sum of its squares over a chunk of samples, in their order,
+// and the largest magnitude of each level (a maximum does not depend on order; magnitudes compare like their
+// bits). One invocation per chunk and feature.
 //   energy  [features][chunks]      peak  [levels]
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants { int count, per_chunk, chunks, ld; };

@@ -1,8 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The gradient of a network's parameters over some of the samples, in their order: the product of each layer's pulls
-// and inputs (backward.comp). One invocation per tile of four outputs by four inputs, or their four biases, and
-// chunk of samples.
+// The gradient of a network's parameters over some of the samples, in their order: the product of each layer's
+// pulls and inputs (backward.comp). One invocation per tile of four outputs by four inputs, or their four
+// biases, and chunk of samples.
 //   sums  [chunks][parameters], in tiles as network.comp has them
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {

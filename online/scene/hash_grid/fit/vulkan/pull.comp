@@ -1,10 +1,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// The gradient of render.comp: from that of what it gives (`wanted`, laid out as its `seen`) to the networks' raw
-// outputs and the places of the displaced samples. Twins: pull_ray() in ../../field/ray_rendering.h, pull_samples()
-// in ../ray_shard.cpp.
-//   d_raw  [static outputs, dynamic outputs, displaced place(3)][ld]; the place's first n are the displaced samples'
+// The gradient of render.comp: from that of what it gives (`wanted`, laid out as its `seen`) to the networks'
+// raw outputs and the places of the displaced samples. Twins: pull_ray() in ../../field/ray_rendering.h,
+// pull_samples() in ../ray_shard.cpp. What has no gradient is left as it is, zero.
+//   d_raw  [static outputs, dynamic outputs, displaced place(3)][ld]; a displaced sample's place stands where
+//          the sample that it was is
 // One invocation per ray.
 #include "hal/gpu/element.glsl"
 #include "online/scene/hash_grid/fit/vulkan/fit_constants.glsl"
@@ -24,13 +25,15 @@ float transmittance[kMostSamples], transmittance_there[kMostSamples];
 float d_ray(int plane, int r) { return wanted[plane * rays + r]; }
 vec3 d_ray3(int plane, int r) { return vec3(d_ray(plane, r), d_ray(plane + 1, r), d_ray(plane + 2, r)); }
 float d_sample(int plane, int s) { return wanted[11 * rays + plane * rays * samples + s]; }
-vec3 d_sample3(int plane, int s) { return vec3(d_sample(plane, s), d_sample(plane + 1, s), d_sample(plane + 2, s)); }
+vec3 d_sample3(int plane, int s) {
+  return vec3(d_sample(plane, s), d_sample(plane + 1, s), d_sample(plane + 2, s));
+}
 void put3(int plane, int s, vec3 value) {
   for (int c = 0; c < 3; ++c) d_raw[(plane + c) * ld + s] = value[c];
 }
 
-// d density: static, dynamic, of one sample of a composite (pull_composite()). behind: sum of w d_w of the samples
-// behind it, which this one joins.
+// d density: static, dynamic, of one sample of a composite (pull_composite()). behind: sum of w d_w of the
+// samples behind it, which this one joins.
 vec2 pull_composite(float still, float moving, float spacing, float transmitted, bool last, float d_weight,
                     float d_moving_share, inout float behind) {
   const float total = still + moving + kEmpty, passed = last ? 0 : exp(-total * spacing);
@@ -138,7 +141,8 @@ void main() {
       of_still += d_visible + dot(d_landing, landing_still.xy);
       of_moving += d_visible * occlusion + dot(d_landing, landing.xy);
       d_occlusion = weight * share * d_visible + d_sample(7, s);
-      d_flow = weight * share * unit * vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
+      d_flow = weight * share * unit *
+               vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
     }
     const float d_weight = d_sample(0, s) + (1 - share) * of_still + share * of_moving;
     const vec2 d = pull_composite(density.x, density.y, spacing, transmittance[k], last, d_weight,
@@ -155,7 +159,8 @@ void main() {
       const float of_still_there = dot(d_warped, radiance_of(there_exponent));
       const vec3 moved_exponent = exponent_of(moving_there, kMoving, moved);
       const float of_moving_there = dot(d_warped, radiance_of(moved_exponent));
-      d_still_raw += pull_radiance(there_exponent, weight_there * (1 - share_there) * d_warped) * gate(still_there);
+      d_still_raw +=
+          pull_radiance(there_exponent, weight_there * (1 - share_there) * d_warped) * gate(still_there);
       const vec2 d_there = pull_composite(density.x, density.z, spacing, transmittance_there[k], last,
                                           (1 - share_there) * of_still_there + share_there * of_moving_there,
                                           weight_there * (of_moving_there - of_still_there), behind_there);

@@ -1,10 +1,10 @@
 // One ray of the fit: the base at its own pixel, the base that its samples find in the neighbour's frame, and
-// what the raw outputs mean there; twins are fetch_base() in ../../field/window.h and ../../field/field_sample.h.
-// Includers declare what camera.glsl asks for, and
-//   told    [rays, 5 vectors]: BasePixel at the ray's pixel; place in the window of the neighbour or -1, Neighbour,
-//           slot of the neighbour
-//   placed  [u, v, d, slot, inverse depth, spacing][ld]; the samples of a ray side by side, and as many displaced
-//           ones behind all of them
+// what the raw outputs mean there; twins are fetch_base() in ../../field/window.h and
+// ../../field/field_sample.h. Includers declare what camera.glsl asks for, and
+//   told    [rays, 5 vectors]: BasePixel at the ray's pixel; place in the window of the neighbour or -1,
+//           Neighbour, slot of the neighbour
+//   placed  [u, v, d, slot, inverse depth, spacing][ld]; the samples of a ray side by side, and as many
+//           displaced ones behind all of them
 //   raw     [static outputs, dynamic outputs][ld], displaced samples as in `placed`
 //   base    [frames of the window, rows, cols, 4 vectors]: BasePixel
 #include "online/scene/hash_grid/field/vulkan/camera.glsl"
@@ -53,8 +53,8 @@ Spot spot_at(int frame, vec2 pixel) {
   return spot;
 }
 vec4 found(Spot at, int k) {
-  return mix(mix(base[at.a + k], base[at.b + k], at.fraction.x), mix(base[at.c + k], base[at.d + k], at.fraction.x),
-             at.fraction.y);
+  return mix(mix(base[at.a + k], base[at.b + k], at.fraction.x),
+             mix(base[at.c + k], base[at.d + k], at.fraction.x), at.fraction.y);
 }
 Base found(Spot at) {
   Base result;
@@ -72,8 +72,12 @@ vec3 surface_prior(float inverse_depth, float surface) {
 float bounded_exp(float x) { return exp(clamp(x, -kDensityBound, kDensityBound)); }
 float sigmoid(float x) { return 1 / (1 + exp(-x)); }
 vec3 point_of(int s) { return vec3(placed[s], placed[ld + s], placed[2 * ld + s]); }
-vec3 triple(int plane, int s) { return vec3(raw[plane * ld + s], raw[(plane + 1) * ld + s], raw[(plane + 2) * ld + s]); }
-vec3 exponent_of(Base known, int plane, int s) { return log_radiance(known) + gate(known) * triple(plane + 1, s); }
+vec3 triple(int plane, int s) {
+  return vec3(raw[plane * ld + s], raw[(plane + 1) * ld + s], raw[(plane + 2) * ld + s]);
+}
+vec3 exponent_of(Base known, int plane, int s) {
+  return log_radiance(known) + gate(known) * triple(plane + 1, s);
+}
 vec3 radiance_of(vec3 exponent) { return exp(clamp(exponent, -kRadianceBound, kRadianceBound)); }
 
 // A moving base is not static.

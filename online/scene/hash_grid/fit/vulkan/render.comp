@@ -43,15 +43,18 @@ void main() {
     depth += weight * placed[4 * ld + s], share += moving;
     seen[of_samples] = weight;
     if (has_dynamic != 0)
-      [[dont_unroll]] for (int i = 0; i < 6; ++i) seen[of_samples + (1 + i) * n] = raw[(kMoving + 4 + i) * ld + s];
+      [[dont_unroll]] for (int i = 0; i < 6; ++i)
+        seen[of_samples + (1 + i) * n] = raw[(kMoving + 4 + i) * ld + s];
     if (!ray.warps) continue;
     const float occlusion = sigmoid(raw[(kMoving + 10 + ray.toward) * ld + s]);
     const vec3 at_still = project(neighbour, point_of(s)), at_moving = project(neighbour, point_of(moved));
     landing += still * at_still.xy + moving * at_moving.xy;
     visible += still + moving * occlusion;
-    const Base still_there = found(spot_at(ray.there, at_still.xy)), moving_there = found(spot_at(ray.there, at_moving.xy));
+    const Base still_there = found(spot_at(ray.there, at_still.xy));
+    const Base moving_there = found(spot_at(ray.there, at_moving.xy));
     const float total_there = density.x + density.z + kEmpty;
-    const float passed_there = last ? 0 : exp(-total_there * spacing), weight_there = light_there * (1 - passed_there);
+    const float passed_there = last ? 0 : exp(-total_there * spacing);
+    const float weight_there = light_there * (1 - passed_there);
     const float warped_moving = weight_there * density.z / total_there;
     light_there *= passed_there;
     warped += (weight_there - warped_moving) * radiance_of(exponent_of(still_there, 0, s)) +

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Adds the gradient of each sample's features to the eight entries of a table that they came from, as whole numbers
-// (fixed_point.glsl). One invocation per sample and level.
+// Adds the gradient of each sample's features to the eight entries of a table that they came from, as whole
+// numbers (fixed_point.glsl). One invocation per sample and level.
 //   d_table  [levels][entries][high, low word of each feature]
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
@@ -18,7 +18,8 @@ layout(std140, set = 0, binding = 4) uniform Levels { uvec4 levels[32]; };
 void main() {
   const int s = column(), l = plane();
   if (s >= count || peak[l] == 0) return;
-  const vec2 d = vec2(d_features[2 * l * ld + s], d_features[(2 * l + 1) * ld + s]) * units_per_one(peak[l], count_bits);
+  const vec2 d =
+      vec2(d_features[2 * l * ld + s], d_features[(2 * l + 1) * ld + s]) * units_per_one(peak[l], count_bits);
   if (d == vec2(0)) return;
   const Corners at = corners_at(l, vec3(position[s], position[ld + s], position[2 * ld + s]));
   const uint table_slot = slot < 0 ? uint(position[3 * ld + s]) : uint(slot);
