@@ -226,7 +226,7 @@ void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& rep
 
 Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepReport& report) {
   if (begun_.steps == 0)
-    TRY(device_->begin(window_, still_, moving_, budget_.rays_per_step, samples_per_ray_));
+    TRY(device_->begin(window_, still_, moving_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
   const auto first_stream =
       static_cast<std::uint64_t>(health_.counts().steps) * (rays_.size() / kRaysPerShard);
   TRY(device_->gradients(setting, rays_, options_.seed, first_stream, pool_, still_, moving_, *sums_));

@@ -67,32 +67,24 @@ void GpuBranch::upload(GpuWork& work, const OptimisedBranch& from) const {
   work.clear(**d_tables);
 }
 
-void GpuBranch::download(GpuWork& work, const OptimisedBranch& like, Arrival& arrival) const {
-  const Image<float>& shape = like.branch.grid.tables();
-  const auto fetch_tables = [&](const GpuRoom& from, Image<float>& to) {
-    to.reshape(shape.channels(), shape.rows(), shape.cols());
-    work.download(**from, std::as_writable_bytes(to.samples()));
+void GpuBranch::download(GpuWork& work, OptimisedBranch& to, Arrival& arrival) const {
+  const auto fetch_network = [&](const GpuRoom& from, std::vector<float>& values) {
+    values.resize(static_cast<std::size_t>(parameters));
+    work.download(**from, std::as_writable_bytes(std::span(values)));
   };
-  const auto fetch_network = [&](const GpuRoom& from, std::vector<float>& to) {
-    to.resize(static_cast<std::size_t>(parameters));
-    work.download(**from, std::as_writable_bytes(std::span(to)));
-  };
-  fetch_tables(tables, arrival.tables);
-  fetch_tables(table_mean, arrival.table_mean);
-  fetch_tables(table_variance, arrival.table_variance);
+  work.download(**tables, std::as_writable_bytes(to.branch.grid.tables().samples()));
+  work.download(**table_mean, std::as_writable_bytes(to.table_mean.samples()));
+  work.download(**table_variance, std::as_writable_bytes(to.table_variance.samples()));
   fetch_network(network, arrival.network);
-  fetch_network(network_mean, arrival.network_mean);
-  fetch_network(network_variance, arrival.network_variance);
+  fetch_network(network_mean, arrival.mean);
+  fetch_network(network_variance, arrival.variance);
 }
 
 void GpuBranch::take(const Arrival& arrival, OptimisedBranch& to) {
-  Branch<float>& branch = to.branch;
-  branch.grid.tables().copy_from(arrival.tables);
-  to.table_mean.copy_from(arrival.table_mean);
-  to.table_variance.copy_from(arrival.table_variance);
-  untile(branch.mlp, arrival.network, branch.mlp.parameters());
-  untile(branch.mlp, arrival.network_mean, to.network.mean);
-  untile(branch.mlp, arrival.network_variance, to.network.variance);
+  Mlp<float>& mlp = to.branch.mlp;
+  untile(mlp, arrival.network, mlp.parameters());
+  untile(mlp, arrival.mean, to.network.mean);
+  untile(mlp, arrival.variance, to.network.variance);
 }
 
 }  // namespace hdrcam

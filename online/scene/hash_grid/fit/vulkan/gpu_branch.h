@@ -37,12 +37,12 @@ struct GpuBranch {
   Result<void> reserve(GpuDevice& device, int ld);
   void upload(GpuWork& work, const OptimisedBranch& from) const;
 
-  // The parameters on their way back: they reach `to` once the work is finished.
+  // The network on its way back, in tiles.
   struct Arrival {
-    Image<float> tables, table_mean, table_variance;
-    std::vector<float> network, network_mean, network_variance;
+    std::vector<float> network, mean, variance;
   };
-  void download(GpuWork& work, const OptimisedBranch& like, Arrival& arrival) const;
+  // The tables reach `to` with finish(), the network with take() after it; on an error nothing does.
+  void download(GpuWork& work, OptimisedBranch& to, Arrival& arrival) const;
   static void take(const Arrival& arrival, OptimisedBranch& to);
 };
 

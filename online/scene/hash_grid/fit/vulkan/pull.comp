@@ -19,6 +19,7 @@ WRITES(6, RawGradient, d_raw)
 #include "online/scene/hash_grid/fit/vulkan/ray.glsl"
 
 const int kPlace = 20;
+// Of the ray's samples: densities(), and the light that reaches them, here and as the neighbour sees it.
 vec4 density_of[kMostSamples];
 float transmittance[kMostSamples], transmittance_there[kMostSamples];
 
@@ -71,7 +72,7 @@ void pull_projection(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3 d_d
 }
 
 // The displaced sample, `moved`: its raw outputs, and the place that they were read at.
-void pull_displaced(Ray ray, int s, int moved, vec3 landing, vec3 d_u, vec3 d_v, vec3 d_d, Spot at, Base there,
+void pull_displaced(Ray ray, View neighbour, int s, int moved, vec3 point, vec3 landing, Spot at, Base there,
                     vec3 exponent, vec3 d_radiance, float density, float d_density) {
   const vec3 d_exponent = pull_radiance(exponent, d_radiance);
   const vec3 d_gate = d_exponent * triple(kMoving + 1, moved), prior = surface_prior(landing.z, surface(there));
@@ -92,14 +93,55 @@ void pull_displaced(Ray ray, int s, int moved, vec3 landing, vec3 d_u, vec3 d_v,
     d_landing.x += at.inside.x * dot(d_base.of[k], mix(b - a, d - c, at.fraction.y));
     d_landing.y += at.inside.y * dot(d_base.of[k], mix(c - a, d - b, at.fraction.x));
   }
+  vec3 d_u, d_v, d_d;
+  pull_projection(neighbour, point, d_u, d_v, d_d);
   put3(kPlace, s, vec3(dot(d_landing, d_u), dot(d_landing, d_v), dot(d_landing, d_d)));
 }
 
-void main() {
-  const int r = column(), n = rays * samples;
-  if (r >= rays) return;
-  const Ray ray = ray_at(r);
-  const View neighbour = from_anchor(ray.there);
+// What the neighbour's picture of sample k says of it: adds to d_density (static, dynamic, displaced, as they
+// add up) and to the gradient of the static residual.
+void pull_there(Ray ray, View neighbour, int s, int moved, int k, bool last, vec3 d_warped, vec3 landing_still,
+                inout float behind, inout vec3 d_density, inout vec3 d_residual) {
+  const vec4 density = density_of[k];
+  const float spacing = placed[5 * ld + s], total = density.x + density.z + kEmpty, share = density.z / total;
+  const float weight = transmittance_there[k] * (last ? 1 : 1 - exp(-total * spacing));
+  const vec3 point = point_of(moved), landing = project(neighbour, point);
+  const Base still_there = found(spot_at(ray.there, landing_still.xy));
+  const Spot at = spot_at(ray.there, landing.xy);
+  const Base moving_there = found(at);
+  const vec3 still_exponent = exponent_of(still_there, 0, s);
+  const vec3 moving_exponent = exponent_of(moving_there, kMoving, moved);
+  const float of_still = dot(d_warped, radiance_of(still_exponent));
+  const float of_moving = dot(d_warped, radiance_of(moving_exponent));
+  const vec2 d = pull_composite(density.x, density.z, spacing, transmittance_there[k], last,
+                                (1 - share) * of_still + share * of_moving, weight * (of_moving - of_still),
+                                behind);
+  d_density += vec3(d.x, 0, d.y);
+  d_residual += pull_radiance(still_exponent, weight * (1 - share) * d_warped) * gate(still_there);
+  pull_displaced(ray, neighbour, s, moved, point, landing, at, moving_there, moving_exponent,
+                 weight * share * d_warped, density.z, d.y);
+}
+
+// The gradient of where a sample lands in the neighbour's picture, and of how far it is visible there: by the
+// weights of static and dynamic, and by the scene flow.
+struct Landing {
+  vec3 still;
+  float of_still, of_moving;
+  vec3 per_share_flow;  // d flow per weight of the dynamic part
+};
+Landing pull_landing(View neighbour, int s, int moved, float occlusion, vec2 d_landing, float d_visible) {
+  vec3 d_u, d_v, d_d;
+  const vec3 point = point_of(moved);
+  pull_projection(neighbour, point, d_u, d_v, d_d);
+  Landing at;
+  at.still = project(neighbour, point_of(s));
+  at.of_still = d_visible + dot(d_landing, at.still.xy);
+  at.of_moving = d_visible * occlusion + dot(d_landing, project(neighbour, point).xy);
+  at.per_share_flow = unit * vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
+  return at;
+}
+
+void light_up(Ray ray, View neighbour, int r) {
   const float at_rest = stillness(ray.own);
   float light = 1, light_there = 1;
   for (int k = 0; k < samples; ++k) {
@@ -111,73 +153,67 @@ void main() {
     light *= exp(-(density.x + density.y + kEmpty) * spacing);
     light_there *= exp(-(density.x + density.z + kEmpty) * spacing);
   }
-  const vec3 d_radiance = d_ray3(0, r), d_warped = d_ray3(8, r);
-  const vec2 d_landing = vec2(d_ray(3, r), d_ray(4, r));
-  const float d_depth = d_ray(5, r), d_share = d_ray(6, r), d_visible = d_ray(7, r);
+}
+
+// From the gradient of the densities as they add up, and of the static residual, to the raw outputs. A density
+// that adds up is its own times v or 1 - v; so is its gradient by the exponent.
+void put_still(int s, float prior, vec4 density, vec3 d_density, vec3 d_residual) {
   const bool blends = weighted != 0 && has_dynamic != 0;
+  const float v = density.w;
+  d_raw[s] = pull_density(raw[s] + prior, density.x, d_density.x);
+  put3(1, s, d_residual);
+  d_raw[4 * ld + s] = blends ? d_density.x * density.x * (1 - v) - dot(d_density.yz, density.yz) * v : 0;
+}
+
+void main() {
+  const int r = column(), n = rays * samples;
+  if (r >= rays) return;
+  const Ray ray = ray_at(r);
+  const View neighbour = from_anchor(ray.there);
+  light_up(ray, neighbour, r);
+  const vec3 d_radiance = d_ray3(0, r), d_warped = d_ray3(8, r);
   float behind = 0, behind_there = 0;
   for (int k = samples - 1; k >= 0; --k) {
     const int s = r * samples + k, moved = n + s;
     const bool last = k + 1 == samples;
     const vec4 density = density_of[k];
-    const float spacing = placed[5 * ld + s], total = density.x + density.y + kEmpty, share = density.y / total;
+    const float q = placed[4 * ld + s], spacing = placed[5 * ld + s];
+    const float total = density.x + density.y + kEmpty, share = density.y / total;
     const float weight = transmittance[k] * (last ? 1 : 1 - exp(-total * spacing));
     const vec3 still_exponent = exponent_of(ray.own, 0, s);
-    vec3 d_still = weight * (1 - share) * d_radiance;  // radiance
-    float of_still = d_depth * placed[4 * ld + s] + dot(d_radiance, radiance_of(still_exponent));
-    float of_moving = d_depth * placed[4 * ld + s] + d_share;
-    vec3 moving_exponent = vec3(0), d_flow = vec3(0), landing = vec3(0), landing_still = vec3(0), d_u, d_v, d_d;
-    float occlusion = 0, d_occlusion = 0;
+    float of_still = d_ray(5, r) * q + dot(d_radiance, radiance_of(still_exponent));
+    float of_moving = d_ray(5, r) * q + d_ray(6, r);
+    vec3 moving_exponent = vec3(0);
     if (has_dynamic != 0) {
       moving_exponent = exponent_of(ray.own, kMoving, s);
       of_moving += dot(d_radiance, radiance_of(moving_exponent));
     }
+    const int plane_of_occlusion = kMoving + 10 + ray.toward;
+    float occlusion = 0;
+    Landing landing = Landing(vec3(0), 0, 0, vec3(0));
     if (ray.warps) {
-      occlusion = sigmoid(raw[(kMoving + 10 + ray.toward) * ld + s]);
-      const vec3 point = point_of(moved);
-      landing = project(neighbour, point);
-      pull_projection(neighbour, point, d_u, d_v, d_d);
-      landing_still = project(neighbour, point_of(s));
-      of_still += d_visible + dot(d_landing, landing_still.xy);
-      of_moving += d_visible * occlusion + dot(d_landing, landing.xy);
-      d_occlusion = weight * share * d_visible + d_sample(7, s);
-      d_flow = weight * share * unit *
-               vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
+      occlusion = sigmoid(raw[plane_of_occlusion * ld + s]);
+      landing = pull_landing(neighbour, s, moved, occlusion, vec2(d_ray(3, r), d_ray(4, r)), d_ray(7, r));
+      of_still += landing.of_still, of_moving += landing.of_moving;
     }
-    const float d_weight = d_sample(0, s) + (1 - share) * of_still + share * of_moving;
-    const vec2 d = pull_composite(density.x, density.y, spacing, transmittance[k], last, d_weight,
+    vec3 d_density = vec3(0);
+    vec3 d_residual = pull_radiance(still_exponent, weight * (1 - share) * d_radiance) * gate(ray.own);
+    d_density.xy = pull_composite(density.x, density.y, spacing, transmittance[k], last,
+                                  d_sample(0, s) + (1 - share) * of_still + share * of_moving,
                                   weight * (of_moving - of_still), behind);
-    vec3 d_density = vec3(d, 0);  // as added up: static, dynamic, displaced
-    vec3 d_still_raw = pull_radiance(still_exponent, d_still) * gate(ray.own);
-    if (ray.warps) {
-      const float total_there = density.x + density.z + kEmpty, share_there = density.z / total_there;
-      const float weight_there = transmittance_there[k] * (last ? 1 : 1 - exp(-total_there * spacing));
-      const Base still_there = found(spot_at(ray.there, landing_still.xy));
-      const Spot at = spot_at(ray.there, landing.xy);
-      const Base moving_there = found(at);
-      const vec3 there_exponent = exponent_of(still_there, 0, s);
-      const float of_still_there = dot(d_warped, radiance_of(there_exponent));
-      const vec3 moved_exponent = exponent_of(moving_there, kMoving, moved);
-      const float of_moving_there = dot(d_warped, radiance_of(moved_exponent));
-      d_still_raw +=
-          pull_radiance(there_exponent, weight_there * (1 - share_there) * d_warped) * gate(still_there);
-      const vec2 d_there = pull_composite(density.x, density.z, spacing, transmittance_there[k], last,
-                                          (1 - share_there) * of_still_there + share_there * of_moving_there,
-                                          weight_there * (of_moving_there - of_still_there), behind_there);
-      d_density.x += d_there.x, d_density.z = d_there.y;
-      pull_displaced(ray, s, moved, landing, d_u, d_v, d_d, at, moving_there, moved_exponent,
-                     weight_there * share_there * d_warped, density.z, d_density.z);
-    }
-    // a density that is added up is its own times v or 1 - v; so is its gradient by the exponent
-    const float prior = surface_prior(placed[4 * ld + s], surface(ray.own)).x, v = density.w;
-    d_raw[s] = pull_density(raw[s] + prior, density.x, d_density.x);
-    put3(1, s, d_still_raw);
-    d_raw[4 * ld + s] = blends ? d_density.x * density.x * (1 - v) - dot(d_density.yz, density.yz) * v : 0;
+    if (ray.warps)
+      pull_there(ray, neighbour, s, moved, k, last, d_warped, landing.still, behind_there, d_density,
+                 d_residual);
+    const float prior = surface_prior(q, surface(ray.own)).x;
+    put_still(s, prior, density, d_density, d_residual);
     if (has_dynamic == 0) continue;
     d_raw[kMoving * ld + s] = pull_density(raw[kMoving * ld + s] + prior, density.y, d_density.y);
     put3(kMoving + 1, s, pull_radiance(moving_exponent, weight * share * d_radiance) * gate(ray.own));
+    const vec3 d_flow = weight * share * landing.per_share_flow;
     [[dont_unroll]] for (int i = 0; i < 2; ++i)
-      put3(kMoving + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (ray.warps && i == ray.toward ? d_flow : vec3(0)));
-    d_raw[(kMoving + 10 + ray.toward) * ld + s] = d_occlusion * occlusion * (1 - occlusion);
+      put3(kMoving + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (i == ray.toward ? d_flow : vec3(0)));
+    if (!ray.warps) continue;
+    const float d_occlusion = weight * share * d_ray(7, r) + d_sample(7, s);
+    d_raw[plane_of_occlusion * ld + s] = d_occlusion * occlusion * (1 - occlusion);
   }
 }

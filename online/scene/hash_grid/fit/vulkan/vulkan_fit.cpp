@@ -21,18 +21,23 @@ Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const Fiel
   return std::unique_ptr<VulkanFit>(new VulkanFit(device, passes, std::move(still), std::move(moving)));
 }
 
+VulkanFit::~VulkanFit() {
+  const std::lock_guard turn(device_.turn());
+  still_ = {}, moving_ = {}, rays_ = {};
+}
+
 Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& still,
-                              const OptimisedBranch& moving, int rays, int samples_per_ray) {
+                              const OptimisedBranch& moving, const StepSize& most) {
   const std::lock_guard turn(device_.turn());
   due_.reset();
-  const int ld = 2 * rays * samples_per_ray;
-  TRY(rays_.reserve(device_, window, rays, samples_per_ray));
+  const int ld = 2 * most.rays * most.samples_per_ray;
+  TRY(rays_.reserve(device_, window, most.rays, most.samples_per_ray));
   TRY(still_.reserve(device_, ld));
   TRY(moving_.reserve(device_, ld));
   GpuWork& work = device_.work();
   rays_.upload_window(work, window);
   still_.upload(work, still);
-  moving_.upload(work, moving);
+  if (most.has_dynamic) moving_.upload(work, moving);
   return work.finish();
 }
 
@@ -147,10 +152,10 @@ Result<void> VulkanFit::collect(OptimisedBranch& still, OptimisedBranch& moving)
   GpuWork& work = device_.work();
   record_due();
   still_.download(work, still, arrived_still_);
-  moving_.download(work, moving, arrived_moving_);
+  if (rays_.has_dynamic()) moving_.download(work, moving, arrived_moving_);
   TRY(work.finish());
   GpuBranch::take(arrived_still_, still);
-  GpuBranch::take(arrived_moving_, moving);
+  if (rays_.has_dynamic()) GpuBranch::take(arrived_moving_, moving);
   return {};
 }
 

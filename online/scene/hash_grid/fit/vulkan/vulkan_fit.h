@@ -23,16 +23,23 @@ struct StepSums {
   std::vector<float> misfits;  // photometric, by ray
 };
 
+// What the steps between begin() and collect() have in common.
+struct StepSize {
+  int rays, samples_per_ray;
+  bool has_dynamic;  // without it the moving branch stays here
+};
+
 class VulkanFit {
  public:
   static constexpr int kRaysPerShard = 32;  // that share random numbers, and are judged together
 
   static Result<std::unique_ptr<VulkanFit>> make(GpuDevice& device, const FieldNetworks<float>& networks);
 
-  // The parameters with their moments, and the window that they are fitted to, for steps of at most so many
-  // rays and samples. What was there is forgotten.
+  ~VulkanFit();
+
+  // The parameters with their moments, and the window that they are fitted to. What was there is forgotten.
   Result<void> begin(const WindowFrames& window, const OptimisedBranch& still, const OptimisedBranch& moving,
-                     int rays, int samples_per_ray);
+                     const StepSize& most);
   // One step's losses and gradients, d_network of the branches among them; shard i of the rays has stream
   // first_stream + i of the seed's random numbers. Until collect(), steps have as many rays, samples and
   // branches as the one before them.

@@ -66,7 +66,7 @@ struct Bench {
     return {of, scene.window, curve, weights, samples, true, has_dynamic, true, T(1) / T(kRays)};
   }
 
-  Result<void> begin() { return there->begin(scene.window, still, moving, kRays, samples); }
+  Result<void> begin() { return there->begin(scene.window, still, moving, {kRays, samples, has_dynamic}); }
   Result<void> gradients() {
     return there->gradients(setting(networks, response), rays, kSeed, kStream, pool, still, moving, sums);
   }
