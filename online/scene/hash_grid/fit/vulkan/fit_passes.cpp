@@ -58,7 +58,7 @@ struct NetworkConstants {
 };
 
 // Of the whole numbers that gradients are added up in (fixed_point.glsl).
-int count_bits(int samples) { return std::bit_width(static_cast<unsigned>(samples - 1)); }
+int count_bits(int samples) { return static_cast<int>(std::bit_width(static_cast<unsigned>(samples - 1))); }
 
 }  // namespace
 

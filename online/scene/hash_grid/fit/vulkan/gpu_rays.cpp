@@ -52,16 +52,14 @@ void GpuRays::begin(const StepSetting<float>& step, std::size_t rays) {
   weighted_ = step.networks.blend == Blend::Weight;
   frustum_ = &step.window.frustum();
   told_.assign(rays * kToldFloats, 0);
-  placed_.assign(static_cast<std::size_t>(kPlacedPlanes * ld()), 0);
-  seen_.resize(static_cast<std::size_t>(kSeenPlanes * (rays_ + count())));
+  placed_.assign(place_in(kPlacedPlanes, ld(), 0), 0);
+  seen_.resize(place_in(kSeenPlanes, rays_ + count(), 0));
   wanted_.resize(seen_.size());
 }
 
 void GpuRays::place(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
                     Pcg32 random) {
-  const auto at = [&](int plane, std::size_t s) -> float& {
-    return placed_[static_cast<std::size_t>(plane * ld()) + s];
-  };
+  const auto at = [&](int plane, std::size_t s) -> float& { return placed_[place_in(plane, ld(), s)]; };
   RaySamples<float> ray;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     float* const told_here = told_.data() + (first + i) * kToldFloats;
@@ -110,7 +108,7 @@ void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, 
   picture.visible = seen_of_ray(seen_, kVisible, r);
   for (int k = 0; k < samples_; ++k) {
     const std::size_t s = r * static_cast<std::size_t>(samples_) + static_cast<std::size_t>(k);
-    const auto placed_at = [&](int plane) { return placed_[static_cast<std::size_t>(plane * ld()) + s]; };
+    const auto placed_at = [&](int plane) { return placed_[place_in(plane, ld(), s)]; };
     for (int a = 0; a < 3; ++a) ray.position[k][a] = placed_at(a);
     ray.inverse_depth[k] = placed_at(kInverseDepth);
     trace.combined.weight[k] = seen_of_sample(seen_, kWeight, s);

@@ -54,11 +54,15 @@ class GpuRays {
   GpuRoom told, placed, raw, d_raw, views, bases, seen, wanted;
 
  private:
+  // Of value i of a plane, in planes of `row` values.
+  static std::size_t place_in(int plane, int row, std::size_t i) {
+    return static_cast<std::size_t>(plane) * static_cast<std::size_t>(row) + i;
+  }
   float& seen_of_ray(std::vector<float>& values, int plane, std::size_t r) const {
-    return values[static_cast<std::size_t>(plane * rays_) + r];
+    return values[place_in(plane, rays_, r)];
   }
   float& seen_of_sample(std::vector<float>& values, int plane, std::size_t s) const {
-    return values[static_cast<std::size_t>(kSeenPlanes * rays_ + plane * count()) + s];
+    return values[place_in(plane, count(), s) + place_in(kSeenPlanes, rays_, 0)];
   }
   void unpack(const StepSetting<float>& step, const TrainingRay& target, std::size_t r,
               RaySamples<float>& ray, RayPicture<float>& picture, RayTrace<float>& trace);

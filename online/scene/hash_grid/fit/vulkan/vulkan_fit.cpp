@@ -131,7 +131,8 @@ Result<void> VulkanFit::turn_back(OptimisedBranch& still, OptimisedBranch& movin
 
 void VulkanFit::fetch(const GpuBranch& branch, int count, Fetched& fetched) {
   fetched.d_network.resize(static_cast<std::size_t>(branch.parameters));
-  fetched.energy.resize(static_cast<std::size_t>(branch.inputs * GpuBranch::chunks(count)));
+  fetched.energy.resize(static_cast<std::size_t>(branch.inputs) *
+                        static_cast<std::size_t>(GpuBranch::chunks(count)));
   device_.work().download(**branch.d_network, std::as_writable_bytes(std::span(fetched.d_network)));
   device_.work().download(**branch.energy, std::as_writable_bytes(std::span(fetched.energy)));
 }
