@@ -27,8 +27,8 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using LeftOut = std::function<void()>;
 
-  // response: none where it is unknown and must be estimated. gpu: runs the state and renders the field; null
-  // for the processor; outlives the stage.
+  // response: none where it is unknown and must be estimated. gpu: runs the state, fits and renders the
+  // field; null for the processor; outlives the stage.
   OnlineStage(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
               WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~OnlineStage();
@@ -53,8 +53,10 @@ class OnlineStage {
   const BlackLevel& black_level() const { return black_level_; }
   // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
   float texture_error() const { return texture_error_->share(); }
-  // Why something no longer runs on the graphics device; "" while all does that was asked to.
+  // Why the state, or the fit of the field, no longer runs on the graphics device; "" while it does, or was
+  // not asked to.
   std::string trouble() const { return state_->trouble(); }
+  std::string field_trouble() const { return field_ != nullptr ? field_->trouble() : std::string(); }
 
  private:
   struct Step;  // one frame in progress

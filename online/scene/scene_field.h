@@ -5,6 +5,8 @@
 // of threads.
 #pragma once
 
+#include <string>
+
 #include "capture/exposed_frame.h"
 #include "hal/core/inline_list.h"
 #include "hal/core/result.h"
@@ -53,6 +55,8 @@ class SceneField {
   virtual void restart() = 0;
   // A snapshot of the field now. Needs a frame.
   virtual SnapshotHold snapshot() = 0;
+  // Why the fit no longer runs on the graphics device that it was given; "" while it does, or has none.
+  virtual std::string trouble() const { return {}; }
 };
 
 // A field as it is now, for whoever may read it, or none. A snapshot copies the networks, and while it is

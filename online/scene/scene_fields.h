@@ -21,7 +21,7 @@ struct SceneSetup {
   Intrinsics lens;
   int rows = 0, cols = 0;
   float near = 1;            // distance of the near plane, in the poses' unit
-  GpuDevice* gpu = nullptr;  // renders views of the field; null for the processor; outlives the field
+  GpuDevice* gpu = nullptr;  // fits and renders the field; null for the processor; outlives the field
 };
 
 // Returns null for None: the state alone.

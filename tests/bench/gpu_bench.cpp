@@ -1,6 +1,6 @@
 // What runs on a graphics device, beside the same on the processor with two threads: state, look-ahead,
-// shrinkage and a view of the field, 320x240. HDRCAM_TEST_GPU names the device. Transfers are part of the
-// time. `device` in the label names what computed.
+// shrinkage, a view of the field and its fit, 320x240. HDRCAM_TEST_GPU names the device. Transfers are part
+// of the time. `device` in the label names what computed.
 #include <benchmark/benchmark.h>
 
 #include "capture/unpack.h"
@@ -71,27 +71,53 @@ void shrinkage_on_device(benchmark::State& state) {
   }
 }
 
+// A window's frames, all with the first one's state.
+void observe_all(FieldFit& fit, const Bench& bench, const RadianceState& known, benchmark::State& state) {
+  for (std::size_t i = 0; i < kFrames; ++i) {
+    FieldObservation seen;
+    seen.index = static_cast<int>(i), seen.time_s = static_cast<double>(i) / 30;
+    seen.exposure = bench.frames[i].exposure;
+    seen.codes = &bench.frames[i].codes;
+    seen.radiance = &known.radiance, seen.variance = &known.variance;
+    if (i > 0) seen.to_previous = &bench.motion, seen.from_previous = &bench.motion;
+    if (!fit.observe(seen, bench.response)) state.SkipWithError("a frame was refused");
+  }
+}
+
 void view_on_device(benchmark::State& state) {
   Bench bench(state);
   const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
   layer->restart(bench.input(0));
   const Intrinsics lens = *bench.scene.camera().intrinsics;
   FieldFit fit({}, lens, kRows, kCols, bench.pool);
-  for (std::size_t i = 0; i < kFrames; ++i) {
-    FieldObservation seen;
-    seen.index = static_cast<int>(i), seen.time_s = static_cast<double>(i) / 30;
-    seen.exposure = bench.frames[i].exposure;
-    seen.codes = &bench.frames[i].codes;
-    seen.radiance = &layer->state().radiance, seen.variance = &layer->state().variance;
-    if (i > 0) seen.to_previous = &bench.motion, seen.from_previous = &bench.motion;
-    if (!fit.observe(seen, bench.response)) state.SkipWithError("a frame was refused");
-  }
+  observe_all(fit, bench, layer->state(), state);
   SceneView view;
   view.time_s = 3 / 30.0, view.lens = lens, view.rows = kRows, view.cols = kCols;
   FieldRenderer renderer(bench.gpu.get());
   FieldPicture picture;
   for (auto _ : state) renderer.render(fit.field(), view, bench.pool, picture);
   state.SetItemsProcessed(state.iterations() * kRows * kCols * fit.field().samples_per_ray);
+}
+
+// The steps of one frame, as many and of as many rays as by default, on blocks of 2 x 2 pixels: what a stream
+// of this size has.
+void fit_on_device(benchmark::State& state) {
+  Bench bench(state);
+  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  layer->restart(bench.input(0));
+  FieldOptions options;
+  options.step_px = 2;
+  FieldFit fit(options, *bench.scene.camera().intrinsics, kRows, kCols, bench.pool, bench.gpu.get());
+  observe_all(fit, bench, layer->state(), state);
+  FitBudget budget;
+  budget.samples_without_parallax = static_cast<int>(state.range(1));
+  fit.prepare(budget);
+  for (auto _ : state) {
+    for (int s = 0; s < budget.steps; ++s) fit.step();
+    fit.settle();
+  }
+  if (!fit.trouble().empty()) state.SkipWithError(fit.trouble().c_str());
+  state.SetItemsProcessed(state.iterations() * budget.steps * budget.rays_per_step * state.range(1));
 }
 
 BENCHMARK(state_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
@@ -108,6 +134,11 @@ BENCHMARK(shrinkage_on_device)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 BENCHMARK(view_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(fit_on_device)
+    ->ArgNames({"on_gpu", "samples_per_ray"})
+    ->ArgsProduct({{0, 1}, {2, 8}})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 }  // namespace
 }  // namespace hdrcam

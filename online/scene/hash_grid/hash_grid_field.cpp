@@ -28,7 +28,7 @@ void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPictur
 
 HashGridField::HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows,
                              int cols, WorkerPool& pool, GpuDevice* gpu)
-    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool) {}
+    : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool, gpu) {}
 
 HashGridField::~HashGridField() {
   for (const auto& snapshot : snapshots_) CHECK(!snapshot->is_held());
@@ -72,6 +72,7 @@ FitReport HashGridField::fit(const FitBudget& budget) {
     }
     for (std::size_t term = 0; term < losses.size(); ++term) losses[term] += step.losses[term];
   }
+  fit_.settle();
   const auto taken = static_cast<double>(std::max(1L, report.steps - report.rolled_back));
   for (std::size_t term = 0; term < losses.size(); ++term)
     if (losses[term] != 0) report.losses.push_back({kLosses[term].name, losses[term] / taken});

@@ -30,8 +30,8 @@ class HashGridSnapshot final : public FieldSnapshot {
 
 class HashGridField final : public SceneField {
  public:
-  // near: distance of the near plane, in the poses' unit; gpu: which looks into snapshots, null for the
-  // processor
+  // near: distance of the near plane, in the poses' unit; gpu: which fits and looks into snapshots, null for
+  // the processor
   HashGridField(const FieldOptions& options, float near, const Intrinsics& lens, int rows, int cols,
                 WorkerPool& pool, GpuDevice* gpu = nullptr);
   ~HashGridField() override;
@@ -40,6 +40,7 @@ class HashGridField final : public SceneField {
   FitReport fit(const FitBudget& budget) override;
   void restart() override;
   SnapshotHold snapshot() override;
+  std::string trouble() const override { return fit_.trouble(); }
 
  private:
   void spread(const DepthMap& depth);

@@ -21,22 +21,24 @@ constexpr int kFrames = 12;
 struct Outcome {
   double mean_squared = 0;
   int frames = 0;
-  std::string trouble;
+  std::string trouble, field_trouble;
+  int fit_steps = 0;
 
   double psnr_db() const { return -10 * std::log10(mean_squared / frames); }
 };
 
 double mu_law(double x) { return std::log1p(5000 * std::clamp(x, 0.0, 1.0)) / std::log1p(5000.0); }
 
-Outcome run(GpuDevice* gpu) {
+Outcome run(GpuDevice* gpu, EmitLayer layer = EmitLayer::Merged) {
   test::MovingScene scene;
   scene.rows = 60, scene.cols = 90;
-  PipelineOptions options = options_of(Preset::Fast, EmitLayer::Merged);
+  PipelineOptions options = options_of(Preset::Fast, layer);
   WorkerPool pool(1);
   Pipeline pipeline(options, scene.camera(), pool, gpu);
   Outcome outcome;
   const Pipeline::Deliver deliver = [&](const HdrFrame& hdr, const FrameEstimate&,
-                                        const FrameRecord&) -> Result<void> {
+                                        const FrameRecord& record) -> Result<void> {
+    outcome.fit_steps += record.fit_steps;
     const double per_radiance = scene.sensitivity * hdr.reference_exposure;  // radiance 1 saturates E_ref
     double sum = 0;
     const auto index = static_cast<int>(hdr.facts.sequence);
@@ -55,6 +57,7 @@ Outcome run(GpuDevice* gpu) {
   for (int i = 0; i < kFrames; ++i) REQUIRE(pipeline.take(scene.frame(i), deliver).ok());
   REQUIRE(pipeline.finish(deliver).ok());
   outcome.trouble = pipeline.online().trouble();
+  outcome.field_trouble = pipeline.online().field_trouble();
   return outcome;
 }
 
@@ -72,6 +75,17 @@ TEST_CASE("a whole run on the graphics device is as near to the truth as the pro
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
 }
 
+TEST_CASE("a field that the graphics device has fitted is as near to the truth as the processor's", "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  const Outcome here = run(nullptr, EmitLayer::Field), there = run(gpu.get(), EmitLayer::Field);
+  REQUIRE(here.fit_steps > 0);
+  CHECK(there.fit_steps == here.fit_steps);
+  CHECK(there.field_trouble.empty());
+  INFO(here.psnr_db() << " dB on the processor");
+  CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
+}
+
 TEST_CASE("a run whose graphics device is lost in the middle emits every frame and says why", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
@@ -79,6 +93,8 @@ TEST_CASE("a run whose graphics device is lost in the middle emits every frame a
   const Outcome here = run(nullptr), there = run(&faulty);
   CHECK(there.frames == kFrames);
   CHECK(there.trouble.find("was lost") != std::string::npos);
+  CHECK(there.field_trouble.find("was lost") != std::string::npos);
+  CHECK(there.fit_steps == here.fit_steps);
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
 }
 

@@ -1,9 +1,12 @@
 #include "online/scene/hash_grid/fit/field_fit.h"
 
+#include <spdlog/spdlog.h>
+
 #include <numeric>
 
 #include "online/scene/field_snapshot.h"
 #include "online/scene/hash_grid/fit/losses/response_smoothness.h"
+#include "online/scene/hash_grid/fit/vulkan/vulkan_fit.h"
 
 namespace hdrcam {
 namespace {
@@ -68,30 +71,8 @@ void carry_over(HashGrid<float>& grid, const ViewGeometry<double>& old_anchor,
 
 }  // namespace
 
-FieldFit::Optimised::Optimised(Branch<float>& b)
-    : branch(b), network(b.mlp.parameters().size()), d_network(b.mlp.parameters().size(), 0) {
-  branch.grid.reserve_gradient();
-  const Image<float>& tables = branch.grid.tables();
-  table_mean = Image<float>(tables.channels(), 1, tables.cols());
-  table_variance = Image<float>(tables.channels(), 1, tables.cols());
-  keep();
-}
-
-void FieldFit::Optimised::keep() {
-  kept_tables.copy_from(branch.grid.tables());
-  kept_network.assign(branch.mlp.parameters().begin(), branch.mlp.parameters().end());
-}
-
-void FieldFit::Optimised::restore() {
-  branch.grid.tables().copy_from(kept_tables);
-  std::copy(kept_network.begin(), kept_network.end(), branch.mlp.parameters().begin());
-  network.forget();
-  table_mean.fill(0);
-  table_variance.fill(0);
-}
-
 FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols,
-                   WorkerPool& pool)
+                   WorkerPool& pool, GpuDevice* gpu)
     : options_(options),
       pool_(pool),
       random_(options.seed),
@@ -107,15 +88,28 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
   for (HashGrid<float>* grid : {&networks_.still.grid, &networks_.moving.grid})
     for (int l = 0; l < grid->shape().levels; ++l)
       table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));
+  if (gpu != nullptr) {
+    auto device = VulkanFit::make(*gpu, networks_);
+    sums_ = std::make_unique<StepSums>();
+    if (device)
+      device_ = std::move(*device);
+    else
+      go_on_here(device.error());
+  }
   prepare({});
 }
+
+FieldFit::~FieldFit() = default;
 
 void FieldFit::prepare(const FitBudget& budget) {
   CHECK(budget.rays_per_step >= kRaysPerShard && budget.rays_per_step % kRaysPerShard == 0);
   CHECK(budget.samples_per_ray <= kMaxSamples && budget.samples_without_parallax <= kMaxSamples);
+  settle();
   budget_ = budget;
   samples_per_ray_ = window_.has_parallax() ? budget.samples_per_ray : budget.samples_without_parallax;
   rays_.resize(static_cast<std::size_t>(budget.rays_per_step));
+  misfits_.resize(rays_.size());
+  if (device_ != nullptr) return;
   const int most = std::max(budget.samples_per_ray, budget.samples_without_parallax);
   if (most > most_samples_) shards_.clear(), most_samples_ = most;
   while (static_cast<int>(shards_.size()) * kRaysPerShard < budget.rays_per_step)
@@ -124,6 +118,7 @@ void FieldFit::prepare(const FitBudget& budget) {
 
 Result<void> FieldFit::observe(const FieldObservation& seen, const Response& response) {
   Window& window = window_;
+  settle();
   refresh_guide();
   const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
   TRY(window.advance(seen, pool_));
@@ -157,6 +152,7 @@ void FieldFit::make_ready() {
 }
 
 void FieldFit::restart() {
+  begun_.is_open = false;  // nobody asks for those steps any more
   window_.clear();
   start_networks();
   health_.forget();
@@ -167,8 +163,8 @@ StepReport FieldFit::step() {
   StepReport report;
   if (window_.size() == 0) return report;
   make_ready();
+  if (device_ != nullptr && !begun_.is_open) begin_there();
   draw_rays();
-  const std::span<RayShard<float>> used = shards();
   const StepSetting<float> setting{networks_,
                                    window_,
                                    response_,
@@ -178,14 +174,12 @@ StepReport FieldFit::step() {
                                    has_dynamic_,
                                    options_.fits_response,
                                    1.f / static_cast<float>(rays_.size())};
-  const long number = health_.counts().steps;
-  pool_.for_each(static_cast<int>(used.size()), [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
-    const std::span<const TrainingRay> rays(rays_.data() + at * kRaysPerShard, kRaysPerShard);
-    const auto stream = static_cast<std::uint64_t>(number) * used.size() + at;
-    used[at].run(setting, rays, Pcg32(options_.seed, stream));
-  });
-  report.gradient_norm = reduce(report);
+  if (device_ == nullptr) {
+    gradients_here(setting, report);
+  } else if (const Result<void> done = gradients_there(setting, report); !done) {
+    go_on_here(done.error());
+    return step();
+  }
   report.verdict = health_.judge(report.total, report.gradient_norm);
   if (!has_dynamic_) ++health_.counts().without_dynamic;
   switch (report.verdict) {
@@ -201,17 +195,81 @@ StepReport FieldFit::step() {
         still_.restore();
         moving_.restore();
       }
+      begun_.is_open = false;  // what is on a device is given up, too
       break;
     case StepVerdict::Skipped:
       break;
   }
-  for (std::size_t s = 0; s < used.size(); ++s)
-    for (std::size_t r = 0; r < kRaysPerShard; ++r) {
-      const TrainingRay& ray = rays_[s * kRaysPerShard + r];
-      pickers_[static_cast<std::size_t>(window_.frame(ray.frame).slot)].learn(
-          static_cast<int>(ray.pixel[0]), static_cast<int>(ray.pixel[1]), used[s].misfits()[r]);
-    }
+  for (std::size_t r = 0; r < rays_.size(); ++r) {
+    const TrainingRay& ray = rays_[r];
+    pickers_[static_cast<std::size_t>(window_.frame(ray.frame).slot)].learn(
+        static_cast<int>(ray.pixel[0]), static_cast<int>(ray.pixel[1]), misfits_[r]);
+  }
+  ++begun_.steps;
   return report;
+}
+
+void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& report) {
+  const std::span<RayShard<float>> used = shards();
+  const long number = health_.counts().steps;
+  pool_.for_each(static_cast<int>(used.size()), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    const std::span<const TrainingRay> rays(rays_.data() + at * kRaysPerShard, kRaysPerShard);
+    const auto stream = static_cast<std::uint64_t>(number) * used.size() + at;
+    used[at].run(setting, rays, Pcg32(options_.seed, stream));
+  });
+  report.gradient_norm = reduce(report);
+  for (std::size_t s = 0; s < used.size(); ++s)
+    std::copy_n(used[s].misfits().begin(), kRaysPerShard,
+                misfits_.begin() + static_cast<std::ptrdiff_t>(s * kRaysPerShard));
+}
+
+Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepReport& report) {
+  if (begun_.steps == 0)
+    TRY(device_->begin(window_, still_, moving_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
+  const auto first_stream =
+      static_cast<std::uint64_t>(health_.counts().steps) * (rays_.size() / kRaysPerShard);
+  TRY(device_->gradients(setting, rays_, options_.seed, first_stream, pool_, still_, moving_, *sums_));
+  report.losses = sums_->losses;
+  d_response_ = sums_->d_response;
+  misfits_ = sums_->misfits;
+  report.gradient_norm = total_up(sums_->feature_energy, report);
+  return {};
+}
+
+// The steps that follow, up to settle(), leave the parameters here as they are.
+void FieldFit::begin_there() {
+  begun_.is_open = true;
+  begun_.steps = 0;
+  begun_.random = random_;
+  begun_.pickers = pickers_;
+  begun_.health = health_;
+  begun_.response = response_;
+  begun_.response_moments = response_moments_;
+  begun_.taken = taken_;
+}
+
+void FieldFit::settle() {
+  if (!begun_.is_open) return;
+  if (const Result<void> done = device_->collect(still_, moving_); !done) return go_on_here(done.error());
+  begun_.is_open = false;
+}
+
+// The processor takes the steps that the device has not given back, the same ones again.
+void FieldFit::go_on_here(const Error& why) {
+  trouble_ = why.message;
+  spdlog::warn("the fit of the field goes on with the processor: {}", trouble_);
+  device_.reset();
+  if (!begun_.is_open) return;
+  random_ = begun_.random;
+  pickers_ = begun_.pickers;
+  health_ = begun_.health;
+  response_ = begun_.response;
+  response_moments_ = begun_.response_moments;
+  taken_ = begun_.taken;
+  begun_.is_open = false;
+  prepare(budget_);
+  for (int again = begun_.steps; again > 0; --again) step();
 }
 
 void FieldFit::draw_rays() {
@@ -279,7 +337,8 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
 double FieldFit::reduce(StepReport& report) {
   double energy = 0;
   for (auto& channel : d_response_) channel.fill(0);
-  for (Optimised* part : {&still_, &moving_}) std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
+  for (OptimisedBranch* part : {&still_, &moving_})
+    std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
   for (RayShard<float>& shard : shards()) {
     for (std::size_t i = 0; i < report.losses.size(); ++i)
       report.losses[i] += static_cast<double>(shard.losses()[i]);
@@ -290,12 +349,18 @@ double FieldFit::reduce(StepReport& report) {
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t j = 0; j < d_response_[c].size(); ++j) d_response_[c][j] += shard.d_response()[c][j];
   }
+  return total_up(energy, report);
+}
+
+// The loss of the step as a whole; returns the gradient's norm.
+double FieldFit::total_up(double feature_energy, StepReport& report) {
+  double energy = feature_energy;
   if (options_.fits_response)
     report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] =
         static_cast<double>(response_smoothness_loss(
             options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)], response_, d_response_));
   report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
-  for (const Optimised* part : {&still_, &moving_})
+  for (const OptimisedBranch* part : {&still_, &moving_})
     for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
   return std::sqrt(energy);
 }
@@ -303,11 +368,21 @@ double FieldFit::reduce(StepReport& report) {
 void FieldFit::apply(float gradient_scale) {
   const float warm = std::min(1.f, static_cast<float>(taken_) / 20);
   const AdamStep table_step = adam_step(options_.adam, options_.table_rate * warm, gradient_scale, taken_);
+  const AdamStep network_step =
+      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
+  if (device_ != nullptr)
+    device_->take(table_step, network_step);
+  else
+    apply_here(table_step, network_step);
+  if (options_.fits_response) apply_response(gradient_scale);
+}
+
+void FieldFit::apply_here(const AdamStep& table_step, const AdamStep& network_step) {
   const int still_levels = still_.branch.grid.shape().levels;
   const int moving_levels = has_dynamic_ ? moving_.branch.grid.shape().levels : 0;
   pool_.for_each(still_levels + moving_levels, [&](int i) {
     const bool is_still = i < still_levels;
-    Optimised& part = is_still ? still_ : moving_;
+    OptimisedBranch& part = is_still ? still_ : moving_;
     const int level = is_still ? i : i - still_levels;
     HashGrid<float>& grid = part.branch.grid;
     for (const RayShard<float>& shard : shards())
@@ -315,12 +390,9 @@ void FieldFit::apply(float gradient_scale) {
     apply_adam(table_step, grid.table(level), grid.d_table(level), part.table_mean.plane(level),
                part.table_variance.plane(level));
   });
-  const AdamStep network_step =
-      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
-  for (Optimised* part : {&still_, &moving_})
+  for (OptimisedBranch* part : {&still_, &moving_})
     apply_adam(network_step, part->branch.mlp.parameters(), part->d_network, part->network.mean.data(),
                part->network.variance.data());
-  if (options_.fits_response) apply_response(gradient_scale);
 }
 
 void FieldFit::apply_response(float gradient_scale) {
@@ -370,7 +442,8 @@ void FieldFit::reanchor() {
   const RigidTransform T_old_new = window_.move_anchor().inverse();
   const ViewGeometry<double> old_anchor(window_.frustum(), RigidTransform()),
       moved(window_.frustum(), T_old_new);
-  for (Optimised* part : {&still_, &moving_}) carry_over(part->branch.grid, old_anchor, moved, table_before_);
+  for (OptimisedBranch* part : {&still_, &moving_})
+    carry_over(part->branch.grid, old_anchor, moved, table_before_);
   ++health_.counts().anchors_moved;
 }
 
@@ -381,7 +454,7 @@ FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
 
 void FieldFit::start_networks() {
   networks_.copy_parameters(fresh_networks(random_.next()));
-  for (Optimised* part : {&still_, &moving_}) {
+  for (OptimisedBranch* part : {&still_, &moving_}) {
     part->keep();
     part->restore();
   }

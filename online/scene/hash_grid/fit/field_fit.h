@@ -2,13 +2,19 @@
 // one Adam step on a few hundred rays. The field starts from the state's picture (window.h), so it can be
 // rendered after any number of steps, also none. Deterministic: the same frames and seed give the same bytes
 // for any number of threads. No allocation after the first frame. Thread-bound.
+//
+// With a graphics device the steps of a frame run there (vulkan/), from the parameters that are here, which
+// stay as they were until settle(). When the device fails, the processor takes all steps since then again and
+// goes on.
 #pragma once
 
 #include "hal/core/worker_pool.h"
+#include "hal/gpu/gpu_device.h"
 #include "online/scene/fit_budget.h"
 #include "online/scene/hash_grid/field/field_probe.h"
 #include "online/scene/hash_grid/fit/field_options.h"
 #include "online/scene/hash_grid/fit/fit_health.h"
+#include "online/scene/hash_grid/fit/optimised_branch.h"
 #include "online/scene/hash_grid/fit/ray_shard.h"
 
 namespace hdrcam {
@@ -20,9 +26,15 @@ struct StepReport {
   StepVerdict verdict = StepVerdict::Taken;
 };
 
+class VulkanFit;
+struct StepSums;
+
 class FieldFit {
  public:
-  FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, WorkerPool& pool);
+  // gpu: which takes the steps, null for the processor; it outlives the fit.
+  FieldFit(const FieldOptions& options, const Intrinsics& camera, int rows, int cols, WorkerPool& pool,
+           GpuDevice* gpu = nullptr);
+  ~FieldFit();
 
   // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
   // (window.h); the field is then unchanged.
@@ -33,8 +45,17 @@ class FieldFit {
   void prepare(const FitBudget& budget);
   // Takes one step. Needs a frame; with an empty window it does nothing.
   StepReport step();
+  // Ends a frame's steps: what they have learned is in field(), wherever they ran. Does nothing on the
+  // processor.
+  void settle();
+  // Why the steps no longer run on the graphics device; "" while they do, or were not asked to.
+  const std::string& trouble() const { return trouble_; }
 
-  RadianceField field() const { return {window_, networks_, samples_per_ray_, has_dynamic_}; }
+  // Needs settle() after steps on a device.
+  RadianceField field() const {
+    CHECK(!begun_.is_open);
+    return {window_, networks_, samples_per_ray_, has_dynamic_};
+  }
   Window& window() { return window_; }
   // Reinitialises the networks, with the same shape.
   FieldNetworks<float> fresh_networks(std::uint64_t seed) const;
@@ -45,17 +66,16 @@ class FieldFit {
  private:
   static constexpr int kRaysPerShard = 32;
 
-  struct Optimised {  // a branch's parameters with Adam's moments
-    Branch<float>& branch;
-    AdamMoments network;
-    Image<float> table_mean, table_variance;
-    std::vector<float> d_network;
-    Image<float> kept_tables;  // last good copy
-    std::vector<float> kept_network;
-
-    explicit Optimised(Branch<float>& b);
-    void keep();
-    void restore();
+  // What steps change on the processor, as it was when those on the graphics device began.
+  struct Begun {
+    bool is_open = false;
+    int steps = 0;  // taken there since
+    Pcg32 random{0};
+    std::vector<PixelPicker> pickers;
+    FitHealth health;
+    LearnedResponse<float> response{Response::linear()};
+    AdamMoments response_moments{0};
+    long taken = 0;
   };
 
   std::span<RayShard<float>> shards() { return {shards_.data(), rays_.size() / kRaysPerShard}; }
@@ -63,8 +83,14 @@ class FieldFit {
   void draw_rays();
   TrainingRay ray_at(int frame, int x, int y);
   void aim_at_neighbour(TrainingRay& ray);
+  void begin_there();
+  void gradients_here(const StepSetting<float>& setting, StepReport& report);
+  Result<void> gradients_there(const StepSetting<float>& setting, StepReport& report);
+  void go_on_here(const Error& why);
   double reduce(StepReport& report);
+  double total_up(double feature_energy, StepReport& report);
   void apply(float gradient_scale);
+  void apply_here(const AdamStep& table_step, const AdamStep& network_step);
   void apply_response(float gradient_scale);
   void refresh_guide();
   void reanchor();
@@ -79,11 +105,12 @@ class FieldFit {
   int samples_per_ray_ = 0;
   bool has_dynamic_ = true;  // false where nothing in the window moves
   LearnedResponse<float> response_;
-  Optimised still_, moving_;
+  OptimisedBranch still_, moving_;
   std::vector<RayShard<float>> shards_;  // as many as the largest budget so far needed; shards() are in use
   int most_samples_ = 0;                 // capacity of a shard
   std::vector<PixelPicker> pickers_;     // by slot
   std::vector<TrainingRay> rays_;
+  std::vector<float> misfits_;       // of the step's rays
   std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
   LearnedResponse<float>::Gradient d_response_{};
@@ -91,7 +118,11 @@ class FieldFit {
   FitHealth health_;
   long taken_ = 0;  // Adam steps
   bool response_started_ = false;
-  bool ready_ = false;  // for steps on the newest frame
+  bool ready_ = false;                 // for steps on the newest frame
+  std::unique_ptr<VulkanFit> device_;  // null: the processor takes the steps
+  std::unique_ptr<StepSums> sums_;     // of the last step there
+  Begun begun_;
+  std::string trouble_;
 };
 
 }  // namespace hdrcam

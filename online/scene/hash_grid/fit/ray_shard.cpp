@@ -55,23 +55,14 @@ void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const Trainin
   still_.n = step.has_static ? n : 0;
   moving_.n = warped_.n = step.has_dynamic ? n : 0;
   for (std::size_t r = 0; r < rays.size(); ++r) {
-    const WindowFrame& frame = step.window.frame(rays[r].frame);
-    const ViewGeometry<T> view(step.window.frustum(), frame.T_anchor_camera);
     RaySamples<T>& ray = ray_[r];
-    ray.count = count;
-    ray.has_static = step.has_static, ray.has_dynamic = step.has_dynamic;
-    ray.warps = step.has_dynamic && rays[r].warps;
-    ray.toward = rays[r].toward;
-    place_samples(
-        T(rays[r].guide), count, [&] { return random.uniform(); }, ray.inverse_depth, ray.spacing);
-    const T pixel[2] = {T(rays[r].pixel[0]), T(rays[r].pixel[1])};
-    fetch_base(frame.base, pixel, base_[r].data(), static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+    place_ray(step, rays[r], random, ray, base_[r].data());
+    const int slot = step.window.frame(rays[r].frame).slot;
     for (int k = 0; k < count; ++k) {
       const int s = static_cast<int>(r) * count + k;
-      view.place(pixel, ray.inverse_depth[k], ray.position[k]);
       for (int a = 0; a < 3; ++a)
         still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
-      moving_.slot[static_cast<std::size_t>(s)] = frame.slot;
+      moving_.slot[static_cast<std::size_t>(s)] = slot;
     }
   }
 }
@@ -81,7 +72,7 @@ void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const Trainin
 template <class T>
 void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
   T unit[3];
-  flow_units(step.window, unit);
+  flow_units(step.window.frustum(), unit);
   for (std::size_t r = 0; r < rays.size(); ++r) {
     RaySamples<T>& ray = ray_[r];
     for (int k = 0; k < ray.count; ++k) {
@@ -139,7 +130,7 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
   misfit_[static_cast<std::size_t>(r)] =
       static_cast<float>(losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share);
   T unit[3];
-  flow_units(step.window, unit);
+  flow_units(step.window.frustum(), unit);
   pull_ray(ray, step.networks.blend, trace, d_picture, d_ray_weight, unit, d_);
   pull_samples(step, target, r, d_);
 }
@@ -184,7 +175,7 @@ template <class T>
 void RayShard<T>::return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
   step.networks.moving.grid.pull_back(warped_.samples(), warped_.d_features, warped_.d_position);
   T unit[3];
-  flow_units(step.window, unit);
+  flow_units(step.window.frustum(), unit);
   for (std::size_t r = 0; r < rays.size(); ++r) {
     if (!ray_[r].warps) continue;
     for (int k = 0; k < ray_[r].count; ++k) {

@@ -5,22 +5,9 @@
 // buffers are allocated by the constructor. Thread-compatible.
 #pragma once
 
-#include "online/scene/hash_grid/field/ray_sampler.h"
-#include "online/scene/hash_grid/fit/objective.h"
+#include "online/scene/hash_grid/fit/step_setting.h"
 
 namespace hdrcam {
-
-// The constants of a step.
-template <class T>
-struct StepSetting {
-  const FieldNetworks<T>& networks;
-  const Window& window;
-  const LearnedResponse<T>& response;
-  const LossWeights& weights;
-  int samples_per_ray;
-  bool has_static, has_dynamic, fits_response;
-  T ray_share;  // one over the rays of the step
-};
 
 template <class T>
 class RayShard {
@@ -59,11 +46,7 @@ class RayShard {
     return surface_prior(ray_[at].inverse_depth[k], base_[at][kBaseSurface]).log_density;
   }
   const WindowFrame& neighbour(const Window& window, const TrainingRay& ray) const {
-    return window.frame(ray.frame + (ray.toward == Neighbour::Next ? 1 : -1));
-  }
-  static void flow_units(const Window& window, T* unit) {
-    unit[0] = T(window.frustum().u_per_px()), unit[1] = T(window.frustum().v_per_px());
-    unit[2] = T(WindowFrustum::kDepthUnit);
+    return window.frame(neighbour_of(ray));
   }
 
   BranchPass<T> still_, moving_, warped_;

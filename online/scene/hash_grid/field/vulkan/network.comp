@@ -5,7 +5,7 @@
 // the biases first.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int count, ld, inputs, hidden, outputs;
+  int first, count, ld, inputs, hidden, outputs, plane_of_raw;  // samples first .. first + count - 1
 };
 READS(0, Features, features)
 WRITES(1, Raw, raw)
@@ -27,13 +27,13 @@ int layer(int first, int in_width, int out_width, float least) {
 }
 
 void main() {
-  const int s = column();
-  if (s >= count) return;
+  const int s = first + column();
+  if (column() >= count) return;
   for (int i = 0; i < inputs; ++i) from[i] = features[i * ld + s];
-  int first = layer(0, inputs, hidden, 0);
+  int at = layer(0, inputs, hidden, 0);
   for (int i = 0; i < hidden; ++i) from[i] = to[i];
-  first = layer(first, hidden, hidden, 0);
+  at = layer(at, hidden, hidden, 0);
   for (int i = 0; i < hidden; ++i) from[i] = to[i];
-  layer(first, hidden, outputs, -3.4e38);
-  for (int i = 0; i < outputs; ++i) raw[i * ld + s] = to[i];
+  layer(at, hidden, outputs, -3.4e38);
+  for (int i = 0; i < outputs; ++i) raw[(plane_of_raw + i) * ld + s] = to[i];
 }

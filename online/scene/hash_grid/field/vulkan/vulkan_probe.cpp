@@ -1,8 +1,7 @@
 #include "online/scene/hash_grid/field/vulkan/vulkan_probe.h"
 
-#include <bit>
-
 #include "online/scene/hash_grid/field/vulkan/answer.comp.h"
+#include "online/scene/hash_grid/field/vulkan/branch_layout.h"
 #include "online/scene/hash_grid/field/vulkan/encode.comp.h"
 #include "online/scene/hash_grid/field/vulkan/move.comp.h"
 #include "online/scene/hash_grid/field/vulkan/network.comp.h"
@@ -12,55 +11,11 @@ namespace hdrcam {
 namespace {
 
 constexpr std::size_t kBatchRays = 16384;  // 27 MB of memory at 8 samples a ray
-constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 10, kLevelWords = 8, kViews = 4, kViewFloats = 24;
-constexpr std::size_t kMostLevels = 16, kMostParameters = 1024;  // of encode.comp and network.comp, vectors
-constexpr int kMostWidth = 64;
+constexpr std::size_t kPlacedPlanes = 5, kAnswerPlanes = 10, kViews = 4;
 
 template <class T>
 std::span<const std::byte> bytes_of(std::span<T> values) {
   return std::as_bytes(values);
-}
-
-// As window.glsl reads it: to the anchor and from it, translations over the near plane.
-void append_view(const WindowFrustum& frustum, const RigidTransform& T_anchor_camera,
-                 std::vector<float>& views) {
-  for (const RigidTransform& T : {T_anchor_camera, T_anchor_camera.inverse()})
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) views.push_back(static_cast<float>(T.R(i, j)));
-      views.push_back(static_cast<float>(T.t(i) / static_cast<double>(frustum.near)));
-    }
-}
-
-std::vector<std::uint32_t> words_of(const HashGrid<float>& grid) {
-  std::vector<std::uint32_t> words;
-  for (int l = 0; l < grid.shape().levels; ++l) {
-    const HashLevel& level = grid.level(l);
-    for (const float cells : level.cells) words.push_back(std::bit_cast<std::uint32_t>(cells));
-    words.push_back(level.dense ? 1 : 0);
-    words.insert(words.end(), std::begin(level.stride), std::end(level.stride));
-    words.push_back(level.entries);
-  }
-  return words;
-}
-
-// In tiles of four outputs, as network.comp reads them.
-std::vector<float> tiled(const Mlp<float>& mlp) {
-  const std::span<const float> all = mlp.parameters();
-  const int widths[] = {mlp.inputs(), mlp.hidden(), mlp.hidden(), mlp.outputs()};
-  std::vector<float> tiles;
-  tiles.reserve(all.size());
-  std::size_t first = 0;
-  for (int layer = 0; layer < Mlp<float>::kLayers; ++layer) {
-    const auto in = static_cast<std::size_t>(widths[layer]),
-               out = static_cast<std::size_t>(widths[layer + 1]);
-    for (std::size_t o = 0; o < out; o += 4) {
-      for (std::size_t k = 0; k < 4; ++k) tiles.push_back(all[first + in * out + o + k]);
-      for (std::size_t i = 0; i < in; ++i)
-        for (std::size_t k = 0; k < 4; ++k) tiles.push_back(all[first + (o + k) * in + i]);
-    }
-    first += (in + 1) * out;
-  }
-  return tiles;
 }
 
 }  // namespace
@@ -111,15 +66,10 @@ Result<void> VulkanProbe::reserve_for(const Branch<float>& branch, int ld, Branc
   const auto rows = [&](int count) {
     return static_cast<std::size_t>(count) * static_cast<std::size_t>(ld) * sizeof(float);
   };
-  const Mlp<float>& mlp = branch.mlp;
-  if (mlp.parameters().size() > 4 * kMostParameters || std::max(mlp.inputs(), mlp.hidden()) > kMostWidth)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("a network of {} parameters does not fit into the kernel's {}; reduce the knob "
-                             "hidden, or use --backend cpu",
-                             mlp.parameters().size(), 4 * kMostParameters)};
+  TRY(check_fits_kernels(branch.mlp));
   TRY(reserve(room.tables, branch.grid.tables().samples().size_bytes()));
   TRY(reserve(room.levels, kMostLevels * kLevelWords * sizeof(std::uint32_t)));
-  TRY(reserve(room.parameters, kMostParameters * 4 * sizeof(float)));
+  TRY(reserve(room.parameters, kMostParameters * sizeof(float)));
   TRY(reserve(room.features, rows(branch.mlp.inputs())));
   return reserve(room.raw, rows(branch.mlp.outputs()));
 }
@@ -140,7 +90,8 @@ void VulkanProbe::upload(const Branch<float>& branch, const BranchRoom& room) {
   GpuWork& work = device_.work();
   work.upload(bytes_of(branch.grid.tables().samples()), *room.tables.buffer);
   work.upload(bytes_of(std::span<const std::uint32_t>(words_of(branch.grid))), *room.levels.buffer);
-  work.upload(bytes_of(std::span<const float>(tiled(branch.mlp))), *room.parameters.buffer);
+  work.upload(bytes_of(std::span<const float>(tiled(branch.mlp, branch.mlp.parameters()))),
+              *room.parameters.buffer);
 }
 
 void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
@@ -162,13 +113,15 @@ void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
 void VulkanProbe::forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
                           BranchRoom& room) {
   GpuWork& work = device_.work();
-  const struct { int count, ld, slot, level_size; } grid{count, ld, slot, branch.grid.tables().cols() / 2};
+  const struct {
+    int first, count, ld, slot, level_size;
+  } grid{0, count, ld, slot, branch.grid.tables().cols() / 2};
   work.run(*kernels_[kEncode], {*position, *room.tables, *room.features, *room.levels}, grid,
            {count, 1, branch.grid.shape().levels});
   const Mlp<float>& mlp = branch.mlp;
   const struct {
-    int count, ld, inputs, hidden, outputs;
-  } network{count, ld, mlp.inputs(), mlp.hidden(), mlp.outputs()};
+    int first, count, ld, inputs, hidden, outputs, plane_of_raw;
+  } network{0, count, ld, mlp.inputs(), mlp.hidden(), mlp.outputs(), 0};
   work.run(*kernels_[kNetwork], {*room.features, *room.raw, *room.parameters}, network, {count, 1, 1});
 }
 

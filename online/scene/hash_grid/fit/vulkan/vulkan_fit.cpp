@@ -1,0 +1,163 @@
+#include "online/scene/hash_grid/fit/vulkan/vulkan_fit.h"
+
+#include "online/scene/hash_grid/field/vulkan/branch_layout.h"
+
+namespace hdrcam {
+namespace {
+
+double sum_of(std::span<const float> values) {
+  double sum = 0;
+  for (const float value : values) sum += static_cast<double>(value);
+  return sum;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const FieldNetworks<float>& networks) {
+  const std::lock_guard turn(device.turn());
+  FitPasses passes = TRY(FitPasses::make(device));
+  GpuBranch still = TRY(GpuBranch::make(device, networks.still, 0));
+  GpuBranch moving = TRY(GpuBranch::make(device, networks.moving, GpuRays::kStillOutputs));
+  return std::unique_ptr<VulkanFit>(new VulkanFit(device, passes, std::move(still), std::move(moving)));
+}
+
+VulkanFit::~VulkanFit() {
+  const std::lock_guard turn(device_.turn());
+  still_ = {}, moving_ = {}, rays_ = {};
+}
+
+Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& still,
+                              const OptimisedBranch& moving, const StepSize& most) {
+  const std::lock_guard turn(device_.turn());
+  due_.reset();
+  const int ld = 2 * most.rays * most.samples_per_ray;
+  TRY(rays_.reserve(device_, window, most.rays, most.samples_per_ray));
+  TRY(still_.reserve(device_, ld));
+  TRY(moving_.reserve(device_, ld));
+  GpuWork& work = device_.work();
+  rays_.upload_window(work, window);
+  still_.upload(work, still);
+  if (most.has_dynamic) moving_.upload(work, moving);
+  return work.finish();
+}
+
+Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
+                                  std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
+                                  OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
+  CHECK(rays.size() % kRaysPerShard == 0 && step.has_static);
+  const std::size_t shards = rays.size() / kRaysPerShard;
+  CHECK(!due_ || rays_.is_alike(step, rays.size()));
+  rays_.begin(step, rays.size());
+  pool.for_each(static_cast<int>(shards), [&](int i) {
+    const std::size_t first = static_cast<std::size_t>(i) * kRaysPerShard;
+    rays_.place(step, rays.subspan(first, kRaysPerShard), first,
+                Pcg32(seed, first_stream + static_cast<std::uint64_t>(i)));
+  });
+  TRY(look(step));
+  judge(step, rays, pool, sums);
+  return turn_back(still, moving, sums);
+}
+
+// From the rays to what is seen along them.
+Result<void> VulkanFit::look(const StepSetting<float>& step) {
+  const std::lock_guard turn(device_.turn());
+  GpuWork& work = device_.work();
+  record_due();
+  const int n = rays_.count();
+  rays_.upload_placed(work);
+  passes_.forward(still_, rays_, {0, n});
+  if (step.has_dynamic) {
+    passes_.forward(moving_, rays_, {0, n});
+    passes_.follow(rays_);
+    passes_.forward(moving_, rays_, {n, n});
+  }
+  passes_.render(rays_);
+  rays_.download_seen(work);
+  return work.finish();
+}
+
+void VulkanFit::judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
+                      StepSums& sums) {
+  const std::size_t shards = rays.size() / kRaysPerShard;
+  verdicts_.resize(shards);
+  sums.misfits.resize(rays.size());
+  pool.for_each(static_cast<int>(shards), [&](int i) {
+    const auto shard = static_cast<std::size_t>(i), first = shard * kRaysPerShard;
+    verdicts_[shard] = {};
+    rays_.judge(step, rays.subspan(first, kRaysPerShard), first, verdicts_[shard],
+                std::span(sums.misfits).subspan(first, kRaysPerShard));
+  });
+  sums.losses.fill(0);
+  for (auto& channel : sums.d_response) channel.fill(0);
+  for (const RayVerdict& verdict : verdicts_) {
+    for (std::size_t i = 0; i < sums.losses.size(); ++i)
+      sums.losses[i] += static_cast<double>(verdict.losses[i]);
+    if (!step.fits_response) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < sums.d_response[c].size(); ++j)
+        sums.d_response[c][j] += verdict.d_response[c][j];
+  }
+}
+
+// From the losses' gradient to that of the parameters. The displaced samples come first: what they say of
+// their places is a part of the gradient of those that displaced them.
+Result<void> VulkanFit::turn_back(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
+  const std::lock_guard turn(device_.turn());
+  GpuWork& work = device_.work();
+  const int n = rays_.count();
+  rays_.upload_wanted(work);
+  passes_.pull(rays_);
+  if (rays_.has_dynamic()) {
+    passes_.backward(moving_, rays_, {n, n});
+    passes_.return_warp(moving_, rays_);
+    passes_.backward(moving_, rays_, {0, n});
+    passes_.add_up(moving_, rays_.ld(), 2 * n);
+    fetch(moving_, 2 * n, fetched_moving_);
+  }
+  passes_.backward(still_, rays_, {0, n});
+  passes_.add_up(still_, rays_.ld(), n);
+  fetch(still_, n, fetched_still_);
+  TRY(work.finish());
+  untile(still.branch.mlp, fetched_still_.d_network, still.d_network);
+  sums.feature_energy = sum_of(fetched_still_.energy);
+  if (rays_.has_dynamic()) {
+    untile(moving.branch.mlp, fetched_moving_.d_network, moving.d_network);
+    sums.feature_energy += sum_of(fetched_moving_.energy);
+  } else {
+    std::fill(moving.d_network.begin(), moving.d_network.end(), 0.f);
+  }
+  return {};
+}
+
+void VulkanFit::fetch(const GpuBranch& branch, int count, Fetched& fetched) {
+  fetched.d_network.resize(static_cast<std::size_t>(branch.parameters));
+  fetched.energy.resize(static_cast<std::size_t>(branch.inputs) *
+                        static_cast<std::size_t>(GpuBranch::chunks(count)));
+  device_.work().download(**branch.d_network, std::as_writable_bytes(std::span(fetched.d_network)));
+  device_.work().download(**branch.energy, std::as_writable_bytes(std::span(fetched.energy)));
+}
+
+void VulkanFit::record_due() {
+  if (!due_) return;
+  const auto apply = [&](const GpuBranch& branch, int count) {
+    passes_.scatter(branch, rays_, count);
+    passes_.adam(branch, due_->table_step, due_->network_step, count);
+  };
+  apply(still_, rays_.count());
+  if (rays_.has_dynamic()) apply(moving_, 2 * rays_.count());
+  due_.reset();
+}
+
+Result<void> VulkanFit::collect(OptimisedBranch& still, OptimisedBranch& moving) {
+  const std::lock_guard turn(device_.turn());
+  GpuWork& work = device_.work();
+  record_due();
+  still_.download(work, still, arrived_still_);
+  if (rays_.has_dynamic()) moving_.download(work, moving, arrived_moving_);
+  TRY(work.finish());
+  GpuBranch::take(arrived_still_, still);
+  if (rays_.has_dynamic()) GpuBranch::take(arrived_moving_, moving);
+  return {};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,84 @@
+// The steps of the fit on a graphics device: forward and backward pass, scatter and Adam there, losses here.
+// Between begin() and collect() the parameters there are ahead of those here, which stay as they were: who
+// loses the device goes on from them. It takes the device's turn for each call. Thread-bound but for that;
+// the device outlives it.
+//
+// Errors of all calls: those of the device, and Unsupported for a network or a window that is too large for
+// it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "hal/core/worker_pool.h"
+#include "online/scene/hash_grid/fit/vulkan/fit_passes.h"
+
+namespace hdrcam {
+
+// What a step makes of its rays, beside the gradient of the networks.
+struct StepSums {
+  LossValues<double> losses{};
+  LearnedResponse<float>::Gradient d_response{};
+  double feature_energy = 0;   // as RayShard::feature_energy(), of all
+  std::vector<float> misfits;  // photometric, by ray
+};
+
+// What the steps between begin() and collect() have in common.
+struct StepSize {
+  int rays, samples_per_ray;
+  bool has_dynamic;  // without it the moving branch stays here
+};
+
+class VulkanFit {
+ public:
+  static constexpr int kRaysPerShard = 32;  // that share random numbers, and are judged together
+
+  static Result<std::unique_ptr<VulkanFit>> make(GpuDevice& device, const FieldNetworks<float>& networks);
+
+  ~VulkanFit();
+
+  // The parameters with their moments, and the window that they are fitted to. What was there is forgotten.
+  Result<void> begin(const WindowFrames& window, const OptimisedBranch& still, const OptimisedBranch& moving,
+                     const StepSize& most);
+  // One step's losses and gradients, d_network of the branches among them; shard i of the rays has stream
+  // first_stream + i of the seed's random numbers. Until collect(), steps have as many rays, samples and
+  // branches as the one before them.
+  Result<void> gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
+                         std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
+                         OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
+  // Takes the step of the last gradients(); it is on its way with the next call.
+  void take(const AdamStep& table_step, const AdamStep& network_step) { due_ = {table_step, network_step}; }
+  // The parameters with their moments as the steps have left them. On an error they stay as they were.
+  Result<void> collect(OptimisedBranch& still, OptimisedBranch& moving);
+
+  const GpuFacts& device() const { return device_.facts(); }
+
+ private:
+  struct Due {
+    AdamStep table_step, network_step;
+  };
+  // What comes back of a branch's gradients.
+  struct Fetched {
+    std::vector<float> d_network, energy;
+  };
+
+  VulkanFit(GpuDevice& device, FitPasses passes, GpuBranch still, GpuBranch moving)
+      : device_(device), passes_(passes), still_(std::move(still)), moving_(std::move(moving)) {}
+  Result<void> look(const StepSetting<float>& step);
+  Result<void> turn_back(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
+  void judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
+             StepSums& sums);
+  void record_due();
+  void fetch(const GpuBranch& branch, int count, Fetched& fetched);
+
+  GpuDevice& device_;
+  FitPasses passes_;
+  GpuBranch still_, moving_;
+  GpuRays rays_;
+  std::optional<Due> due_;
+  std::vector<RayVerdict> verdicts_;  // by shard
+  Fetched fetched_still_, fetched_moving_;
+  GpuBranch::Arrival arrived_still_, arrived_moving_;
+};
+
+}  // namespace hdrcam
