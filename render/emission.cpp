@@ -27,10 +27,6 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   copy(estimate.state.radiance, frame.radiance, pool_);
   shrinkage_.apply(frame.radiance, estimate.state.variance,
                    {offset, estimate.noise_origin, estimate.budget.shrinkage});
-  if (estimate.to_previous != nullptr)
-    copy(estimate.to_previous->vectors, frame.flow, pool_);
-  else
-    frame.flow.reshape(0, 0, 0);
 }
 
 // The source of each pixel and its uncertainty.

@@ -42,9 +42,9 @@ struct HdrFrame {
   std::optional<Intrinsics> lens;              // none where no single lens made the picture
   bool lens_is_assumed = false;                // the camera does not report it
   Image<float> depth;  // [1, rows, cols] camera z, in length_unit; empty without the field
-  Image<float> flow;   // [dx dy, rows, cols] to the previous frame, pixels; empty for the first
-  // As flow, each empty where it was not requested: to the next frame (also empty without look-ahead and for
-  // the last), and the field's own motion both ways.
+  // [dx dy, rows, cols] pixels, each empty where it was not requested: to the previous frame (also empty for
+  // the first), to the next one (without look-ahead and for the last), and the field's own motion both ways.
+  Image<float> flow;
   Image<float> flow_forward, field_flow, field_flow_forward;
   std::vector<SurfacePoint> points;  // empty where they were not requested
 };

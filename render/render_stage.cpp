@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "hal/core/stopwatch.h"
+#include "online/pictures/for_samples.h"
 #include "render/surface_points.h"
 
 namespace hdrcam {
@@ -64,10 +65,15 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
 }
 
 void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {
-  if (options_.shows_flow_forward && estimate.to_next != nullptr)
-    frame.flow_forward.copy_from(*estimate.to_next);
-  else
-    frame.flow_forward.reshape(0, 0, 0);
+  const auto show = [this](bool wanted, const Image<float>* vectors, Image<float>& flow) {
+    if (wanted && vectors != nullptr)
+      copy(*vectors, flow, pool_);
+    else
+      flow.reshape(0, 0, 0);
+  };
+  const FlowField* backward = estimate.to_previous;
+  show(options_.shows_flow_backward, backward != nullptr ? &backward->vectors : nullptr, frame.flow);
+  show(options_.shows_flow_forward, estimate.to_next, frame.flow_forward);
   if (options_.shows_points) find_surface_points(estimate, frame.radiance, frame.points);
 }
 

@@ -23,9 +23,10 @@ enum class DepthLayer {
 struct RenderOptions {
   EmitLayer layer = EmitLayer::Merged;
   DepthLayer depth = DepthLayer::None;
-  bool shows_flow_forward = false;  // HdrFrame::flow_forward
-  bool shows_field_flow = false;    // HdrFrame::field_flow and field_flow_forward
-  bool shows_points = false;        // HdrFrame::points
+  bool shows_flow_backward = false;  // HdrFrame::flow
+  bool shows_flow_forward = false;   // HdrFrame::flow_forward
+  bool shows_field_flow = false;     // HdrFrame::field_flow and field_flow_forward
+  bool shows_points = false;         // HdrFrame::points
   // factor on the lower bound, > 1: how far the field may exceed the bound of clipped pixels
   float largest_answer = 4;
 };

@@ -9,6 +9,7 @@ OutputNeeds needs_of(const Settings::Output& output) {
   const auto wanted = [&](const char* sink) { return !output.path(sink).empty(); };
   OutputNeeds needs;
   needs.depth = layers.depth || wanted("depth");
+  needs.flow_backward = layers.flow || wanted("flow_backward");
   needs.flow_forward = layers.flow_forward || wanted("flow_forward");
   needs.field_flow = layers.field_flow || layers.field_flow_forward || wanted("field_flow_forward") ||
                      wanted("field_flow_backward");

@@ -9,9 +9,10 @@ namespace hdrcam {
 
 struct OutputNeeds {
   bool depth = false;
-  bool flow_forward = false;  // to the next frame: needs look-ahead
-  bool field_flow = false;    // to both neighbours
-  bool poses = false;         // which are tracked where the field is
+  bool flow_backward = false;  // to the previous frame
+  bool flow_forward = false;   // to the next frame: needs look-ahead
+  bool field_flow = false;     // to both neighbours
+  bool poses = false;          // which are tracked where the field is
   bool points = false;
 
   bool shows_field() const { return depth || field_flow; }

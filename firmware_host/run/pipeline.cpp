@@ -61,6 +61,7 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   if (fit.lookahead >= 0) options.knobs.look_ahead = fit.lookahead;
   options.knobs.code_noise = static_cast<float>(fit.code_noise);
   const OutputNeeds needs = needs_of(settings.output);
+  options.render.shows_flow_backward = needs.flow_backward;
   options.render.shows_flow_forward = needs.flow_forward;
   options.render.shows_field_flow = needs.field_flow;
   options.render.shows_points = needs.points;

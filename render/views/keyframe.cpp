@@ -5,7 +5,10 @@ namespace hdrcam {
 void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerPool& pool,
                    FieldPicture& picture, Keyframe& key) {
   copy_picture(frame, key.frame);
-  key.frame.flow.copy_from(frame.flow);
+  if (estimate.to_previous != nullptr)
+    key.frame.flow.copy_from(estimate.to_previous->vectors);
+  else
+    key.frame.flow.reshape(0, 0, 0);
   for (FlowField* flow : {&key.to_previous, &key.from_previous})
     flow->vectors.reshape(0, 0, 0), flow->confidence.reshape(0, 0, 0);
   key.time_s = estimate.view.time_s;

@@ -111,8 +111,9 @@ TEST_CASE("a load of thirty seconds costs a few late frames, and quality is back
       machine.load = load;
       const Stretch loaded = run(governor, machine, 30 * kSecond);
       CAPTURE(load, noise, loaded.changes, governor.rung());
-      // just below the last rungs frames are late in turn, but not in the mean, and none is left out for that
-      CHECK(loaded.late <= (load < 3 ? 12 : 30 * kSecond / 4));
+      // A rung may fill .95 of the deadline, so that of frames whose time varies some are late. Just below
+      // the last rungs they are late in turn, but not in the mean, and none is left out for that.
+      CHECK(loaded.late <= 30 * kSecond / (load < 3 ? 20 : 4));
       CHECK(governor.rung() > 0);
       machine.load = 1;
       const Stretch after = run(governor, machine, 10 * kSecond);

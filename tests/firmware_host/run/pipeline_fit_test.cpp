@@ -219,12 +219,15 @@ TEST_CASE("each pixel says where it came from: own, carried, look-ahead or bound
   CHECK(of(shares(1)[8], Provenance::Bound) == Approx(1));
 }
 
-TEST_CASE("the emitted flow leads to the previous frame") {
+TEST_CASE("the emitted flow leads to the previous frame, where somebody asked for it") {
   test::MovingScene scene;
   scene.rows = 64, scene.cols = 96;
   scene.drift_px = scene.disc_px = 2;
-  const Emitted emitted =
-      emitted_by(frames_of(scene, 8), scene.camera(), options_of(Preset::Fast, EmitLayer::State));
+  PipelineOptions options = options_of(Preset::Fast, EmitLayer::State);
+  for (const auto& none : emitted_by(frames_of(scene, 4), scene.camera(), options).median_flow_px)
+    CHECK(none.empty());  // nobody asked
+  options.render.shows_flow_backward = true;
+  const Emitted emitted = emitted_by(frames_of(scene, 8), scene.camera(), options);
   CHECK(emitted.median_flow_px.front().empty());
   for (std::size_t i = 3; i < 8; ++i) {
     REQUIRE(emitted.median_flow_px[i].size() == 2);
