@@ -35,13 +35,13 @@ bool comes_soon(Condition&& condition) {
 
 }  // namespace
 
-WorkerPool::WorkerPool(int threads, ThreadPriority priority) {
+WorkerPool::WorkerPool(int threads, ThreadPriority priority) : parts_(static_cast<std::size_t>(threads)) {
   CHECK_GT(threads, 0);
   for (int i = 1; i < threads; ++i)
     threads_.emplace_back([this, priority, i] {
       name_this_thread("worker " + std::to_string(i));
       set_priority_of_this_thread(priority);
-      serve();
+      serve(static_cast<std::size_t>(i));
     });
 }
 
@@ -62,13 +62,13 @@ void WorkerPool::run(int count, Call call, void* context) {
   }
   {
     std::lock_guard lock(mutex_);
-    call_ = call, context_ = context, count_ = count;
-    next_.store(0, std::memory_order_relaxed);
+    call_ = call, context_ = context;
+    share_out(count);
     running_ = true;
     std::atomic_ref(generation_).fetch_add(1, std::memory_order_release);  // odd: open
   }
   wake_.notify_all();
-  work();
+  work(0);
   {
     // nothing is left to be taken: who has not begun by now need not be waited for
     std::lock_guard lock(mutex_);
@@ -82,12 +82,34 @@ void WorkerPool::run(int count, Call call, void* context) {
   running_ = false;
 }
 
-void WorkerPool::work() {
-  for (int i; (i = next_.fetch_add(1, std::memory_order_relaxed)) < count_;) call_(context_, i);
+void WorkerPool::share_out(int count) {
+  const auto all = static_cast<std::uint64_t>(count), parts = static_cast<std::uint64_t>(parts_.size());
+  for (std::uint64_t t = 0; t < parts; ++t) {
+    const std::uint64_t first = all * t / parts, end = all * (t + 1) / parts;
+    parts_[t].left.store(first | end << 32, std::memory_order_relaxed);
+  }
+}
+
+// A thread takes its own part from the front, then what is left of the others' from behind.
+void WorkerPool::work(std::size_t thread) {
+  constexpr std::uint64_t kOneBehind = 1ULL << 32;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    std::atomic<std::uint64_t>& part = parts_[(thread + k) % parts_.size()].left;
+    const bool own = k == 0;
+    std::uint64_t left = part.load(std::memory_order_relaxed);
+    for (;;) {
+      const std::uint64_t first = left % kOneBehind, end = left / kOneBehind;
+      if (first == end) break;
+      const std::uint64_t rest = own ? left + 1 : left - kOneBehind;
+      if (!part.compare_exchange_weak(left, rest, std::memory_order_relaxed)) continue;
+      call_(context_, static_cast<int>(own ? first : end - 1));
+      left = part.load(std::memory_order_relaxed);
+    }
+  }
 }
 
 // A thread takes part in each loop that it finds open, until the pool ends.
-void WorkerPool::serve() {
+void WorkerPool::serve(std::size_t thread) {
   flush_denormals();
   unsigned seen = 0;
   const auto changed = [&] { return std::atomic_ref(generation_).load(std::memory_order_acquire) != seen; };
@@ -101,7 +123,7 @@ void WorkerPool::serve() {
       if (seen % 2 == 0) continue;  // it is over already
       std::atomic_ref(busy_).fetch_add(1, std::memory_order_relaxed);
     }
-    work();
+    work(thread);
     std::lock_guard lock(mutex_);
     if (std::atomic_ref(busy_).fetch_sub(1, std::memory_order_release) == 1) done_.notify_one();
   }

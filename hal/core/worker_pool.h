@@ -1,11 +1,14 @@
 // A fixed set of threads for data-parallel loops. The work of each index does not depend on the thread that
 // takes it, so a result never depends on the number of threads; reductions run over a fixed partition, not
-// per thread. Thread-bound: one thread owns the pool and calls for_each; nested calls run in place. Who works
-// on a pool works alone, so the pool also lends the pictures that such work needs meanwhile.
+// per thread. Each thread has a part of the indices, the same in every loop, and helps the others once it is
+// done: loops over the rows of pictures then find in a thread's caches what it left there in the loop before.
+// Thread-bound: one thread owns the pool and calls for_each; nested calls run in place. Who works on a pool
+// works alone, so the pool also lends the pictures that such work needs meanwhile.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <mutex>
 #include <thread>
 #include <type_traits>
@@ -28,7 +31,8 @@ class WorkerPool {
   int threads() const { return static_cast<int>(threads_.size()) + 1; }
   ScratchPictures& scratch() { return scratch_; }
 
-  // Calls body(i) for i in [0, count) on all threads; returns when all are done. body must not throw.
+  // Calls body(i) for i in [0, count) on all threads, the first ones on the calling thread; returns when all
+  // are done. body must not throw.
   template <class Body>
   void for_each(int count, Body&& body) {
     run(
@@ -60,17 +64,21 @@ class WorkerPool {
  private:
   using Call = void (*)(void*, int);
   void run(int count, Call call, void* context);
-  void work();
-  void serve();
+  // The indices of a thread that are left: the first in the low half, one behind the last in the high half.
+  struct alignas(64) Part {
+    std::atomic<std::uint64_t> left{0};
+  };
+  void share_out(int count);
+  void work(std::size_t thread);
+  void serve(std::size_t thread);
 
   ScratchPictures scratch_;
+  std::vector<Part> parts_;  // of the calling thread, then of the others
   std::vector<std::thread> threads_;
   std::mutex mutex_;
   std::condition_variable wake_, done_;
   Call call_ = nullptr;
   void* context_ = nullptr;
-  int count_ = 0;
-  std::atomic<int> next_{0};
   unsigned generation_ = 0;
   int busy_ = 0;
   bool running_ = false, stop_ = false;

@@ -1,5 +1,5 @@
-// Loops over the samples of whole pictures on all threads of a pool: what is done to a sample depends on
-// samples of the same index only. Thread-bound, as the pool.
+// Loops over the samples of whole pictures on all threads of a pool, each with the rows that it has in other
+// loops: what is done to a sample depends on samples of the same index only. Thread-bound, as the pool.
 #pragma once
 
 #include <algorithm>
@@ -10,13 +10,15 @@
 
 namespace hdrcam {
 
-// Calls body(i0, i1) for consecutive parts of [0, size).
+// Calls body(i0, i1) for bands of rows of each channel; i: index of a sample in pictures of this shape.
 template <class Body>
-void for_samples(std::size_t size, WorkerPool& pool, Body&& body) {
-  constexpr std::size_t kPart = 1 << 15;
-  pool.for_each(static_cast<int>((size + kPart - 1) / kPart), [&](int i) {
-    const std::size_t i0 = static_cast<std::size_t>(i) * kPart;
-    body(i0, std::min(size, i0 + kPart));
+void for_samples(const Image<float>& shape, WorkerPool& pool, Body&& body) {
+  pool.for_rows(shape.rows(), [&](int y0, int y1) {
+    for (int c = 0; c < shape.channels(); ++c) {
+      const float* first = shape.plane(0);
+      body(static_cast<std::size_t>(shape.row(c, y0) - first),
+           static_cast<std::size_t>(shape.row(c, y1) - first));
+    }
   });
 }
 
@@ -24,8 +26,7 @@ inline void copy(const Image<float>& from, Image<float>& to, WorkerPool& pool) {
   to.reshape_like(from);
   const float* in = from.plane(0);
   float* out = to.plane(0);
-  for_samples(from.size(), pool,
-              [=](std::size_t i0, std::size_t i1) { std::copy(in + i0, in + i1, out + i0); });
+  for_samples(from, pool, [=](std::size_t i0, std::size_t i1) { std::copy(in + i0, in + i1, out + i0); });
 }
 
 }  // namespace hdrcam

@@ -60,7 +60,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
                   i == 0 ? joined.later_share : share_);
     before = &after;
     if (i == 0) continue;
-    for_samples(share_.size(), pool_, [&](std::size_t i0, std::size_t i1) {
+    for_samples(share_, pool_, [&](std::size_t i0, std::size_t i1) {
       const float* share = share_.plane(0);
       float* total = joined.later_share.plane(0);
       for (std::size_t k = i0; k < i1; ++k) total[k] = total[k] * (1 - share[k]) + share[k];
@@ -89,7 +89,7 @@ const FlowField& LookAhead::lengthened(const FlowField& path, const FlowField& n
   path_.vectors.reshape(2, rows, cols), path_.confidence.reshape(1, rows, cols);
   const auto join = [&](const Image<float>& before, const Image<float>& after, Image<float>& both,
                         auto&& op) {
-    for_samples(both.size(), pool_, [&, op](std::size_t i0, std::size_t i1) {
+    for_samples(both, pool_, [&, op](std::size_t i0, std::size_t i1) {
       const float *a = before.plane(0), *b = after.plane(0);
       float* out = both.plane(0);
       for (std::size_t i = i0; i < i1; ++i) out[i] = op(a[i], b[i]);
