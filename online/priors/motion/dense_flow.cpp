@@ -128,8 +128,7 @@ void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyr
   }
 }
 
-// Both directions at one scale: the patches, the flow that they spread, its refinement. Indices go through
-// the one direction and then through the other, so that with two threads each has a direction of its own.
+// Both directions at one scale: the patches, the flow that they spread, its refinement.
 void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
   constexpr int kStrip = 8;  // rows of patches that share one sweep
   std::array<PatchSearch, 2> searches;
@@ -140,17 +139,13 @@ void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
   const int patch_rows = searches[0].grid.rows, rows = searches[0].from.rows;
   const int strips = (patch_rows + kStrip - 1) / kStrip;
   pool_.for_each(2 * strips, [&](int i) {
-    const int first = i % strips * kStrip;
-    kernels_.search(searches[static_cast<std::size_t>(i / strips)], first,
-                    std::min(first + kStrip, patch_rows));
+    const int first = i / 2 * kStrip;
+    kernels_.search(searches[static_cast<std::size_t>(i % 2)], first, std::min(first + kStrip, patch_rows));
   });
-  const int bands = WorkerPool::bands_of(rows);
-  pool_.for_each(2 * bands, [&](int i) {
-    const auto d = static_cast<std::size_t>(i / bands);
-    const int first = i % bands * WorkerPool::kBandRows;
-    kernels_.spread(searches[d], first, std::min(first + WorkerPool::kBandRows, rows),
-                    planes_of(directions_[d].flow), directions_[d].weight.plane(0));
-  });
+  for (std::size_t d = 0; d < 2; ++d)
+    pool_.for_rows(rows, [&](int y0, int y1) {
+      kernels_.spread(searches[d], y0, y1, planes_of(directions_[d].flow), directions_[d].weight.plane(0));
+    });
   pool_.for_each(2, [&](int i) { refine(directions_[static_cast<std::size_t>(i)], scale, effort); });
 }
 
