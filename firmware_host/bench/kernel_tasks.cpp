@@ -289,21 +289,37 @@ void add_motion(Tasks& tasks, int rows, int cols) {
                   .assumed = 0.5f,
                   .confidence = room->weight.plane(0)});
   });
-  // three rounds of two places, four components read and a mean; a last place, two shares; all of it clipped
+  // three rounds of two places, seven components read, a mean and a bend; a last place, two shares; all of it
+  // clipped
   const auto clipped = std::make_shared<Planes>(2, rows, cols, 0.7f, 0.75f, 6);
   clipped->fill(1, 0);
-  add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 50 + 50, 12,
+  add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 100 + 50, 15,
            [room, vectors, clipped, rows, cols](int y) {
              clipped_motion_kernels().bridge({{rows, cols, y},
                                               clipped->row(0, y),
                                               clipped->plane(1),
-                                              vectors->plane(0),
-                                              vectors->plane(2),
-                                              0.5f,
+                                              {.after_to_state = vectors->plane(0),
+                                               .state_to_after = vectors->plane(2),
+                                               .last = vectors->plane(0),
+                                               .measured = room->weight.plane(0),
+                                               .share = 0.5f,
+                                               .before = 0.5f},
                                               room->flow.row(0, y),
                                               room->flow.row(1, y),
                                               room->weight.row(0, y)});
            });
+  // a place, three components read, a change, three shares
+  add_rows(tasks, "motion of the next step", rows, cols, 60, 9, [room, vectors, clipped, rows, cols](int y) {
+    clipped_motion_kernels().predict({.at = {rows, cols, y},
+                                      .u = vectors->row(0, y),
+                                      .v = vectors->row(1, y),
+                                      .measured = clipped->row(0, y),
+                                      .last = vectors->plane(2),
+                                      .measured_before = clipped->plane(0),
+                                      .ratio = 1,
+                                      .next_u = room->flow.row(0, y),
+                                      .next_v = room->flow.row(1, y)});
+  });
   task("flow: refinement, 5 x 5 sweeps", "px", pixels, [room] {
     FlowRefinement refinement{room->pictures[0],
                               room->pictures[1],

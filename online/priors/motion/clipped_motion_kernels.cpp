@@ -27,6 +27,13 @@ inline Vectors vectors_at(const float* motion, const RowOfPictures& at, const Pl
   return vectors;
 }
 
+// The vectors of eight pixels of the row themselves.
+inline Vectors own_vectors(const float* motion, const RowOfPictures& at, int x, int count) {
+  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(at.rows) * at.cols;
+  const float* own = motion + static_cast<std::ptrdiff_t>(at.y) * at.cols + x;
+  return {load_some(own, count), load_some(own + plane, count)};
+}
+
 // Takes a motion over, as far as `share` says.
 inline void take_over(float* u, float* v, int count, Lanes share, Vectors from) {
   const Lanes x = load_some(u, count), y = load_some(v, count);
@@ -37,6 +44,9 @@ inline void take_over(float* u, float* v, int count, Lanes share, Vectors from) 
 // How far a motion is taken from the frames around: the frame shows nothing there, and the one after does.
 inline Lanes hidden(Lanes clipped) { return smooth_step(0.4f, 0.9f, clipped); }
 inline Lanes seen(Lanes clipped_after) { return 1 - smooth_step(0.1f, 0.6f, clipped_after); }
+
+// How far a change of a motion is believed: all of the motion was measured.
+inline Lanes trusted(Lanes measured) { return smooth_step(0.9f, 1, measured); }
 
 // Calls body(x, count, clipped) for eight pixels of a row after the other.
 template <class Body>
@@ -56,25 +66,43 @@ void go_on(const ContinuedRow& r) {
       const Places there = places_of(r.at, x, {load_some(r.u + x, count), load_some(r.v + x, count)});
       const Lanes still = value_at(r.measured, r.at, there), share = clipped * smooth_step(0, 1, still);
       measured = 1 - share * (1 - kKept * still);
-      const Vectors last = vectors_at(r.last, r.at, there);
-      take_over(r.u + x, r.v + x, count, share, {r.ratio * last.x, r.ratio * last.y});
+      const Vectors next = vectors_at(r.predicted, r.at, there);
+      take_over(r.u + x, r.v + x, count, share, {r.ratio * next.x, r.ratio * next.y});
     }
     store_some(r.measured_now + x, measured, count);
   });
 }
 
+// How far the path leads away, at the time of the clipped frame, from the one at constant velocity: for a
+// motion `whole` to the frame after and `last` to the frame before, of which `measured` was measured.
+inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes measured) {
+  constexpr float kShare = 0.6f;         // errors of two flows are in it
+  constexpr float kPerPixel2 = 1 / 4.f;  // a bend of 2 px counts half: few objects turn so, a wrong flow does
+  const float earlier = 1 / path.before;
+  const Lanes scale = trusted(measured) * (kShare * path.share * (1 - path.share) / (1 + path.before));
+  const Vectors bend{scale * (whole.x + earlier * last.x), scale * (whole.y + earlier * last.y)};
+  const Lanes limit = 1 / (1 + kPerPixel2 * (bend.x * bend.x + bend.y * bend.y));
+  return {limit * bend.x, limit * bend.y};
+}
+
 void bridge(const BridgedRow& r) {
   constexpr int kRounds = 3;
-  const float to_after = -(1 - r.share) / r.share;
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     const Lanes clipped = hidden(around);
     if (!any_negative(clipped > 0)) return;
-    Vectors back{};
-    const auto in_after = [&] { return places_of(r.at, x, {to_after * back.x, to_after * back.y}); };
+    Vectors back{}, whole{};
+    const auto in_after = [&] { return places_of(r.at, x, {back.x + whole.x, back.y + whole.y}); };
     for (int round = 0; round < kRounds; ++round) {
-      const Vectors after = vectors_at(r.after_to_state, r.at, in_after());
-      const Vectors before = vectors_at(r.state_to_after, r.at, places_of(r.at, x, back));
-      back = {0.5f * r.share * (after.x - before.x), 0.5f * r.share * (after.y - before.y)};
+      const Places there = places_of(r.at, x, back);
+      const Vectors after = vectors_at(r.path.after_to_state, r.at, in_after());
+      const Vectors before = vectors_at(r.path.state_to_after, r.at, there);
+      whole = {0.5f * (before.x - after.x), 0.5f * (before.y - after.y)};
+      back = {-r.path.share * whole.x, -r.path.share * whole.y};
+      if (r.path.last != nullptr) {
+        const Vectors last = vectors_at(r.path.last, r.at, there);
+        const Vectors bend = bend_of(r.path, whole, last, value_at(r.path.measured, r.at, there));
+        back = {back.x + bend.x, back.y + bend.y};
+      }
     }
     const Lanes share = clipped * seen(value_at(r.clipped_after, r.at, in_after()));
     take_over(r.u + x, r.v + x, count, share, back);
@@ -84,20 +112,42 @@ void bridge(const BridgedRow& r) {
 }
 
 void bridge_ahead(const BridgedAheadRow& r) {
-  const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(r.at.rows) * r.at.cols;
-  const float* own = r.state_to_after + static_cast<std::ptrdiff_t>(r.at.y) * r.at.cols;
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     const Lanes clipped = hidden(around);
     if (!any_negative(clipped > 0)) return;
-    const Vectors whole{load_some(own + x, count), load_some(own + plane + x, count)};
+    const Vectors whole = own_vectors(r.path.state_to_after, r.at, x, count);
+    Vectors ahead{r.path.share * whole.x, r.path.share * whole.y};
+    if (r.path.last != nullptr) {
+      const Lanes measured =
+          load_some(r.path.measured + static_cast<std::ptrdiff_t>(r.at.y) * r.at.cols + x, count);
+      const Vectors bend = bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
+      ahead = {ahead.x - bend.x, ahead.y - bend.y};
+    }
     const Lanes share = clipped * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, whole)));
-    take_over(r.u + x, r.v + x, count, share, {r.share * whole.x, r.share * whole.y});
+    take_over(r.u + x, r.v + x, count, share, ahead);
   });
+}
+
+void predict(const PredictedRow& r) {
+  constexpr float kShare = 0.5f;   // of the change that goes on
+  constexpr float kPerPixel2 = 1;  // a change of 1 px counts half
+  for (int x = 0; x < r.at.cols; x += kLanes) {
+    const int count = least(r.at.cols - x, kLanes);
+    const Vectors now{load_some(r.u + x, count), load_some(r.v + x, count)};
+    const Places there = places_of(r.at, x, now);
+    const Vectors last = vectors_at(r.last, r.at, there);
+    const Vectors change{now.x - r.ratio * last.x, now.y - r.ratio * last.y};
+    const Lanes measured =
+        trusted(load_some(r.measured + x, count)) * trusted(value_at(r.measured_before, r.at, there));
+    const Lanes share = kShare * measured / (1 + kPerPixel2 * (change.x * change.x + change.y * change.y));
+    store_some(r.next_u + x, now.x + share * change.x, count);
+    store_some(r.next_v + x, now.y + share * change.y, count);
+  }
 }
 
 }  // namespace
 
 extern const ClippedMotionKernels kClippedMotionKernels;
-const ClippedMotionKernels kClippedMotionKernels{&go_on, &bridge, &bridge_ahead};
+const ClippedMotionKernels kClippedMotionKernels{&go_on, &bridge, &bridge_ahead, &predict};
 
 }  // namespace hdrcam::HDRCAM_TARGET

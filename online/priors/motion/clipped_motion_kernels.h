@@ -1,6 +1,7 @@
-// The motion of what a frame clips, on raw pointers, a row of pixels at a time: one table of functions per
-// instruction set, picked at start by clipped_motion_kernels(). Places between pixels are rounded to 1/32.
-// Reentrant. Declarations only: the kernels' file may include nothing with inline code (CMakeLists.txt).
+// Motion that a frame does not show, of what it clips and of the step after it, on raw pointers, a row of
+// pixels at a time: one table of functions per instruction set, picked at start by clipped_motion_kernels().
+// Places between pixels are rounded to 1/32. Reentrant. Declarations only: the kernels' file may include
+// nothing with inline code (CMakeLists.txt).
 #pragma once
 
 namespace hdrcam {
@@ -10,31 +11,41 @@ struct RowOfPictures {
   int rows, cols, y;
 };
 
-// The last motion goes on at constant velocity. What is clipped in one frame after the other has nobody who
-// measures it, and a motion that was wrong once would stay; so it gives way, more with each such frame, to
-// what the search spreads over it from its surroundings.
+// The motion goes on as predicted. What is clipped in one frame after the other has nobody who measures it,
+// and a motion that was wrong once would stay; so it gives way, more with each such frame, to what the search
+// spreads over it from its surroundings.
 struct ContinuedRow {
   RowOfPictures at;
-  const float* clipped;   // [cols] share of the pixels around each
-  const float* last;      // the last motion, at the pixels that the new one leads to
-  const float* measured;  // [rows, cols] 0..1: how much of that was measured, and how lately
-  float ratio;            // of this motion's time to the last one's
-  float *u, *v;           // [cols] this motion; becomes the last one where that goes on
-  float* measured_now;    // [cols]
+  const float* clipped;    // [cols] share of the pixels around each
+  const float* predicted;  // [2, rows, cols] this motion, if it took as long as the last one, at the pixels
+                           // that it leads to
+  const float* measured;   // [rows, cols] 0..1: how much of the last motion was measured, and how lately
+  float ratio;             // of this motion's time to the last one's
+  float *u, *v;            // [cols] this motion; becomes the last one where that goes on
+  float* measured_now;     // [cols]
 };
 
-// A pixel x of a frame in between, with motion u to the state, is at x + u in the state and at x - u (1 - r)
-// / r in the frame after, where r is its share of the time between them. Both flows are read there (a fixed
-// point, three iterations) and averaged, at constant velocity, where the frame is clipped and the one after
-// is not.
+// The path of the state's pixels to the frame after a clipped one: where they were at the frame before the
+// state, where they are at the frame after, and thus, with a speed that changes as little as that allows,
+// where they are in between. Times are shares of that from the state to the frame after.
+struct PathAhead {
+  const float *after_to_state, *state_to_after;  // [2, rows, cols] motions
+  const float* last;      // [2, rows, cols] motion to the frame before, or null: then speed is constant
+  const float* measured;  // [rows, cols] 0..1: how much of that was measured, and how lately
+  float share;            // the time from the state to the clipped frame
+  float before;           // the time from the frame before to the state
+};
+
+// A pixel x of the clipped frame, with motion u to the state, is at x + u in the state and at x + u + D in
+// the frame after, where D is the motion between these. Both flows are read there (a fixed point, three
+// iterations) and averaged, where the frame is clipped and the one after is not.
 struct BridgedRow {
   RowOfPictures at;
-  const float* clipped;                          // [cols] share of the pixels around each, in the frame
-  const float* clipped_after;                    // [rows, cols] the same in the frame after
-  const float *after_to_state, *state_to_after;  // motions
-  float share;                                   // r
-  float *u, *v;                                  // [cols] motion to the state
-  float* measured;                               // [cols] 0..1: becomes 1 where the motion is taken from here
+  const float* clipped;        // [cols] share of the pixels around each, in the frame
+  const float* clipped_after;  // [rows, cols] the same in the frame after
+  PathAhead path;
+  float *u, *v;     // [cols] motion to the state
+  float* measured;  // [cols] 0..1: becomes 1 where the motion is taken from here
 };
 
 // The same from the state, at its own pixels.
@@ -42,15 +53,27 @@ struct BridgedAheadRow {
   RowOfPictures at;
   const float* clipped;  // [cols] in the frame in between, where the state's pixels move to
   const float* clipped_after;
-  const float* state_to_after;
-  float share;
-  float *u, *v;  // [cols] motion from the state to the frame in between
+  PathAhead path;  // whose after_to_state is not read
+  float *u, *v;    // [cols] motion from the state to the frame in between
+};
+
+// The motion of the next step, if that takes as long as this one: the change from the last motion to this one
+// goes on, by half, where both were measured. A change of a pixel and more is rather an error of the flow.
+struct PredictedRow {
+  RowOfPictures at;
+  const float *u, *v;            // [cols] this motion
+  const float* measured;         // [cols] 0..1: how much of it was measured, and how lately
+  const float* last;             // [2, rows, cols] the last motion, at the pixels that this one leads to
+  const float* measured_before;  // [rows, cols] the same of the last motion
+  float ratio;                   // of this motion's time to the last one's
+  float *next_u, *next_v;        // [cols]
 };
 
 struct ClippedMotionKernels {
   void (*go_on)(const ContinuedRow&);
   void (*bridge)(const BridgedRow&);
   void (*bridge_ahead)(const BridgedAheadRow&);
+  void (*predict)(const PredictedRow&);
 };
 
 const ClippedMotionKernels& clipped_motion_kernels();

@@ -97,12 +97,12 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     const float ratio = last_interval_s_ > 0 && interval_s > 0
                             ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
                             : 1.f;
-    start_at_last(ratio, request);
+    start_at_prediction(ratio, request);
     const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
     const float fraction = ratio * frame.blur_fraction;
-    const bool blurs = effort.blurs && exposure_blurs(last_, fraction, pool_);
-    if (blurs) blur_difference(state.radiance, last_, fraction, blur_, pool_);
+    const bool blurs = effort.blurs && exposure_blurs(predicted_, fraction, pool_);
+    if (blurs) blur_difference(state.radiance, predicted_, fraction, blur_, pool_);
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
   flow_.compute(effort.flow, request);
@@ -113,22 +113,23 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
                                const MotionContext& context, FlowQuality quality, const RatedFlows& rated,
                                StateMotion& motion) {
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}, {&measured_before_, 1}});
   clipped_share(frame, clipped_);
-  continue_last(context.before_ratio, motion.to_previous.vectors);
+  go_on(context.before_ratio, motion.to_previous.vectors);
   if (context.after != nullptr && is_worth_bridging([](std::size_t) { return 0.f; })) {
     const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
     clipped_share(*context.after, clipped_after_);
     if (is_worth_bridging([&](std::size_t i) { return clipped_after_.samples()[i]; })) {
       const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
       match_after(state, context, quality);
-      bridge(context.after_ratio, motion);
+      bridge(context, motion);
     }
   }
   rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
   if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
   last_time_ = frame.facts.timestamp;
+  predict(context.before_ratio, motion.to_previous.vectors);
   copy(motion.to_previous.vectors, last_, pool_);
 }
 
@@ -144,33 +145,32 @@ bool MotionEstimator::is_worth_bridging(After&& after) const {
   return useful > enough;
 }
 
-// Where a search between a frame and the state starts: the last motion goes on at constant velocity, for
-// `ratio` of its own time.
-void MotionEstimator::start_at_last(float ratio, FlowRequest& request) const {
+// Where a search between a frame and the state starts: the motion that was predicted, for `ratio` of the last
+// step's time.
+void MotionEstimator::start_at_prediction(float ratio, FlowRequest& request) const {
   if (last_.empty()) return;
-  request.start_a_to_b = {&last_, ratio, true};
-  request.start_b_to_a = {&last_, -ratio};
+  request.start_a_to_b = {&predicted_, ratio, true};
+  request.start_b_to_a = {&predicted_, -ratio};
 }
 
-// Where the frame is clipped, its motion is that of the last step.
-void MotionEstimator::continue_last(float ratio, Image<float>& to) {
+// Where the frame is clipped, its motion is the one that was predicted.
+void MotionEstimator::go_on(float ratio, Image<float>& to) {
   if (last_.empty()) {
     measured_.reshape(1, rows_, cols_);
     return measured_.fill(1);
   }
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&measured_now_, 1}});
+  std::swap(measured_, measured_before_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().go_on({.at = {rows_, cols_, y},
                                       .clipped = clipped_.row(0, y),
-                                      .last = last_.plane(0),
-                                      .measured = measured_.plane(0),
+                                      .predicted = predicted_.plane(0),
+                                      .measured = measured_before_.plane(0),
                                       .ratio = ratio,
                                       .u = to.row(0, y),
                                       .v = to.row(1, y),
-                                      .measured_now = measured_now_.row(0, y)});
+                                      .measured_now = measured_.row(0, y)});
   });
-  std::swap(measured_, measured_now_);  // the memory of the old one is what is given back
 }
 
 // The flow between the state and the frame after the one that is completed.
@@ -180,22 +180,27 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   gray_of_frame(*context.after, frame_gray_, pool_);
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
-  start_at_last(context.before_ratio / context.after_ratio, request);
+  start_at_prediction(context.before_ratio / context.after_ratio, request);
   flow_.compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
 }
 
-// Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it. r:
-// the frame's share of the time between them.
-void MotionEstimator::bridge(float r, StateMotion& motion) {
+// Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, and
+// from the motion before.
+void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) {
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
+  const float r = context.after_ratio;
+  const PathAhead path{.after_to_state = after_to_state_.plane(0),
+                       .state_to_after = state_to_after_.plane(0),
+                       .last = last_.empty() ? nullptr : last_.plane(0),
+                       .measured = last_.empty() ? nullptr : measured_before_.plane(0),
+                       .share = r,
+                       .before = r / context.before_ratio};
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().bridge({.at = {rows_, cols_, y},
                                        .clipped = clipped_.row(0, y),
                                        .clipped_after = clipped_after_.plane(0),
-                                       .after_to_state = after_to_state_.plane(0),
-                                       .state_to_after = state_to_after_.plane(0),
-                                       .share = r,
+                                       .path = path,
                                        .u = to.row(0, y),
                                        .v = to.row(1, y),
                                        .measured = measured_.row(0, y)});
@@ -214,10 +219,26 @@ void MotionEstimator::bridge(float r, StateMotion& motion) {
       clipped_motion_kernels().bridge_ahead({.at = {rows_, cols_, y},
                                              .clipped = mask_.row(0, y),
                                              .clipped_after = clipped_after_.plane(0),
-                                             .state_to_after = state_to_after_.plane(0),
-                                             .share = r,
+                                             .path = path,
                                              .u = from.row(0, y),
                                              .v = from.row(1, y)});
+  });
+}
+
+// ratio: of this motion's time to the last one's.
+void MotionEstimator::predict(float ratio, const Image<float>& motion) {
+  if (last_.empty()) return copy(motion, predicted_, pool_);
+  pool_.for_rows(rows_, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      clipped_motion_kernels().predict({.at = {rows_, cols_, y},
+                                        .u = motion.row(0, y),
+                                        .v = motion.row(1, y),
+                                        .measured = measured_.row(0, y),
+                                        .last = last_.plane(0),
+                                        .measured_before = measured_before_.plane(0),
+                                        .ratio = ratio,
+                                        .next_u = predicted_.row(0, y),
+                                        .next_v = predicted_.row(1, y)});
   });
 }
 

@@ -1,7 +1,7 @@
 // Estimates motion between a new frame and the state. The state is re-exposed at the frame's exposure, so
 // that both pictures look alike for any schedule, and matched in both directions. Where the frame is clipped
 // it shows no motion; there the previous motion continues, or the motion is taken from the frame after next,
-// if that one is not clipped too. Thread-bound.
+// if that one is not clipped too. Both follow a motion that changes. Thread-bound.
 #pragma once
 
 #include "online/priors/motion/dense_flow.h"
@@ -22,12 +22,13 @@ class MotionEstimator final : public MotionPrior {
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
 
  private:
-  void start_at_last(float ratio, FlowRequest& request) const;
-  void continue_last(float ratio, Image<float>& to);
+  void start_at_prediction(float ratio, FlowRequest& request) const;
+  void go_on(float ratio, Image<float>& to);
   template <class After>
   bool is_worth_bridging(After&& after) const;
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
-  void bridge(float r, StateMotion& motion);
+  void bridge(const MotionContext& context, StateMotion& motion);
+  void predict(float ratio, const Image<float>& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
 
   int rows_, cols_;
@@ -35,11 +36,12 @@ class MotionEstimator final : public MotionPrior {
   DenseFlow flow_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Image<float> measured_;       // [1, rows, cols] 0..1: how much of that was measured, and how lately
+  Image<float> predicted_;      // the motion of the next step, if it takes as long as the last one
   Instant last_time_;           // where that step ended
   double last_interval_s_ = 0;  // its duration; 0 where it is unknown
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
-  Image<float> mask_, clipped_, clipped_after_, measured_now_, after_to_state_, state_to_after_, ahead_;
+  Image<float> mask_, clipped_, clipped_after_, measured_before_, after_to_state_, state_to_after_, ahead_;
 };
 
 }  // namespace hdrcam

@@ -13,7 +13,7 @@ using namespace hdrcam;
 namespace {
 
 constexpr int kRows = 11;
-constexpr float kShare = 0.4f, kRatio = 1.3f;
+constexpr float kShare = 0.4f, kBefore = 0.3f, kRatio = 1.3f;
 
 // Waves that are long enough for places rounded to 1/32 to make no difference above kRounding.
 constexpr float kRounding = 0.03f;
@@ -40,15 +40,39 @@ Image<float> clipped_here(int cols) {
 }
 
 struct Pictures {
-  Image<float> clipped, clipped_after, motion, measured, after_to_state, state_to_after;
+  Image<float> clipped, clipped_after, motion, measured, after_to_state, state_to_after, last,
+      measured_before;
   explicit Pictures(int cols)
       : clipped(clipped_here(cols)),
         clipped_after(waves(1, cols, 0.4f, 0.3f, 1)),
         motion(waves(2, cols, 0.5f, 3, 2)),
         measured(waves(1, cols, 0.5f, 0.4f, 3)),
         after_to_state(waves(2, cols, 2, 3, 4)),
-        state_to_after(waves(2, cols, -2, 2.5f, 5)) {}
+        state_to_after(waves(2, cols, -2, 2.5f, 5)),
+        last(waves(2, cols, -1, 3, 6)),
+        measured_before(waves(1, cols, 0.96f, 0.04f, 7)) {}
+
+  PathAhead path(bool changes) const {
+    return {after_to_state.plane(0),
+            state_to_after.plane(0),
+            changes ? last.plane(0) : nullptr,
+            changes ? measured_before.plane(0) : nullptr,
+            kShare,
+            kBefore};
+  }
 };
+
+Offset operator+(Offset a, Offset b) { return {a.x + b.x, a.y + b.y}; }
+Offset limited(Offset by, float per_pixel2) {
+  return 1 / (1 + per_pixel2 * (by.x * by.x + by.y * by.y)) * by;
+}
+// The part of a path at constant acceleration that one at constant velocity has not: s(t) = a t^2 + b t with
+// s(1) = whole and s(-kBefore) = last.
+Offset bend_of(Offset whole, Offset last, float measured) {
+  const auto acceleration = [](float end, float start) { return (end + start / kBefore) / (1 + kBefore); };
+  const float share = 0.6f * smooth_step(0.9f, 1, measured) * kShare * (1 - kShare);
+  return limited(share * Offset{acceleration(whole.x, last.x), acceleration(whole.y, last.y)}, 0.25f);
+}
 
 // A motion as it is and as it should be: at every pixel, and as it was where the frame clips nothing.
 void check(const Image<float>& is, const Image<float>& should_be) {
@@ -75,15 +99,15 @@ void at_clipped(const Image<float>& clipped, float begin, float end, Body&& body
 
 }  // namespace
 
-TEST_CASE("the last motion goes on where a frame is clipped, and less where nobody measured it", "[isa]") {
+TEST_CASE("a motion goes on as predicted where a frame is clipped, and less where nobody measured it",
+          "[isa]") {
   for (const int cols : {3, 8, 64, 83}) {
     const Pictures pictures(cols);
     Image<float> motion = pictures.motion.clone(), now(1, kRows, cols);
-    const Image<float> last = waves(2, cols, -1, 3, 6);
     for (int y = 0; y < kRows; ++y)
       clipped_motion_kernels().go_on({{kRows, cols, y},
                                       pictures.clipped.row(0, y),
-                                      last.plane(0),
+                                      pictures.last.plane(0),
                                       pictures.measured.plane(0),
                                       kRatio,
                                       motion.row(0, y),
@@ -94,7 +118,7 @@ TEST_CASE("the last motion goes on where a frame is clipped, and less where nobo
     at_clipped(pictures.clipped, 0.5f, 0.95f, [&](int x, int y, float clipped) {
       const BetweenPixels there(kRows, cols, x, y, offset_at(pictures.motion, x, y));
       const float measured = there.of(pictures.measured, 0), share = clipped * smooth_step(0, 1, measured);
-      take_over(expected, x, y, share, kRatio * there.vector_of(last));
+      take_over(expected, x, y, share, kRatio * there.vector_of(pictures.last));
       expected_now.at(0, y, x) = 1 - share * (1 - 0.9f * measured);
     });
     check(motion, expected);
@@ -102,57 +126,95 @@ TEST_CASE("the last motion goes on where a frame is clipped, and less where nobo
   }
 }
 
-TEST_CASE("what a frame clips moves as the state and the frame after it say, at their places", "[isa]") {
-  for (const int cols : {3, 8, 64, 83}) {
-    const Pictures pictures(cols);
-    Image<float> motion = pictures.motion.clone(), measured = pictures.measured.clone();
-    for (int y = 0; y < kRows; ++y)
-      clipped_motion_kernels().bridge({{kRows, cols, y},
-                                       pictures.clipped.row(0, y),
-                                       pictures.clipped_after.plane(0),
-                                       pictures.after_to_state.plane(0),
-                                       pictures.state_to_after.plane(0),
-                                       kShare,
-                                       motion.row(0, y),
-                                       motion.row(1, y),
-                                       measured.row(0, y)});
-    constexpr float kToAfter = -(1 - kShare) / kShare;
-    Image<float> expected = pictures.motion.clone(), expected_measured = pictures.measured.clone();
-    at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
-      Offset back;
-      const auto in_after = [&] { return BetweenPixels(kRows, cols, x, y, kToAfter * back); };
-      for (int round = 0; round < 3; ++round) {
-        const Offset after = in_after().vector_of(pictures.after_to_state);
-        const Offset before = BetweenPixels(kRows, cols, x, y, back).vector_of(pictures.state_to_after);
-        back = 0.5f * kShare * Offset{after.x - before.x, after.y - before.y};
-      }
-      const float share = clipped * (1 - smooth_step(0.1f, 0.6f, in_after().of(pictures.clipped_after, 0)));
-      take_over(expected, x, y, share, back);
-      expected_measured.at(0, y, x) += share * (1 - pictures.measured.at(0, y, x));
-    });
-    check(motion, expected);
-    check(measured, expected_measured);
-  }
+TEST_CASE("what a frame clips moves as the frames around it say, at their places", "[isa]") {
+  for (const int cols : {3, 8, 64, 83})
+    for (const bool changes : {false, true}) {
+      const Pictures pictures(cols);
+      Image<float> motion = pictures.motion.clone(), measured = pictures.measured.clone();
+      for (int y = 0; y < kRows; ++y)
+        clipped_motion_kernels().bridge({{kRows, cols, y},
+                                         pictures.clipped.row(0, y),
+                                         pictures.clipped_after.plane(0),
+                                         pictures.path(changes),
+                                         motion.row(0, y),
+                                         motion.row(1, y),
+                                         measured.row(0, y)});
+      Image<float> expected = pictures.motion.clone(), expected_measured = pictures.measured.clone();
+      at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
+        Offset back, whole;
+        const auto in_after = [&] { return BetweenPixels(kRows, cols, x, y, back + whole); };
+        for (int round = 0; round < 3; ++round) {
+          const BetweenPixels there(kRows, cols, x, y, back);
+          const Offset after = in_after().vector_of(pictures.after_to_state),
+                       before = there.vector_of(pictures.state_to_after);
+          whole = 0.5f * Offset{before.x - after.x, before.y - after.y};
+          back = -kShare * whole;
+          if (changes)
+            back =
+                back + bend_of(whole, there.vector_of(pictures.last), there.of(pictures.measured_before, 0));
+        }
+        const float share = clipped * (1 - smooth_step(0.1f, 0.6f, in_after().of(pictures.clipped_after, 0)));
+        take_over(expected, x, y, share, back);
+        expected_measured.at(0, y, x) += share * (1 - pictures.measured.at(0, y, x));
+      });
+      check(motion, expected);
+      check(measured, expected_measured);
+    }
 }
 
 TEST_CASE("the state's pixels move over a frame that clips them as they do to the frame after it", "[isa]") {
+  for (const int cols : {3, 8, 64, 83})
+    for (const bool changes : {false, true}) {
+      const Pictures pictures(cols);
+      Image<float> motion = pictures.motion.clone();
+      for (int y = 0; y < kRows; ++y)
+        clipped_motion_kernels().bridge_ahead({{kRows, cols, y},
+                                               pictures.clipped.row(0, y),
+                                               pictures.clipped_after.plane(0),
+                                               pictures.path(changes),
+                                               motion.row(0, y),
+                                               motion.row(1, y)});
+      Image<float> expected = pictures.motion.clone();
+      at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
+        const Offset whole = offset_at(pictures.state_to_after, x, y);
+        Offset ahead = kShare * whole;
+        if (changes)
+          ahead = ahead +
+                  -1 * bend_of(whole, offset_at(pictures.last, x, y), pictures.measured_before.at(0, y, x));
+        const float after = BetweenPixels(kRows, cols, x, y, whole).of(pictures.clipped_after, 0);
+        take_over(expected, x, y, clipped * (1 - smooth_step(0.1f, 0.6f, after)), ahead);
+      });
+      check(motion, expected);
+    }
+}
+
+TEST_CASE("half of a motion's change is predicted to go on, less of a large one and none of a guess",
+          "[isa]") {
   for (const int cols : {3, 8, 64, 83}) {
     const Pictures pictures(cols);
-    Image<float> motion = pictures.motion.clone();
-    for (int y = 0; y < kRows; ++y)
-      clipped_motion_kernels().bridge_ahead({{kRows, cols, y},
-                                             pictures.clipped.row(0, y),
-                                             pictures.clipped_after.plane(0),
-                                             pictures.state_to_after.plane(0),
-                                             kShare,
-                                             motion.row(0, y),
-                                             motion.row(1, y)});
-    Image<float> expected = pictures.motion.clone();
-    at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
-      const Offset whole = offset_at(pictures.state_to_after, x, y);
-      const float after = BetweenPixels(kRows, cols, x, y, whole).of(pictures.clipped_after, 0);
-      take_over(expected, x, y, clipped * (1 - smooth_step(0.1f, 0.6f, after)), kShare * whole);
-    });
-    check(motion, expected);
+    const Image<float> measured = waves(1, cols, 0.96f, 0.04f, 8);
+    Image<float> predicted(2, kRows, cols), expected(2, kRows, cols);
+    for (int y = 0; y < kRows; ++y) {
+      clipped_motion_kernels().predict({{kRows, cols, y},
+                                        pictures.motion.row(0, y),
+                                        pictures.motion.row(1, y),
+                                        measured.row(0, y),
+                                        pictures.last.plane(0),
+                                        pictures.measured_before.plane(0),
+                                        kRatio,
+                                        predicted.row(0, y),
+                                        predicted.row(1, y)});
+      for (int x = 0; x < cols; ++x) {
+        const Offset now = offset_at(pictures.motion, x, y);
+        const BetweenPixels there(kRows, cols, x, y, now);
+        const Offset change = now + -kRatio * there.vector_of(pictures.last);
+        const float sure = smooth_step(0.9f, 1, measured.at(0, y, x)) *
+                           smooth_step(0.9f, 1, there.of(pictures.measured_before, 0));
+        const Offset next = now + 0.5f * sure * limited(change, 1);
+        expected.at(0, y, x) = next.x;
+        expected.at(1, y, x) = next.y;
+      }
+    }
+    check(predicted, expected);
   }
 }

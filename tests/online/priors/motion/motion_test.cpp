@@ -152,6 +152,35 @@ TEST_CASE("what a frame clips is followed over it as fast as it moved before, th
   CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(kStep).margin(0.5));
 }
 
+TEST_CASE("what gains speed is followed over a frame that clips it to where it is, not to the middle") {
+  constexpr float kAt[] = {0, 2, 6, 12};  // pixels: from one frame to the next 2, 4 and 6
+  const auto leaves = [&](int index) {
+    return frame_of(index, 1, [&](float x, float y) {
+      const float along = x - kAt[index];
+      return 110 + 45 * std::sin(0.31f * along + 0.17f * y) + 45 * std::sin(0.23f * y - 0.11f * along);
+    });
+  };
+  WorkerPool pool(1);
+  const Response response = Response::linear();
+  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const ExposedFrame second = leaves(1), after = leaves(3);
+  const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
+  const RadianceState at_first = state_of(leaves(0), usual, pool);
+  estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
+  estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
+  REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-2).margin(0.1));
+  const RadianceState at_second = state_of(second, usual, pool);
+  estimator.match(at_second, clipped, longer, {FlowQuality::Fine}, {}, motion);
+  estimator.complete(at_second, clipped,
+                     {.before_ratio = 1, .after = &after, .after_tables = &usual, .after_ratio = 0.5f},
+                     FlowQuality::Fine, {}, motion);
+  // the middle is 5 pixels away, the truth 4; a part of the change is taken for an error of the flow
+  CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-4.4).margin(0.15));
+  CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(4.4).margin(0.15));
+}
+
 TEST_CASE("a motion that no frame measures any more gives way to that of its surroundings") {
   constexpr float kStep = 5;  // pixels, of everything, in the first step; afterwards nothing moves
   const auto texture = [](float x, float y) {
