@@ -113,7 +113,7 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
                                const MotionContext& context, FlowQuality quality, const RatedFlows& rated,
                                StateMotion& motion) {
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}, {&measured_before_, 1}});
+  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
   go_on(context.before_ratio, motion.to_previous.vectors);
   if (context.after != nullptr && is_worth_bridging([](std::size_t) { return 0.f; })) {
@@ -160,6 +160,7 @@ void MotionEstimator::go_on(float ratio, Image<float>& to) {
     return measured_.fill(1);
   }
   std::swap(measured_, measured_before_);
+  measured_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().go_on({.at = {rows_, cols_, y},

@@ -35,13 +35,14 @@ class MotionEstimator final : public MotionPrior {
   WorkerPool& pool_;
   DenseFlow flow_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
-  Image<float> measured_;       // [1, rows, cols] 0..1: how much of that was measured, and how lately
-  Image<float> predicted_;      // the motion of the next step, if it takes as long as the last one
-  Instant last_time_;           // where that step ended
-  double last_interval_s_ = 0;  // its duration; 0 where it is unknown
+  Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
+  Image<float> measured_before_;  // the same of the step before it
+  Image<float> predicted_;        // the motion of the next step, if it takes as long as the last one
+  Instant last_time_;             // where that step ended
+  double last_interval_s_ = 0;    // its duration; 0 where it is unknown
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
-  Image<float> mask_, clipped_, clipped_after_, measured_before_, after_to_state_, state_to_after_, ahead_;
+  Image<float> mask_, clipped_, clipped_after_, after_to_state_, state_to_after_, ahead_;
 };
 
 }  // namespace hdrcam

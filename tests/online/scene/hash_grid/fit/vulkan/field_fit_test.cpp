@@ -60,14 +60,17 @@ double log_apart(const Image<float>& a, const Image<float>& b) {
   return sum / static_cast<double>(a.size());
 }
 
-// The same steps, and nearly the same losses and pictures: rounding grows from step to step.
+// The same steps, and nearly the same losses and pictures: rounding grows from step to step. A loss that
+// begins at .1 and one that has nothing to learn, at .0001, are told apart by the margins: the latter jumps
+// where rounding decides.
 void check_alike(Stream& there, Stream& here) {
   REQUIRE(there.reports.size() == here.reports.size());
   for (std::size_t s = 0; s < here.reports.size(); ++s) {
     INFO("step " << s);
     REQUIRE(there.reports[s].verdict == here.reports[s].verdict);
-    REQUIRE(there.reports[s].total == Approx(here.reports[s].total).epsilon(2e-3));
-    REQUIRE(there.reports[s].gradient_norm == Approx(here.reports[s].gradient_norm).epsilon(5e-3));
+    REQUIRE(there.reports[s].total == Approx(here.reports[s].total).epsilon(2e-3).margin(1e-5));
+    REQUIRE(there.reports[s].gradient_norm ==
+            Approx(here.reports[s].gradient_norm).epsilon(5e-3).margin(2e-3));
   }
   CHECK(log_apart(there.radiance(), here.radiance()) < 1e-4);
 }
