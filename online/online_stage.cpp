@@ -270,7 +270,7 @@ std::optional<FramePose> OnlineStage::stated_pose(const ExposedFrame& frame, con
 void OnlineStage::start_second_layer(const ExposedFrame& first) {
   field_rested_ = false;
   ++world_;
-  poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value());
+  poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value(), pool_);
   DepthOptions depth = knobs_.depth;
   depth.step_px = std::max(depth.step_px, field_step_ / 2);  // no finer than the field's blocks can use
   depth_ =

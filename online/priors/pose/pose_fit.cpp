@@ -10,14 +10,15 @@
 namespace hdrcam {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
 constexpr double kNearestZ = 1e-3;       // of the ray's z in the posed camera: behind it there is no pixel
 constexpr double kRobustSigmas = 3;      // the kernel's width at the end
 constexpr double kGaussianMad = 1.4826;  // standard deviation / median of the absolute value
-constexpr double kSmallestStep = 1e-9;   // radians and lengths: converged
+constexpr double kSmallestStep = 1e-6;   // radians and lengths: converged
+constexpr double kBehind = 1e9;          // squared sigmas of a point behind the camera
+constexpr int kPartPoints = 64;          // that a thread takes at once
 
 double robust_cost(double squared, double width) {
   return squared * width * width / (width * width + squared);
@@ -47,79 +48,6 @@ bool project(const ScenePoint& point, double inverse_depth, const Intrinsics& le
   return true;
 }
 
-// The normal equations of one linearisation.
-struct Linearised {
-  Matrix6 H = Matrix6::Zero();
-  Vector6 g = Vector6::Zero();
-};
-
-struct PointTerms {
-  Matrix26 per_pose;  // d px / d (rotation, translation)
-  Eigen::Vector2d per_depth;
-  Eigen::Vector2d px;
-  double weight = 0;  // robust / sigma^2
-  double offset = 0;  // d - prior
-};
-
-bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
-               double scale, double width, PointTerms& terms) {
-  Projection p;
-  if (!project(point, d, lens, T, p)) return false;
-  terms.px = p.px - point.seen_px;
-  terms.per_pose.leftCols<3>() = -p.per_y * cross_matrix(p.y);
-  terms.per_pose.rightCols<3>() = p.per_y * d;
-  terms.per_depth = p.per_y * p.baseline;
-  const double precision = 1 / (point.sigma_px * point.sigma_px * scale * scale);
-  terms.weight = precision * robust_weight(terms.px.squaredNorm() * precision, width);
-  terms.offset = d - point.inverse_depth;
-  return true;
-}
-
-// Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
-EliminatedDepth accumulate(const ScenePoint& point, const PointTerms& q, Linearised& sum) {
-  const Matrix26 weighted = q.weight * q.per_pose;
-  EliminatedDepth depth;
-  depth.curvature = q.weight * q.per_depth.squaredNorm() + point.information;
-  depth.gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
-  depth.coupling = weighted.transpose().lazyProduct(q.per_depth);
-  const Vector6 scaled = depth.coupling / depth.curvature;
-  sum.H += weighted.transpose().lazyProduct(q.per_pose) - depth.coupling.lazyProduct(scaled.transpose());
-  sum.g += weighted.transpose().lazyProduct(q.px) - scaled * depth.gradient;
-  return depth;
-}
-
-Vector6 solve(Linearised& sum, Freedom freedom) {
-  if (freedom == Freedom::Nothing) return Vector6::Zero();
-  if (freedom == Freedom::Rotation) {
-    sum.H.bottomRows<3>().setZero(), sum.H.rightCols<3>().setZero();
-    sum.H.bottomRightCorner<3, 3>().setIdentity();
-    sum.g.tail<3>().setZero();
-  }
-  sum.H.diagonal() *= 1 + 1e-6;
-  sum.H.diagonal().array() += 1e-6;
-  const Vector6 step = -sum.H.ldlt().solve(sum.g);
-  return step.allFinite() ? step : Vector6::Zero();
-}
-
-double total_cost(std::span<const ScenePoint> points, std::span<const double> inverse_depths,
-                  const Intrinsics& lens, double scale, PoseFit& fit) {
-  double cost = 0;
-  int inliers = 0;
-  fit.seen = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!points[i].seen) continue;
-    ++fit.seen;
-    PointResidual r;
-    const bool in_front = point_residual(points[i], inverse_depths[i], lens, fit.T_camera_world, r);
-    const double squared = in_front ? r.squared_sigmas / (scale * scale) : 1e9;
-    inliers += squared < kInlierSigmas * kInlierSigmas;
-    const double offset = inverse_depths[i] - points[i].inverse_depth;
-    cost += robust_cost(squared, kRobustSigmas) + points[i].information * offset * offset;
-  }
-  fit.inlier_share = fit.seen > 0 ? static_cast<double>(inliers) / fit.seen : 0;
-  return cost;
-}
-
 }  // namespace
 
 bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
@@ -147,35 +75,122 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
   return kGaussianMad * median(errors);
 }
 
-PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
-                 const RigidTransform& T_camera_world, const FitOptions& options,
-                 std::span<double> inverse_depths, std::vector<EliminatedDepth>& room) {
+void PoseFitter::reserve(std::size_t points) {
+  eliminated_.reserve(points);
+  parts_.reserve(points / kPartPoints + 1);
+}
+
+struct PoseFitter::PointTerms {
+  Matrix26 per_pose;  // d px / d (rotation, translation)
+  Eigen::Vector2d per_depth;
+  Eigen::Vector2d px;
+  double weight = 0;  // robust / sigma^2
+  double offset = 0;  // d - prior
+};
+
+bool PoseFitter::linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
+                           double scale, double width, PointTerms& terms) {
+  Projection p;
+  if (!project(point, d, lens, T, p)) return false;
+  terms.px = p.px - point.seen_px;
+  terms.per_pose.leftCols<3>() = -p.per_y * cross_matrix(p.y);
+  terms.per_pose.rightCols<3>() = p.per_y * d;
+  terms.per_depth = p.per_y * p.baseline;
+  const double precision = 1 / (point.sigma_px * point.sigma_px * scale * scale);
+  terms.weight = precision * robust_weight(terms.px.squaredNorm() * precision, width);
+  terms.offset = d - point.inverse_depth;
+  return true;
+}
+
+// Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
+PoseFitter::EliminatedDepth PoseFitter::accumulate(const ScenePoint& point, const PointTerms& q, Sums& sums) {
+  const Matrix26 weighted = q.weight * q.per_pose;
+  EliminatedDepth depth;
+  depth.curvature = q.weight * q.per_depth.squaredNorm() + point.information;
+  depth.gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
+  depth.coupling = weighted.transpose().lazyProduct(q.per_depth);
+  const Vector6 scaled = depth.coupling / depth.curvature;
+  sums.H += weighted.transpose().lazyProduct(q.per_pose) - depth.coupling.lazyProduct(scaled.transpose());
+  sums.g += weighted.transpose().lazyProduct(q.px) - scaled * depth.gradient;
+  return depth;
+}
+
+PoseFitter::Vector6 PoseFitter::solve(Sums& sums, Freedom freedom) {
+  if (freedom == Freedom::Nothing) return Vector6::Zero();
+  if (freedom == Freedom::Rotation) {
+    sums.H.bottomRows<3>().setZero(), sums.H.rightCols<3>().setZero();
+    sums.H.bottomRightCorner<3, 3>().setIdentity();
+    sums.g.tail<3>().setZero();
+  }
+  sums.H.diagonal() *= 1 + 1e-6;
+  sums.H.diagonal().array() += 1e-6;
+  const Vector6 step = -sums.H.ldlt().solve(sums.g);
+  return step.allFinite() ? step : Vector6::Zero();
+}
+
+// Calls body(i, sums) for the points that were seen; the parts are summed in their order.
+template <class Body>
+PoseFitter::Sums PoseFitter::sum_over(std::span<const ScenePoint> points, Body&& body) {
+  const std::size_t parts = (points.size() + kPartPoints - 1) / kPartPoints;
+  parts_.assign(parts, {});
+  pool_.for_each(static_cast<int>(parts), [&](int part) {
+    Sums sums;
+    const std::size_t begin = static_cast<std::size_t>(part) * kPartPoints,
+                      end = std::min(points.size(), begin + kPartPoints);
+    for (std::size_t i = begin; i < end; ++i)
+      if (points[i].seen) body(i, sums);
+    parts_[static_cast<std::size_t>(part)] = sums;
+  });
+  Sums all;
+  for (const Sums& part : parts_) {
+    all.H += part.H, all.g += part.g;
+    all.cost += part.cost, all.seen += part.seen, all.inliers += part.inliers;
+  }
+  return all;
+}
+
+PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& lens,
+                        const RigidTransform& T_camera_world, const FitOptions& options,
+                        std::span<double> inverse_depths) {
   CHECK_EQ(points.size(), inverse_depths.size());
   PoseFit fit;
   fit.T_camera_world = T_camera_world;
   RigidTransform& T = fit.T_camera_world;
+  eliminated_.assign(points.size(), {});
+  Vector6 move = Vector6::Zero();
+  const auto depth_after_move = [&](std::size_t i) {
+    const EliminatedDepth& depth = eliminated_[i];
+    double& d = inverse_depths[i];
+    return d = std::max(0.0, d - (depth.gradient + depth.coupling.dot(move)) / depth.curvature);
+  };
   for (int step = 0; step < options.steps; ++step) {
     const double width = std::max(kRobustSigmas, options.widest_sigmas * std::pow(0.5, step));
-    Linearised sum;
-    PointTerms terms;
-    room.clear();
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (points[i].seen &&
-          linearise(points[i], inverse_depths[i], lens, T, options.noise_scale, width, terms)) {
-        room.push_back(accumulate(points[i], terms, sum));
-        room.back().point = i;
-      }
-    const Vector6 move = solve(sum, options.freedom);
-    for (const EliminatedDepth& depth : room) {
-      double& d = inverse_depths[depth.point];
-      d = std::max(0.0, d - (depth.gradient + depth.coupling.dot(move)) / depth.curvature);
-    }
+    Sums sums = sum_over(points, [&](std::size_t i, Sums& some) {
+      PointTerms terms;
+      const double d = depth_after_move(i);
+      eliminated_[i] = linearise(points[i], d, lens, T, options.noise_scale, width, terms)
+                           ? accumulate(points[i], terms, some)
+                           : EliminatedDepth();
+    });
+    move = solve(sums, options.freedom);
     const Eigen::Matrix3d turn = rotation(move.head<3>());
     T = {turn * T.R, turn * T.t + move.tail<3>()};
     if (options.freedom != Freedom::Nothing && width == kRobustSigmas && move.norm() < kSmallestStep) break;
   }
   T.R = orthonormal(T.R);
-  fit.cost = total_cost(points, inverse_depths, lens, options.noise_scale, fit);
+  const double scale2 = options.noise_scale * options.noise_scale;
+  const Sums sums = sum_over(points, [&](std::size_t i, Sums& some) {
+    const double d = depth_after_move(i);
+    PointResidual r;
+    const double squared = point_residual(points[i], d, lens, T, r) ? r.squared_sigmas / scale2 : kBehind;
+    const double offset = d - points[i].inverse_depth;
+    some.cost += robust_cost(squared, kRobustSigmas) + points[i].information * offset * offset;
+    some.inliers += squared < kInlierSigmas * kInlierSigmas;
+    ++some.seen;
+  });
+  fit.cost = sums.cost;
+  fit.seen = sums.seen;
+  fit.inlier_share = sums.seen > 0 ? static_cast<double>(sums.inliers) / sums.seen : 0;
   return fit;
 }
 

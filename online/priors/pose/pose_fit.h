@@ -5,7 +5,7 @@
 // rotation. Minimises
 //   sum_i rho(|pi(T_camera_world, d_i) - seen_i|^2 / sigma_i^2) + information_i (d_i - prior_i)^2
 // with Geman-McClure's rho, by Gauss-Newton with the depths eliminated (Schur complement): 6 unknowns per
-// step. Reentrant: it uses only its arguments.
+// step. The functions are reentrant, a PoseFitter is thread-bound.
 #pragma once
 
 #include <span>
@@ -13,6 +13,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
+#include "hal/core/worker_pool.h"
 
 namespace hdrcam {
 
@@ -46,19 +47,46 @@ struct FitOptions {
       12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
-// What the equation of a point's depth leaves once the pose is solved for.
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-struct EliminatedDepth {
-  Vector6 coupling;  // with the pose's step
-  double gradient = 0, curvature = 0;
-  std::size_t point = 0;
-};
+class PoseFitter {
+ public:
+  explicit PoseFitter(WorkerPool& pool) : pool_(pool) {}
+  // So many points take no more memory.
+  void reserve(std::size_t points);
 
-// Improves a start pose; with no steps it only computes its cost. inverse_depths: [points] start on entry
-// (prior means), the fitted values on return. `room` is scratch memory.
-PoseFit fit_pose(std::span<const ScenePoint> points, const Intrinsics& lens,
-                 const RigidTransform& T_camera_world, const FitOptions& options,
-                 std::span<double> inverse_depths, std::vector<EliminatedDepth>& room);
+  // Improves a start pose; with no steps it only computes its cost. inverse_depths: [points] start on entry
+  // (prior means), the fitted values on return. The result does not depend on the number of threads.
+  PoseFit fit(std::span<const ScenePoint> points, const Intrinsics& lens,
+              const RigidTransform& T_camera_world, const FitOptions& options,
+              std::span<double> inverse_depths);
+
+ private:
+  using Vector6 = Eigen::Matrix<double, 6, 1>;
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  // What the equation of a point's depth leaves once the pose is solved for.
+  struct EliminatedDepth {
+    Vector6 coupling = Vector6::Zero();  // with the pose's step
+    double gradient = 0, curvature = 1;
+  };
+  // The sums over a part of the points.
+  struct Sums {
+    Matrix6 H = Matrix6::Zero();
+    Vector6 g = Vector6::Zero();
+    double cost = 0;
+    int seen = 0, inliers = 0;
+  };
+  struct PointTerms;
+
+  static bool linearise(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
+                        const RigidTransform& T_camera_world, double scale, double width, PointTerms& terms);
+  static EliminatedDepth accumulate(const ScenePoint& point, const PointTerms& terms, Sums& sums);
+  static Vector6 solve(Sums& sums, Freedom freedom);
+  template <class Body>
+  Sums sum_over(std::span<const ScenePoint> points, Body&& body);
+
+  WorkerPool& pool_;
+  std::vector<EliminatedDepth> eliminated_;  // [points]
+  std::vector<Sums> parts_;
+};
 
 // The noise that no depth can explain: the median residual across the epipolar lines, as a standard deviation
 // in sigmas. `errors` is scratch memory.

@@ -32,13 +32,14 @@ Intrinsics assumed_intrinsics(int rows, int cols) {
   return {.fx_px = focal_px, .fy_px = focal_px, .cx_px = 0.5 * cols, .cy_px = 0.5 * rows};
 }
 
-std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses) {
+std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses,
+                                           WorkerPool& pool) {
   if (kind == PoseKind::Fixed) return std::make_unique<FixedPose>();
   if (kind == PoseKind::Given && has_poses) return std::make_unique<GivenPose>();
   if (!camera.intrinsics)
     spdlog::warn("{} does not report its focal length; assuming {} degrees horizontally", camera.name,
                  kAssumedFieldOfView_deg);
-  return std::make_unique<TrackedPose>(camera.intrinsics);
+  return std::make_unique<TrackedPose>(camera.intrinsics, pool);
 }
 
 }  // namespace hdrcam

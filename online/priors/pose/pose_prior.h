@@ -11,6 +11,7 @@
 
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
+#include "hal/core/worker_pool.h"
 #include "online/priors/pose/frame_pose.h"
 #include "online/priors/seen_frame.h"
 
@@ -56,6 +57,7 @@ enum class PoseKind {
 Intrinsics assumed_intrinsics(int rows, int cols);
 
 // has_poses: the frames carry T_world_camera. For a missing lens it assumes the one above and logs a warning.
-std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses);
+std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses,
+                                           WorkerPool& pool);
 
 }  // namespace hdrcam

@@ -52,14 +52,14 @@ std::vector<ScenePoint> thinned(std::span<const ScenePoint> points, std::size_t 
   return some;
 }
 
-void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, Heading& heading) {
+void refine(std::span<const ScenePoint> points, const Intrinsics& lens, int rounds, PoseFitter& fitter,
+            Heading& heading) {
   std::vector<double> errors;
-  std::vector<EliminatedDepth> room;
   for (int round = 0; round < rounds; ++round) {
     const FitOptions options{
         .steps = kHeadingSteps, .noise_scale = std::clamp(heading.noise, 0.1, 2.5), .widest_sigmas = 6};
     heading.T_camera_world =
-        fit_pose(points, lens, heading.T_camera_world, options, heading.inverse_depths, room).T_camera_world;
+        fitter.fit(points, lens, heading.T_camera_world, options, heading.inverse_depths).T_camera_world;
     heading.noise = noise_across(points, heading.inverse_depths, lens, heading.T_camera_world, errors);
   }
 }
@@ -73,12 +73,13 @@ bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; 
 
 }  // namespace
 
-TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options)
-    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks) {
+TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool,
+                         const TrackerOptions& options)
+    : options_(options), intrinsics_(intrinsics), tracks_(options.tracks), fitter_(pool) {
   // points that drift into one cell leave others to new ones, so there are more of them than cells
   for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
     room->reserve(2 * static_cast<std::size_t>(options.tracks.points));
-  eliminated_.reserve(depths_.capacity());
+  fitter_.reserve(depths_.capacity());
 }
 
 const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowField& from_previous) {
@@ -108,9 +109,8 @@ void TrackedPose::track(const FlowField& from_previous) {
 
   tracks_.inverse_depths(depths_);
   trial_depths_ = depths_;
-  const PoseFit turned =
-      fit_pose(tracks_.points(), lens_, T_camera_world_, {.freedom = Freedom::Rotation, .steps = kTurnSteps},
-               trial_depths_, eliminated_);
+  const PoseFit turned = fitter_.fit(tracks_.points(), lens_, T_camera_world_,
+                                     {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
   if (stands_still(turned)) {
     tracks_.settle(lens_, T_camera_world_);
     return accept(T_camera_world_, CameraMotion::Still, tracks_.still_share(options_.still_px));
@@ -124,7 +124,7 @@ void TrackedPose::track(const FlowField& from_previous) {
 // The depths fix the scale of the translation.
 void TrackedPose::follow_translation(const PoseFit& turned) {
   const PoseFit moved =
-      fit_pose(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_, eliminated_);
+      fitter_.fit(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
   if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
   const bool was_moving = pose_.motion == CameraMotion::General;
   if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
@@ -145,7 +145,7 @@ void TrackedPose::find_translation(const PoseFit& turned) {
 
   const std::vector<ScenePoint> some = thinned(points, kHeadingPoints);
   std::vector<Heading> headings = search_headings(some, lens_, turned.T_camera_world, kHeadingsTried);
-  for (Heading& heading : headings) refine(some, lens_, kHeadingRounds, heading);
+  for (Heading& heading : headings) refine(some, lens_, kHeadingRounds, fitter_, heading);
   const auto best = std::min_element(headings.begin(), headings.end(), less_noise);
   const bool stands_out = std::all_of(headings.begin(), headings.end(), [&](const Heading& other) {
     return same_heading(*best, other) || best->noise < options_.heading_noise_ratio * other.noise;
@@ -153,9 +153,9 @@ void TrackedPose::find_translation(const PoseFit& turned) {
   if (!stands_out) return;
 
   Heading first{.T_camera_world = best->T_camera_world, .inverse_depths = depths_, .noise = best->noise};
-  fit_pose(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps},
-           first.inverse_depths, eliminated_);
-  refine(points, lens_, 1, first);
+  fitter_.fit(points, lens_, first.T_camera_world, {.freedom = Freedom::Nothing, .steps = kDepthSteps},
+              first.inverse_depths);
+  refine(points, lens_, 1, fitter_, first);
   const double clear_px =
       std::max(kClearParallax_px, kClearParallax_sigmas * first.noise * tracks_.noise_px());
   if (parallax_share(points, first, lens_, clear_px) < options_.parallax_share) return;

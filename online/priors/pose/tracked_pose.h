@@ -29,7 +29,7 @@ struct TrackerOptions {
 
 class TrackedPose final : public PosePrior {
  public:
-  explicit TrackedPose(std::optional<Intrinsics> intrinsics, const TrackerOptions& options = {});
+  TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool, const TrackerOptions& options = {});
 
   // to_previous: this frame -> the previous one; from_previous: the reverse; empty for the first frame.
   const CameraPose& next(const FlowField& to_previous, const FlowField& from_previous);
@@ -55,7 +55,7 @@ class TrackedPose final : public PosePrior {
   RigidTransform T_camera_world_;
   RigidTransform T_camera_previous_;                    // the motion of the last frame
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
-  std::vector<EliminatedDepth> eliminated_;
+  PoseFitter fitter_;
   bool started_ = false, depth_known_ = false;
   CameraPose pose_;
 };

@@ -40,7 +40,11 @@ std::vector<double> priors(const std::vector<ScenePoint>& points) {
   return depths;
 }
 
-std::vector<EliminatedDepth> room;
+PoseFit fit_pose(const std::vector<ScenePoint>& points, const RigidTransform& start,
+                 const FitOptions& options, std::vector<double>& depths, int threads = 2) {
+  WorkerPool pool(threads);
+  return PoseFitter(pool).fit(points, kLens, start, options, depths);
+}
 
 }  // namespace
 
@@ -49,7 +53,7 @@ TEST_CASE("known depths give the pose with its scale, outliers or not", "[pose]"
   std::vector<double> truth;
   const auto points = scene(0, outliers, truth);
   auto depths = priors(points);
-  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths, room);
+  const PoseFit fit = fit_pose(points, {}, {.steps = 12}, depths);
   CHECK((fit.T_camera_world.R - kTruth.R).norm() < 1e-4);
   CHECK((fit.T_camera_world.t - kTruth.t).norm() < 1e-4);
   CHECK(fit.inlier_share > (outliers > 0 ? 0.6 : 0.99));
@@ -59,8 +63,41 @@ TEST_CASE("the scale is that of the depths: all a tenth nearer, the step a tenth
   std::vector<double> truth;
   const auto points = scene(0.1, 0, truth);
   auto depths = priors(points);
-  const PoseFit fit = fit_pose(points, kLens, {}, {.steps = 12}, depths, room);
+  const PoseFit fit = fit_pose(points, {}, {.steps = 12}, depths);
   CHECK(fit.T_camera_world.t.norm() * 1.1 == Approx(kTruth.t.norm()).epsilon(0.01));
+}
+
+TEST_CASE("a pose and its depths are the same for any number of threads", "[pose]") {
+  std::vector<double> truth;
+  const auto points = scene(0.02, 3, truth);
+  auto depths = priors(points), by_three = depths;
+  const PoseFit fit = fit_pose(points, {}, {}, depths, 1), other = fit_pose(points, {}, {}, by_three, 3);
+  CHECK(fit.T_camera_world.R == other.T_camera_world.R);
+  CHECK(fit.T_camera_world.t == other.T_camera_world.t);
+  CHECK(fit.cost == other.cost);
+  CHECK(depths == by_three);
+}
+
+TEST_CASE("a pose is fitted to all of its points, to the last", "[pose]") {
+  std::vector<double> truth;
+  auto points = scene(0, 0, truth);
+  for (std::size_t i = 0; i + 4 < points.size(); ++i) points[i].seen = false;  // three and more are needed
+  auto depths = priors(points);
+  const PoseFit fit = fit_pose(points, {}, {.steps = 20}, depths);
+  CHECK(fit.seen == 4);
+  CHECK((fit.T_camera_world.t - kTruth.t).norm() < 1e-3);
+}
+
+TEST_CASE("depths that nobody knew are fitted with the pose", "[pose]") {
+  std::vector<double> truth;
+  auto points = scene(0, 0, truth);
+  for (std::size_t i = 0; i < points.size(); i += 2)
+    points[i].inverse_depth = 0.5, points[i].information = 1e-3;
+  auto depths = priors(points);
+  fit_pose(points, {}, {.steps = 12}, depths);
+  double off = 0;
+  for (std::size_t i = 0; i < points.size(); i += 2) off = std::max(off, std::abs(depths[i] - truth[i]));
+  CHECK(off < 1e-2);
 }
 
 TEST_CASE("a rotation without a translation keeps the camera's centre", "[pose]") {
@@ -68,7 +105,7 @@ TEST_CASE("a rotation without a translation keeps the camera's centre", "[pose]"
   const auto points = scene(0, 0, truth);
   auto depths = priors(points);
   const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
-  const PoseFit fit = fit_pose(points, kLens, start, {.freedom = Freedom::Rotation}, depths, room);
+  const PoseFit fit = fit_pose(points, start, {.freedom = Freedom::Rotation}, depths);
   CHECK((fit.T_camera_world.inverse().t - start.inverse().t).norm() < 1e-9);
 }
 
@@ -78,7 +115,7 @@ TEST_CASE("nothing seen leaves the pose as it was", "[pose]") {
   for (ScenePoint& p : points) p.seen = false;
   auto depths = priors(points);
   const RigidTransform start{rotation({0, 0.01, 0}), {0.3, 0.2, -0.1}};
-  const PoseFit fit = fit_pose(points, kLens, start, {}, depths, room);
+  const PoseFit fit = fit_pose(points, start, {}, depths);
   CHECK(fit.seen == 0);
   CHECK((fit.T_camera_world.t - start.t).norm() < 1e-9);
 }
@@ -88,7 +125,7 @@ TEST_CASE("the heading is found without any depth", "[pose]") {
   auto points = scene(0, 4, truth);
   for (ScenePoint& p : points) p.inverse_depth = 1, p.information = 0.01;
   auto depths = priors(points);
-  const PoseFit turned = fit_pose(points, kLens, {}, {.freedom = Freedom::Rotation}, depths, room);
+  const PoseFit turned = fit_pose(points, {}, {.freedom = Freedom::Rotation}, depths);
   const auto headings = search_headings(points, kLens, turned.T_camera_world, 4);
   REQUIRE(headings.size() == 4);
   double best = -1;

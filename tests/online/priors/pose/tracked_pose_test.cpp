@@ -17,7 +17,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<CameraPose> track(const SyntheticScene& scene, const std::vector<FramePair>& frames) {
-  TrackedPose tracker(scene.lens);
+  WorkerPool pool(2);
+  TrackedPose tracker(scene.lens, pool);
   std::vector<CameraPose> poses;
   for (const FramePair& frame : frames) poses.push_back(tracker.next(frame.to_previous, frame.from_previous));
   return poses;
