@@ -78,13 +78,7 @@ inline void add_across(const float* __restrict columns, int n, float* __restrict
   }
 }
 
-// The sum over each block of pixel(row, column); `row` is 0..step - 1, `column` counts from the first block.
-template <class Pixel>
-inline void sum_blocks(int step, int cols, int n, float* sums, Pixel&& pixel) {
-  alignas(64) float columns[kMostBlocks * kMostStep];
-  for (int x = 0; x < cols; ++x) columns[x] = pixel(0, x);
-  for (int k = 1; k < step; ++k)
-    for (int x = 0; x < cols; ++x) columns[x] += pixel(k, x);
+inline void add_across(int step, float* __restrict columns, int cols, int n, float* __restrict sums) {
   for (int x = cols; x < n * step; ++x) columns[x] = columns[cols - 1];
   switch (step) {
     case 2:
@@ -98,19 +92,41 @@ inline void sum_blocks(int step, int cols, int n, float* sums, Pixel&& pixel) {
   }
 }
 
+// What a pixel adds to three sums over its block, which read it together.
+struct Addends {
+  float first, second, third;
+};
+
+// The sums over each block of pixel(row, column); `row` is 0..step - 1, `column` counts from the first block.
+template <class Pixel>
+inline void sum_blocks(int step, int cols, int n, float* first, float* second, float* third, Pixel&& pixel) {
+  alignas(64) float columns[3][kMostBlocks * kMostStep];
+  for (int x = 0; x < cols; ++x) {
+    const Addends add = pixel(0, x);
+    columns[0][x] = add.first, columns[1][x] = add.second, columns[2][x] = add.third;
+  }
+  for (int k = 1; k < step; ++k)
+    for (int x = 0; x < cols; ++x) {
+      const Addends add = pixel(k, x);
+      columns[0][x] += add.first, columns[1][x] += add.second, columns[2][x] += add.third;
+    }
+  add_across(step, columns[0], cols, n, first);
+  add_across(step, columns[1], cols, n, second);
+  add_across(step, columns[2], cols, n, third);
+}
+
 inline float pixels_of(int step) { return static_cast<float>(step * step); }
 
 void block_values(const ValueBlocks& blocks, int n) {
   const BlockRow& codes = blocks.codes;
   const int step = codes.step, cols = codes.cols;
   alignas(64) float sum[kMostBlocks], missing[kMostBlocks], clipped[kMostBlocks];
-  sum_blocks(step, cols, n, sum, [&](int k, int x) {
-    const float code = codes.row[k][x];
-    return is_number(code) ? code : 0.f;
-  });
-  sum_blocks(step, cols, n, missing, [&](int k, int x) { return is_number(codes.row[k][x]) ? 0.f : 1.f; });
   const float bound = blocks.clipped;
-  sum_blocks(step, cols, n, clipped, [&](int k, int x) { return codes.row[k][x] >= bound ? 1.f : 0.f; });
+  sum_blocks(step, cols, n, sum, missing, clipped, [&](int k, int x) {
+    const float code = codes.row[k][x];
+    const bool known = is_number(code);
+    return Addends{known ? code : 0.f, known ? 0.f : 1.f, code >= bound ? 1.f : 0.f};
+  });
   const float all = pixels_of(step), share = 1 / (all * kMaxCodeValue), no_value = blocks.no_value;
   float* __restrict out = blocks.values;
   for (int i = 0; i < n; ++i) {
@@ -124,17 +140,10 @@ void block_state(const StateBlocks& blocks, int n) {
   const int step = radiance.step, cols = radiance.cols;
   const float unseen = blocks.unseen;
   alignas(64) float light[kMostBlocks], spread[kMostBlocks], lost[kMostBlocks];
-  sum_blocks(step, cols, n, light, [&](int k, int x) {
-    const float value = radiance.row[k][x];
-    return is_number(value) ? value : 0.f;
-  });
-  sum_blocks(step, cols, n, spread, [&](int k, int x) {
-    const float value = variance.row[k][x];
-    return value > 0 ? value : 0.f;
-  });
-  sum_blocks(step, cols, n, lost, [&](int k, int x) {
-    const float value = variance.row[k][x];
-    return (is_number(radiance.row[k][x] + value) & (value < unseen)) ? 0.f : 1.f;
+  sum_blocks(step, cols, n, light, spread, lost, [&](int k, int x) {
+    const float mean = radiance.row[k][x], squared = variance.row[k][x];
+    const bool known = is_number(mean + squared) & (squared < unseen);
+    return Addends{is_number(mean) ? mean : 0.f, squared > 0 ? squared : 0.f, known ? 0.f : 1.f};
   });
   const float share = 1 / pixels_of(step);
   for (int i = 0; i < n; ++i) {
@@ -148,18 +157,12 @@ void block_flow(const FlowBlocks& blocks, int n) {
   const int step = dx.step, cols = dx.cols;
   // what is not believed counts a little, so that a block of nothing else has its mean
   constexpr float kLeast = 1e-3f;
-  const auto sure = [&](int k, int x) {
-    const float value = confidence.row[k][x];
-    return is_number(dx.row[k][x] + dy.row[k][x] + value) ? clamped(value, 0, 1) : 0.f;
-  };
-  const auto weighed = [&](const BlockRow& along, int k, int x) {
-    const float value = along.row[k][x];
-    return is_number(value) ? (sure(k, x) + kLeast) * value : 0.f;
-  };
   alignas(64) float sum_x[kMostBlocks], sum_y[kMostBlocks], sum_sure[kMostBlocks];
-  sum_blocks(step, cols, n, sum_x, [&](int k, int x) { return weighed(dx, k, x); });
-  sum_blocks(step, cols, n, sum_y, [&](int k, int x) { return weighed(dy, k, x); });
-  sum_blocks(step, cols, n, sum_sure, [&](int k, int x) { return sure(k, x); });
+  sum_blocks(step, cols, n, sum_x, sum_y, sum_sure, [&](int k, int x) {
+    const float u = dx.row[k][x], v = dy.row[k][x], value = confidence.row[k][x];
+    const float sure = is_number(u + v + value) ? clamped(value, 0, 1) : 0.f, weight = sure + kLeast;
+    return Addends{is_number(u) ? weight * u : 0.f, is_number(v) ? weight * v : 0.f, sure};
+  });
   const float all = pixels_of(step), per_step = 1 / static_cast<float>(step);
   for (int i = 0; i < n; ++i) {
     const float scale = per_step / (sum_sure[i] + kLeast * all);
