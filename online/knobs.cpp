@@ -98,10 +98,10 @@ void add_frame_budget(std::vector<Knob>& table) {
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::samples_without_parallax>(
       "samples_without_parallax", kPerFrame, 1, kMaxSamples,
       {"samples", "time of a step and of a view", "layers where depth cannot be observed"}));
-  table.push_back(
-      choice<&K::budget, &B::fills>("fill", kPerFrame, {"off", "on"},
-                                    {"", "on: a view of the field where no frame saw a pixel unclipped",
-                                     "on: there the field's radiance, where it is above the lower bound"}));
+  table.push_back(choice<&K::budget, &B::fills>(
+      "fill", kPerFrame, {"off", "on"},
+      {"", "on: a view of the field where no frame saw a pixel unclipped",
+       "on: there the geometric mean of the lower bound and the field's radiance, where that is higher"}));
   table.push_back(whole<&K::budget, &B::render_step>(
       "render_step", kPerFrame, 1, 8,
       {"px", "more is cheaper: time of the field's view falls with its square",

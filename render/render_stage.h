@@ -8,7 +8,7 @@
 namespace hdrcam {
 
 enum class EmitLayer {
-  Merged,  // the state, and the field at unseen pixels
+  Merged,  // the state, raised at unseen pixels where the field says so
   State,   // the state alone; the field is not needed
   Field,   // the field alone
 };
@@ -27,7 +27,8 @@ struct RenderOptions {
   bool shows_flow_forward = false;   // HdrFrame::flow_forward
   bool shows_field_flow = false;     // HdrFrame::field_flow and field_flow_forward
   bool shows_points = false;         // HdrFrame::points
-  // factor on the lower bound, > 1: how far the field may exceed the bound of clipped pixels
+  // factor on the lower bound of clipped pixels, > 1: the field's answer is cut there, so that a pixel rises
+  // by at most its square root
   float largest_answer = 4;
 };
 

@@ -301,7 +301,7 @@ void add_motion(Tasks& tasks, int rows, int cols) {
                                               {.after_to_state = vectors->plane(0),
                                                .state_to_after = vectors->plane(2),
                                                .last = vectors->plane(0),
-                                               .measured = room->weight.plane(0),
+                                               .measured = clipped->plane(0),
                                                .share = 0.5f,
                                                .before = 0.5f},
                                               room->flow.row(0, y),

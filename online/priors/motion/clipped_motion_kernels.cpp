@@ -27,7 +27,7 @@ inline Vectors vectors_at(const float* motion, const RowOfPictures& at, const Pl
   return vectors;
 }
 
-// The vectors of eight pixels of the row themselves.
+// The vectors at eight pixels of the row.
 inline Vectors own_vectors(const float* motion, const RowOfPictures& at, int x, int count) {
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(at.rows) * at.cols;
   const float* own = motion + static_cast<std::ptrdiff_t>(at.y) * at.cols + x;
@@ -62,7 +62,9 @@ void go_on(const ContinuedRow& r) {
   in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
     const Lanes clipped = smooth_step(0.5f, 0.95f, around);
     Lanes measured = all<Lanes>(1);
-    if (any_negative(clipped > 0)) {
+    if (r.predicted == nullptr) {
+      measured = 1 - clipped * (1 - kKept);
+    } else if (any_negative(clipped > 0)) {
       const Places there = places_of(r.at, x, {load_some(r.u + x, count), load_some(r.v + x, count)});
       const Lanes still = value_at(r.measured, r.at, there), share = clipped * smooth_step(0, 1, still);
       measured = 1 - share * (1 - kKept * still);
@@ -73,8 +75,8 @@ void go_on(const ContinuedRow& r) {
   });
 }
 
-// How far the path leads away, at the time of the clipped frame, from the one at constant velocity: for a
-// motion `whole` to the frame after and `last` to the frame before, of which `measured` was measured.
+// How far the path leads away, at the time of the clipped frame, from the one at constant velocity: for D and
+// L of PathAhead, of which `measured` was measured.
 inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes measured) {
   constexpr float kShare = 0.6f;         // errors of two flows are in it
   constexpr float kPerPixel2 = 1 / 4.f;  // a bend of 2 px counts half: few objects turn so, a wrong flow does

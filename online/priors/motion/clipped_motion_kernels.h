@@ -18,22 +18,24 @@ struct ContinuedRow {
   RowOfPictures at;
   const float* clipped;    // [cols] share of the pixels around each
   const float* predicted;  // [2, rows, cols] this motion, if it took as long as the last one, at the pixels
-                           // that it leads to
+                           // that it leads to; null: there is none
   const float* measured;   // [rows, cols] 0..1: how much of the last motion was measured, and how lately
   float ratio;             // of this motion's time to the last one's
-  float *u, *v;            // [cols] this motion; becomes the last one where that goes on
+  float *u, *v;            // [cols] this motion; becomes the predicted one where that goes on
   float* measured_now;     // [cols]
 };
 
-// The path of the state's pixels to the frame after a clipped one: where they were at the frame before the
-// state, where they are at the frame after, and thus, with a speed that changes as little as that allows,
-// where they are in between. Times are shares of that from the state to the frame after.
+// The path of the state's pixels over a clipped frame. With times as shares of that from the state to the
+// frame after, r to the clipped frame, B from the frame before the state, and motions D to the frame after
+// and L to the frame before: constant acceleration through all three is a = (D + L / B) / (1 + B); its bend
+// at r, of which .6 count (errors of two flows are in it), is b = .6 r (1 - r) a; and the motion to the
+// clipped frame is r D - b / (1 + |b|^2 / 4 px^2).
 struct PathAhead {
   const float *after_to_state, *state_to_after;  // [2, rows, cols] motions
   const float* last;      // [2, rows, cols] motion to the frame before, or null: then speed is constant
   const float* measured;  // [rows, cols] 0..1: how much of that was measured, and how lately
-  float share;            // the time from the state to the clipped frame
-  float before;           // the time from the frame before to the state
+  float share;            // r
+  float before;           // B
 };
 
 // A pixel x of the clipped frame, with motion u to the state, is at x + u in the state and at x + u + D in
@@ -51,7 +53,7 @@ struct BridgedRow {
 // The same from the state, at its own pixels.
 struct BridgedAheadRow {
   RowOfPictures at;
-  const float* clipped;  // [cols] in the frame in between, where the state's pixels move to
+  const float* clipped;  // [cols] in the frame in between, where constant velocity takes the state's pixels
   const float* clipped_after;
   PathAhead path;  // whose after_to_state is not read
   float *u, *v;    // [cols] motion from the state to the frame in between

@@ -22,8 +22,8 @@ struct MatchEffort {
   bool blurs = true;  // the state is blurred as the frame was
 };
 
-// The steps before and after the interval that is completed. Ratios of intervals: (t_i - t_i-1) over (t_i-1 -
-// t_i-2), and over (t_i+1 - t_i-1). The motion of the step before is what complete() left last.
+// The steps before and after the interval that is completed. Ratios of intervals, above 0: (t_i - t_i-1) over
+// (t_i-1 - t_i-2), and over (t_i+1 - t_i-1). The motion of the step before is what complete() left last.
 struct MotionContext {
   float before_ratio = 1;               // 1 at the first step
   const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead

@@ -79,6 +79,12 @@ void rate_flow(FlowField& flow, const FlowField& back, const ExposedFrame* frame
   });
 }
 
+// Whether two steps, one of which takes `ratio` times as long as the other, say how a motion changes.
+bool tells_change(float ratio) {
+  constexpr float kMostRatio = 3;  // beyond, the error of the shorter one's motion is most of what differs
+  return ratio > 1 / kMostRatio && ratio < kMostRatio;
+}
+
 }  // namespace
 
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
@@ -115,7 +121,7 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
                                StateMotion& motion) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
-  go_on(context.before_ratio, motion.to_previous.vectors);
+  continue_predicted(context.before_ratio, motion.to_previous.vectors);
   if (context.after != nullptr && is_worth_bridging([](std::size_t) { return 0.f; })) {
     const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
     clipped_share(*context.after, clipped_after_);
@@ -154,19 +160,15 @@ void MotionEstimator::start_at_prediction(float ratio, FlowRequest& request) con
 }
 
 // Where the frame is clipped, its motion is the one that was predicted.
-void MotionEstimator::go_on(float ratio, Image<float>& to) {
-  if (last_.empty()) {
-    measured_.reshape(1, rows_, cols_);
-    return measured_.fill(1);
-  }
+void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
   std::swap(measured_, measured_before_);
   measured_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().go_on({.at = {rows_, cols_, y},
                                       .clipped = clipped_.row(0, y),
-                                      .predicted = predicted_.plane(0),
-                                      .measured = measured_before_.plane(0),
+                                      .predicted = last_.empty() ? nullptr : predicted_.plane(0),
+                                      .measured = last_.empty() ? nullptr : measured_before_.plane(0),
                                       .ratio = ratio,
                                       .u = to.row(0, y),
                                       .v = to.row(1, y),
@@ -190,10 +192,11 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
 void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) {
   Image<float>&to = motion.to_previous.vectors, &from = motion.from_previous.vectors;
   const float r = context.after_ratio;
+  const bool changes = !last_.empty() && tells_change(context.before_ratio);
   const PathAhead path{.after_to_state = after_to_state_.plane(0),
                        .state_to_after = state_to_after_.plane(0),
-                       .last = last_.empty() ? nullptr : last_.plane(0),
-                       .measured = last_.empty() ? nullptr : measured_before_.plane(0),
+                       .last = changes ? last_.plane(0) : nullptr,
+                       .measured = changes ? measured_before_.plane(0) : nullptr,
                        .share = r,
                        .before = r / context.before_ratio};
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -228,7 +231,7 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
 
 // ratio: of this motion's time to the last one's.
 void MotionEstimator::predict(float ratio, const Image<float>& motion) {
-  if (last_.empty()) return copy(motion, predicted_, pool_);
+  if (last_.empty() || !tells_change(ratio)) return copy(motion, predicted_, pool_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().predict({.at = {rows_, cols_, y},

@@ -1,7 +1,7 @@
 // Estimates motion between a new frame and the state. The state is re-exposed at the frame's exposure, so
 // that both pictures look alike for any schedule, and matched in both directions. Where the frame is clipped
-// it shows no motion; there the previous motion continues, or the motion is taken from the frame after next,
-// if that one is not clipped too. Both follow a motion that changes. Thread-bound.
+// it shows no motion; there the predicted motion goes on, or the motion is taken from the frame after it, if
+// that one is not clipped too. Both follow a motion that changes. Thread-bound.
 #pragma once
 
 #include "online/priors/motion/dense_flow.h"
@@ -14,16 +14,16 @@ class MotionEstimator final : public MotionPrior {
   MotionEstimator(int rows, int cols, WorkerPool& pool);
 
   // Matches both flows. The state is rendered as the frame would show it: at its exposure, and blurred along
-  // the motion of the last step. The search starts from that motion.
+  // the predicted motion. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
              const MatchEffort& effort, const RatedFlows& rated, StateMotion& motion) override;
-  // Completes the motion where the frame is clipped, from the previous step and from the next frame.
+  // Completes the motion where the frame is clipped, from the predicted motion and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
 
  private:
   void start_at_prediction(float ratio, FlowRequest& request) const;
-  void go_on(float ratio, Image<float>& to);
+  void continue_predicted(float ratio, Image<float>& to);
   template <class After>
   bool is_worth_bridging(After&& after) const;
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);

@@ -1,5 +1,5 @@
 // The first translation, before any depth is known: for each of a fixed set of headings, the small rotation
-// that best explains the flow across the epipolar lines is a robust linear problem; fit_pose refines the
+// that best explains the flow across the epipolar lines is a robust linear problem; PoseFitter refines the
 // headings that explain most. (The linear part is the classical bilinear constraint of instantaneous motion:
 // Heeger and Jepson 1992, "Subspace methods for recovering rigid motion".) Needs all points first seen from
 // one place. Deterministic, no random samples. Reentrant.

@@ -47,10 +47,11 @@ struct FitOptions {
       12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
+// Fits one pose after the other in the same memory. The pool belongs to the caller's thread and outlives it.
 class PoseFitter {
  public:
   explicit PoseFitter(WorkerPool& pool) : pool_(pool) {}
-  // So many points take no more memory.
+  // Allocates for up to so many points; fit() then allocates nothing.
   void reserve(std::size_t points);
 
   // Improves a start pose; with no steps it only computes its cost. inverse_depths: [points] start on entry

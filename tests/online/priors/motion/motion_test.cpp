@@ -37,6 +37,14 @@ RadianceState state_of(const ExposedFrame& frame, const ExposureTables& tables, 
   return state;
 }
 
+// A texture that does not repeat itself, moved to the right.
+ExposedFrame leaves(int index, float at_px) {
+  return frame_of(index, 1, [&](float x, float y) {
+    const float along = x - at_px;
+    return 110 + 45 * std::sin(0.31f * along + 0.17f * y) + 45 * std::sin(0.23f * y - 0.11f * along);
+  });
+}
+
 }  // namespace
 
 TEST_CASE("the drift of a scene is found between frames of different exposure, both ways") {
@@ -154,20 +162,14 @@ TEST_CASE("what a frame clips is followed over it as fast as it moved before, th
 
 TEST_CASE("what gains speed is followed over a frame that clips it to where it is, not to the middle") {
   constexpr float kAt[] = {0, 2, 6, 12};  // pixels: from one frame to the next 2, 4 and 6
-  const auto leaves = [&](int index) {
-    return frame_of(index, 1, [&](float x, float y) {
-      const float along = x - kAt[index];
-      return 110 + 45 * std::sin(0.31f * along + 0.17f * y) + 45 * std::sin(0.23f * y - 0.11f * along);
-    });
-  };
   WorkerPool pool(1);
   const Response response = Response::linear();
   const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
   MotionEstimator estimator(kRows, kCols, pool);
   StateMotion motion;
-  const ExposedFrame second = leaves(1), after = leaves(3);
+  const ExposedFrame second = leaves(1, kAt[1]), after = leaves(3, kAt[3]);
   const ExposedFrame clipped = frame_of(2, 16, [](float, float) { return kMaxCode; });
-  const RadianceState at_first = state_of(leaves(0), usual, pool);
+  const RadianceState at_first = state_of(leaves(0, kAt[0]), usual, pool);
   estimator.match(at_first, second, usual, {FlowQuality::Fine}, {}, motion);
   estimator.complete(at_first, second, {}, FlowQuality::Fine, {}, motion);
   REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-2).margin(0.1));
@@ -179,6 +181,33 @@ TEST_CASE("what gains speed is followed over a frame that clips it to where it i
   // the middle is 5 pixels away, the truth 4; a part of the change is taken for an error of the flow
   CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-4.4).margin(0.15));
   CHECK(motion.from_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(4.4).margin(0.15));
+}
+
+TEST_CASE("a motion that changed from step to step goes on changing where a frame clips it") {
+  // frames at 0, 1, 3 and 7 intervals; the second step is twice as long as the first and a pixel more than
+  // that
+  constexpr float kAt[] = {0, 2, 7};
+  WorkerPool pool(1);
+  const Response response = Response::linear();
+  const ExposureTables usual(response, {}, 1), longer(response, {}, 16);
+  const auto expect = [&](bool first_is_clipped, float step_px) {
+    MotionEstimator estimator(kRows, kCols, pool);
+    StateMotion motion;
+    const auto step = [&](const ExposedFrame& from, const ExposedFrame& to, float ratio) {
+      const RadianceState state = state_of(from, usual, pool);
+      estimator.match(state, to, to.exposure > 1 ? longer : usual, {FlowQuality::Fine}, {}, motion);
+      estimator.complete(state, to, {.before_ratio = ratio}, FlowQuality::Fine, {}, motion);
+    };
+    const ExposedFrame clipped = frame_of(7, 16, [](float, float) { return kMaxCode; });
+    const ExposedFrame second = leaves(1, kAt[1]);
+    step(leaves(0, kAt[0]), first_is_clipped ? clipped : second, 1);
+    step(leaves(1, kAt[1]), leaves(3, kAt[2]), 2);
+    REQUIRE(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-5).margin(0.1));
+    step(leaves(3, kAt[2]), clipped, 2);
+    CHECK(motion.to_previous.vectors.at(0, kRows / 2, kCols / 2) == Approx(-step_px).margin(0.1));
+  };
+  expect(false, 2 * (5 + 0.5f * 1 / (1 + 1)));
+  expect(true, 2 * 5);  // nobody measured the first one
 }
 
 TEST_CASE("a motion that no frame measures any more gives way to that of its surroundings") {
