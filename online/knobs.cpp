@@ -168,7 +168,9 @@ void add_priors_and_scene(std::vector<Knob>& table) {
                        {"", "tracked: a few ms per frame",
                         "given: from the recording, tracked where it has none; fixed: a tripod"}));
   table.push_back(whole<&K::depth, &DepthOptions::step_px>(
-      "depth_step", kAtStart, 1, 8, {"px", "1 costs five times as much as 2", "2 is as accurate as 1"}));
+      "depth_step", kAtStart, 1, 8,
+      {"px", "1 costs five times as much as 2",
+       "2 is as accurate as 1; where field_step is auto and nobody looks, at least twice that"}));
   table.push_back(real<&K::moving_depth, &MovingDepthOptions::nearer>(
       "moving_nearer", kAtStart, 0, 10,
       {"", "1 % of the time; 0 saves it",

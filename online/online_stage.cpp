@@ -272,7 +272,9 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
   ++world_;
   poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value(), pool_);
   DepthOptions depth = knobs_.depth;
-  depth.step_px = std::max(depth.step_px, field_step_ / 2);  // no finer than the field's blocks can use
+  // no finer than the field's blocks can use, and half as fine where nobody looks at it
+  const bool seen = knobs_.field_step != FieldStep::Auto;
+  depth.step_px = std::max(depth.step_px, seen ? field_step_ / 2 : 2 * field_step_);
   depth_ =
       std::make_unique<MovingDepth>(depth, knobs_.moving_depth, lens_, camera_.height, camera_.width, pool_);
   if (field_) return field_->restart();

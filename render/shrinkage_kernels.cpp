@@ -20,6 +20,11 @@ void to_opponent(const float* const radiance[3], const float* const variance[3],
                  float* const weight[3]) {
   constexpr float kMaxLogVariance = 0.25f;
   constexpr int kBlock = 64;
+  // whole rows: for a block the compiler writes string instructions, which take longer to begin than to end
+  for (int c = 0; c < 3; ++c) {
+    __builtin_memset(sum[c], 0, sizeof(float) * static_cast<std::size_t>(n));
+    __builtin_memset(weight[c], 0, sizeof(float) * static_cast<std::size_t>(n));
+  }
   float logs[3][kBlock], variances[3][kBlock];
   for (int x0 = 0; x0 < n; x0 += kBlock) {
     const int count = n - x0 < kBlock ? n - x0 : kBlock;
@@ -38,8 +43,6 @@ void to_opponent(const float* const radiance[3], const float* const variance[3],
       for (int x = 0; x < count; ++x) o[x] = t[0] * logs[0][x] + t[1] * logs[1][x] + t[2] * logs[2][x];
       for (int x = 0; x < count; ++x)
         s[x] = t0 * variances[0][x] + t1 * variances[1][x] + t2 * variances[2][x];
-      __builtin_memset(sum[c] + x0, 0, sizeof(float) * static_cast<std::size_t>(count));
-      __builtin_memset(weight[c] + x0, 0, sizeof(float) * static_cast<std::size_t>(count));
     }
   }
 }

@@ -288,6 +288,27 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   CHECK(radiance == alone.radiance);
 }
 
+TEST_CASE(
+    "depth is measured at half of a field's resolution where nobody looks, and as asked where it is seen") {
+  const test::MovingScene scene;
+  const auto grid_step = [&](FieldStep field_step) {
+    WorkerPool pool(1);
+    Knobs options;
+    options.field_step = field_step;
+    Stream stream(scene, options, pool);
+    int step = 0;
+    const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+      if (estimate.depth != nullptr) step = scene.rows / estimate.depth->inverse_depth.rows();
+      return {};
+    };
+    for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+    REQUIRE(stream.finish(options.budget, emit).ok());
+    return step;
+  };
+  CHECK(grid_step(FieldStep::One) == DepthOptions().step_px);
+  CHECK(grid_step(FieldStep::Auto) == 2 * field_step_px(FieldStep::Auto, scene.rows, scene.cols));
+}
+
 TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
   test::MovingScene scene;
   scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
