@@ -13,8 +13,7 @@ enum class ShrinkageEffort { Off, On, Dense };
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
   FitBudget fit;
-  bool fills =
-      false;  // unseen pixels are raised above the state's lower bound, halfway to the field's radiance
+  bool fills = false;    // unseen pixels rise from the state's lower bound halfway to the field's radiance
   int render_step = 2;   // 1..8: they are filled, and depth is shown, from every n-th pixel of the field
   int later_frames = 2;  // of those that it waits for, so many join the emitted picture, the nearest first
   bool blurs = true;     // motion during the exposure is part of the match and of the state

@@ -48,6 +48,54 @@ bool project(const ScenePoint& point, double inverse_depth, const Intrinsics& le
   return true;
 }
 
+struct PointTerms {
+  Matrix26 per_pose;  // d px / d (rotation, translation)
+  Eigen::Vector2d per_depth;
+  Eigen::Vector2d px;
+  double weight = 0;  // robust / sigma^2
+  double offset = 0;  // d - prior
+};
+
+bool linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
+               double scale, double width, PointTerms& terms) {
+  Projection p;
+  if (!project(point, d, lens, T, p)) return false;
+  terms.px = p.px - point.seen_px;
+  terms.per_pose.leftCols<3>() = -p.per_y * cross_matrix(p.y);
+  terms.per_pose.rightCols<3>() = p.per_y * d;
+  terms.per_depth = p.per_y * p.baseline;
+  const double precision = 1 / (point.sigma_px * point.sigma_px * scale * scale);
+  terms.weight = precision * robust_weight(terms.px.squaredNorm() * precision, width);
+  terms.offset = d - point.inverse_depth;
+  return true;
+}
+
+// Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
+EliminatedDepth accumulate(const ScenePoint& point, const PointTerms& q, PoseSums& sums) {
+  const Matrix26 weighted = q.weight * q.per_pose;
+  EliminatedDepth depth;
+  depth.curvature = q.weight * q.per_depth.squaredNorm() + point.information;
+  depth.gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
+  depth.coupling = weighted.transpose().lazyProduct(q.per_depth);
+  const Vector6 scaled = depth.coupling / depth.curvature;
+  sums.H += weighted.transpose().lazyProduct(q.per_pose) - depth.coupling.lazyProduct(scaled.transpose());
+  sums.g += weighted.transpose().lazyProduct(q.px) - scaled * depth.gradient;
+  return depth;
+}
+
+Vector6 solve(PoseSums& sums, Freedom freedom) {
+  if (freedom == Freedom::Nothing) return Vector6::Zero();
+  if (freedom == Freedom::Rotation) {
+    sums.H.bottomRows<3>().setZero(), sums.H.rightCols<3>().setZero();
+    sums.H.bottomRightCorner<3, 3>().setIdentity();
+    sums.g.tail<3>().setZero();
+  }
+  sums.H.diagonal() *= 1 + 1e-6;
+  sums.H.diagonal().array() += 1e-6;
+  const Vector6 step = -sums.H.ldlt().solve(sums.g);
+  return step.allFinite() ? step : Vector6::Zero();
+}
+
 }  // namespace
 
 bool point_residual(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
@@ -80,69 +128,21 @@ void PoseFitter::reserve(std::size_t points) {
   parts_.reserve(points / kPartPoints + 1);
 }
 
-struct PoseFitter::PointTerms {
-  Matrix26 per_pose;  // d px / d (rotation, translation)
-  Eigen::Vector2d per_depth;
-  Eigen::Vector2d px;
-  double weight = 0;  // robust / sigma^2
-  double offset = 0;  // d - prior
-};
-
-bool PoseFitter::linearise(const ScenePoint& point, double d, const Intrinsics& lens, const RigidTransform& T,
-                           double scale, double width, PointTerms& terms) {
-  Projection p;
-  if (!project(point, d, lens, T, p)) return false;
-  terms.px = p.px - point.seen_px;
-  terms.per_pose.leftCols<3>() = -p.per_y * cross_matrix(p.y);
-  terms.per_pose.rightCols<3>() = p.per_y * d;
-  terms.per_depth = p.per_y * p.baseline;
-  const double precision = 1 / (point.sigma_px * point.sigma_px * scale * scale);
-  terms.weight = precision * robust_weight(terms.px.squaredNorm() * precision, width);
-  terms.offset = d - point.inverse_depth;
-  return true;
-}
-
-// Adds one point with its depth eliminated. Returns what gives the depth's step once the pose's is known.
-PoseFitter::EliminatedDepth PoseFitter::accumulate(const ScenePoint& point, const PointTerms& q, Sums& sums) {
-  const Matrix26 weighted = q.weight * q.per_pose;
-  EliminatedDepth depth;
-  depth.curvature = q.weight * q.per_depth.squaredNorm() + point.information;
-  depth.gradient = q.weight * q.per_depth.dot(q.px) + point.information * q.offset;
-  depth.coupling = weighted.transpose().lazyProduct(q.per_depth);
-  const Vector6 scaled = depth.coupling / depth.curvature;
-  sums.H += weighted.transpose().lazyProduct(q.per_pose) - depth.coupling.lazyProduct(scaled.transpose());
-  sums.g += weighted.transpose().lazyProduct(q.px) - scaled * depth.gradient;
-  return depth;
-}
-
-PoseFitter::Vector6 PoseFitter::solve(Sums& sums, Freedom freedom) {
-  if (freedom == Freedom::Nothing) return Vector6::Zero();
-  if (freedom == Freedom::Rotation) {
-    sums.H.bottomRows<3>().setZero(), sums.H.rightCols<3>().setZero();
-    sums.H.bottomRightCorner<3, 3>().setIdentity();
-    sums.g.tail<3>().setZero();
-  }
-  sums.H.diagonal() *= 1 + 1e-6;
-  sums.H.diagonal().array() += 1e-6;
-  const Vector6 step = -sums.H.ldlt().solve(sums.g);
-  return step.allFinite() ? step : Vector6::Zero();
-}
-
 // Calls body(i, sums) for the points that were seen; the parts are summed in their order.
 template <class Body>
-PoseFitter::Sums PoseFitter::sum_over(std::span<const ScenePoint> points, Body&& body) {
+PoseSums PoseFitter::sum_over(std::span<const ScenePoint> points, Body&& body) {
   const std::size_t parts = (points.size() + kPartPoints - 1) / kPartPoints;
   parts_.assign(parts, {});
   pool_.for_each(static_cast<int>(parts), [&](int part) {
-    Sums sums;
+    PoseSums sums;
     const std::size_t begin = static_cast<std::size_t>(part) * kPartPoints,
                       end = std::min(points.size(), begin + kPartPoints);
     for (std::size_t i = begin; i < end; ++i)
       if (points[i].seen) body(i, sums);
     parts_[static_cast<std::size_t>(part)] = sums;
   });
-  Sums all;
-  for (const Sums& part : parts_) {
+  PoseSums all;
+  for (const PoseSums& part : parts_) {
     all.H += part.H, all.g += part.g;
     all.cost += part.cost, all.seen += part.seen, all.inliers += part.inliers;
   }
@@ -165,7 +165,7 @@ PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& le
   };
   for (int step = 0; step < options.steps; ++step) {
     const double width = std::max(kRobustSigmas, options.widest_sigmas * std::pow(0.5, step));
-    Sums sums = sum_over(points, [&](std::size_t i, Sums& some) {
+    PoseSums sums = sum_over(points, [&](std::size_t i, PoseSums& some) {
       PointTerms terms;
       const double d = depth_after_move(i);
       eliminated_[i] = linearise(points[i], d, lens, T, options.noise_scale, width, terms)
@@ -179,7 +179,7 @@ PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& le
   }
   T.R = orthonormal(T.R);
   const double scale2 = options.noise_scale * options.noise_scale;
-  const Sums sums = sum_over(points, [&](std::size_t i, Sums& some) {
+  const PoseSums sums = sum_over(points, [&](std::size_t i, PoseSums& some) {
     const double d = depth_after_move(i);
     PointResidual r;
     const double squared = point_residual(points[i], d, lens, T, r) ? r.squared_sigmas / scale2 : kBehind;

@@ -47,6 +47,21 @@ struct FitOptions {
       12;  // the robust kernel at the first step: wide, so that a poor start still uses all points
 };
 
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+// What the equation of a point's depth leaves once the pose is solved for.
+struct EliminatedDepth {
+  Vector6 coupling = Vector6::Zero();  // with the pose's step
+  double gradient = 0, curvature = 1;
+};
+// The sums over a part of the points.
+struct PoseSums {
+  Matrix6 H = Matrix6::Zero();
+  Vector6 g = Vector6::Zero();
+  double cost = 0;
+  int seen = 0, inliers = 0;
+};
+
 // Fits one pose after the other in the same memory. The pool belongs to the caller's thread and outlives it.
 class PoseFitter {
  public:
@@ -61,32 +76,12 @@ class PoseFitter {
               std::span<double> inverse_depths);
 
  private:
-  using Vector6 = Eigen::Matrix<double, 6, 1>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  // What the equation of a point's depth leaves once the pose is solved for.
-  struct EliminatedDepth {
-    Vector6 coupling = Vector6::Zero();  // with the pose's step
-    double gradient = 0, curvature = 1;
-  };
-  // The sums over a part of the points.
-  struct Sums {
-    Matrix6 H = Matrix6::Zero();
-    Vector6 g = Vector6::Zero();
-    double cost = 0;
-    int seen = 0, inliers = 0;
-  };
-  struct PointTerms;
-
-  static bool linearise(const ScenePoint& point, double inverse_depth, const Intrinsics& lens,
-                        const RigidTransform& T_camera_world, double scale, double width, PointTerms& terms);
-  static EliminatedDepth accumulate(const ScenePoint& point, const PointTerms& terms, Sums& sums);
-  static Vector6 solve(Sums& sums, Freedom freedom);
   template <class Body>
-  Sums sum_over(std::span<const ScenePoint> points, Body&& body);
+  PoseSums sum_over(std::span<const ScenePoint> points, Body&& body);
 
   WorkerPool& pool_;
   std::vector<EliminatedDepth> eliminated_;  // [points]
-  std::vector<Sums> parts_;
+  std::vector<PoseSums> parts_;
 };
 
 // The noise that no depth can explain: the median residual across the epipolar lines, as a standard deviation
