@@ -46,6 +46,7 @@ void CompactFrame::restore(ExposedFrame& frame) const {
   frame.index = frame_.index;
   frame.exposure = frame_.exposure;
   frame.reference_exposure = frame_.reference_exposure;
+  frame.interval_s = frame_.interval_s;
   frame.blur_fraction = frame_.blur_fraction;
   if (!bytes_.empty())
     expand(bytes_, scale_, frame.codes);

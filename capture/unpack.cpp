@@ -19,6 +19,7 @@ Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, cons
   TRY(check_exposure(raw.facts));
   frame.facts = raw.facts;
   frame.index = index;
+  frame.interval_s = interval_s;
   frame.reference_exposure = settings.reference_exposure;
   frame.exposure = static_cast<float>(raw.facts.exposure() / settings.reference_exposure);
   const bool blurs =

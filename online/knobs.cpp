@@ -133,6 +133,11 @@ void add_stream(std::vector<Knob>& table) {
   table.push_back(choice<&K::noise>(
       "noise", kAtStart, {"assumed", "learned"},
       {"", "learned: about a tenth of the motion", "samples weighed by the noise they have"}));
+  table.push_back(choice<&K::motion_blur>(
+      "motion_blur", kAtStart, {"off", "stated", "shown"},
+      {"", "a tenth of the time where things move",
+       "sharp frames of what moves; stated: as exposure times say; shown: unless frames contradict it, as "
+       "stills that are played as a video do"}));
   table.push_back(choice<&K::response>(
       "response", kAtStart, {"curve", "network", "mean", "linear"},
       {"", "nothing",

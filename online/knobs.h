@@ -25,6 +25,10 @@ const char* name(Preset preset);
 // The noise model of a run: measured from its frames, or as assumed at the start, for comparison.
 enum class NoiseKind { Assumed, Learned };
 
+// Motion blur that is modelled: none, what exposure times state, or that as far as frames show it
+// (state/shown_blur.h).
+enum class BlurKind { Off, Stated, Shown };
+
 struct Knobs {
   FrameBudget budget;
   int look_ahead = 1;                       // frames, 0..2: later frames that an emission waits for; or:
@@ -33,6 +37,7 @@ struct Knobs {
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
   NoiseKind noise = NoiseKind::Learned;
+  BlurKind motion_blur = BlurKind::Shown;
   ResponseModel response = ResponseModel::Curve;  // of frames whose response is unknown
   StateOptions state;
   PoseKind pose = PoseKind::Given;

@@ -33,7 +33,8 @@ bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer
 
 struct OnlineStage::Step {
   ExposedFrame frame;
-  StateMotion motion;  // between the state at the frame before and this one
+  float stated_blur = 0;  // share of its motion that blurs it by its facts
+  StateMotion motion;     // between the state at the frame before and this one
   // After this frame, where a later one has taken its place before this one was emitted; borrowed.
   RadianceState state;
   DepthMap depth;
@@ -59,6 +60,7 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(std::in_place, pool),
       texture_error_(std::in_place, pool),
+      shown_blur_(std::in_place, pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
@@ -72,6 +74,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
   budget_ = budget;
   budget_.render_step = std::max(budget.render_step, field_step_);  // nothing more between the field's pixels
   if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
+  shown_blur_->heed(frame);
   if (!started_ && response_known_) {
     black_level_ = frame.facts.black_level.value_or(BlackLevel());
     started_ = true;
@@ -129,6 +132,7 @@ Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, const Emi
   noise_ = assumed_noise_;
   noise_estimator_.emplace(pool_);
   texture_error_.emplace(pool_);
+  shown_blur_->forget();
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
   field_rested_ = field_ != nullptr;
   white_ = 1;
@@ -150,6 +154,8 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   Step& step = *steps_.back();
   std::swap(step.frame, frame);
   white_ = std::max(white_, 1 / step.frame.exposure);
+  step.stated_blur = ShownBlur::stated(step.frame);
+  step.frame.blur_fraction = blur_of(step);
   step.advanced = step.emitted = false;
   const ExposureTables& tables = tables_for(step.frame);
 
@@ -198,6 +204,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
                     {.from_previous = field_takes_part() || look_ahead_ > 1}, step.motion);
   if (timing_) timing_("motion", watch.lap_ms());
 
+  learn_blur(step);
   learn_texture_error(step);
   if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep_state(*steps_[at - 1]);
   state_->advance({step.frame, tables_for(step.frame), white_, budget_.blurs}, step.motion.to_previous);
@@ -379,6 +386,25 @@ const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
   return tables;
 }
 
+float OnlineStage::blur_of(const Step& step) const {
+  switch (knobs_.motion_blur) {
+    case BlurKind::Off:
+      return 0;
+    case BlurKind::Stated:
+      return std::min(step.stated_blur, ShownBlur::kMostCounted);
+    case BlurKind::Shown:
+      break;
+  }
+  return shown_blur_->counted(step.stated_blur);
+}
+
+// Before the state takes the frame in, as with the error of textures.
+void OnlineStage::learn_blur(const Step& step) {
+  if (knobs_.motion_blur != BlurKind::Shown || !looks_closely(step.frame.index)) return;
+  shown_blur_->observe(step.frame, step.stated_blur, state_->state(), step.motion.to_previous,
+                       tables_for(step.frame), white_);
+}
+
 // Before the state takes the frame in: the frame must not be compared with itself.
 void OnlineStage::learn_texture_error(const Step& step) {
   if (knobs_.noise == NoiseKind::Assumed) return;
@@ -387,10 +413,11 @@ void OnlineStage::learn_texture_error(const Step& step) {
   for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
 }
 
-// Of every frame at first; of every fifth later, so that each pair of a cycle of up to four has its turn.
-bool OnlineStage::learns_noise(int frame) const {
+// Whether a frame tells of noise and blur: every one at first; every fifth later, so that each pair of a
+// cycle of up to four has its turn.
+bool OnlineStage::looks_closely(int frame) {
   constexpr int kEagerFrames = 24, kLaterEvery = 5;
-  return knobs_.noise == NoiseKind::Learned && (frame < kEagerFrames || frame % kLaterEvery == 0);
+  return frame < kEagerFrames || frame % kLaterEvery == 0;
 }
 
 void OnlineStage::learn_noise(const Step& previous, const Step& step) {

@@ -17,6 +17,7 @@
 #include "online/knobs.h"
 #include "online/noise/noise_estimator.h"
 #include "online/response/response_learner.h"
+#include "online/state/shown_blur.h"
 #include "online/state/state_layer.h"
 #include "online/state/texture_error.h"
 
@@ -53,6 +54,8 @@ class OnlineStage {
   const BlackLevel& black_level() const { return black_level_; }
   // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
   float texture_error() const { return texture_error_->share(); }
+  // Whether frames show the motion blur that their exposure times state (shown_blur.h).
+  bool blur_shown() const { return shown_blur_->shown(); }
   // Why the state, or the fit of the field, no longer runs on the graphics device; "" while it does, or was
   // not asked to.
   std::string trouble() const { return state_->trouble(); }
@@ -77,13 +80,16 @@ class OnlineStage {
   Result<void> emit_ready(bool all, const Emit& emit);
   void retire_oldest();
   const ExposureTables& tables_for(const ExposedFrame& frame);
-  bool learns_noise(int frame) const;
+  static bool looks_closely(int frame);
+  bool learns_noise(int frame) const { return knobs_.noise == NoiseKind::Learned && looks_closely(frame); }
   // Whether the newest frame joins the one that becomes ready.
   bool joins_newest() const {
     return look_ahead_ > 0 && budget_.later_frames >= look_ahead_ && budget_.emits;
   }
   bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void learn_noise(const Step& previous, const Step& step);
+  float blur_of(const Step& step) const;
+  void learn_blur(const Step& step);
   void learn_texture_error(const Step& step);
   float gain_of(const ExposedFrame& frame) const;
 
@@ -108,6 +114,7 @@ class OnlineStage {
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   std::optional<NoiseEstimator> noise_estimator_;
   std::optional<TextureError> texture_error_;
+  std::optional<ShownBlur> shown_blur_;
   double reference_gain_ = 0;                                 // of the first frame; 0: none came yet
   std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
 

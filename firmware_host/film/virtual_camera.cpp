@@ -29,7 +29,8 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
 
 void copy_input(const ExposedFrame& from, ExposedFrame& to) {
   to.facts = from.facts;
-  to.index = from.index, to.exposure = from.exposure, to.blur_fraction = from.blur_fraction;
+  to.index = from.index, to.exposure = from.exposure;
+  to.interval_s = from.interval_s, to.blur_fraction = from.blur_fraction;
   to.codes.copy_from(from.codes);
 }
 

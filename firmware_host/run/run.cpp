@@ -111,6 +111,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
     record.notes.push_back(
         fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
                     100 * share));
+  if (!online.blur_shown())
+    record.notes.emplace_back(
+        "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
+        "motion_blur=stated if they do)");
   const BlackLevel& black = online.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));

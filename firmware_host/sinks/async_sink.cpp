@@ -32,6 +32,7 @@ void copy(const ExposedFrame& from, InputUse use, ExposedFrame& to) {
   to.facts = from.facts;
   to.index = from.index;
   to.exposure = from.exposure;
+  to.interval_s = from.interval_s;
   to.blur_fraction = from.blur_fraction;
   if (use == InputUse::Codes) to.codes.copy_from(from.codes);
 }

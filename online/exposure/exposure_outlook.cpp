@@ -35,8 +35,8 @@ void ExposureOutlook::see(const FrameEstimate& estimate) {
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   constexpr int kLeastSize = 8;  // pixels
   if (estimate.to_previous == nullptr || rows < kLeastSize || cols < kLeastSize) return;
-  if (!(frame.blur_fraction > 0)) return;
-  interval_s_ = frame.facts.exposure_s / static_cast<double>(frame.blur_fraction);
+  if (!(frame.interval_s > 0)) return;
+  interval_s_ = frame.interval_s;
   const float down = spread(frames_, 0.7548776662), across = spread(frames_, 0.5698402910);
   const auto first = static_cast<std::size_t>(frames_ % kFrames) * kColumns * kRows;
   for (int j = 0; j < kRows; ++j)

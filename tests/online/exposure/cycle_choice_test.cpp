@@ -59,6 +59,7 @@ class Loop {
     frame_.facts.timestamp = Instant{kInterval * static_cast<Duration::rep>(frames_)};
     frame_.exposure = static_cast<float>(exposure.product() / reference_);
     frame_.reference_exposure = reference_;
+    frame_.interval_s = to_seconds(kInterval);
     frame_.blur_fraction = static_cast<float>(to_seconds(exposure.time) / to_seconds(kInterval));
     const CounterRandom random(1, 2, frames_);
     const float noise = pattern_.noise * pattern_.brightness;

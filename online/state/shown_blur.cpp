@@ -1,0 +1,154 @@
+#include "online/state/shown_blur.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "capture/clip_policy.h"
+#include "capture/exposure.h"
+#include "online/pictures/between_pixels.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kStride = 3;                       // pixels
+constexpr int kUsualPixels = 320 * 240;          // of a larger picture fewer lines are looked at
+constexpr float kMinConfidence = 0.8f;           // of the flow
+constexpr float kLeastStated = 0.15f;            // of a frame that tells
+constexpr float kLeastBlur = 1, kMostBlur = 32;  // pixels
+constexpr float kDarkest = 12;                   // codes: below, engines blur by themselves
+constexpr float kRelative = 0.02f;               // of radiance: noise that no model states
+constexpr float kMinSize2 = 4;                   // squared blur over the variance of noise
+constexpr double kEnough = 100, kMemory = 2000;  // comparisons
+
+}  // namespace
+
+struct ShownBlur::Seen {
+  const ExposedFrame& frame;
+  const RadianceState& state;
+  const FlowField& to_previous;
+  const ExposureTables& tables;
+  float stated;
+  float known;  // variance from which on the state does not know a pixel
+};
+
+float ShownBlur::stated(const ExposedFrame& frame) {
+  if (frame.blur_fraction > 0) return frame.blur_fraction;
+  const bool outlasts =
+      frame.facts.has_exposure_time() && outlasts_frame(frame.facts.exposure_s, frame.interval_s);
+  return outlasts ? static_cast<float>(frame.facts.exposure_s / frame.interval_s) : 0;
+}
+
+void ShownBlur::heed(const ExposedFrame& frame) {
+  // Time stamps jitter: one that is a little too early proves nothing, one in eight do; the longest exposure
+  // of a cycle comes more often.
+  constexpr float kBeyondJitter = 1.5f;
+  constexpr int kLeast = 2, kOneIn = 8;
+  const float share = stated(frame);
+  ++heeded_;
+  if (share > 1) ++outlasting_;
+  const bool often = outlasting_ >= kLeast && outlasting_ * kOneIn >= heeded_;
+  if (doubted_ || (share < kBeyondJitter && !often)) return;
+  doubted_ = true, shown_ = false;
+  forget();
+}
+
+float ShownBlur::counted(float stated) const { return shown_ ? std::min(stated, kMostCounted) : 0; }
+
+void ShownBlur::observe(const ExposedFrame& frame, float stated, const RadianceState& state,
+                        const FlowField& to_previous, const ExposureTables& tables, float white) {
+  if (to_previous.vectors.empty() || stated < kLeastStated || stated > kMostCounted) return;
+  const Seen seen{frame, state, to_previous, tables, stated, known_limit(white)};
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+  const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
+  lines_.assign(static_cast<std::size_t>((rows + lines_apart - 1) / lines_apart), {});
+  pool_.for_each(static_cast<int>(lines_.size()),
+                 [&](int i) { lines_[static_cast<std::size_t>(i)] = compare_line(seen, i * lines_apart); });
+  Evidence& e = evidence_;
+  const double kept = e.count > kMemory ? 0.5 : 1;
+  for (double* sum : {&e.along2, &e.both, &e.across2, &e.by_along, &e.by_across, &e.count}) *sum *= kept;
+  for (const Evidence& line : lines_) {
+    e.along2 += line.along2, e.both += line.both, e.across2 += line.across2;
+    e.by_along += line.by_along, e.by_across += line.by_across, e.count += line.count;
+  }
+  decide();
+}
+
+ShownBlur::Evidence ShownBlur::compare_line(const Seen& seen, int y) {
+  Evidence evidence;
+  const int rows = seen.frame.codes.rows(), cols = seen.frame.codes.cols();
+  for (int x = 0; x < cols; x += kStride) {
+    if (seen.to_previous.confidence.at(0, y, x) < kMinConfidence) continue;
+    const Offset motion = offset_at(seen.to_previous.vectors, x, y);
+    const float blur = std::hypot(motion.x, motion.y) * seen.stated;
+    if (!(blur >= kLeastBlur && blur <= kMostBlur)) continue;
+    const float reach = blur / 2 + 2;
+    const float from_x = static_cast<float>(x) + motion.x, from_y = static_cast<float>(y) + motion.y;
+    if (from_x - reach < 0 || from_y - reach < 0 || from_x + reach > static_cast<float>(cols - 1) ||
+        from_y + reach > static_cast<float>(rows - 1))
+      continue;
+    compare(seen, (x / kStride + y) % 3, y, x, evidence);  // the channels by turns
+  }
+  return evidence;
+}
+
+// The difference between a sample and the carried state, and what the state's blur along and across the
+// motion would make of it.
+void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& evidence) {
+  const auto& [frame, state, to_previous, tables, stated, known] = seen;
+  const float code = frame.codes.at(channel, y, x);
+  if (code < kDarkest || code > clip_policy::kCompareFadeBegin) return;
+  const int rows = frame.codes.rows(), cols = frame.codes.cols();
+  const Offset motion = offset_at(to_previous.vectors, x, y);
+  bool knows = true;
+  const auto light = [&](Offset by) {
+    const BetweenPixels place(rows, cols, x, y, {motion.x + by.x, motion.y + by.y});
+    knows = knows && place.of(state.variance, channel) < known;
+    return place.of(state.radiance, channel);
+  };
+  const float here = light({});
+  const int instants = std::max(3, static_cast<int>(std::hypot(motion.x, motion.y) * stated) | 1);
+  float along = 0, across = 0;
+  for (int i = 0; i < instants && knows; ++i) {
+    const float t = stated * ((static_cast<float>(i) + 0.5f) / static_cast<float>(instants) - 0.5f);
+    along += light(t * motion);
+    across += light(t * Offset{-motion.y, motion.x});
+  }
+  if (!knows) return;
+  const float mean = along / static_cast<float>(instants);
+  const float b_along = mean - here, b_across = across / static_cast<float>(instants) - here;
+  const float size2 = b_along * b_along + b_across * b_across;
+  const float noise =
+      tables.variance(channel, mean) + BetweenPixels(rows, cols, x, y, motion).of(state.variance, channel);
+  if (size2 < kMinSize2 * (noise + kRelative * kRelative * here * here)) return;
+  const float most = 2 * std::sqrt(size2);  // more is a failure of the motion
+  const float off = std::clamp(tables.radiance(channel, code) - here, -most, most);
+  const double weight = 1 / static_cast<double>(noise + size2);
+  evidence.along2 += weight * static_cast<double>(b_along * b_along);
+  evidence.both += weight * static_cast<double>(b_along * b_across);
+  evidence.across2 += weight * static_cast<double>(b_across * b_across);
+  evidence.by_along += weight * static_cast<double>(off * b_along);
+  evidence.by_across += weight * static_cast<double>(off * b_across);
+  evidence.count += 1;
+}
+
+// A state that took blurred frames for sharp ones, or sharp ones for blurred, has part of that blur itself,
+// or of its opposite: along the motion frames then show about half. What also acts across it is no motion
+// blur. The more comparisons there are, the less has to speak against what was taken so far.
+void ShownBlur::decide() {
+  constexpr double kLittle = 0.2, kMuch = 0.35;  // shown beyond what acts across
+  constexpr double kHardlyAny = 0.3, kHardlyAnyAcross = 0.1;
+  constexpr double kSure = 4;
+  const Evidence& e = evidence_;
+  const double determinant = e.along2 * e.across2 - e.both * e.both;
+  if (e.count < kEnough || !(determinant > 0)) return;
+  const double along = (e.across2 * e.by_along - e.both * e.by_across) / determinant;
+  const double across = (e.along2 * e.by_across - e.both * e.by_along) / determinant;
+  const double beyond = along - across, certainty = std::sqrt(e.count);
+  const bool refuted = shown_ ? along < kHardlyAny && (kMuch - beyond) * certainty > kSure
+                              : across < kHardlyAnyAcross && (beyond - kLittle) * certainty > kSure;
+  if (!refuted) return;
+  shown_ = !shown_;
+  forget();
+}
+
+}  // namespace hdrcam

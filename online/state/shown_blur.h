@@ -1,0 +1,62 @@
+// Whether frames show the motion blur that their exposure times state. Stills that are played as a video, a
+// flash or a wrong time show none; and of a stream whose exposures outlast their frames the times or the time
+// stamps are wrong, so that nothing states the blur. New frames are compared with the carried state: how much
+// of their difference is the state's blur along the motion, less what a blur across it explains as well. What
+// makes textures weak otherwise (noise, compression, an error of the response) does so in all directions.
+// Thread-bound; the result does not depend on the number of threads.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "capture/exposed_frame.h"
+#include "hal/core/worker_pool.h"
+#include "online/pictures/flow_field.h"
+#include "online/state/exposure_tables.h"
+#include "online/state/radiance_state.h"
+
+namespace hdrcam {
+
+class ShownBlur {
+ public:
+  static constexpr float kMostCounted = 3;  // of a stated share: beyond, exposures are those of stills
+
+  explicit ShownBlur(WorkerPool& pool) : pool_(pool) {}
+
+  // The share of the motion to the next frame that blurs a frame by its facts; more than 1 where its exposure
+  // outlasts it. 0: unknown.
+  static float stated(const ExposedFrame& frame);
+
+  // Takes note of what a frame states. Where exposures outlast their frames, blur counts only if frames have
+  // shown it.
+  void heed(const ExposedFrame& frame);
+  // What counts of a stated share.
+  float counted(float stated) const;
+
+  // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
+  // white: as known_limit() takes it.
+  void observe(const ExposedFrame& frame, float stated, const RadianceState& state,
+               const FlowField& to_previous, const ExposureTables& tables, float white);
+  // The comparisons so far do not hold any more, because the response became another one.
+  void forget() { evidence_ = {}; }
+
+  bool shown() const { return shown_; }
+
+ private:
+  // Sums over comparisons d = k_along b_along + k_across b_across, weighted.
+  struct Evidence {
+    double along2 = 0, both = 0, across2 = 0, by_along = 0, by_across = 0, count = 0;
+  };
+  struct Seen;
+  static Evidence compare_line(const Seen& seen, int y);
+  static void compare(const Seen& seen, int channel, int y, int x, Evidence& evidence);
+  void decide();
+
+  WorkerPool& pool_;
+  std::vector<Evidence> lines_;  // of the current frame
+  Evidence evidence_;
+  int heeded_ = 0, outlasting_ = 0;  // frames
+  bool doubted_ = false, shown_ = true;
+};
+
+}  // namespace hdrcam
