@@ -107,9 +107,9 @@ TEST_CASE("where exposures outlast their frames motion blur counts only if frame
 
 TEST_CASE("what blurs in all directions is no motion blur") {
   Moving moving(0.05);
-  moving.show_blur(0.6f);
+  moving.show_blur(1.5f);
   const Image<float> along = moving.frame.codes.clone();
-  moving.show(15, -0.6f * kShiftY, 0.6f * kShiftX);
+  moving.show(15, -1.5f * kShiftY, 1.5f * kShiftX);
   for (std::size_t i = 0; i < along.size(); ++i)
     moving.frame.codes.samples()[i] = (moving.frame.codes.samples()[i] + along.samples()[i]) / 2;
   CHECK_FALSE(moving.shown());
