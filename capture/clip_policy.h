@@ -34,6 +34,9 @@ inline constexpr float kFadeBegin = 220, kFadeEnd = 250;
 inline constexpr float kCompareFadeBegin = 200, kCompareFadeEnd = 235;
 inline constexpr float kCompareDarkBegin = 1, kCompareDarkEnd = 4;
 
+// What no exposure shows above this code is black: it can be anything below.
+inline constexpr float kBlack = 2;
+
 // The field's photometric loss, values 0..1: a measured value beyond these is a bound, not a measurement.
 inline constexpr UsableCodes kLossOfOne{0.004f, 0.985f};
 

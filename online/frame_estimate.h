@@ -28,9 +28,10 @@ struct FrameEstimate {
   bool lens_is_assumed = false;                // the camera does not report it
   const FitReport* fit;                        // the fit's work on this frame; null without a field
   NoiseOrigin noise_origin = NoiseOrigin::Unknown;
-  FrameBudget budget;         // the cost allowed for this frame
-  float white;                // radiance that saturates the shortest exposure so far
-  double reference_exposure;  // E_ref, seconds x gains
+  FrameBudget budget;              // the cost allowed for this frame
+  std::array<float, 3> darkest{};  // radiance up to which even the longest exposure so far is black
+  float white;                     // radiance that saturates the shortest exposure so far
+  double reference_exposure;       // E_ref, seconds x gains
 };
 
 }  // namespace hdrcam

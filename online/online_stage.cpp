@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "capture/amplified_noise.h"
+#include "capture/clip_policy.h"
 #include "hal/core/stopwatch.h"
 #include "online/pictures/for_samples.h"
 
@@ -357,10 +359,23 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .fit = step.in_field ? &step.fit : nullptr,
       .noise_origin = noise_origin_,
       .budget = budget_,
+      .darkest = darkest_radiance(),
       .white = white_,
       .reference_exposure = step.frame.reference_exposure};
   if (timing_) timing_("look-ahead", watch.lap_ms());
   return emit(estimate);
+}
+
+// Up to which even the longest exposure is black, by channel.
+std::array<float, 3> OnlineStage::darkest_radiance() const {
+  std::array<float, 3> darkest;
+  darkest.fill(std::numeric_limits<float>::max());
+  for (const auto& [key, tables] : tables_)
+    for (int c = 0; c < 3; ++c) {
+      float& radiance = darkest[static_cast<std::size_t>(c)];
+      radiance = std::min(radiance, tables.radiance(c, clip_policy::kBlack));
+    }
+  return darkest;
 }
 
 Result<void> OnlineStage::finish(const Emit& emit) {

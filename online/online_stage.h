@@ -91,6 +91,7 @@ class OnlineStage {
   float blur_of(const Step& step) const;
   void learn_blur(const Step& step);
   void learn_texture_error(const Step& step);
+  std::array<float, 3> darkest_radiance() const;
   float gain_of(const ExposedFrame& frame) const;
 
   const Knobs knobs_;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "online/pictures/for_samples.h"
+#include "render/black_channels.h"
 
 namespace hdrcam {
 namespace {
@@ -25,6 +26,8 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
   copy(estimate.state.radiance, frame.radiance, pool_);
+  colour_black_channels({estimate.darkest, known_limit(estimate.white), offset}, estimate.state.variance,
+                        frame.radiance, pool_);
   shrinkage_.apply(frame.radiance, estimate.state.variance,
                    {offset, estimate.noise_origin, estimate.budget.shrinkage});
 }

@@ -1,0 +1,89 @@
+#include "render/black_channels.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+namespace hdrcam {
+namespace {
+
+using Colour = std::array<float, 3>;
+using Row = std::array<const float*, 3>;
+
+constexpr float kSure = 0.02f, kUnsure = 0.3f;  // variance of ln radiance
+
+Row rows_of(const Image<float>& picture, int y) {
+  return {picture.row(0, y), picture.row(1, y), picture.row(2, y)};
+}
+
+// Of the pixels that are sure of all channels: what each has of their mean. None where there are few.
+std::optional<Colour> usual_colour(const BlackChannels& black, const Image<float>& variance,
+                                   const Image<float>& radiance) {
+  constexpr int kStride = 6, kEnough = 20;  // pixels
+  Colour sum{};
+  int count = 0;
+  for (int y = kStride / 2; y < radiance.rows(); y += kStride) {
+    const Row light = rows_of(radiance, y), unsure = rows_of(variance, y);
+    for (int x = kStride / 2; x < radiance.cols(); x += kStride) {
+      Colour r;
+      bool sure = true;
+      for (std::size_t c = 0; c < 3; ++c) {
+        r[c] = light[c][x] + black.offset;
+        sure = sure && unsure[c][x] < kSure * r[c] * r[c];
+      }
+      if (!sure) continue;
+      const float mean = (r[0] + r[1] + r[2]) / 3;
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += r[c] / mean;
+      ++count;
+    }
+  }
+  if (count < kEnough) return std::nullopt;
+  for (float& s : sum) s /= static_cast<float>(count);
+  return sum;
+}
+
+// The level that the other channels tell of a pixel: the mean of those that are sure, else the least that any
+// of them can be; each over its share of the usual colour.
+float level_of(const Colour& r, const Colour& unsure, const Colour& usual, float known) {
+  float sum = 0, least = std::numeric_limits<float>::max();
+  int count = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (unsure[c] >= known) continue;
+    const float level = r[c] / usual[c];
+    least = std::min(least, level);
+    if (unsure[c] <= kUnsure * r[c] * r[c]) sum += level, ++count;
+  }
+  return count > 0 ? sum / static_cast<float>(count) : least;
+}
+
+}  // namespace
+
+void colour_black_channels(const BlackChannels& black, const Image<float>& variance, Image<float>& radiance,
+                           WorkerPool& pool) {
+  const auto found = usual_colour(black, variance, radiance);
+  if (!found) return;
+  const Colour usual = *found;
+  pool.for_rows(radiance.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y) {
+      const Row light = rows_of(radiance, y), doubt = rows_of(variance, y);
+      for (int x = 0; x < radiance.cols(); ++x) {
+        if (light[0][x] > black.darkest[0] && light[1][x] > black.darkest[1] &&
+            light[2][x] > black.darkest[2])
+          continue;
+        Colour r, unsure;
+        for (std::size_t c = 0; c < 3; ++c) r[c] = light[c][x] + black.offset, unsure[c] = doubt[c][x];
+        const float level = level_of(r, unsure, usual, black.known);
+        for (std::size_t c = 0; c < 3; ++c) {
+          if (light[c][x] > black.darkest[c] || unsure[c] >= black.known) continue;
+          const float spread = unsure[c] / (r[c] * r[c]), likely = usual[c] * level;
+          if (spread < kUnsure || likely >= r[c]) continue;
+          const float share = spread / (spread + 1);  // colours vary by about a factor of e
+          radiance.at(static_cast<int>(c), y, x) =
+              std::max(0.f, r[c] + share * (likely - r[c]) - black.offset);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace hdrcam

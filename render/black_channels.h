@@ -1,0 +1,24 @@
+// Light of channels that even the longest exposure shows black: all that is known of it is that it is less
+// than a dark code means, which may be much where the camera's curve has a toe, and differs by channel. There
+// the other channels tell more: the channel gets the picture's usual colour at their level, if that is
+// darker. For the output only. Reentrant.
+#pragma once
+
+#include <array>
+
+#include "hal/core/image.h"
+#include "hal/core/worker_pool.h"
+
+namespace hdrcam {
+
+struct BlackChannels {
+  std::array<float, 3> darkest;  // radiance up to which even the longest exposure is black
+  float known;                   // variance from which on a pixel was never seen unclipped (known_limit())
+  float offset;                  // radiance below which a difference does not matter
+};
+
+// radiance, variance: [rgb, rows, cols]; in place.
+void colour_black_channels(const BlackChannels& black, const Image<float>& variance, Image<float>& radiance,
+                           WorkerPool& pool);
+
+}  // namespace hdrcam
