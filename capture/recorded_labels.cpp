@@ -203,7 +203,8 @@ std::vector<std::string> RecordedLabels::warnings() const {
   warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
-  warn(overlong_, "state an exposure longer than the frame itself, so motion blur counts only where frames show it");
+  warn(overlong_,
+       "state an exposure longer than the frame itself, so motion blur counts only where frames show it");
   return warnings;
 }
 
