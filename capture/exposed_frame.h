@@ -17,9 +17,11 @@ struct ExposedFrame {
   int index = 0;                  // 0, 1, 2.. in the order of arrival; facts.sequence may have gaps
   float exposure = 1;             // E / E_ref
   double reference_exposure = 1;  // E_ref, seconds x gains
-  double interval_s = 0;          // to the next frame; 0: unknown
-  float blur_fraction = 0;        // exposure time over interval_s, 0..1: share of the motion that blurs
-  Image<float> codes;             // [rgb, rows, cols] float, 0..kMaxCode
+  double interval_s = 0;          // since the frame before; not above 0: unknown
+  // Share of the motion that blurs: exposure time over interval_s, 0..1; in online/ what counts of it, which
+  // may be more (online/state/shown_blur.h).
+  float blur_fraction = 0;
+  Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 
   ExposedFrame clone() const {
     return {facts, index, exposure, reference_exposure, interval_s, blur_fraction, codes.clone()};

@@ -204,7 +204,7 @@ std::vector<std::string> RecordedLabels::warnings() const {
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
   warn(overlong_,
-       "state an exposure longer than the frame itself, so motion blur counts only where frames show it");
+       "state an exposure longer than the frame itself, so motion blur counts only if frames show it");
   return warnings;
 }
 

@@ -2,6 +2,7 @@
 // during the call that delivers it; only a snapshot of the field may be held longer.
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "online/frame_budget.h"

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "capture/amplified_noise.h"
 #include "capture/clip_policy.h"
@@ -76,7 +75,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
   budget_ = budget;
   budget_.render_step = std::max(budget.render_step, field_step_);  // nothing more between the field's pixels
   if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
-  shown_blur_->heed(frame);
+  if (knobs_.motion_blur == BlurKind::Shown) shown_blur_->heed(frame);
   if (!started_ && response_known_) {
     black_level_ = frame.facts.black_level.value_or(BlackLevel());
     started_ = true;
@@ -138,6 +137,7 @@ Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, const Emi
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
   field_rested_ = field_ != nullptr;
   white_ = 1;
+  darkest_ = kAllBlack;
   go_over_to(estimate);
   return {};
 }
@@ -163,6 +163,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
 
   if (steps_.size() == 1) {
     state_->restart({step.frame, tables, white_});
+    lower_darkest(tables);
     step.motion.to_previous.vectors.reshape(0, 0, 0);
     step.motion.from_previous.vectors.reshape(0, 0, 0);
     step.advanced = true;
@@ -210,6 +211,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   learn_texture_error(step);
   if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep_state(*steps_[at - 1]);
   state_->advance({step.frame, tables_for(step.frame), white_, budget_.blurs}, step.motion.to_previous);
+  lower_darkest(tables_for(step.frame));
   const float gain = gain_of(step.frame);
   tables_.at({step.frame.exposure, gain})
       .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
@@ -359,23 +361,19 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .fit = step.in_field ? &step.fit : nullptr,
       .noise_origin = noise_origin_,
       .budget = budget_,
-      .darkest = darkest_radiance(),
+      .darkest = darkest_,
       .white = white_,
       .reference_exposure = step.frame.reference_exposure};
   if (timing_) timing_("look-ahead", watch.lap_ms());
   return emit(estimate);
 }
 
-// Up to which even the longest exposure is black, by channel.
-std::array<float, 3> OnlineStage::darkest_radiance() const {
-  std::array<float, 3> darkest;
-  darkest.fill(std::numeric_limits<float>::max());
-  for (const auto& [key, tables] : tables_)
-    for (int c = 0; c < 3; ++c) {
-      float& radiance = darkest[static_cast<std::size_t>(c)];
-      radiance = std::min(radiance, tables.radiance(c, clip_policy::kBlack));
-    }
-  return darkest;
+// The state takes in a frame of these tables.
+void OnlineStage::lower_darkest(const ExposureTables& tables) {
+  for (int c = 0; c < 3; ++c) {
+    float& darkest = darkest_[static_cast<std::size_t>(c)];
+    darkest = std::min(darkest, tables.radiance(c, clip_policy::kBlack));
+  }
 }
 
 Result<void> OnlineStage::finish(const Emit& emit) {
@@ -406,7 +404,7 @@ float OnlineStage::blur_of(const Step& step) const {
     case BlurKind::Off:
       return 0;
     case BlurKind::Stated:
-      return std::min(step.stated_blur, ShownBlur::kMostCounted);
+      return step.stated_blur;
     case BlurKind::Shown:
       break;
   }

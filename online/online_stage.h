@@ -91,7 +91,7 @@ class OnlineStage {
   float blur_of(const Step& step) const;
   void learn_blur(const Step& step);
   void learn_texture_error(const Step& step);
-  std::array<float, 3> darkest_radiance() const;
+  void lower_darkest(const ExposureTables& tables);
   float gain_of(const ExposedFrame& frame) const;
 
   const Knobs knobs_;
@@ -121,8 +121,10 @@ class OnlineStage {
 
   std::unique_ptr<MotionPrior> motion_;
   std::unique_ptr<StateLayer> state_;
-  float white_ = 1;     // radiance that saturates the shortest exposure so far
-  JoinedState joined_;  // borrowed during an emission
+  float white_ = 1;  // radiance that saturates the shortest exposure so far
+  static constexpr std::array<float, 3> kAllBlack{1e9f, 1e9f, 1e9f};
+  std::array<float, 3> darkest_ = kAllBlack;  // radiance up to which even the longest one so far is black
+  JoinedState joined_;                        // borrowed during an emission
   // created with the first frame that the field takes part in
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;

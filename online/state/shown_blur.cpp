@@ -10,15 +10,23 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kStride = 3;                       // pixels
-constexpr int kUsualPixels = 320 * 240;          // of a larger picture fewer lines are looked at
-constexpr float kMinConfidence = 0.8f;           // of the flow
-constexpr float kLeastStated = 0.15f;            // of a frame that tells
-constexpr float kLeastBlur = 1, kMostBlur = 32;  // pixels
-constexpr float kDarkest = 12;                   // codes: below, engines blur by themselves
-constexpr float kRelative = 0.02f;               // of radiance: noise that no model states
-constexpr float kMinSize2 = 4;                   // squared blur over the variance of noise
-constexpr double kEnough = 100, kMemory = 2000;  // comparisons
+constexpr int kStride = 3;                              // pixels
+constexpr int kUsualPixels = 320 * 240;                 // of a larger picture fewer lines are looked at
+constexpr float kMinConfidence = 0.8f;                  // of the flow
+constexpr float kLeastStated = 0.15f, kMostStated = 3;  // shares of a frame that tells; stills take any time
+constexpr float kLeastBlur = 1, kMostBlur = 32;         // pixels
+constexpr float kDarkest = 12;                          // codes: below, engines blur by themselves
+constexpr float kRelative = 0.02f;                      // of radiance: noise that no model states
+constexpr float kMinSize2 = 4;                          // squared blur over the variance of noise
+constexpr double kEnough = 100, kMemory = 2000;         // comparisons
+
+// Exposure time over the time since the frame before; 0: unknown.
+float share_of(const ExposedFrame& frame) {
+  if (frame.blur_fraction > 0) return frame.blur_fraction;
+  const bool outlasts =
+      frame.facts.has_exposure_time() && outlasts_frame(frame.facts.exposure_s, frame.interval_s);
+  return outlasts ? static_cast<float>(frame.facts.exposure_s / frame.interval_s) : 0;
+}
 
 }  // namespace
 
@@ -32,31 +40,32 @@ struct ShownBlur::Seen {
 };
 
 float ShownBlur::stated(const ExposedFrame& frame) {
-  if (frame.blur_fraction > 0) return frame.blur_fraction;
-  const bool outlasts =
-      frame.facts.has_exposure_time() && outlasts_frame(frame.facts.exposure_s, frame.interval_s);
-  return outlasts ? static_cast<float>(frame.facts.exposure_s / frame.interval_s) : 0;
+  const float share = share_of(frame);
+  return share <= kMostStated ? share : 0;
 }
 
 void ShownBlur::heed(const ExposedFrame& frame) {
-  // Time stamps jitter: one that is a little too early proves nothing, one in eight do; the longest exposure
-  // of a cycle comes more often.
+  // Time stamps jitter: few that are too early prove nothing. The longest exposure of a cycle comes more
+  // often than that, and the first one tells where it is much too long.
   constexpr float kBeyondJitter = 1.5f;
-  constexpr int kLeast = 2, kOneIn = 8;
-  const float share = stated(frame);
+  constexpr long kLeast = 2, kOneIn = 10;
+  const float share = share_of(frame);
   ++heeded_;
   if (share > 1) ++outlasting_;
-  const bool often = outlasting_ >= kLeast && outlasting_ * kOneIn >= heeded_;
-  if (doubted_ || (share < kBeyondJitter && !often)) return;
-  doubted_ = true, shown_ = false;
+  const bool told = doubted_ || outlasting_ >= kLeast || share >= kBeyondJitter;
+  const bool doubted = told && outlasting_ * kOneIn >= heeded_;
+  if (doubted == doubted_) return;
+  doubted_ = doubted, shown_ = !doubted;
   forget();
 }
 
-float ShownBlur::counted(float stated) const { return shown_ ? std::min(stated, kMostCounted) : 0; }
-
 void ShownBlur::observe(const ExposedFrame& frame, float stated, const RadianceState& state,
                         const FlowField& to_previous, const ExposureTables& tables, float white) {
-  if (to_previous.vectors.empty() || stated < kLeastStated || stated > kMostCounted) return;
+  if (to_previous.vectors.empty() || stated < kLeastStated) return;
+  if (settling_ > 0) {
+    --settling_;
+    return;
+  }
   const Seen seen{frame, state, to_previous, tables, stated, known_limit(white)};
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
@@ -119,7 +128,7 @@ void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& e
   const float size2 = b_along * b_along + b_across * b_across;
   const float noise =
       tables.variance(channel, mean) + BetweenPixels(rows, cols, x, y, motion).of(state.variance, channel);
-  if (size2 < kMinSize2 * (noise + kRelative * kRelative * here * here)) return;
+  if (!(size2 >= kMinSize2 * (noise + kRelative * kRelative * here * here))) return;
   const float most = 2 * std::sqrt(size2);  // more is a failure of the motion
   const float off = std::clamp(tables.radiance(channel, code) - here, -most, most);
   const double weight = 1 / static_cast<double>(noise + size2);
@@ -138,9 +147,12 @@ void ShownBlur::decide() {
   constexpr double kLittle = 0.2, kMuch = 0.35;  // shown beyond what acts across
   constexpr double kHardlyAny = 0.3, kHardlyAnyAcross = 0.1;
   constexpr double kSure = 4;
+  constexpr double kApart = 0.1;  // of edges that run along the motion, or at 45 degrees, nothing can be said
+  constexpr int kSettling = 6;
   const Evidence& e = evidence_;
   const double determinant = e.along2 * e.across2 - e.both * e.both;
-  if (e.count < kEnough || !(determinant > 0)) return;
+  if (e.count < kEnough || !(determinant > kApart * e.along2 * e.across2) || e.along2 < kApart * e.across2)
+    return;
   const double along = (e.across2 * e.by_along - e.both * e.by_across) / determinant;
   const double across = (e.along2 * e.by_across - e.both * e.by_along) / determinant;
   const double beyond = along - across, certainty = std::sqrt(e.count);
@@ -148,6 +160,7 @@ void ShownBlur::decide() {
                               : across < kHardlyAnyAcross && (beyond - kLittle) * certainty > kSure;
   if (!refuted) return;
   shown_ = !shown_;
+  settling_ = kSettling;
   forget();
 }
 

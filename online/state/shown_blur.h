@@ -6,7 +6,6 @@
 // Thread-bound; the result does not depend on the number of threads.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "capture/exposed_frame.h"
@@ -19,25 +18,24 @@ namespace hdrcam {
 
 class ShownBlur {
  public:
-  static constexpr float kMostCounted = 3;  // of a stated share: beyond, exposures are those of stills
-
   explicit ShownBlur(WorkerPool& pool) : pool_(pool) {}
 
-  // The share of the motion to the next frame that blurs a frame by its facts; more than 1 where its exposure
-  // outlasts it. 0: unknown.
+  // The share of the motion since the frame before that blurs a frame by its facts; more than 1 where its
+  // exposure outlasts it. 0: unknown, or so long that it is that of a still.
   static float stated(const ExposedFrame& frame);
 
-  // Takes note of what a frame states. Where exposures outlast their frames, blur counts only if frames have
-  // shown it.
+  // Takes note of what a frame states. While exposures outlast their frames, blur counts only if frames show
+  // it.
   void heed(const ExposedFrame& frame);
   // What counts of a stated share.
-  float counted(float stated) const;
+  float counted(float stated) const { return shown_ ? stated : 0; }
 
   // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
   // white: as known_limit() takes it.
   void observe(const ExposedFrame& frame, float stated, const RadianceState& state,
                const FlowField& to_previous, const ExposureTables& tables, float white);
-  // The comparisons so far do not hold any more, because the response became another one.
+  // The comparisons so far do not hold any more, because the response became another one; what they decided
+  // does not depend on it.
   void forget() { evidence_ = {}; }
 
   bool shown() const { return shown_; }
@@ -55,7 +53,8 @@ class ShownBlur {
   WorkerPool& pool_;
   std::vector<Evidence> lines_;  // of the current frame
   Evidence evidence_;
-  int heeded_ = 0, outlasting_ = 0;  // frames
+  long heeded_ = 0, outlasting_ = 0;  // frames
+  int settling_ = 0;                  // frames until the state has followed what was decided
   bool doubted_ = false, shown_ = true;
 };
 

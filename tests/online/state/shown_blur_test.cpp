@@ -115,14 +115,34 @@ TEST_CASE("what blurs in all directions is no motion blur") {
   CHECK_FALSE(moving.shown());
 }
 
+TEST_CASE("edges along the motion tell nothing of motion blur") {
+  Moving moving(0.02);
+  for (int y = 0; y < kRows; ++y)
+    for (int x = 0; x < kCols; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const float across = (static_cast<float>(y) * kShiftX - static_cast<float>(x) * kShiftY) / 7;
+        moving.state.radiance.at(c, y, x) = 0.2f + 0.05f * std::sin(across);
+        moving.frame.codes.at(c, y, x) = tables().code(c, moving.state.radiance.at(c, y, x));
+      }
+  CHECK(moving.shown());
+}
+
 TEST_CASE("a time stamp that jitters is no reason to doubt motion blur") {
   Moving early(0.036), usual(0.03);
   WorkerPool pool(1);
   ShownBlur blur(pool);
   for (int i = 0; i < 100; ++i) blur.heed(i % 20 == 3 ? early.frame : usual.frame);
   CHECK(blur.shown());
+  Moving lost(0.1);  // a time stamp that is far too early
+  blur.heed(lost.frame);
+  CHECK(blur.shown());
   for (int i = 0; i < 100; ++i) blur.heed(i % 3 == 2 ? early.frame : usual.frame);
   CHECK_FALSE(blur.shown());
+  ShownBlur begun(pool);
+  begun.heed(lost.frame);
+  CHECK_FALSE(begun.shown());
+  for (int i = 0; i < 20; ++i) begun.heed(usual.frame);
+  CHECK(begun.shown());
 }
 
 TEST_CASE("what frames show of motion blur does not depend on the number of threads") {
