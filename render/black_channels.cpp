@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
+
+#include "render/channel_rows.h"
 
 namespace hdrcam {
 namespace {
 
 using Colour = std::array<float, 3>;
-using Row = std::array<const float*, 3>;
 
 constexpr float kSure = 0.02f, kUnsure = 0.3f;  // variance of ln radiance
-
-Row rows_of(const Image<float>& picture, int y) {
-  return {picture.row(0, y), picture.row(1, y), picture.row(2, y)};
-}
 
 // Of the pixels that are sure of all channels: what each has of their mean. None where there are few.
 std::optional<Colour> usual_colour(const BlackChannels& black, const Image<float>& variance,
@@ -23,7 +21,7 @@ std::optional<Colour> usual_colour(const BlackChannels& black, const Image<float
   Colour sum{};
   int count = 0;
   for (int y = kStride / 2; y < radiance.rows(); y += kStride) {
-    const Row light = rows_of(radiance, y), unsure = rows_of(variance, y);
+    const auto light = rows_of(radiance, y), unsure = rows_of(variance, y);
     for (int x = kStride / 2; x < radiance.cols(); x += kStride) {
       Colour r;
       bool sure = true;
@@ -65,7 +63,7 @@ void colour_black_channels(const BlackChannels& black, const Image<float>& varia
   const Colour usual = *found;
   pool.for_rows(radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const Row light = rows_of(radiance, y), doubt = rows_of(variance, y);
+      const auto light = rows_of(std::as_const(radiance), y), doubt = rows_of(variance, y);
       for (int x = 0; x < radiance.cols(); ++x) {
         if (light[0][x] > black.darkest[0] && light[1][x] > black.darkest[1] &&
             light[2][x] > black.darkest[2])

@@ -4,6 +4,7 @@
 
 #include "online/pictures/for_samples.h"
 #include "render/black_channels.h"
+#include "render/channel_rows.h"
 
 namespace hdrcam {
 namespace {
@@ -41,10 +42,7 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
   frame.provenance.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const std::array<const float*, 3> radiance{state.radiance.row(0, y), state.radiance.row(1, y),
-                                                 state.radiance.row(2, y)};
-      const std::array<const float*, 3> variance{state.variance.row(0, y), state.variance.row(1, y),
-                                                 state.variance.row(2, y)};
+      const auto radiance = rows_of(state.radiance, y), variance = rows_of(state.variance, y);
       const float *later = state.later_share.row(0, y), *own = state.own_share.row(0, y);
       float* sigma = frame.sigma.row(0, y);
       std::uint8_t* provenance = frame.provenance.row(0, y);

@@ -5,16 +5,12 @@
 #include <array>
 #include <utility>
 
+#include "render/channel_rows.h"
 #include "render/shrinkage_kernels.h"
 #include "render/vulkan/vulkan_shrinkage.h"
 
 namespace hdrcam {
 namespace {
-
-template <class Picture>
-auto rows_of(Picture& picture, int y) {
-  return std::array{picture.row(0, y), picture.row(1, y), picture.row(2, y)};
-}
 
 using ThresholdTable = std::array<float, kShrinkageTile * kShrinkageTile>;
 
