@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "capture/unpack.h"
 
@@ -31,23 +30,17 @@ void expand(const Image<Code>& compact, float scale, Image<float>& codes) {
 
 }  // namespace
 
-CompactFrame::CompactFrame(ExposedFrame frame, int bits)
-    : scale_(code_scale(bits)), frame_(std::move(frame)) {
+CompactFrame::CompactFrame(const ExposedFrame& frame, int bits)
+    : scale_(code_scale(bits)), frame_(frame.without_codes()) {
   const bool small =
-      bits <= 8 ? compacted(frame_.codes, scale_, bytes_) : compacted(frame_.codes, scale_, words_);
-  if (small)
-    frame_.codes = {};
-  else
-    bytes_ = {}, words_ = {};
+      bits <= 8 ? compacted(frame.codes, scale_, bytes_) : compacted(frame.codes, scale_, words_);
+  if (small) return;
+  bytes_ = {}, words_ = {};
+  frame_.codes = frame.codes.clone();
 }
 
 void CompactFrame::restore(ExposedFrame& frame) const {
-  frame.facts = frame_.facts;
-  frame.index = frame_.index;
-  frame.exposure = frame_.exposure;
-  frame.reference_exposure = frame_.reference_exposure;
-  frame.interval_s = frame_.interval_s;
-  frame.blur_fraction = frame_.blur_fraction;
+  copy_all_but_codes(frame_, frame);
   if (!bytes_.empty())
     expand(bytes_, scale_, frame.codes);
   else if (!words_.empty())

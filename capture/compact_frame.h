@@ -10,7 +10,7 @@ class CompactFrame {
  public:
   CompactFrame() = default;
   // bits: of the camera's codes.
-  CompactFrame(ExposedFrame frame, int bits);
+  CompactFrame(const ExposedFrame& frame, int bits);
 
   // The frame as it was; its storage is reused.
   void restore(ExposedFrame& frame) const;

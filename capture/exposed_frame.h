@@ -5,6 +5,8 @@
 // value.
 #pragma once
 
+#include <utility>
+
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
 
@@ -23,9 +25,22 @@ struct ExposedFrame {
   float blur_fraction = 0;
   Image<float> codes;  // [rgb, rows, cols] float, 0..kMaxCode
 
-  ExposedFrame clone() const {
-    return {facts, index, exposure, reference_exposure, interval_s, blur_fraction, codes.clone()};
+  ExposedFrame without_codes() const {
+    return {facts, index, exposure, reference_exposure, interval_s, blur_fraction, {}};
   }
 };
+
+// All but the codes; `to` keeps its own.
+inline void copy_all_but_codes(const ExposedFrame& from, ExposedFrame& to) {
+  Image<float> codes = std::move(to.codes);
+  to = from.without_codes();
+  to.codes = std::move(codes);
+}
+
+// `to` keeps its memory.
+inline void copy(const ExposedFrame& from, ExposedFrame& to) {
+  copy_all_but_codes(from, to);
+  to.codes.copy_from(from.codes);
+}
 
 }  // namespace hdrcam

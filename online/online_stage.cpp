@@ -81,7 +81,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
     started_ = true;
   }
   if (!started_) {
-    waiting_.emplace_back(std::exchange(frame, {}), camera_.bits);
+    waiting_.emplace_back(frame, camera_.bits);
     return static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames ? Result<void>() : bootstrap(emit);
   }
   if (!response_known_) {

@@ -27,13 +27,6 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
     }
 }
 
-void copy_input(const ExposedFrame& from, ExposedFrame& to) {
-  to.facts = from.facts;
-  to.index = from.index, to.exposure = from.exposure;
-  to.interval_s = from.interval_s, to.blur_fraction = from.blur_fraction;
-  to.codes.copy_from(from.codes);
-}
-
 }  // namespace
 
 VirtualCamera::VirtualCamera(const FilmPlan& plan, WorkerPool& pool)
@@ -55,7 +48,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   keys_.push_back(std::move(key));
   field_ = estimate.field.snapshot();
   response_ = online.response();
-  copy_input(estimate.frame, input_);
+  copy(estimate.frame, input_);
   while (!done() && ready(shown_)) TRY(film(show));
   drop_old();
   return {};

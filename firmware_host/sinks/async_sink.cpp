@@ -28,15 +28,6 @@ std::uint64_t bytes_of(const HdrFrame& frame) {
   return floats * sizeof(float) + frame.provenance.size() + frame.points.size() * sizeof(SurfacePoint);
 }
 
-void copy(const ExposedFrame& from, InputUse use, ExposedFrame& to) {
-  to.facts = from.facts;
-  to.index = from.index;
-  to.exposure = from.exposure;
-  to.interval_s = from.interval_s;
-  to.blur_fraction = from.blur_fraction;
-  if (use == InputUse::Codes) to.codes.copy_from(from.codes);
-}
-
 }  // namespace
 
 AsyncSink::AsyncSink(std::unique_ptr<FrameSink> sink, WhenFull when_full, ThreadPriority priority,
@@ -74,7 +65,10 @@ Result<void> AsyncSink::emit(const EmittedFrame& frame) {
   }
   // The slot is free and only this thread fills slots, so no lock is needed.
   copy(frame.hdr, slot->hdr);
-  copy(frame.input, input_use_, slot->input);
+  if (input_use_ == InputUse::Codes)
+    copy(frame.input, slot->input);
+  else
+    copy_all_but_codes(frame.input, slot->input);
   slot->record = frame.record;
   {
     const std::lock_guard lock(mutex_);

@@ -33,7 +33,7 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
   if (now < look_at_) return {};
   const auto gathered = static_cast<int>(window_.size());
   if (!fit_.valid() && gathered < options_.frames) {
-    window_.emplace_back(frame.clone(), options_.bits);
+    window_.emplace_back(frame, options_.bits);
     if (gathered + 1 == options_.frames)
       fit_ = std::async(std::launch::async, [this, noise] {
         look(window_, SceneCuts::Possible);

@@ -27,6 +27,7 @@ void check_same(const ExposedFrame& frame, const ExposedFrame& restored) {
   CHECK(restored.index == frame.index);
   CHECK(restored.exposure == frame.exposure);
   CHECK(restored.reference_exposure == frame.reference_exposure);
+  CHECK(restored.interval_s == frame.interval_s);
   CHECK(restored.blur_fraction == frame.blur_fraction);
   REQUIRE(restored.codes.same_shape(frame.codes));
   CHECK(std::ranges::equal(restored.codes.samples(), frame.codes.samples()));
