@@ -141,10 +141,7 @@ void CaptureStage::restart_matching() {
   proof_.forget();
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   pending_.reset();
-  const CameraCapabilities& offers = camera_.capabilities();
-  if (options_.adapt == Adapt::Light && offers.sets_exposure)
-    adaptation_.emplace(first(exposures_of(schedule_), schedule_.slots()), offers.exposure_min,
-                        longest_exposure(), offers.gain_max);
+  if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
   under_way_ = lost_since_emitted_ = 0;
 }
 
@@ -302,7 +299,9 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
 void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (!adaptation_) return;
   const auto cycle = adaptation_->observe(frame.raw.facts.slot, frame.shares);
-  if (cycle) (void)follow(first(*cycle, schedule_.slots()));
+  if (!cycle) return;
+  const std::span<const Exposure> next = first(*cycle, schedule_.slots());
+  if (follow(next)) adaptation_->runs(next);  // else the cycle before goes on
 }
 
 // The requests of a camera that sets its exposures itself have no slots.
@@ -351,11 +350,13 @@ std::optional<ExposureRoom> CaptureStage::room() const {
   const CameraCapabilities& offers = camera_.capabilities();
   if (!offers.sets_exposure) return std::nullopt;
   const auto cycle = exposures_of(schedule_);
+  const bool one_gain = matching().trigger == TriggerMode::PulseWidth;  // nothing ties a gain to a pulse
+  const double gain = schedule_.slot(0).exposure.gain;
   return ExposureRoom{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
                       .shortest = offers.exposure_min,
                       .longest = longest_exposure(),
-                      .least_gain = offers.gain_min,
-                      .greatest_gain = offers.gain_max,
+                      .least_gain = one_gain ? gain : offers.gain_min,
+                      .greatest_gain = one_gain ? gain : offers.gain_max,
                       .mains = mains_};
 }
 

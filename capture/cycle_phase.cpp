@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "capture/exposure_schedule.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -34,13 +35,6 @@ double brightness_of(const PhotometricSignature& picture) {
   for (int i = 0; i < picture.sites; ++i)
     sum += static_cast<double>(std::clamp(picture.by_rank[static_cast<std::size_t>(i)], kDarkest, kClipped));
   return picture.sites > 0 ? sum / picture.sites : 0;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 struct Path {
@@ -139,7 +133,7 @@ std::vector<double> first_guess(std::span<const CycleStep> steps, std::size_t pe
     for (std::size_t i = 0; i < window; ++i) ratios[i % period].push_back(steps[begin + i].log_ratio);
     std::vector<double> to_next;
     to_next.reserve(period);
-    for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
+    for (auto& of_slot : ratios) to_next.push_back(median(of_slot));
     double deviation = 0;
     for (std::size_t i = 0; i < window; ++i)
       deviation += std::abs(steps[begin + i].log_ratio - to_next[i % period]);
@@ -159,7 +153,7 @@ std::vector<double> refined(std::span<const CycleStep> steps, std::span<const do
   }
   std::vector<double> to_next;
   to_next.reserve(ratios.size());
-  for (const auto& of_slot : ratios) to_next.push_back(median(of_slot));
+  for (auto& of_slot : ratios) to_next.push_back(median(of_slot));
   return around_mean(to_next);
 }
 
@@ -196,7 +190,7 @@ Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
   for (std::size_t lag = 1; lag <= steps.size() && period == 0; ++lag) {
     std::vector<double> sizes;
     for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
-    if (!sizes.empty() && median(std::move(sizes)) < kSame) period = lag;
+    if (!sizes.empty() && median(sizes) < kSame) period = lag;
   }
   if (period == 0)
     return Error{
@@ -207,7 +201,7 @@ Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
   std::vector<Exposure> cycle;
   cycle.reserve(log_exposures.size());
   for (const double log_exposure : log_exposures)
-    cycle.push_back({Instant::from_seconds(kReference_s * std::exp(log_exposure)).since_boot, 1});
+    cycle.push_back({from_seconds(kReference_s * std::exp(log_exposure)), 1});
   return cycle;
 }
 

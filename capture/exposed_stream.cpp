@@ -69,7 +69,7 @@ Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s, const
   TRY(unpack_into(raw, arrived_, interval_s, settings_, frame_));
   if (black_level_) remove_black_level(frame_, *black_level_);
   ++arrived_;
-  if (timing_) timing_("unpack", watch.lap_ms());
+  if (timing_) timing_(Stage::Unpack, watch.lap_ms());
   return hand_on(frame_);
 }
 

@@ -63,12 +63,16 @@ Result<Duration> parse_duration(std::string_view text) {
   if (!seconds || !(*seconds >= 1e-9) || *seconds > kLongest_s)
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s", text)};
-  return Duration(std::llround(*seconds * 1e9));
+  return from_seconds(*seconds);
 }
 
-Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain) {
+double usual_gain(const CameraCapabilities& camera) { return std::max(1.0, camera.gain_min); }
+
+Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
+                                              double gain_otherwise) {
   std::vector<Exposure> exposures;
-  for (const std::string_view part : split(shutter)) exposures.push_back({TRY(parse_duration(part)), 1});
+  for (const std::string_view part : split(shutter))
+    exposures.push_back({TRY(parse_duration(part)), gain_otherwise});
   if (trimmed(gain).empty()) return exposures;
 
   const auto gains = split(gain);

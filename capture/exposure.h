@@ -34,8 +34,12 @@ bool outlasts_frame(double exposure_s, double interval_s);
 Result<Duration> parse_duration(std::string_view text);
 
 // A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2" (one for all, or one each; empty means
-// 1). Invalid, naming the wrong part.
-Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain);
+// gain_otherwise). Invalid, naming the wrong part.
+Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
+                                              double gain_otherwise = 1);
+
+// Where the user states none: 1, or as little as the sensor can do.
+double usual_gain(const CameraCapabilities& camera);
 
 // Returns text like "4 ms x 2"; the gain is left out where it is 1.
 std::string describe(Duration duration);

@@ -4,10 +4,9 @@
 
 namespace hdrcam {
 
-ExposureAdaptation::ExposureAdaptation(std::span<const Exposure> cycle, Duration shortest, Duration longest,
-                                       double gain_max)
-    : slots_(static_cast<int>(cycle.size())), shortest_(shortest), longest_(longest), gain_max_(gain_max) {
-  std::copy(cycle.begin(), cycle.end(), cycle_.begin());
+ExposureAdaptation::ExposureAdaptation(const ExposureRoom& room)
+    : room_(room), slots_(static_cast<int>(room.cycle.size())) {
+  std::ranges::copy(room.cycle, cycle_.begin());
 }
 
 std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
@@ -29,12 +28,14 @@ std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, c
   const std::span<const Exposure> cycle(cycle_.data(), slots);
   const ExposureAdvice advice = advise(cycle, {means.data(), slots});
   if (!advice.changes()) return std::nullopt;
-  Cycle next = followed(cycle, advice, longest_, gain_max_);
-  for (std::size_t i = 0; i < slots; ++i) next[i].time = std::max(next[i].time, shortest_);
+  const Cycle next = followed(cycle, advice, room_);
   if (next == cycle_) return std::nullopt;  // the sensor's range is exhausted
-  cycle_ = next;
-  waiting_ = kSettling * slots_;
   return next;
+}
+
+void ExposureAdaptation::runs(std::span<const Exposure> cycle) {
+  std::ranges::copy(cycle, cycle_.begin());
+  waiting_ = kSettling * slots_;
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,7 @@
 // Adapts the cycle to the light: averages the clipped and dark shares of the frames of each slot, and after a
-// few cycles proposes a new cycle (exposure_advice.h). Then it waits until frames of the new cycle arrive.
-// Thread-bound; no allocation.
+// few cycles proposes a new cycle (exposure_advice.h). Where the camera takes it, it waits until frames of
+// the new cycle arrive; else the old one goes on, and it is asked again later. Thread-bound; no allocation
+// after construction.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <span>
 
 #include "capture/exposure_advice.h"
+#include "capture/exposure_room.h"
 
 namespace hdrcam {
 
@@ -15,22 +17,22 @@ class ExposureAdaptation {
  public:
   using Cycle = std::array<Exposure, ExposureSchedule::kMaxSlots>;
 
-  // shortest, longest: exposure times that the sensor can do within a frame; gain_max: analogue.
-  ExposureAdaptation(std::span<const Exposure> cycle, Duration shortest, Duration longest, double gain_max);
+  explicit ExposureAdaptation(const ExposureRoom& room);
 
   // Adds a frame whose slot and exposure are certain. Returns the next cycle (its first slots() entries)
   // where it should change.
   std::optional<Cycle> observe(int slot, const SlotShares& shares);
+  // From now on the camera is asked for this cycle of slots() exposures.
+  void runs(std::span<const Exposure> cycle);
   int slots() const { return slots_; }
 
  private:
   static constexpr int kCycles = 4;    // averaged before it proposes a change
   static constexpr int kSettling = 5;  // queued cycles when the schedule changes
 
-  Cycle cycle_{};
+  const ExposureRoom room_;
   const int slots_;
-  const Duration shortest_, longest_;
-  const double gain_max_;
+  Cycle cycle_{};  // that the camera is asked for
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};
   std::array<int, ExposureSchedule::kMaxSlots> counts_{};
   int waiting_ = 0;  // frames until the new cycle arrives

@@ -50,13 +50,14 @@ ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShare
 }
 
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
-                                                           const ExposureAdvice& advice, Duration longest,
-                                                           double gain_max) {
+                                                           const ExposureAdvice& advice,
+                                                           const ExposureRoom& room) {
   std::array<Exposure, ExposureSchedule::kMaxSlots> next{};
   for (std::size_t i = 0; i < cycle.size(); ++i) {
     const double product = cycle[i].product() * std::exp2(advice.stops[i]);
-    const double time = std::min(product, to_seconds(longest));
-    next[i] = {Duration(std::llround(time * 1e9)), std::clamp(product / time, 1.0, gain_max)};
+    const double time =
+        std::clamp(product / room.least_gain, to_seconds(room.shortest), to_seconds(room.longest));
+    next[i] = {from_seconds(time), std::clamp(product / time, room.least_gain, room.greatest_gain)};
   }
   return next;
 }

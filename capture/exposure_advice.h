@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "capture/exposure_room.h"
 #include "capture/exposure_schedule.h"
 
 namespace hdrcam {
@@ -24,9 +25,10 @@ struct ExposureAdvice {
 // and a wide dead zone prevents oscillation. cycle and shares: one per slot.
 ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShares> shares);
 
-// The cycle with the advice applied: first by time up to `longest`, then by gain up to `gain_max`.
+// The cycle with the advice applied, within what sensor and frame allow: first by time at the least gain,
+// then by gain.
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
-                                                           const ExposureAdvice& advice, Duration longest,
-                                                           double gain_max);
+                                                           const ExposureAdvice& advice,
+                                                           const ExposureRoom& room);
 
 }  // namespace hdrcam

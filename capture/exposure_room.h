@@ -15,7 +15,7 @@ enum class Adapt { Off, Light, Motion };
 struct ExposureRoom {
   std::vector<Exposure> cycle;               // as it runs: rounded to what the sensor can do
   Duration shortest{0}, longest{0};          // exposure times, within a frame
-  double least_gain = 1, greatest_gain = 1;  // analogue
+  double least_gain = 1, greatest_gain = 1;  // analogue; equal where all exposures must have one gain
   Mains mains = Mains::Off;
 };
 

@@ -18,10 +18,6 @@ struct TriggerOptions {
   Duration tolerance{500'000};    // an edge later than this is late
 };
 
-// A flag of FrameFacts (hal/core/frame.h): the trigger pulse of the frame was late, so that it is not of the
-// planned instant, or not of the planned exposure. Its label is the measured one.
-inline constexpr std::uint32_t kFrameTriggerLate = 1u << 3;
-
 struct PlannedPulse {
   std::uint64_t number = 0;  // intervals since the first pulse
   int slot = 0;              // of the schedule

@@ -38,6 +38,10 @@ Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   return by_earlier.trusted() ? by_later : by_earlier;
 }
 
+std::string described(double exposure_s, double gain) {
+  return describe(Exposure{from_seconds(exposure_s), gain});
+}
+
 }  // namespace
 
 double RecordedLabels::Label::log_value() const {
@@ -53,9 +57,8 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
   if (!judgeable(facts)) return std::nullopt;
   FrameEvidence evidence;
   if (is_exposure(facts))
-    evidence.add({{Instant::from_seconds(facts.exposure_s).since_boot, facts.analogue_gain},
-                  facts.digital_gain,
-                  facts.exposure_source});
+    evidence.add(
+        {{from_seconds(facts.exposure_s), facts.analogue_gain}, facts.digital_gain, facts.exposure_source});
   return evidence;
 }
 
@@ -80,8 +83,7 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   cycle_ = std::move(distinct);
   std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
   for (std::size_t i = 0; i < cycle_.size(); ++i)
-    exposures[i] = {Instant::from_seconds(cycle_[i].exposure_s).since_boot,
-                    cycle_[i].analogue_gain * cycle_[i].digital_gain};
+    exposures[i] = {from_seconds(cycle_[i].exposure_s), cycle_[i].analogue_gain * cycle_[i].digital_gain};
   proof_.set_cycle({exposures.data(), cycle_.size()});
 }
 
@@ -148,8 +150,8 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   if (facts.exposure_source == ExposureSource::Estimated && frame.proof.trusted())
     frame.proof.verdict = Verdict::Estimated;
   if (frame.proof.verdict == Verdict::Contradicted && is_exposure(facts)) {
-    contradicted_.object("frame {}: its pictures contradict its exposure of {:.6g} s", facts.sequence,
-                         facts.exposure());
+    contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
+                         described(facts.exposure_s, facts.analogue_gain * facts.digital_gain));
   }
   facts.verdict = frame.proof.verdict;
   if (judgement.within_ev > 0 && std::isfinite(judgement.within_ev) && !facts.exposure_within_ev)
@@ -166,8 +168,9 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   });
   if (found == cycle_.end()) return;
   if (is_exposure(facts))
-    relabelled_.object("frame {}: its pictures changed its exposure from {:.6g} s to {:.6g} s",
-                       facts.sequence, facts.exposure(), std::exp(found->log_value()));
+    relabelled_.object("frame {}: its pictures changed its exposure from {} to {}", facts.sequence,
+                       described(facts.exposure_s, facts.analogue_gain * facts.digital_gain),
+                       described(found->exposure_s, found->analogue_gain * found->digital_gain));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;
   facts.digital_gain = found->digital_gain;

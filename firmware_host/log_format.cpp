@@ -1,4 +1,5 @@
 #include "firmware_host/log_format.h"
+#include "hal/core/json_text.h"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -43,7 +44,7 @@ LogFormat log_format() { return format_in_use; }
 std::string json_log_line(LogLevel level, std::string_view message) {
   const nlohmann::ordered_json line{
       {"time", now_in_utc()}, {"level", name(level)}, {"message", std::string(message)}};
-  return line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+  return json_text(line) + '\n';
 }
 
 std::string json_log_lines(std::string_view remarks) {

@@ -78,7 +78,7 @@ void add_frame_budget(std::vector<Knob>& table) {
   using K = Knobs;
   using B = FrameBudget;
   table.push_back(choice<&K::budget, &B::flow>(
-      "flow", kPerFrame, {"fast", "medium", "fine"},
+      "flow", kPerFrame, {"coarse", "fast", "medium", "fine"},
       {"", "time of the one or two flow calls of a frame; fine takes twice as long as fast",
        "finer motion: fewer pixels lose their history"}));
   table.push_back(whole<&K::budget, &B::fit, &FitBudget::steps>(

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "capture/amplified_noise.h"
 #include "capture/clip_policy.h"
 #include "hal/core/stopwatch.h"
 #include "online/pictures/for_samples.h"
@@ -19,15 +18,6 @@ std::optional<FramePose> given_pose(const FrameFacts& facts) {
   const RigidTransform T_world_camera = from_matrix(*facts.T_world_camera);
   if (!T_world_camera.finite()) return std::nullopt;
   return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
-}
-
-float code_step_of(const CameraFacts& camera) {
-  return kMaxCode / static_cast<float>((1 << camera.bits) - 1);
-}
-
-// The noise of two frames is compared at the pixels of the shorter exposure.
-bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer) {
-  return newer.exposure <= older.exposure;
 }
 
 }  // namespace
@@ -56,89 +46,50 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
       gpu_(gpu),
-      response_known_(response.has_value()),
-      learner_({knobs.response, knobs.bootstrap_frames, code_step_of(camera), camera.bits}),
-      response_(response ? *response : prior_mean_response()),
-      noise_estimator_(std::in_place, pool),
-      texture_error_(std::in_place, pool),
-      shown_blur_(std::in_place, pool),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
-      state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)) {
-  noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
-  noise_.code_step = code_step_of(camera);
-  assumed_noise_ = noise_;
-}
+      state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)),
+      sensor_(knobs, camera, response, *state_, pool) {}
 
 OnlineStage::~OnlineStage() = default;
 
 Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit) {
   budget_ = budget;
   budget_.render_step = std::max(budget.render_step, field_step_);  // nothing more between the field's pixels
-  if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
-  if (knobs_.motion_blur == BlurKind::Shown) shown_blur_->heed(frame);
-  if (!started_ && response_known_) {
-    black_level_ = frame.facts.black_level.value_or(BlackLevel());
-    started_ = true;
-  }
-  if (!started_) {
+  sensor_.meet(frame);
+  if (!sensor_.is_known()) {
     waiting_.emplace_back(frame, camera_.bits);
     return static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames ? Result<void>() : bootstrap(emit);
   }
-  if (!response_known_) {
-    Stopwatch watch;
-    if (const auto found = learner_.next(frame, noise_)) {
-      relearned_.push_back(frame.index);
-      TRY(begin_anew(*found, emit));
-    }
-    remove_black_level(frame, black_level_);
-    frame.exposure = exposures_.corrected(frame.exposure);
-    if (timing_) timing_("unpack", watch.lap_ms());
-  }
+  Stopwatch watch;
+  if (const auto found = sensor_.learn_response(frame)) TRY(begin_anew(*found, frame.index, emit));
+  sensor_.correct(frame);
+  if (timing_) timing_(Stage::Unpack, watch.lap_ms());
   return take(frame, emit);
 }
 
 // Response and black level from the first frames, which then take their way.
 Result<void> OnlineStage::bootstrap(const Emit& emit) {
-  started_ = true;
-  go_over_to(learner_.first(waiting_, noise_));
+  sensor_.learn_first(waiting_);
   ExposedFrame frame;
   for (CompactFrame& waiting : waiting_) {
     waiting.restore(frame);
     waiting = {};
-    remove_black_level(frame, black_level_);
-    frame.exposure = exposures_.corrected(frame.exposure);
+    sensor_.correct(frame);
     TRY(take(frame, emit));
   }
   waiting_.clear();
   return {};
 }
 
-void OnlineStage::go_over_to(const ResponseEstimate& estimate) {
-  response_ = estimate.response;
-  black_level_ = estimate.black_level;
-  exposures_ = estimate.exposures;
-  noise_origin_ = NoiseOrigin::Unknown;
-  if (!estimate.noise || knobs_.noise != NoiseKind::Learned) return;
-  noise_origin_ = NoiseOrigin::Sensor;
-  noise_ = *estimate.noise;
-  noise_estimator_->expect(noise_);
-}
-
-// Under another response the same codes are other radiances: nothing that was learned under the last one
-// holds. The frames that are left are emitted first; the state begins with the next.
-Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, const Emit& emit) {
+// The frames that are left are emitted first, under the last response; the state begins with the next.
+Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame, const Emit& emit) {
   TRY(finish(emit));
   while (!steps_.empty()) retire_oldest();
-  tables_.clear();
-  noise_ = assumed_noise_;
-  noise_estimator_.emplace(pool_);
-  texture_error_.emplace(pool_);
-  shown_blur_->forget();
+  sensor_.begin_anew(estimate, frame);
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
   field_rested_ = field_ != nullptr;
   white_ = 1;
   darkest_ = kAllBlack;
-  go_over_to(estimate);
   return {};
 }
 
@@ -150,16 +101,13 @@ std::unique_ptr<OnlineStage::Step> OnlineStage::spare_step() {
 }
 
 Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
-  constexpr std::size_t kMaxTables = 32;
-  if (tables_.size() > kMaxTables) tables_.clear();
   steps_.push_back(spare_step());
   Step& step = *steps_.back();
   std::swap(step.frame, frame);
   white_ = std::max(white_, 1 / step.frame.exposure);
-  step.stated_blur = ShownBlur::stated(step.frame);
-  step.frame.blur_fraction = blur_of(step);
+  step.stated_blur = sensor_.count_blur(step.frame);
   step.advanced = step.emitted = false;
-  const ExposureTables& tables = tables_for(step.frame);
+  const ExposureTables& tables = sensor_.tables_for(step.frame);
 
   if (steps_.size() == 1) {
     state_->restart({step.frame, tables, white_});
@@ -175,13 +123,16 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     FlowField& onward = step.motion.from_previous;
     pool_.scratch().lend(onward.vectors, 2, camera_.height, camera_.width);
     pool_.scratch().lend(onward.confidence, 1, camera_.height, camera_.width);
-    const bool learns = learns_noise(step.frame.index),
-               at_newer = noise_is_seen_in_newer(previous.frame, step.frame);
+    const bool learns = sensor_.learns_noise(step.frame),
+               at_newer = SensorModel::noise_is_seen_in_newer(previous.frame, step.frame);
     const RatedFlows rated{.to_previous = learns && at_newer,
                            .from_previous = joins_newest() || (learns && !at_newer)};
     motion_->match(state_->state(), step.frame, tables, {budget_.flow, budget_.blurs}, rated, step.motion);
-    if (timing_) timing_("motion", watch.lap_ms());
-    if (learns) learn_noise(previous, step);
+    if (timing_) timing_(Stage::Motion, watch.lap_ms());
+    if (learns) {
+      sensor_.learn_noise(previous.frame, step.frame, step.motion);
+      if (timing_) timing_(Stage::Noise, watch.lap_ms());
+    }
     if (look_ahead_ == 0) TRY(advance(step, nullptr));
   }
   return emit_ready(false, emit);
@@ -200,23 +151,22 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (retired_ + at >= 2) context.before_ratio = ratio(to_seconds(before - time_before(at, 2)));
   if (after != nullptr) {
     context.after = &after->frame;
-    context.after_tables = &tables_for(after->frame);
+    context.after_tables = &sensor_.tables_for(after->frame);
     context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow,
                     {.from_previous = field_takes_part() || look_ahead_ > 1}, step.motion);
-  if (timing_) timing_("motion", watch.lap_ms());
+  if (timing_) timing_(Stage::Motion, watch.lap_ms());
 
-  learn_blur(step);
-  learn_texture_error(step);
+  // before the state takes the frame in: the frame must not be compared with itself
+  sensor_.compare(step.frame, step.stated_blur, step.motion.to_previous, white_);
   if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep_state(*steps_[at - 1]);
-  state_->advance({step.frame, tables_for(step.frame), white_, budget_.blurs}, step.motion.to_previous);
-  lower_darkest(tables_for(step.frame));
-  const float gain = gain_of(step.frame);
-  tables_.at({step.frame.exposure, gain})
-      .rebuild(response_, amplified(noise_, gain), state_->residuals().excess(step.frame.exposure));
+  state_->advance({step.frame, sensor_.tables_for(step.frame), white_, budget_.blurs},
+                  step.motion.to_previous);
+  lower_darkest(sensor_.tables_for(step.frame));
+  sensor_.take_over_residuals(step.frame);
   step.advanced = true;
-  if (timing_) timing_("state", watch.lap_ms());
+  if (timing_) timing_(Stage::State, watch.lap_ms());
   TRY(fit(step));
   if (look_ahead_ < 2) end_look_along(step);  // else frames before it still do
   return {};
@@ -264,10 +214,10 @@ Result<void> OnlineStage::fit(Step& step) {
     step.depth.inverse_depth.copy_from(depth.inverse_depth);
     step.depth.weight.copy_from(depth.weight);
   }
-  if (timing_) timing_("pose", watch.lap_ms());
-  TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, response_}));
+  if (timing_) timing_(Stage::Pose, watch.lap_ms());
+  TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, sensor_.response()}));
   step.fit = field_->fit(budget_.fit);
-  if (timing_) timing_("fit", watch.lap_ms());
+  if (timing_) timing_(Stage::Fit, watch.lap_ms());
   return {};
 }
 
@@ -330,7 +280,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   std::array<LaterFrame, kMaxLookAhead> later;
   for (std::size_t k = 0; k < ahead; ++k) {
     const Step& next = *steps_[i + 1 + k];
-    later[k] = {&next.frame, &next.motion.from_previous, &tables_for(next.frame)};
+    later[k] = {&next.frame, &next.motion.from_previous, &sensor_.tables_for(next.frame)};
   }
   const Borrowed room(
       pool_.scratch(), camera_.height, camera_.width,
@@ -359,12 +309,12 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .length_unit = poses_ ? unit_of(poses_->source()) : LengthUnit::Metre,
       .lens_is_assumed = !camera_.intrinsics,
       .fit = step.in_field ? &step.fit : nullptr,
-      .noise_origin = noise_origin_,
+      .noise_origin = sensor_.noise_origin(),
       .budget = budget_,
       .darkest = darkest_,
       .white = white_,
       .reference_exposure = step.frame.reference_exposure};
-  if (timing_) timing_("look-ahead", watch.lap_ms());
+  if (timing_) timing_(Stage::LookAhead, watch.lap_ms());
   return emit(estimate);
 }
 
@@ -380,74 +330,6 @@ Result<void> OnlineStage::finish(const Emit& emit) {
   if (!waiting_.empty()) TRY(bootstrap(emit));
   if (!steps_.empty() && !steps_.back()->advanced) TRY(advance(*steps_.back(), nullptr));
   return emit_ready(true, emit);
-}
-
-float OnlineStage::gain_of(const ExposedFrame& frame) const {
-  return static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain / reference_gain_);
-}
-
-const ExposureTables& OnlineStage::tables_for(const ExposedFrame& frame) {
-  const std::pair key{frame.exposure, gain_of(frame)};
-  const auto found = tables_.find(key);
-  if (found != tables_.end()) return found->second;
-  ExposureTables& tables =
-      tables_
-          .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
-                                       state_->residuals().excess(frame.exposure)))
-          .first->second;
-  tables.set_texture_error(texture_error_->share());
-  return tables;
-}
-
-float OnlineStage::blur_of(const Step& step) const {
-  switch (knobs_.motion_blur) {
-    case BlurKind::Off:
-      return 0;
-    case BlurKind::Stated:
-      return step.stated_blur;
-    case BlurKind::Shown:
-      break;
-  }
-  return shown_blur_->counted(step.stated_blur);
-}
-
-// Before the state takes the frame in, as with the error of textures.
-void OnlineStage::learn_blur(const Step& step) {
-  if (knobs_.motion_blur != BlurKind::Shown || !looks_closely(step.frame.index)) return;
-  shown_blur_->observe(step.frame, step.stated_blur, state_->state(), step.motion.to_previous,
-                       tables_for(step.frame), white_);
-}
-
-// Before the state takes the frame in: the frame must not be compared with itself.
-void OnlineStage::learn_texture_error(const Step& step) {
-  if (knobs_.noise == NoiseKind::Assumed) return;
-  texture_error_->observe(step.frame, state_->state(), step.motion.to_previous, tables_for(step.frame),
-                          white_);
-  for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
-}
-
-// Whether a frame tells of noise and blur: every one at first; every fifth later, so that each pair of a
-// cycle of up to four has its turn.
-bool OnlineStage::looks_closely(int frame) {
-  constexpr int kEagerFrames = 24, kLaterEvery = 5;
-  return frame < kEagerFrames || frame % kLaterEvery == 0;
-}
-
-void OnlineStage::learn_noise(const Step& previous, const Step& step) {
-  constexpr int kEager = 8;  // frames: at first the model is solved at each, then at multiples of this
-  Stopwatch watch;
-  if (noise_is_seen_in_newer(previous.frame, step.frame))
-    noise_estimator_->add_pair(step.frame, previous.frame, step.motion.to_previous, response_,
-                               {gain_of(step.frame), gain_of(previous.frame)});
-  else
-    noise_estimator_->add_pair(previous.frame, step.frame, step.motion.from_previous, response_,
-                               {gain_of(previous.frame), gain_of(step.frame)});
-  if (step.frame.index < kEager || step.frame.index % kEager == 0) {
-    noise_ = noise_estimator_->solve(assumed_noise_);
-    for (auto& [key, tables] : tables_)
-      tables.rebuild(response_, amplified(noise_, key.second), state_->residuals().excess(key.first));
-  }
-  if (timing_) timing_("noise", watch.lap_ms());
 }
 
 }  // namespace hdrcam

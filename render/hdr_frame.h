@@ -2,7 +2,9 @@
 // Radiance is scene-linear and relative: 1 saturates the clip's reference exposure E_ref. Move-only value.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -21,6 +23,20 @@ enum class Provenance : std::uint8_t {
   Bound = 4,      // clipped in all frames: a lower bound
 };
 
+inline constexpr std::size_t kProvenances = 5;
+
+// The shares of the pixels [1, rows, cols] that have each provenance, by its number; they add up to 1, of an
+// empty picture to 0.
+inline std::array<float, kProvenances> provenance_shares(const Image<std::uint8_t>& provenance) {
+  std::array<std::size_t, 256> pixels{};
+  for (const std::uint8_t from : provenance.samples()) ++pixels[from];
+  std::array<float, kProvenances> shares{};
+  const auto all = static_cast<double>(std::max<std::size_t>(1, provenance.size()));
+  for (std::size_t i = 0; i < kProvenances; ++i)
+    shares[i] = static_cast<float>(static_cast<double>(pixels[i]) / all);
+  return shares;
+}
+
 // A point on a static surface that the frame sees.
 struct SurfacePoint {
   Eigen::Vector3d p_world;          // in the world and the unit of the frame's pose
@@ -28,39 +44,46 @@ struct SurfacePoint {
   std::array<float, 3> radiance{};  // [rgb] of that pixel
 };
 
-struct HdrFrame {
+// What there is to say of a frame besides its pictures.
+struct HdrFrameHead {
   FrameFacts facts;
   float exposure = 1;                          // E / E_ref of the frame it belongs to
   double reference_exposure = 1;               // E_ref, seconds x gains
   float white = 1;                             // radiance that saturates the shortest exposure of the cycle
   std::optional<ChannelGains> white_balance;   // applied to the radiance; none: the camera's own colours
-  Image<float> radiance;                       // [rgb, rows, cols], finite, >= 0
-  Image<float> sigma;                          // [1, rows, cols] standard deviation of ln radiance
-  Image<std::uint8_t> provenance;              // [1, rows, cols] Provenance
   std::optional<FramePose> pose;               // none where it is not known
   LengthUnit length_unit = LengthUnit::Metre;  // of pose, depth and points
   std::optional<Intrinsics> lens;              // none where no single lens made the picture
   bool lens_is_assumed = false;                // the camera does not report it
-  Image<float> depth;  // [1, rows, cols] camera z, in length_unit; empty without the field
-  // [dx dy, rows, cols] pixels, each empty where it was not requested: to the previous frame (also empty for
-  // the first), to the next one (without look-ahead and for the last), and the field's own motion both ways.
-  Image<float> flow;
-  Image<float> flow_forward, field_flow, field_flow_forward;
-  std::vector<SurfacePoint> points;  // empty where they were not requested
 };
 
-// Facts, camera, radiance, sigma and provenance; what depends on the field or on the neighbours stays. `to`
-// keeps its memory.
+struct HdrFrame : HdrFrameHead {
+  Image<float> radiance;           // [rgb, rows, cols], finite, >= 0
+  Image<float> sigma;              // [1, rows, cols] standard deviation of ln radiance
+  Image<std::uint8_t> provenance;  // [1, rows, cols] Provenance
+  Image<float> depth;              // [1, rows, cols] camera z, in length_unit; empty without the field
+  // [dx dy, rows, cols] pixels, each empty where it was not requested: to the previous frame (also empty for
+  // the first), to the next one (without look-ahead and for the last), and the field's own motion both ways.
+  Image<float> flow, flow_forward, field_flow, field_flow_forward;
+  std::vector<SurfacePoint> points;  // empty where they were not requested
+
+  HdrFrameHead& head() { return *this; }
+  const HdrFrameHead& head() const { return *this; }
+};
+
+// The layers of float, radiance first.
+inline constexpr std::array kFloatLayers{&HdrFrame::radiance,
+                                         &HdrFrame::sigma,
+                                         &HdrFrame::depth,
+                                         &HdrFrame::flow,
+                                         &HdrFrame::flow_forward,
+                                         &HdrFrame::field_flow,
+                                         &HdrFrame::field_flow_forward};
+
+// Head, radiance, sigma and provenance; what depends on the field or on the neighbours stays. `to` keeps its
+// memory.
 inline void copy_picture(const HdrFrame& from, HdrFrame& to) {
-  to.facts = from.facts;
-  to.exposure = from.exposure;
-  to.reference_exposure = from.reference_exposure;
-  to.white = from.white;
-  to.white_balance = from.white_balance;
-  to.pose = from.pose;
-  to.length_unit = from.length_unit;
-  to.lens = from.lens;
-  to.lens_is_assumed = from.lens_is_assumed;
+  to.head() = from.head();
   to.radiance.copy_from(from.radiance);
   to.sigma.copy_from(from.sigma);
   to.provenance.copy_from(from.provenance);

@@ -48,20 +48,20 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
 
 void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   Stopwatch watch;
-  const auto lap = [&](const char* stage) {
+  const auto lap = [&](Stage stage) {
     if (timing_) timing_(stage, watch.lap_ms());
   };
   emission_.render(estimate, frame);
   for (Image<float>* layer : {&frame.depth, &frame.field_flow, &frame.field_flow_forward})
     layer->reshape(0, 0, 0);
   show_motion_and_points(estimate, frame);
-  lap("emission");
+  lap(Stage::Emission);
   if (!estimate.field || options_.layer == EmitLayer::State) return;
   if (options_.layer == EmitLayer::Field)
     take_all(estimate, frame);
   else
     fill_unseen(estimate, frame);
-  lap("field render");
+  lap(Stage::FieldRender);
 }
 
 void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {

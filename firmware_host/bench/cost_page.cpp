@@ -11,6 +11,7 @@
 #include "firmware_host/sinks/svg_chart.h"
 #include "firmware_host/version.h"
 #include "hal/core/cpu.h"
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -95,7 +96,7 @@ std::string cost_json(std::span<const PointCost> costs, const std::string& comma
             {"instruction_set", name(instruction_set())}};
   for (const PointCost& mean : by_time(means_of(costs))) json["means"].push_back(json_of(mean));
   for (const PointCost& cost : costs) json["points"].push_back(json_of(cost));
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 std::string cost_page(std::span<const PointCost> costs, const std::string& command, int threads) {

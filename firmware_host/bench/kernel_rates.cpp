@@ -11,6 +11,7 @@
 #include "firmware_host/version.h"
 #include "hal/core/cpu.h"
 #include "hal/core/image.h"
+#include "hal/core/json_text.h"
 #include "hal/core/stopwatch.h"
 #include "online/scene/hash_grid/field/random.h"
 
@@ -142,16 +143,15 @@ std::string rates_json(const KernelRates& rates, int rows, int cols) {
       object["ceiling_per_s"] = rate.ceiling_per_s, object["bound"] = name(rate.bound);
     kernels.push_back(object);
   }
-  return Json{{"hdrcam", kVersion},
-              {"cpu", cpu_model()},
-              {"instruction_set", name(instruction_set())},
-              {"width", cols},
-              {"height", rows},
-              {"flops_per_s", rates.flops_per_s},
-              {"look_ups_per_s", rates.look_ups_per_s},
-              {"kernels", kernels}}
-             .dump(1) +
-         "\n";
+  const Json json{{"hdrcam", kVersion},
+                  {"cpu", cpu_model()},
+                  {"instruction_set", name(instruction_set())},
+                  {"width", cols},
+                  {"height", rows},
+                  {"flops_per_s", rates.flops_per_s},
+                  {"look_ups_per_s", rates.look_ups_per_s},
+                  {"kernels", kernels}};
+  return json_text(json, 1) + "\n";
 }
 
 }  // namespace hdrcam

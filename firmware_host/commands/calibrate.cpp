@@ -28,10 +28,11 @@ struct Pair {
 
 // Neighbouring times of the cycle, the middle ones first, because there the fewest pixels are clipped or
 // dark.
-std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
+std::vector<Pair> time_pairs(const ExposureSchedule& schedule, const CameraCapabilities& camera) {
   std::vector<Exposure> ladder;
   ladder.reserve(ExposureSchedule::kMaxSlots);
-  for (int i = 0; i < schedule.slots(); ++i) ladder.push_back({schedule.slot(i).exposure.time, 1});
+  for (int i = 0; i < schedule.slots(); ++i)
+    ladder.push_back({schedule.slot(i).exposure.time, camera.gain_min});
   std::sort(ladder.begin(), ladder.end(),
             [](const Exposure& a, const Exposure& b) { return a.time < b.time; });
   std::vector<Pair> pairs;
@@ -41,7 +42,8 @@ std::vector<Pair> time_pairs(const ExposureSchedule& schedule) {
   return pairs;
 }
 
-// Times at which a gain of 1 and one of at least 2 can be distinguished: those of the cycle, shortest first.
+// Times at which the least gain and one of at least twice as much can be distinguished: those of the cycle,
+// shortest first.
 std::vector<Pair> gain_pairs(const ExposureSchedule& schedule, const CameraCapabilities& camera) {
   std::vector<Pair> pairs;
   const double most = std::min(camera.gain_max, 4 * camera.gain_min);
@@ -95,7 +97,8 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   const auto schedule =
       TRY(ExposureSchedule::create(setup.cycle, camera->capabilities(), mode.frame_duration, setup.mains));
 
-  const DelayEstimate exposure = TRY(measure(*camera, setup.options, time_pairs(schedule), around.stop));
+  const DelayEstimate exposure =
+      TRY(measure(*camera, setup.options, time_pairs(schedule, camera->capabilities()), around.stop));
   print("exposure", exposure);
   if (!exposure.delay)
     return Error{ErrorCode::Timeout,

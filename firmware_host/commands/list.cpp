@@ -8,6 +8,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/json_text.h"
 #include "hal/real/camera_libcamera.h"
 #include "hal/real/enumerate.h"
 
@@ -57,7 +58,7 @@ void print_json(const std::vector<FoundDevice>& devices) {
                     {"facts", device.facts},
                     {"missing", device.missing}});
   }
-  say("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  say("{}\n", json_text(list, 2));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/printable.h"
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -104,8 +105,8 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   summary.left_out = reader->left_out();
   summary.cycle = find_exposure_cycle(frames);
   if (!frames.empty())
-    summary.duration = frames.back().timestamp - frames.front().timestamp +
-                       Duration(std::llround(1e9 / summary.camera.framerate_hz));
+    summary.duration =
+        frames.back().timestamp - frames.front().timestamp + from_seconds(1 / summary.camera.framerate_hz);
   return summary;
 }
 
@@ -178,7 +179,7 @@ std::string as_json(const RecordingSummary& summary, const std::string& path) {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
   if (summary.black_level) json["black_level"] = (*summary.black_level)[1];
   if (summary.end) json["ended_by"] = summary.end->message;
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 }  // namespace hdrcam

@@ -33,7 +33,7 @@ void RunLimits::add_to(CLI::App& verb) {
 }
 
 LiveOptions RunLimits::options(bool fits) const {
-  return {.frames = frames, .timeout = Instant::from_seconds(timeout_s).since_boot, .fits = fits};
+  return {.frames = frames, .timeout = from_seconds(timeout_s), .fits = fits};
 }
 
 Result<void> RunLimits::ended_by(LiveEnd end, std::uint64_t captured) const {

@@ -60,7 +60,7 @@ void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double 
   }
   line("(whole frame)", "", ms(costs.frame_ms),
        fmt::format("{}x{}, {} exposed; processor time of all threads, +-{:.2f} ms", s.width, s.height,
-                   describe(Instant::from_seconds(exposure_s).since_boot), costs.noise_ms));
+                   describe(from_seconds(exposure_s)), costs.noise_ms));
 }
 
 // The frames of the clip in order, each with its scene time and its exposure.

@@ -12,6 +12,7 @@
 
 #include "firmware_host/settings/setting_field.h"
 #include "firmware_host/settings/suggestion.h"
+#include "hal/core/json_text.h"
 #include "hal/core/parse_number.h"
 
 namespace hdrcam {
@@ -120,7 +121,7 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
       if (column == kColumns.size()) return unknown_column(where, name);
       if (!value.is_number())
         return Error{ErrorCode::Invalid,
-                     fmt::format("{}: '{}' is no number for {}", where, value.dump(), name)};
+                     fmt::format("{}: '{}' is no number for {}", where, json_text(value), name)};
       row[column] = value.get<double>();
     }
     TRY(check(where, row));

@@ -33,7 +33,7 @@ VirtualCamera::VirtualCamera(const FilmPlan& plan, WorkerPool& pool)
     : plan_(plan), pool_(pool), edges_(pool), motion_(pool), renderer_(pool) {}
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
-                                 const OnlineStage& online, const Show& show) {
+                                 const Response& response, const Show& show) {
   if (!first_s_) first_s_ = estimate.view.time_s;
   std::unique_ptr<Keyframe> key;
   if (spare_.empty())
@@ -47,7 +47,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   steady_.add(key->time_s, key->T_world_camera);
   keys_.push_back(std::move(key));
   field_ = estimate.field.snapshot();
-  response_ = online.response();
+  response_ = response;
   copy(estimate.frame, input_);
   while (!done() && ready(shown_)) TRY(film(show));
   drop_old();
@@ -164,8 +164,7 @@ Result<void> VirtualCamera::film(const Show& show) {
   record.time_s = plan_.playback_s(shown_);
   record.exposure = static_cast<double>(frame_.exposure);
   record.pose = frame_.pose;
-  for (const std::uint8_t from : frame_.provenance.samples()) record.provenance_share[from] += 1;
-  for (float& share : record.provenance_share) share /= static_cast<float>(frame_.provenance.size());
+  record.provenance_share = provenance_shares(frame_.provenance);
   const auto pixels = static_cast<double>(frame_.provenance.size());
   pixels_ += pixels;
   filled_ +=
@@ -178,14 +177,11 @@ Result<void> VirtualCamera::film(const Show& show) {
 void VirtualCamera::label(int frame) {
   const Moment moment = moment_at(*first_s_ + plan_.scene_s(frame));
   const HdrFrame& nearest = moment.nearest().frame;
-  frame_.facts = nearest.facts;
+  frame_.head() = nearest.head();
   frame_.facts.sequence = static_cast<std::uint64_t>(frame);
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
   state_camera(moment, plan_.playback_s(frame));
-  frame_.exposure = nearest.exposure;
-  frame_.reference_exposure = nearest.reference_exposure;
-  frame_.white = nearest.white;
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
   expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);
@@ -196,11 +192,8 @@ void VirtualCamera::label(int frame) {
 void VirtualCamera::state_camera(const Moment& moment, double playback_s) {
   const Keyframe& key = moment.nearest();
   frame_.facts.T_world_camera.reset();  // of the recorded camera
-  frame_.length_unit = key.frame.length_unit;
-  frame_.lens_is_assumed = key.frame.lens_is_assumed;
-  frame_.lens.reset();  // two eyes have none in common
+  frame_.lens.reset();                  // two eyes have none in common
   if (!(plan_.baseline > 0)) frame_.lens = filming_lens(key);
-  frame_.pose = key.frame.pose;
   if (!frame_.pose) return;
   const RigidTransform T_stated_world = frame_.pose->T_world_camera * key.T_world_camera.inverse();
   frame_.pose->T_world_camera = T_stated_world * T_world_view(moment, playback_s, 0);

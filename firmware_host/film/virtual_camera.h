@@ -28,7 +28,7 @@ class VirtualCamera {
   VirtualCamera(const FilmPlan& plan, WorkerPool& pool);
 
   // Errors: those of show.
-  Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const OnlineStage& online,
+  Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const Response& response,
                     const Show& show);
   // Films the remaining moments from the last frames. Errors: those of show.
   Result<void> finish(const Show& show);

@@ -89,8 +89,7 @@ void take_stated(const Scan& seen, FootagePlan& plan) {
   }
   const ExposureCycle cycle = find_exposure_cycle(plan.facts);
   for (FrameFacts& facts : plan.facts) facts.slot = slot_of(cycle, plan.facts.front(), facts);
-  for (const double exposure : cycle.exposures)
-    plan.cycle.push_back({Instant::from_seconds(exposure).since_boot, 1});
+  for (const double exposure : cycle.exposures) plan.cycle.push_back({from_seconds(exposure), 1});
 }
 
 void take_walk(FootagePlan& plan) {
@@ -204,8 +203,7 @@ std::string described(const FootagePlan& plan) {
                         losses > static_cast<int>(kShown) ? ".." : "");
   for (std::size_t i = 0; i < std::min(kShown, plan.facts.size()); ++i) {
     const FrameFacts& facts = plan.facts[i];
-    const Exposure exposure{Instant::from_seconds(facts.exposure_s).since_boot,
-                            facts.analogue_gain * facts.digital_gain};
+    const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
     text += fmt::format("  frame {:>3} {:>9.3f} s  {}\n", i, facts.timestamp.seconds(), describe(exposure));
   }
   if (plan.facts.size() > kShown) text += fmt::format("  .. and {} more\n", plan.facts.size() - kShown);

@@ -126,7 +126,7 @@ Result<void> CameraSource::change_cycle(const std::string& shutter, const std::s
   if (adapt_ != Adapt::Off)
     return Error{ErrorCode::Unsupported, fmt::format("the cycle follows the {} (--adapt)",
                                                      adapt_ == Adapt::Light ? "light" : "motion")};
-  return session_->change_cycle(TRY(parse_exposures(shutter, gain)));
+  return session_->change_cycle(TRY(parse_exposures(shutter, gain, usual_gain(camera_->capabilities()))));
 }
 
 std::string CameraSource::status(const ProgressState&) const {

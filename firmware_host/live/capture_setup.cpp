@@ -86,7 +86,7 @@ Result<StreamMode> mode_for(const Settings::Camera& wanted, const CameraCapabili
   StreamMode mode = *best;
   if (wanted.width > 0) mode.width = wanted.width;
   if (wanted.height > 0) mode.height = wanted.height;
-  mode.frame_duration = wanted.framerate_hz > 0 ? Duration(std::llround(1e9 / wanted.framerate_hz))
+  mode.frame_duration = wanted.framerate_hz > 0 ? from_seconds(1 / wanted.framerate_hz)
                                                 : std::max(mode.frame_duration, camera.usual_frame_duration);
   return mode;
 }
@@ -127,7 +127,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
     options.strobe_after_timestamp = TRY(parse_duration(settings.sync.strobe_delay));
   constexpr int kPatience = 10;  // frames
   options.patience = std::max(options.patience, kPatience * options.mode.frame_duration);
-  setup.cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
+  setup.cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain, usual_gain(camera)));
   setup.mains = settings.schedule.mains;
   return setup;
 }

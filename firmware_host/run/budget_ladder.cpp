@@ -41,8 +41,9 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.later_frames = 1;
     add("one later frame");
   }
-  for (const auto& [quality, name] :
-       {std::pair(FlowQuality::Medium, "flow medium"), {FlowQuality::Fast, "flow fast"}})
+  for (const auto& [quality, name] : {std::pair(FlowQuality::Medium, "flow medium"),
+                                      {FlowQuality::Fast, "flow fast"},
+                                      {FlowQuality::Coarse, "flow coarse"}})
     if (rung.budget.flow > quality) {
       rung.budget.flow = quality;
       add(name);

@@ -10,7 +10,7 @@ std::optional<Duration> deadline_of(const Settings::Fit& fit, const CameraFacts&
   if (fit.deadline == kOff) return std::nullopt;
   if (!fit.deadline.empty()) return parse_duration(fit.deadline).value();
   if (pace == RunPace::Clip || !(camera.framerate_hz > 0)) return std::nullopt;
-  return Duration(std::llround(1e9 / camera.framerate_hz));
+  return from_seconds(1 / camera.framerate_hz);
 }
 
 bool is_pace_of(const CameraFacts& camera, Duration deadline) {

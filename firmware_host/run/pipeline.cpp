@@ -18,17 +18,10 @@ std::optional<Response> known_response(const CameraFacts& camera) {
   return Response(inverse);
 }
 
-void add_to(FrameValues& values, const char* stage, double ms) {
-  for (NamedValue& value : values)
-    if (value.name == stage) {
-      value.value += ms;
-      return;
-    }
-  values.push_back({stage, ms});
-}
-
 // The stages that cost the same on every rung of the ladder.
-bool is_steady(std::string_view stage) { return stage == "unpack" || stage == "noise" || stage == "state"; }
+bool is_steady(Stage stage) {
+  return stage == Stage::Unpack || stage == Stage::Noise || stage == Stage::State;
+}
 
 bool shows_field(const Settings& settings, FieldUse use) {
   return use == FieldUse::Seen || settings.fit.emit == EmitLayer::Field ||
@@ -99,9 +92,9 @@ Pipeline::Pipeline(const PipelineOptions& options, const CameraFacts& camera,
       exposed_(camera, options.knobs.bootstrap_frames, response ? StatedBlack::Removed : StatedBlack::Kept),
       online_(options.knobs, camera, response, pool, gpu),
       render_(options.render, pool, gpu) {
-  const auto time = [this](const char* stage, double ms) {
-    add_to(record_.stages_ms, stage, ms);
-    if (trace_ != nullptr) trace_->add_stage(stage, ms);
+  const auto time = [this](Stage stage, double ms) {
+    add_to(record_.stages_ms, {name(stage), ms});
+    if (trace_ != nullptr) trace_->add_stage(name(stage), ms);
     if (is_steady(stage)) work_.steady_ms += ms;
   };
   exposed_.set_timing(time);
@@ -162,12 +155,7 @@ Result<void> Pipeline::render(const FrameEstimate& estimate, const Deliver& deli
   record_.pose = frame_.pose;
   record_.total_ms = 0;
   for (const NamedValue& stage : record_.stages_ms) record_.total_ms += stage.value;
-  for (std::size_t i = 0; i < kProvenances; ++i) {
-    const auto kind = static_cast<std::uint8_t>(i);
-    int pixels = 0;
-    for (const std::uint8_t from : frame_.provenance.samples()) pixels += from == kind ? 1 : 0;
-    record_.provenance_share[i] = static_cast<float>(pixels / static_cast<double>(frame_.provenance.size()));
-  }
+  record_.provenance_share = provenance_shares(frame_.provenance);
   auto delivered = deliver(frame_, estimate, record_);
   record_.stages_ms.clear(), record_.losses.clear(), record_.note.clear();
   record_.fit_steps = 0;

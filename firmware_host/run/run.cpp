@@ -96,26 +96,27 @@ void add_deadline(const Governor& governor, RunRecord& record) {
 // The camera parameters that the method estimated.
 void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const OnlineStage& online = pipeline.online();
-  record.response = ResponseCurves{online.response().inverse(0), online.response().inverse(1),
-                                   online.response().inverse(2)};
+  const SensorModel& sensor = online.sensor();
+  record.response = ResponseCurves{sensor.response().inverse(0), sensor.response().inverse(1),
+                                   sensor.response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
-  if (!online.response_measured())
+  if (!sensor.response_measured())
     record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
-  for (const int frame : online.relearned())
+  for (const int frame : sensor.relearned())
     record.notes.push_back(
         fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
-  const NoiseModel& noise = online.noise();
+  const NoiseModel& noise = sensor.noise();
   record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
                                      noise.full_well, noise.read_noise));
-  if (const float share = online.texture_error(); share > 0)
+  if (const float share = sensor.texture_error(); share > 0)
     record.notes.push_back(
         fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
                     100 * share));
-  if (!online.blur_shown())
+  if (!sensor.blur_shown())
     record.notes.emplace_back(
         "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
         "motion_blur=stated if they do)");
-  const BlackLevel& black = online.black_level();
+  const BlackLevel& black = sensor.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
   if (const std::string trouble = online.trouble(); !trouble.empty())
@@ -128,11 +129,11 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
 }
 
 // Asks the source for another cycle where the fit expects less error of it.
-void ask_for_exposures(CycleChoice& choice, const FrameEstimate& estimate, const OnlineStage& online,
+void ask_for_exposures(CycleChoice& choice, const FrameEstimate& estimate, const SensorModel& sensor,
                        FrameSource& source, FrameRecord& record) {
   Stopwatch watch;
-  const auto wish = choice.observe(estimate, {online.response(), online.noise(), online.reference_gain()});
-  record.stages_ms.push_back({"exposures", watch.lap_ms()});
+  const auto wish = choice.observe(estimate, {sensor.response(), sensor.noise(), sensor.reference_gain()});
+  record.stages_ms.push_back({name(Stage::Exposures), watch.lap_ms()});
   record.total_ms += (record.stages_ms.end() - 1)->value;
   if (!wish) return;
   source.follow(wish->cycle);
@@ -257,18 +258,19 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
     const TraceSpan span(plan.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
     if (balance && !film) apply_white_balance(*balance, hdr);
     if (film)
-      TRY(film->take(hdr, estimate, pipeline.online(), show));
+      TRY(film->take(hdr, estimate, pipeline.online().sensor().response(), show));
     else
       TRY(sinks.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
     if (!sinks.empty()) {
       const double ms = watch.lap_ms();
-      kept.stages_ms.push_back({"sinks", ms});
+      kept.stages_ms.push_back({name(Stage::Sinks), ms});
       kept.total_ms += ms;
     }
-    if (const std::size_t known = 1 + pipeline.online().relearned().size();
+    if (const std::size_t known = 1 + pipeline.online().sensor().relearned().size();
         std::exchange(responses_told, known) < known)
-      source.learn_response(pipeline.online().response().inverse(1), pipeline.online().black_level());
-    if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online(), source, kept);
+      source.learn_response(pipeline.online().sensor().response().inverse(1),
+                            pipeline.online().sensor().black_level());
+    if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online().sensor(), source, kept);
     if (novel_views) TRY(novel_views->render(estimate));
     progress.frame_done(kept);
     return {};

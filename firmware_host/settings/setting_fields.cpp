@@ -169,7 +169,8 @@ std::vector<SettingField> schedule_fields() {
       list<&Settings::schedule, &S::shutter>(
           "schedule.shutter", "--shutter", "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
       list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
-                                          "analogue gain of each exposure, or one for all", "1"),
+                                          "analogue gain of each exposure, or one for all",
+                                          "1, or the sensor's least"),
       choice<&Settings::schedule, &S::adapt, Adapt::Off, Adapt::Light, Adapt::Motion>(
           "schedule.adapt", "--adapt",
           "what the cycle follows: the light (shortest exposure keeps the highlights, longest the shadows), "

@@ -45,7 +45,7 @@ struct Settings {
   } camera;
   struct Schedule {
     std::string shutter = "1ms,4ms,16ms";  // the cycle, 1 to 4 times
-    std::string gain;                      // analogue gains of the cycle, or one for all; "": 1
+    std::string gain;                      // analogue gains of the cycle, or one for all; "": usual_gain()
     Adapt adapt = Adapt::Off;              // what the cycle follows while it runs
     Mains mains = Mains::Off;              // mains frequency (anti-flicker)
   } schedule;

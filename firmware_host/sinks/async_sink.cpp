@@ -11,20 +11,15 @@ namespace hdrcam {
 namespace {
 
 void copy(const HdrFrame& from, HdrFrame& to) {
-  copy_picture(from, to);
-  to.depth.copy_from(from.depth);
-  to.flow.copy_from(from.flow);
-  to.flow_forward.copy_from(from.flow_forward);
-  to.field_flow.copy_from(from.field_flow);
-  to.field_flow_forward.copy_from(from.field_flow_forward);
+  to.head() = from.head();
+  for (const auto layer : kFloatLayers) (to.*layer).copy_from(from.*layer);
+  to.provenance.copy_from(from.provenance);
   to.points = from.points;
 }
 
 std::uint64_t bytes_of(const HdrFrame& frame) {
   std::size_t floats = 0;
-  for (const Image<float>* layer : {&frame.radiance, &frame.sigma, &frame.depth, &frame.flow,
-                                    &frame.flow_forward, &frame.field_flow, &frame.field_flow_forward})
-    floats += layer->size();
+  for (const auto layer : kFloatLayers) floats += (frame.*layer).size();
   return floats * sizeof(float) + frame.provenance.size() + frame.points.size() * sizeof(SurfacePoint);
 }
 

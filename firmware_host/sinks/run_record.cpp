@@ -6,6 +6,8 @@
 #include <numeric>
 #include <string>
 
+#include "hal/core/stage_timing.h"
+
 namespace hdrcam {
 namespace {
 
@@ -21,6 +23,15 @@ StageSummary summary_of(std::string name, std::vector<double> times_ms) {
 }
 
 }  // namespace
+
+void add_to(FrameValues& values, const NamedValue& more) {
+  for (NamedValue& value : values)
+    if (value.name == more.name) {
+      value.value += more.value;
+      return;
+    }
+  values.push_back(more);
+}
 
 std::vector<StageSummary> stage_summaries(const RunRecord& record) {
   std::vector<std::string> names;
@@ -47,7 +58,7 @@ StageSummary method_summary(const RunRecord& record) {
   for (const FrameRecord& frame : record.frames) {
     times_ms.push_back(frame.total_ms);
     for (const NamedValue& stage : frame.stages_ms)
-      if (stage.name == "sinks") times_ms.back() -= stage.value;
+      if (stage.name == name(Stage::Sinks)) times_ms.back() -= stage.value;
   }
   return summary_of("method", std::move(times_ms));
 }

@@ -24,7 +24,8 @@ struct NamedValue {
 // One frame's values: room for all stages, or all terms of the fit.
 using FrameValues = InlineList<NamedValue, 24>;
 
-inline constexpr std::size_t kProvenances = 5;  // values of enum Provenance
+// To the value of that name, which is appended where there is none.
+void add_to(FrameValues& values, const NamedValue& more);
 
 struct FrameRecord {
   std::uint64_t sequence = 0;
@@ -32,9 +33,9 @@ struct FrameRecord {
   double exposure = 1;  // E / E_ref
   ExposureSource exposure_source = ExposureSource::Unknown;
   std::optional<Verdict> verdict;  // on the exposure; none: not judged
-  double total_ms = 0;             // from the frame's arrival in the pipeline to its completion
+  double total_ms = 0;             // the sum of stages_ms
   FrameValues
-      stages_ms;  // parts of total_ms in the order of the pipeline; a stage that did not run may be missing
+      stages_ms;  // by name(Stage), in the order of the pipeline; a stage that did not run may be missing
   FrameValues losses;  // weighted terms of the fit's last step; empty without the field
   int fit_steps = 0;
   int rung = 0;           // of RunRecord::rungs; 0 without a deadline

@@ -7,6 +7,7 @@
 #include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/version.h"
 #include "hal/core/cpu.h"
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -119,7 +120,7 @@ std::string to_json(const RunRecord& record) {
   json["notes"] = record.notes;
   Json& frames = json["per_frame"] = Json::array();
   for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, !record.rungs.empty()));
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json, 1) + '\n';
 }
 
 Result<std::unique_ptr<FrameSink>> create_stats(Storage& storage, const std::string& path) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "hal/core/json_text.h"
 #include "render/exr.h"
 #include "render/png.h"
 
@@ -109,7 +110,7 @@ Result<void> TruthFolder::append(const SceneTruth& truth, const FrameFacts& fact
 Result<void> TruthFolder::finish() {
   json_["r_sat_shortest"] = 1 / (simulation_.sensitivity_per_s * shortest_exposure_);
   json_["r_max"] = brightest_;
-  const std::string text = json_.dump(1) + "\n", curves = curve_table(simulation_);
+  const std::string text = json_text(json_, 1) + "\n", curves = curve_table(simulation_);
   TRY(write_whole(*storage_, folder_ + "/crf.csv", std::as_bytes(std::span(curves))));
   return write_whole(*storage_, folder_ + "/gt.json", std::as_bytes(std::span(text)));
 }

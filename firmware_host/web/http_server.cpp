@@ -16,6 +16,7 @@
 #include <optional>
 #include <span>
 
+#include "hal/core/json_text.h"
 #include "hal/core/parse_number.h"
 #include "hal/core/thread_name.h"
 #include "hal/core/thread_priority.h"
@@ -223,7 +224,7 @@ HttpBody http_body(std::string_view text) {
 }
 
 HttpAnswer http_error(int status, std::string_view sentence) {
-  return {.status = status, .body = http_body(nlohmann::json{{"error", sentence}}.dump())};
+  return {.status = status, .body = http_body(json_text(nlohmann::json{{"error", sentence}}))};
 }
 
 HttpServer::HttpServer(HttpAddress address, std::string token, std::vector<HttpRoute> routes,

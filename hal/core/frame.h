@@ -82,6 +82,9 @@ enum FrameFlag : std::uint32_t {
   kFrameExposureUnproved = 1u << 0,  // contradicted or unknown: keep out of the fit
   kFrameAfterDrop = 1u << 1,         // the previous frame was lost
   kFrameDamaged = 1u << 2,           // pixels are not trustworthy
+  // The trigger pulse was late: the frame is not of the planned instant, or not of the planned exposure. Its
+  // label is the measured one.
+  kFrameTriggerLate = 1u << 3,
 };
 
 struct RawFrame {

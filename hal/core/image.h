@@ -9,6 +9,8 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <type_traits>
+#include <utility>
 
 #include "hal/core/check.h"
 
@@ -19,8 +21,13 @@ class Image {
  public:
   Image() = default;
   Image(int channels, int rows, int cols) { reshape(channels, rows, cols), fill(T{}); }
-  Image(Image&&) noexcept = default;
-  Image& operator=(Image&&) noexcept = default;
+  // A picture that was moved from is empty and may be used again.
+  Image(Image&& other) noexcept { swap(other); }
+  Image& operator=(Image&& other) noexcept {
+    Image taken(std::move(other));
+    swap(taken);
+    return *this;
+  }
   Image(const Image&) = delete;
   Image& operator=(const Image&) = delete;
 
@@ -75,6 +82,12 @@ class Image {
     void operator()(T* p) const { ::operator delete(p, kAlignment); }
   };
   static_assert(std::is_trivially_copyable_v<T>);
+
+  void swap(Image& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(capacity_, other.capacity_);
+    std::swap(channels_, other.channels_), std::swap(rows_, other.rows_), std::swap(cols_, other.cols_);
+  }
 
   std::unique_ptr<T, Free> data_;
   std::size_t capacity_ = 0;

@@ -10,12 +10,16 @@ namespace hdrcam {
 
 using Duration = std::chrono::nanoseconds;
 
+// To the nearest nanosecond.
+inline Duration from_seconds(double seconds) {
+  return Duration(static_cast<Duration::rep>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)));
+}
+inline double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
+
 struct Instant {
   Duration since_boot{0};
 
-  static Instant from_seconds(double seconds) {
-    return {Duration(static_cast<Duration::rep>(seconds * 1e9 + (seconds < 0 ? -0.5 : 0.5)))};
-  }
+  static Instant from_seconds(double seconds) { return {hdrcam::from_seconds(seconds)}; }
   double seconds() const { return static_cast<double>(since_boot.count()) * 1e-9; }
 
   friend bool operator==(const Instant&, const Instant&) = default;
@@ -23,7 +27,5 @@ struct Instant {
   friend Duration operator-(Instant a, Instant b) { return a.since_boot - b.since_boot; }
   friend Instant operator+(Instant a, Duration d) { return {a.since_boot + d}; }
 };
-
-inline double to_seconds(Duration d) { return static_cast<double>(d.count()) * 1e-9; }
 
 }  // namespace hdrcam

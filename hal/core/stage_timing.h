@@ -1,11 +1,54 @@
-// Who is told how long a stage of a frame took.
+// The timed stages of a frame, in the order of its way, and who is told how long each took.
 #pragma once
 
 #include <functional>
 
 namespace hdrcam {
 
-// stage: of static storage. Called on the thread that worked, once it has.
-using StageTiming = std::function<void(const char* stage, double ms)>;
+enum class Stage {
+  Unpack,
+  Motion,
+  Noise,
+  State,
+  Pose,
+  Fit,
+  LookAhead,
+  Emission,
+  FieldRender,
+  Exposures,
+  Sinks
+};
+
+// As statistics, reports and traces call it; of static storage.
+constexpr const char* name(Stage stage) {
+  switch (stage) {
+    case Stage::Unpack:
+      return "unpack";
+    case Stage::Motion:
+      return "motion";
+    case Stage::Noise:
+      return "noise";
+    case Stage::State:
+      return "state";
+    case Stage::Pose:
+      return "pose";
+    case Stage::Fit:
+      return "fit";
+    case Stage::LookAhead:
+      return "look-ahead";
+    case Stage::Emission:
+      return "emission";
+    case Stage::FieldRender:
+      return "field render";
+    case Stage::Exposures:
+      return "exposures";
+    case Stage::Sinks:
+      break;
+  }
+  return "sinks";
+}
+
+// Called on the thread that worked, once it has.
+using StageTiming = std::function<void(Stage stage, double ms)>;
 
 }  // namespace hdrcam

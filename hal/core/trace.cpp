@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "hal/core/json_text.h"
 #include "hal/core/thread_name.h"
 
 namespace hdrcam {
@@ -15,9 +16,7 @@ double microseconds(Trace::Clock::duration duration) {
   return std::chrono::duration<double, std::micro>(duration).count();
 }
 
-std::string json_text(std::string_view text) {
-  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
+std::string json_string(std::string_view text) { return json_text(nlohmann::json(text)); }
 
 }  // namespace
 
@@ -76,10 +75,10 @@ std::string Trace::json() const {
   for (const Thread& thread : threads_)
     text += fmt::format(
         ",\n{{\"ph\":\"M\",\"name\":\"thread_name\",\"pid\":{},\"tid\":{},\"args\":{{\"name\":{}}}}}",
-        process, thread.id, json_text(thread.name));
+        process, thread.id, json_string(thread.name));
   for (const Span* span : sorted) {
     text += fmt::format(",\n{{\"ph\":\"X\",\"name\":{},\"pid\":{},\"tid\":{},\"ts\":{:.3f},\"dur\":{:.3f}",
-                        json_text(span->name), process, threads_[span->thread].id,
+                        json_string(span->name), process, threads_[span->thread].id,
                         microseconds(span->begin - start_), microseconds(span->end - span->begin));
     if (span->frame >= 0) text += fmt::format(",\"args\":{{\"frame\":{}}}", span->frame);
     text += '}';

@@ -122,7 +122,7 @@ class FootageFiles : public FootageReader {
 
   Duration period() const {
     const double hz = camera_.width > 0 ? camera_.framerate_hz : stills_hz_;
-    return Instant::from_seconds(1 / hz).since_boot;
+    return from_seconds(1 / hz);
   }
 
   Storage& storage_;

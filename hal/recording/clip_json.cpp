@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "hal/core/json_text.h"
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/recording.h"
@@ -67,7 +68,7 @@ class Fields {
   // The value of the field, shortened, for a message.
   std::string shown(const char* key) const {
     if (!has(key)) return "missing";
-    std::string text = object_.at(key).dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string text = json_text(object_.at(key));
     if (text.size() > 40) text.resize(40), text += "..";
     return "is " + text;
   }
@@ -290,9 +291,7 @@ std::string clip_to_json(const Clip& clip) {
   for (std::size_t i = 0; i < told.size(); ++i)
     with_slots = with_slots || told[i] != clip.frames[i].facts.slot;
 
-  const auto dumped = [](const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  };
+  const auto dumped = [](const Json& json) { return json_text(json); };
   std::string text = dumped(head);
   text.back() = ',';
   text += "\n\"frames\":[";

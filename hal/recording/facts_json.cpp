@@ -1,4 +1,5 @@
 #include "hal/recording/facts_json.h"
+#include "hal/core/json_text.h"
 
 #include <zlib.h>
 
@@ -32,7 +33,7 @@ T whole(const Json& value) {
     return static_cast<T>(value.get<std::uint64_t>());
   if (value.is_number_integer() && !value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
     return static_cast<T>(value.get<std::int64_t>());
-  throw std::out_of_range(value.dump() + " where a whole number within its range is needed");
+  throw std::out_of_range(json_text(value) + " where a whole number within its range is needed");
 }
 
 std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view text) {
@@ -41,9 +42,6 @@ std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view t
   crc = crc32_z(crc, reinterpret_cast<const Bytef*>(text.data()), text.size());
   return static_cast<std::uint32_t>(crc);
 }
-
-// Any text can be written: bytes that are not UTF-8 are replaced.
-std::string dumped(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 CameraFacts camera_of(const Json& json) {
   CameraFacts camera;
@@ -102,7 +100,7 @@ std::string to_json(const CameraFacts& camera, RecordingCodec codec) {
         {"fx_px", lens->fx_px}, {"fy_px", lens->fy_px}, {"cx_px", lens->cx_px}, {"cy_px", lens->cy_px}};
   if (!camera.response.empty()) json["response"] = camera.response;
   if (camera.white_balance) json["white_balance"] = *camera.white_balance;
-  return dumped(json);
+  return json_text(json);
 }
 
 std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits) {
@@ -120,10 +118,12 @@ std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits) {
   if (facts.verdict) json["verdict"] = name(*facts.verdict);
   if (facts.exposure_within_ev) json["exposure_within_ev"] = *facts.exposure_within_ev;
   if (facts.T_world_camera) json["T_world_camera"] = *facts.T_world_camera;
-  return dumped(json);
+  return json_text(json);
 }
 
-std::string end_record_json(std::uint64_t frames) { return dumped({{"end", true}, {"frames", frames}}); }
+std::string end_record_json(std::uint64_t frames) {
+  return json_text(Json{{"end", true}, {"frames", frames}});
+}
 
 Result<CameraFacts> camera_from_json(std::string_view text) {
   try {

@@ -12,9 +12,7 @@
 namespace hdrcam {
 namespace {
 
-Instant begin_of(const FrameFacts& facts) {
-  return facts.timestamp + Instant::from_seconds(-facts.exposure_s / 2).since_boot;
-}
+Instant begin_of(const FrameFacts& facts) { return facts.timestamp + from_seconds(-facts.exposure_s / 2); }
 
 // The cycle of exposures, found from the first frames; empty where nothing repeats.
 Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
@@ -31,7 +29,7 @@ Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
   std::vector<ExposureRequest> cycle(static_cast<std::size_t>(found.period));
   for (const FrameFacts& frame : frames)
     if (const int slot = slot_of(found, frames.front(), frame); slot >= 0)
-      cycle[static_cast<std::size_t>(slot)] = {0, Instant::from_seconds(frame.exposure_s).since_boot,
+      cycle[static_cast<std::size_t>(slot)] = {0, from_seconds(frame.exposure_s),
                                                frame.analogue_gain * frame.digital_gain};
   return cycle;
 }
@@ -164,7 +162,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     buffer.timestamp = begin_of(facts);
     buffer.damaged = (facts.flags & kFrameDamaged) != 0;
     if (facts.exposure_source != ExposureSource::Unknown) {
-      buffer.exposure = Instant::from_seconds(facts.exposure_s).since_boot;
+      buffer.exposure = from_seconds(facts.exposure_s);
       buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
     }
     buffer.exposure_embedded = facts.exposure_source == ExposureSource::Embedded;

@@ -99,7 +99,7 @@ bool CycleChoice::improve(double stops) {
 // The exposure that the camera can do; none where it would be the one there is, or would begin to flicker.
 std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, double gain) const {
   constexpr double kSlack = 1.001;
-  Exposure exposure{Duration(std::llround(time_s * 1e9)), gain};
+  Exposure exposure{from_seconds(time_s), gain};
   if (const Duration half = half_period(room_.mains); half > Duration(0)) {
     const bool steady = room_.cycle[slot].time >= half;
     const auto wanted = std::max<Duration::rep>(1, (exposure.time + half / 2) / half);

@@ -99,6 +99,7 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
                               const Response& response, PairGains gains) {
   const int rows = (a.codes.rows() - 2 * kMargin + kStride - 1) / kStride,
             cols = (a.codes.cols() - 2 * kMargin + kStride - 1) / kStride;
+  ++pairs_;
   if (rows <= 0 || cols <= 0) return;
   const Borrowed room(pool_.scratch(), b.codes.rows(), b.codes.cols(), {{&warped_, 3}, {&warped_mean_, 3}});
   const Borrowed more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});

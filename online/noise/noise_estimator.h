@@ -37,6 +37,8 @@ class NoiseEstimator {
   void add_pair(const ExposedFrame& a, const ExposedFrame& b, const FlowField& a_to_b,
                 const Response& response, PairGains gains = {1, 1});
 
+  long pairs() const { return pairs_; }
+
   // What single frames show of the sensor's own noise: the mean of a narrower prior.
   void expect(const NoiseModel& seen) { seen_ = seen; }
 
@@ -75,6 +77,7 @@ class NoiseEstimator {
   static constexpr int kBrightnesses = 28;  // half stops below full exposure
 
   WorkerPool& pool_;
+  long pairs_ = 0;
   std::map<int, std::array<Bin, kBrightnesses>> bins_;  // by quarter stops of exposure ratio
   Image<float> warped_, warped_mean_, compared_;        // borrowed during a call
   std::vector<int> found_;                              // by row of compared_

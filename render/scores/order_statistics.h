@@ -10,6 +10,6 @@ namespace hdrcam {
 double percentile(std::vector<float>& samples, double percent);
 
 // Of an even number of samples: the mean of the middle two.
-inline double median(std::vector<float>& samples) { return percentile(samples, 50); }
+inline double numpy_median(std::vector<float>& samples) { return percentile(samples, 50); }
 
 }  // namespace hdrcam

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "hal/core/json_text.h"
 #include "render/scores/estimates.h"
 #include "render/scores/ground_truth.h"
 #include "render/scores/motion_scores.h"
@@ -126,13 +127,13 @@ class ClipScoring {
                      fmt::format("no pixel of channel {} is well exposed in both clip and estimates; do "
                                  "they show the same scene?",
                                  "RGB"[c])};
-      scores_.shared.gain[c] = std::exp(median(log_ratios[c]));
+      scores_.shared.gain[c] = std::exp(numpy_median(log_ratios[c]));
     }
     const auto& gain = scores_.shared.gain;
     single_gain_ = scores_.shared;
     single_gain_.gain.fill(std::cbrt(gain[0] * gain[1] * gain[2]));
     for (std::size_t c = 0; c < 3; ++c) scores_.cast_stops[c] = std::log2(gain[c] / single_gain_.gain[c]);
-    if (!depth_ratios.empty()) depth_scale_ = median(depth_ratios);
+    if (!depth_ratios.empty()) depth_scale_ = numpy_median(depth_ratios);
     return {};
   }
 
@@ -274,7 +275,7 @@ std::string to_json(const ClipScores& scores, const std::string& clip, const std
                                  {"psnr_mu_mov", or_null(scored.picture.psnr_mu_moving_db)},
                                  {"flicker", or_null(scored.flicker_stops)},
                                  {"log_bias", scored.picture.log_bias_stops}});
-  return json.dump(1) + "\n";
+  return json_text(json, 1) + "\n";
 }
 
 }  // namespace hdrcam

@@ -10,7 +10,7 @@ using Catch::Contains;
 
 namespace {
 
-Exposure exposure_of(double ms) { return {Instant::from_seconds(ms * 1e-3).since_boot, 1}; }
+Exposure exposure_of(double ms) { return {from_seconds(ms * 1e-3), 1}; }
 
 struct Footage {
   std::vector<int> slots;  // the truth

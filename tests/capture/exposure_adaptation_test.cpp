@@ -14,6 +14,12 @@ using namespace std::chrono_literals;
 
 constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
 
+const ExposureRoom kRoom{.cycle = {std::begin(kCycle), std::end(kCycle)},
+                         .shortest = 100us,
+                         .longest = 30ms,
+                         .least_gain = 1,
+                         .greatest_gain = 8};
+
 struct Followed {
   CaptureCounters counters;
   SlotShares first[3], last[3];  // of the first and the last frame of each slot
@@ -22,11 +28,14 @@ struct Followed {
 };
 
 // key: how bright the scene is, see SensorSettings.
-Followed follow(double key, Adapt adapt) {
-  test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .key = key}, {});
+Followed follow(double key, Adapt adapt, double gain = 1) {
+  test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .key = key, .least_gain = gain},
+                           {});
   CaptureOptions options;
   options.adapt = adapt;
-  auto opened = CaptureStage::open(sensor, nullptr, kCycle, Mains::Off, options);
+  std::vector<Exposure> cycle(std::begin(kCycle), std::end(kCycle));
+  for (Exposure& exposure : cycle) exposure.gain = gain;
+  auto opened = CaptureStage::open(sensor, nullptr, cycle, Mains::Off, options);
   REQUIRE(opened.ok());
   CaptureStage& stage = **opened;
   REQUIRE(stage.start().ok());
@@ -68,23 +77,50 @@ TEST_CASE("a scene that is too dark lengthens the cycle until shadows are kept, 
   CHECK(seen.wrong == 0);
 }
 
+TEST_CASE("a sensor that always amplifies follows the light, too", "[capture]") {
+  const Followed bright = follow(6, Adapt::Light, 1.5), dark = follow(0.01, Adapt::Light, 1.5);
+  CHECK(bright.counters.cycle_changes >= 1);
+  CHECK(bright.last[0].clipped < 0.02f);
+  CHECK(dark.counters.cycle_changes >= 1);
+  CHECK(dark.longest > 16ms);
+  CHECK(bright.wrong + dark.wrong == 0);
+}
+
 TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays", "[capture]") {
   const Followed still = follow(6, Adapt::Off);
   CHECK(still.shortest == 1ms);
   CHECK(still.counters.cycle_changes == 0);
 
-  ExposureAdaptation adaptation(kCycle, 100us, 30ms, 8);
+  ExposureAdaptation adaptation(kRoom);
   for (int i = 0; i < 300; ++i)
     REQUIRE_FALSE(adaptation.observe(i % 3, {i % 3 == 0 ? 0.005f : 0.2f, i % 3 == 2 ? 0.02f : 0.3f}));
 }
 
 TEST_CASE("it waits until the new cycle is back before it judges again", "[capture]") {
-  ExposureAdaptation adaptation(kCycle, 100us, 30ms, 8);
-  int changes = 0, first = -1, second = -1;
+  ExposureAdaptation adaptation(kRoom);
+  int frames = 0;
+  const auto until_change = [&] {
+    for (int begin = frames; frames < begin + 100; ++frames)
+      if (const auto cycle = adaptation.observe(frames % 3, {0.5f, 0})) return *cycle;
+    FAIL("no change");
+    return ExposureAdaptation::Cycle{};
+  };
+  const auto first = until_change();
+  const int before_first = frames;
+  adaptation.runs({first.data(), 3});
+  ++frames;
+  const auto second = until_change();
+  CHECK(frames - before_first > before_first);
+  CHECK(second[0].time < first[0].time);
+}
+
+TEST_CASE("a cycle that the camera refuses is not taken for the one that runs", "[capture]") {
+  ExposureAdaptation adaptation(kRoom);
+  std::vector<ExposureAdaptation::Cycle> asked;
   for (int i = 0; i < 60; ++i)
-    if (adaptation.observe(i % 3, {0.5f, 0})) (changes++ == 0 ? first : second) = i;
-  CHECK(first == 11);
-  CHECK(second == 11 + 15 + 12);
+    if (const auto cycle = adaptation.observe(i % 3, {0.5f, 0})) asked.push_back(*cycle);
+  REQUIRE(asked.size() >= 3);
+  for (const auto& cycle : asked) CHECK(cycle[0].time == 500us);  // a stop below the one that runs, each time
 }
 
 }  // namespace

@@ -37,6 +37,7 @@ TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {
   REQUIRE(cycle.ok());
   CHECK(cycle.value() == std::vector<Exposure>{{1ms, 1}, {4ms, 1}, {16ms, 2}});
   CHECK(parse_exposures("1ms,4ms", "").value() == std::vector<Exposure>{{1ms, 1}, {4ms, 1}});
+  CHECK(parse_exposures("1ms,4ms", "", 1.25).value() == std::vector<Exposure>{{1ms, 1.25}, {4ms, 1.25}});
   CHECK(parse_exposures("1ms,4ms", "2.5").value() == std::vector<Exposure>{{1ms, 2.5}, {4ms, 2.5}});
   CHECK_FALSE(parse_exposures("1ms,4ms", "1,2,3").ok());
   CHECK_FALSE(parse_exposures("1ms,,4ms", "").ok());

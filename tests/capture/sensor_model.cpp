@@ -50,7 +50,7 @@ SensorModel::SensorModel(const SensorSettings& settings, const SensorFaults& fau
   capabilities_.exposure_min = Duration(10'000);
   capabilities_.exposure_max = Duration(33'000'000);
   capabilities_.exposure_step = Duration(10'000);
-  capabilities_.gain_max = 16;
+  capabilities_.gain_min = settings.least_gain, capabilities_.gain_max = 16;
   capabilities_.sets_exposure = true;
   capabilities_.reports_exposure = settings.reports;
   capabilities_.exposure_per_request = settings.per_request;

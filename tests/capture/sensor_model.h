@@ -53,6 +53,7 @@ struct SensorSettings {
   bool object = true;               // a disc that moves across
   double light_walk = 0.01;         // rms change of the light per frame, ln
   double cut = 0;                   // probability per frame of another scene
+  double least_gain = 1;            // analogue
   double key = 1;                   // radiance of the median against the saturation of 4 ms
   unsigned seed = 1;
 };

@@ -110,6 +110,14 @@ TEST_CASE("in external trigger mode the pulses expose, whatever was requested", 
   CHECK(exposures == std::map<Duration, int>{{1ms, 10}, {4ms, 10}, {16ms, 10}});
 }
 
+TEST_CASE("where pulses expose, all exposures keep one gain: no cycle may ask for another", "[capture]") {
+  const ExposureRoom pulses = Rig(TriggerMode::PulseWidth).stage->room().value(),
+                     starts = Rig(TriggerMode::FrameStart).stage->room().value();
+  CHECK(pulses.least_gain == 1);
+  CHECK(pulses.greatest_gain == 1);
+  CHECK(starts.greatest_gain > 1);
+}
+
 TEST_CASE("a pulse that the sensor does not see is named, and the labels stay right", "[capture]") {
   for (const TriggerMode mode : kModes) {
     Rig rig(mode, {{40, TriggerFaultKind::Unseen}, {61, TriggerFaultKind::Unseen}});

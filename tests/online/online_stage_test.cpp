@@ -325,8 +325,8 @@ TEST_CASE("the first frames tell the noise of a sensor whose exposures share har
   };
   for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
   CHECK(origin == NoiseOrigin::Sensor);
-  CHECK(stream.online().noise().full_well == Approx(3000).epsilon(0.15));
-  CHECK(stream.online().noise().read_noise == Approx(15).epsilon(0.25));
+  CHECK(stream.online().sensor().noise().full_well == Approx(3000).epsilon(0.15));
+  CHECK(stream.online().sensor().noise().read_noise == Approx(15).epsilon(0.25));
 }
 
 TEST_CASE("noise that single frames do not tell is learned from pairs of them") {
@@ -345,8 +345,8 @@ TEST_CASE("noise that single frames do not tell is learned from pairs of them") 
   };
   for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
   CHECK(origin == NoiseOrigin::Unknown);
-  CHECK(stream.online().noise().full_well > 500);
-  CHECK(stream.online().noise().full_well < 2000);
+  CHECK(stream.online().sensor().noise().full_well > 500);
+  CHECK(stream.online().sensor().noise().full_well < 2000);
 }
 
 TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
@@ -369,7 +369,7 @@ TEST_CASE("of a lens that is covered at first the response is learned when it no
         emission.render(estimate, frame);
         for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
         sequences.push_back(frame.facts.sequence);
-        const std::vector<int>& anew = stream.online().relearned();
+        const std::vector<int>& anew = stream.online().sensor().relearned();
         if (look_ahead == 0 && !anew.empty() && estimate.frame.index == anew.front()) {
           const auto own = estimate.state.own_share.samples();
           std::vector<float> shares(own.begin(), own.end());
@@ -381,17 +381,38 @@ TEST_CASE("of a lens that is covered at first the response is learned when it no
       double error_before = 0;
       for (int i = 0; i < kFrames; ++i) {
         REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
-        if (stream.online().relearned().empty())
-          error_before = response_error(stream.online().response(), truth);
+        if (stream.online().sensor().relearned().empty())
+          error_before = response_error(stream.online().sensor().response(), truth);
       }
       REQUIRE(stream.finish(options.budget, emit).ok());
 
       REQUIRE(sequences.size() == kFrames);
       for (std::size_t i = 0; i < kFrames; ++i) CHECK(sequences[i] == i);
-      CHECK(stream.online().relearned().size() == 1);
+      CHECK(stream.online().sensor().relearned().size() == 1);
       CHECK(error_before > 0.2);
-      CHECK(response_error(stream.online().response(), truth) < 0.07);
+      CHECK(response_error(stream.online().sensor().response(), truth) < 0.07);
     }
+}
+
+TEST_CASE("under another response the noise is learned as fast as at the beginning") {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 1000, scene.read_noise = 10;
+  scene.noise_is_grey = true;
+  scene.covered_frames = 14;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  Stream stream(scene, options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  int frame = 0;
+  for (; frame < 80 && stream.online().sensor().relearned().empty(); ++frame)
+    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
+  REQUIRE(stream.online().sensor().relearned().size() == 1);
+  for (const int end = frame + 9; frame < end; ++frame)
+    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
+  CHECK(stream.online().sensor().noise().full_well > 500);
+  CHECK(stream.online().sensor().noise().full_well < 2000);
 }
 
 TEST_CASE("a response that later frames show no better stays as it is, however long the stream") {
@@ -405,8 +426,8 @@ TEST_CASE("a response that later frames show no better stays as it is, however l
   Stream stream(scene, options, pool);
   const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
   for (int i = 0; i < 90; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
-  CHECK(uncertainty_of(stream.online().response()) > 0.06);  // so that it is looked at again
-  CHECK(stream.online().relearned().empty());
+  CHECK(uncertainty_of(stream.online().sensor().response()) > 0.06);  // so that it is looked at again
+  CHECK(stream.online().sensor().relearned().empty());
 }
 
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {

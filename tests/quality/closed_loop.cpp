@@ -133,7 +133,7 @@ Normalisation normalisation_of(const std::vector<KeptFrame>& frames, const std::
         if (const float t = truths[k].plane(c)[i], v = frames[k].radiance.plane(c)[i];
             t > kFrom * white && t < kTo * white && v > 0)
           log_ratios.push_back(std::log(t / v));
-    shared.gain[static_cast<std::size_t>(c)] = std::exp(median(log_ratios));
+    shared.gain[static_cast<std::size_t>(c)] = std::exp(numpy_median(log_ratios));
   }
   return shared;
 }

@@ -111,7 +111,7 @@ Calibration calibration_of(const SimulatedClip& clip, const EmittedClip& emitted
   Calibration calibration;
   for (std::size_t k = 0; k < kProvenances; ++k)
     if (const int pixels = static_cast<int>(sums[k].ratios.size()); pixels >= Calibration::kFewPixels)
-      calibration.ratios[k] = {median(sums[k].ratios), sums[k].error / sums[k].variance, pixels};
+      calibration.ratios[k] = {numpy_median(sums[k].ratios), sums[k].error / sums[k].variance, pixels};
   if (bounds > 0) calibration.bounds_kept = static_cast<double>(kept) / bounds;
   return calibration;
 }

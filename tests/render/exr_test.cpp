@@ -155,9 +155,7 @@ TEST_CASE("a picture without facts has none") {
 }
 
 TEST_CASE("a time code counts frames, carries into seconds and wraps at midnight") {
-  const auto at_frame = [](int n, double hz) {
-    return time_code(Instant::from_seconds(n / hz).since_boot, hz);
-  };
+  const auto at_frame = [](int n, double hz) { return time_code(from_seconds(n / hz), hz); };
   REQUIRE(at_frame(0, 30) == TimeCode{0, 0, 0, 0});
   for (int n = 0; n < 30; ++n) REQUIRE(at_frame(n, 30) == TimeCode{0, 0, 0, n});
   REQUIRE(at_frame(30 * 3671 + 7, 30) == TimeCode{1, 1, 11, 7});

@@ -47,7 +47,7 @@ inline Result<void> write_video(const std::string& path, VideoCodec codec,
     }
     TRY(converter.convert(planes, writer->planes()));
     const double time_s = times_s.empty() ? static_cast<double>(i) / framerate_hz : times_s[i];
-    TRY(writer->append(Instant::from_seconds(time_s).since_boot));
+    TRY(writer->append(from_seconds(time_s)));
   }
   return writer->finish(std::nullopt);
 }

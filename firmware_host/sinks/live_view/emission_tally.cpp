@@ -6,15 +6,6 @@
 namespace hdrcam {
 namespace {
 
-void add_to(FrameValues& sums, const NamedValue& value) {
-  for (NamedValue& sum : sums)
-    if (sum.name == value.name) {
-      sum.value += value.value;
-      return;
-    }
-  sums.push_back(value);
-}
-
 bool same(double a, double b) {
   constexpr double kRounding = 0.01;
   return std::abs(a - b) <= kRounding * std::max(a, b);

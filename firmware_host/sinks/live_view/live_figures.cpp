@@ -11,6 +11,7 @@
 #include "firmware_host/sinks/live_view/frame_picture.h"
 #include "firmware_host/sinks/provenance_palette.h"
 #include "firmware_host/version.h"
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -127,7 +128,7 @@ std::string pixel_json(const ShownFrame& frame, int x, int y) {
                   {"stops", stops_of(rgb[0], rgb[1], rgb[2])},
                   {"sigma", frame.hdr.sigma.at(0, y, x)},
                   {"provenance", kProvenanceLooks[frame.hdr.provenance.at(0, y, x)].name}};
-  return json.dump();
+  return json_text(json);
 }
 
 std::string status_json(const LiveFigures& figures) {
@@ -152,7 +153,7 @@ std::string status_json(const LiveFigures& figures) {
   for (const NamedValue& stage : emission.stages_ms)
     stages[std::string(stage.name)] = stage.value / static_cast<double>(emission.frames);
   if (figures.frame != nullptr) json["frame"] = frame_json(*figures.frame);
-  return json.dump();
+  return json_text(json);
 }
 
 std::string prometheus_text(const LiveFigures& figures) {

@@ -10,6 +10,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/terminal.h"
 #include "firmware_host/web/live_page.h"
+#include "hal/core/json_text.h"
 #include "hal/core/parse_number.h"
 
 namespace hdrcam {
@@ -183,7 +184,7 @@ HttpAnswer LiveView::record(const HttpRequest& request) {
   } else if (const Result<void> stopped = control_->stop_recording(); !stopped) {
     return answer_of(stopped.error());
   }
-  return json_answer(nlohmann::json{{"recording", control_->recording()}}.dump());
+  return json_answer(json_text(nlohmann::json{{"recording", control_->recording()}}));
 }
 
 HttpAnswer LiveView::change_cycle(const HttpRequest& request) {
@@ -218,7 +219,7 @@ HttpAnswer LiveView::scale(const HttpRequest&) {
   for (const Rgb colour : false_colour_scale(kSteps)) json["false_colours"].push_back(css(colour));
   for (const ProvenanceLook& look : kProvenanceLooks)
     json["provenance"].push_back({{"key", look.key}, {"name", look.name}, {"colour", css(look.colour)}});
-  return json_answer(json.dump());
+  return json_answer(json_text(json));
 }
 
 HttpAnswer LiveView::health(const HttpRequest&) {
@@ -227,7 +228,7 @@ HttpAnswer LiveView::health(const HttpRequest&) {
   const std::chrono::duration<double> age = EmissionFigures::Clock::now() - emission.newest;
   if (age.count() > kStalled_s)
     return http_error(503, fmt::format("the newest frame is {:.1f} s old", age.count()));
-  return json_answer(nlohmann::json{{"newest_frame_age_s", age.count()}}.dump());
+  return json_answer(json_text(nlohmann::json{{"newest_frame_age_s", age.count()}}));
 }
 
 }  // namespace hdrcam

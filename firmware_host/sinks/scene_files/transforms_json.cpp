@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/version.h"
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -47,7 +48,7 @@ std::string to_transforms_json(const PosedClip& clip, const std::string& folder)
     frame["exposure_s"] = picture.exposure_s;
     frames.push_back(std::move(frame));
   }
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_text(json, 1) + '\n';
 }
 
 }  // namespace hdrcam

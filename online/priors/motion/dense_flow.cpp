@@ -34,7 +34,7 @@ FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.
 }  // namespace
 
 struct DenseFlow::Effort {
-  int finest_scale;    // 0: full size, 1: half
+  int finest_scale;    // 0: full size, 1: half, 2: a quarter
   int stride;          // pixels between patches
   int steps;           // of descent, in each of the two sweeps
   int rounds, sweeps;  // of the refinement
@@ -42,6 +42,8 @@ struct DenseFlow::Effort {
 
 DenseFlow::Effort DenseFlow::effort_of(FlowQuality quality) {
   switch (quality) {
+    case FlowQuality::Coarse:
+      return {2, 4, 2, 2, 3};
     case FlowQuality::Fast:
       return {1, 4, 2, 2, 3};
     case FlowQuality::Medium:
@@ -69,7 +71,7 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
   back.start = request.start_b_to_a, back.answer = request.b_to_a;
 
   for (Pyramid& pyramid : pyramids_)
-    for (int scale = finest; scale <= coarsest; ++scale)
+    for (int scale = std::min(finest, 1); scale <= coarsest; ++scale)
       pool_.scratch().lend(level_of(pyramid, scale).planes, 3, (rows >> scale) + 2 * kFlowBorder,
                            (cols >> scale) + 2 * kFlowBorder);
   pool_.for_each(2, [&](int i) {
@@ -86,12 +88,21 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
     for (Direction& direction : directions_)
       for (Image<float>& picture : direction.room) pool_.scratch().lend(picture, 1, 1, piece);
     for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
+    for (int scale = finest; scale > 1; --scale) {
+      const Borrowed larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
+                            {{&there.larger, 2}, {&back.larger, 2}});
+      pool_.for_each(2, [&](int i) {
+        Direction& direction = directions_[static_cast<std::size_t>(i)];
+        enlarge(direction.flow, direction.line, direction.larger);
+        std::swap(direction.flow, direction.larger);
+      });
+    }
     if (finest == 0)
       for (Direction& direction : directions_) std::swap(direction.flow, *direction.answer);
     else
       pool_.for_each(2, [&](int i) {
         Direction& direction = directions_[static_cast<std::size_t>(i)];
-        enlarge(direction.flow, *direction.answer);
+        enlarge(direction.flow, direction.line, *direction.answer);
       });
   }
   for (Direction& direction : directions_)
@@ -105,9 +116,9 @@ DenseFlow::Level& DenseFlow::level_of(Pyramid& pyramid, int scale) {
   return pyramid[static_cast<std::size_t>(scale)];
 }
 
-// The scales that are matched, of a picture of full size.
+// The scales that are matched, from a picture of full size, and those between.
 void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid) {
-  for (int scale = finest; scale <= coarsest; ++scale) {
+  for (int scale = std::min(finest, 1); scale <= coarsest; ++scale) {
     Level& level = pyramid[static_cast<std::size_t>(scale)];
     const int rows = picture.rows() >> scale, cols = picture.cols() >> scale;
     const auto origin = [&](int plane) { return level.planes.row(plane, kFlowBorder) + kFlowBorder; };
@@ -115,16 +126,16 @@ void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyr
     const std::ptrdiff_t pitch = level.planes.cols();
     if (scale == 0) {
       for (int y = 0; y < rows; ++y) std::copy_n(picture.row(0, y), cols, gray + y * pitch);
-    } else if (scale == finest) {
-      CHECK(scale == 1);
+    } else if (scale == 1 && finest > 0) {
       kernels_.halve(picture.plane(0), picture.cols(), rows, cols, gray, pitch);
     } else {
       const FlowPicture& finer = pyramid[static_cast<std::size_t>(scale - 1)].picture;
       kernels_.halve(finer.gray, finer.pitch, rows, cols, gray, pitch);
     }
+    level.picture = {gray, dx, dy, pitch, rows, cols};
+    if (scale < finest) continue;
     kernels_.extend(gray, pitch, rows, cols);
     kernels_.derive(gray, pitch, rows, cols, dx, dy);
-    level.picture = {gray, dx, dy, pitch, rows, cols};
   }
 }
 
@@ -200,9 +211,8 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
 }
 
 // To the size of the answer, which is twice that of the flow, perhaps with an odd last row or column.
-void DenseFlow::enlarge(const Image<float>& flow, Image<float>& answer) {
+void DenseFlow::enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer) {
   const int rows = flow.rows(), cols = flow.cols();
-  std::vector<float>& line = lines_[&answer == directions_[0].answer ? 0 : 1];
   line.resize(static_cast<std::size_t>(cols) + 2);  // a column more on both sides
   for (int c = 0; c < 2; ++c)
     for (int y = 0; y < answer.rows(); ++y) {

@@ -50,8 +50,9 @@ class DenseFlow {
     Image<float>* answer;
     Image<float> patches, starts;  // [dx dy, rows, cols] of the patches
     // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's room, of the scale
-    Image<float> flow, weight;
+    Image<float> flow, weight, larger;
     std::array<Image<float>, kRefinementPieces> room;
+    std::vector<float> line;  // of enlarge()
   };
   struct Effort;
 
@@ -61,13 +62,12 @@ class DenseFlow {
   void match(int scale, int coarsest, const Effort& effort);
   PatchSearch prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
   void refine(Direction& direction, int scale, const Effort& effort);
-  void enlarge(const Image<float>& flow, Image<float>& answer);
+  static void enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer);
 
   WorkerPool& pool_;
   const FlowKernels& kernels_;
   std::array<Pyramid, 2> pyramids_;
   std::array<Direction, 2> directions_{};
-  std::array<std::vector<float>, 2> lines_;  // of enlarge(), for each direction
 };
 
 }  // namespace hdrcam

@@ -15,7 +15,8 @@
 
 namespace hdrcam {
 
-enum class FlowQuality { Fast, Medium, Fine };
+// Coarse finds the motion in pictures of a quarter of the size, Fast of half.
+enum class FlowQuality { Coarse, Fast, Medium, Fine };
 
 struct MatchEffort {
   FlowQuality flow = FlowQuality::Medium;

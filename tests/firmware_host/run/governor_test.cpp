@@ -45,7 +45,7 @@ TEST_CASE(
   const std::vector<Rung> rungs = ladder();
   for (const Rung& rung : rungs) names.push_back(rung.name);
   CHECK(names == std::vector<std::string>{"as asked", "no previews", "1 step of the fit", "no field",
-                                          "one later frame", "flow medium", "flow fast",
+                                          "one later frame", "flow medium", "flow fast", "flow coarse",
                                           "fewer shrinkage tiles", "no look-ahead", "no motion blur",
                                           "no shrinkage", "3 frames in 4", "1 frame in 2"});
   for (std::size_t r = 0; r + 2 < rungs.size(); ++r) CHECK(rungs[r].emits_all());
@@ -54,7 +54,7 @@ TEST_CASE(
   const Rung& last = rungs.back();
   CHECK_FALSE(last.previews);
   CHECK(last.budget.field_rests);
-  CHECK(last.budget.flow == FlowQuality::Fast);
+  CHECK(last.budget.flow == FlowQuality::Coarse);
   CHECK(last.budget.later_frames == 0);
   CHECK(last.budget.shrinkage == ShrinkageEffort::Off);
   CHECK_FALSE(last.budget.blurs);
@@ -63,7 +63,7 @@ TEST_CASE(
 }
 
 TEST_CASE("what a run does not have it does not shed, and a field that is shown never rests") {
-  const FrameBudget cheap{.flow = FlowQuality::Fast,
+  const FrameBudget cheap{.flow = FlowQuality::Coarse,
                           .fit = {.steps = 30},
                           .later_frames = 0,
                           .blurs = false,

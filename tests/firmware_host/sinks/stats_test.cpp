@@ -1,5 +1,6 @@
 #include "firmware_host/sinks/stats.h"
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -55,6 +56,17 @@ TEST_CASE("the statistics state the pose of each frame that has one, its source 
   CHECK((pose["lost"] == true && pose["world"] == 2));
   CHECK(frames[2]["pose"]["source"] == "given");
   CHECK_FALSE((frames[2]["pose"].contains("lost") || frames[2]["pose"].contains("world")));
+}
+
+TEST_CASE("the shares of provenance are right in pictures of more pixels than a float counts") {
+  Image<std::uint8_t> provenance(1, 5000, 5000);  // a float counts to 2^24
+  provenance.fill(static_cast<std::uint8_t>(Provenance::Carried));
+  for (int y = 0; y < 1000; ++y)
+    std::fill_n(provenance.row(0, y), 5000, static_cast<std::uint8_t>(Provenance::Bound));
+  const auto shares = provenance_shares(provenance);
+  CHECK(shares[static_cast<std::size_t>(Provenance::Carried)] == Approx(0.8));
+  CHECK(shares[static_cast<std::size_t>(Provenance::Bound)] == Approx(0.2));
+  CHECK(shares[static_cast<std::size_t>(Provenance::Own)] == 0);
 }
 
 TEST_CASE("numbers that are not finite and text that is not UTF-8 still make valid JSON") {

@@ -75,16 +75,18 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
                    WorkerPool& pool, GpuDevice* gpu)
     : options_(options),
       pool_(pool),
-      random_(options.seed),
+      state_{.random = Pcg32(options.seed),
+             .response = LearnedResponse<float>(Response::linear()),
+             .response_moments = AdamMoments(3 * LearnedResponse<float>::kSegments),
+             .pickers = {},
+             .health = {}},
       window_(frustum_of(options, camera, rows, cols), options.window),
-      networks_(shape_of(options, rows, cols), random_),
-      response_(Response::linear()),
+      networks_(shape_of(options, rows, cols), state_.random),
       still_(networks_.still),
       moving_(networks_.moving),
-      probe_(networks_, kMaxSamples),
-      response_moments_(3 * LearnedResponse<float>::kSegments) {
+      probe_(networks_, kMaxSamples) {
   for (int i = 0; i < window_.slots(); ++i)
-    pickers_.emplace_back(window_.frustum().rows, window_.frustum().cols);
+    state_.pickers.emplace_back(window_.frustum().rows, window_.frustum().cols);
   for (HashGrid<float>* grid : {&networks_.still.grid, &networks_.moving.grid})
     for (int l = 0; l < grid->shape().levels; ++l)
       table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));
@@ -122,7 +124,7 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   refresh_guide();
   const int previous_slot = window.size() > 0 ? window.newest().slot : -1;
   TRY(window.advance(seen, pool_));
-  if (!options_.fits_response || !response_started_) response_.start_from(response);
+  if (!options_.fits_response || !response_started_) state_.response.start_from(response);
   response_started_ = true;
 
   const int slot = window.newest().slot;
@@ -130,9 +132,9 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
     HashGrid<float>& grid = networks_.moving.grid;
     for (Image<float>* values : {&grid.tables(), &moving_.table_mean, &moving_.table_variance})
       grid.copy_slot(previous_slot, slot, *values);
-    pickers_[static_cast<std::size_t>(slot)] = pickers_[static_cast<std::size_t>(previous_slot)];
+    state_.pickers[static_cast<std::size_t>(slot)] = state_.pickers[static_cast<std::size_t>(previous_slot)];
   }
-  pickers_[static_cast<std::size_t>(slot)].look_at(window.newest());
+  state_.pickers[static_cast<std::size_t>(slot)].look_at(window.newest());
   if (window.anchor_is_stale()) reanchor();
   has_dynamic_ = options_.shape.branches == Branches::Dynamic ||
                  (options_.shape.branches == Branches::Both && window.has_motion());
@@ -145,7 +147,7 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
 void FieldFit::make_ready() {
   if (ready_) return;
   for (int i = 0; i < window_.size(); ++i)
-    pickers_[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
+    state_.pickers[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
   still_.keep();
   moving_.keep();
   ready_ = true;
@@ -155,8 +157,8 @@ void FieldFit::restart() {
   begun_.is_open = false;  // nobody asks for those steps any more
   window_.clear();
   start_networks();
-  health_.forget();
-  taken_ = 0;
+  state_.health.forget();
+  state_.taken = 0;
 }
 
 StepReport FieldFit::step() {
@@ -167,7 +169,7 @@ StepReport FieldFit::step() {
   draw_rays();
   const StepSetting<float> setting{networks_,
                                    window_,
-                                   response_,
+                                   state_.response,
                                    options_.losses,
                                    samples_per_ray_,
                                    true,
@@ -180,17 +182,17 @@ StepReport FieldFit::step() {
     go_on_here(done.error());
     return step();
   }
-  report.verdict = health_.judge(report.total, report.gradient_norm);
-  if (!has_dynamic_) ++health_.counts().without_dynamic;
+  report.verdict = state_.health.judge(report.total, report.gradient_norm);
+  if (!has_dynamic_) ++state_.health.counts().without_dynamic;
   switch (report.verdict) {
     case StepVerdict::Taken:
-      ++taken_;
-      apply(health_.gradient_scale());
+      ++state_.taken;
+      apply(state_.health.gradient_scale());
       break;
     case StepVerdict::RolledBack:
-      if (health_.is_lost()) {
+      if (state_.health.is_lost()) {
         start_networks();
-        health_.restart();
+        state_.health.restart();
       } else {
         still_.restore();
         moving_.restore();
@@ -202,16 +204,16 @@ StepReport FieldFit::step() {
   }
   for (std::size_t r = 0; r < rays_.size(); ++r) {
     const TrainingRay& ray = rays_[r];
-    pickers_[static_cast<std::size_t>(window_.frame(ray.frame).slot)].learn(
+    state_.pickers[static_cast<std::size_t>(window_.frame(ray.frame).slot)].learn(
         static_cast<int>(ray.pixel[0]), static_cast<int>(ray.pixel[1]), misfits_[r]);
   }
-  ++begun_.steps;
+  if (begun_.is_open) ++begun_.steps;
   return report;
 }
 
 void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& report) {
   const std::span<RayShard<float>> used = shards();
-  const long number = health_.counts().steps;
+  const long number = state_.health.counts().steps;
   pool_.for_each(static_cast<int>(used.size()), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
     const std::span<const TrainingRay> rays(rays_.data() + at * kRaysPerShard, kRaysPerShard);
@@ -228,7 +230,7 @@ Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepRe
   if (begun_.steps == 0)
     TRY(device_->begin(window_, still_, moving_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
   const auto first_stream =
-      static_cast<std::uint64_t>(health_.counts().steps) * (rays_.size() / kRaysPerShard);
+      static_cast<std::uint64_t>(state_.health.counts().steps) * (rays_.size() / kRaysPerShard);
   TRY(device_->gradients(setting, rays_, options_.seed, first_stream, pool_, still_, moving_, *sums_));
   report.losses = sums_->losses;
   d_response_ = sums_->d_response;
@@ -241,12 +243,7 @@ Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepRe
 void FieldFit::begin_there() {
   begun_.is_open = true;
   begun_.steps = 0;
-  begun_.random = random_;
-  begun_.pickers = pickers_;
-  begun_.health = health_;
-  begun_.response = response_;
-  begun_.response_moments = response_moments_;
-  begun_.taken = taken_;
+  begun_.state = state_;
 }
 
 void FieldFit::settle() {
@@ -261,12 +258,7 @@ void FieldFit::go_on_here(const Error& why) {
   spdlog::warn("the fit of the field goes on with the processor: {}", trouble_);
   device_.reset();
   if (!begun_.is_open) return;
-  random_ = begun_.random;
-  pickers_ = begun_.pickers;
-  health_ = begun_.health;
-  response_ = begun_.response;
-  response_moments_ = begun_.response_moments;
-  taken_ = begun_.taken;
+  state_ = *begun_.state;
   begun_.is_open = false;
   prepare(budget_);
   for (int again = begun_.steps; again > 0; --again) step();
@@ -277,9 +269,9 @@ void FieldFit::draw_rays() {
   const std::size_t count = shards().size();
   const auto newest = static_cast<std::size_t>(options_.newest_share * static_cast<float>(rays_.size()));
   for (std::size_t r = 0; r < rays_.size(); ++r) {
-    const int frame = r < newest ? window.size() - 1 : random_.below(window.size());
+    const int frame = r < newest ? window.size() - 1 : state_.random.below(window.size());
     int x = 0, y = 0;
-    pickers_[static_cast<std::size_t>(window.frame(frame).slot)].pick(random_, x, y);
+    state_.pickers[static_cast<std::size_t>(window.frame(frame).slot)].pick(state_.random, x, y);
     // interleaved over the shards, so that each has a fair part of the newest frame
     rays_[r % count * kRaysPerShard + r / count] = ray_at(frame, x, y);
   }
@@ -306,7 +298,7 @@ TrainingRay FieldFit::ray_at(int index, int x, int y) {
   const bool next = index + 1 < window_.size() && frame.has_flow[0];
   const bool previous = index > 0 && frame.has_flow[1];
   if (has_dynamic_ && (next || previous)) {
-    ray.toward = next && (!previous || random_.below(2) == 0) ? Neighbour::Next : Neighbour::Previous;
+    ray.toward = next && (!previous || state_.random.below(2) == 0) ? Neighbour::Next : Neighbour::Previous;
     aim_at_neighbour(ray);
   }
   return ray;
@@ -356,9 +348,9 @@ double FieldFit::reduce(StepReport& report) {
 double FieldFit::total_up(double feature_energy, StepReport& report) {
   double energy = feature_energy;
   if (options_.fits_response)
-    report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] =
-        static_cast<double>(response_smoothness_loss(
-            options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)], response_, d_response_));
+    report.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)] = static_cast<double>(
+        response_smoothness_loss(options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)],
+                                 state_.response, d_response_));
   report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
   for (const OptimisedBranch* part : {&still_, &moving_})
     for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
@@ -366,10 +358,11 @@ double FieldFit::total_up(double feature_energy, StepReport& report) {
 }
 
 void FieldFit::apply(float gradient_scale) {
-  const float warm = std::min(1.f, static_cast<float>(taken_) / 20);
-  const AdamStep table_step = adam_step(options_.adam, options_.table_rate * warm, gradient_scale, taken_);
+  const float warm = std::min(1.f, static_cast<float>(state_.taken) / 20);
+  const AdamStep table_step =
+      adam_step(options_.adam, options_.table_rate * warm, gradient_scale, state_.taken);
   const AdamStep network_step =
-      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, taken_);
+      adam_step(options_.adam, options_.network_rate * warm, gradient_scale, state_.taken);
   if (device_ != nullptr)
     device_->take(table_step, network_step);
   else
@@ -397,13 +390,13 @@ void FieldFit::apply_here(const AdamStep& table_step, const AdamStep& network_st
 
 void FieldFit::apply_response(float gradient_scale) {
   std::array<std::array<float, LearnedResponse<float>::kSegments>, 3> d_increment{};
-  response_.pull(d_response_, d_increment);
-  const AdamStep step = adam_step(options_.adam, options_.response_rate, gradient_scale, taken_);
+  state_.response.pull(d_response_, d_increment);
+  const AdamStep step = adam_step(options_.adam, options_.response_rate, gradient_scale, state_.taken);
   for (std::size_t c = 0; c < 3; ++c)
-    apply_adam(step, response_.increments()[c], d_increment[c],
-               response_moments_.mean.data() + c * d_increment[c].size(),
-               response_moments_.variance.data() + c * d_increment[c].size());
-  response_.rebuild();
+    apply_adam(step, state_.response.increments()[c], d_increment[c],
+               state_.response_moments.mean.data() + c * d_increment[c].size(),
+               state_.response_moments.variance.data() + c * d_increment[c].size());
+  state_.response.rebuild();
 }
 
 // The depth that the networks have learned for the newest frame, where no prior knows it, becomes the guide
@@ -444,7 +437,7 @@ void FieldFit::reanchor() {
       moved(window_.frustum(), T_old_new);
   for (OptimisedBranch* part : {&still_, &moving_})
     carry_over(part->branch.grid, old_anchor, moved, table_before_);
-  ++health_.counts().anchors_moved;
+  ++state_.health.counts().anchors_moved;
 }
 
 FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
@@ -453,7 +446,7 @@ FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
 }
 
 void FieldFit::start_networks() {
-  networks_.copy_parameters(fresh_networks(random_.next()));
+  networks_.copy_parameters(fresh_networks(state_.random.next()));
   for (OptimisedBranch* part : {&still_, &moving_}) {
     part->keep();
     part->restore();

@@ -8,6 +8,8 @@
 // goes on.
 #pragma once
 
+#include <optional>
+
 #include "hal/core/worker_pool.h"
 #include "hal/gpu/gpu_device.h"
 #include "online/scene/fit_budget.h"
@@ -59,23 +61,27 @@ class FieldFit {
   Window& window() { return window_; }
   // Reinitialises the networks, with the same shape.
   FieldNetworks<float> fresh_networks(std::uint64_t seed) const;
-  const FitCounts& counts() const { return health_.counts(); }
+  const FitCounts& counts() const { return state_.health.counts(); }
   const FieldOptions& options() const { return options_; }
-  const LearnedResponse<float>& response() const { return response_; }
+  const LearnedResponse<float>& response() const { return state_.response; }
 
  private:
   static constexpr int kRaysPerShard = 32;
 
-  // What steps change on the processor, as it was when those on the graphics device began.
+  // What steps change on the processor, besides the field's parameters.
+  struct StepState {
+    Pcg32 random;
+    LearnedResponse<float> response;
+    AdamMoments response_moments;
+    std::vector<PixelPicker> pickers;  // by slot
+    FitHealth health;
+    long taken = 0;  // Adam steps
+  };
+  // Steps on the graphics device that it has not given back.
   struct Begun {
     bool is_open = false;
-    int steps = 0;  // taken there since
-    Pcg32 random{0};
-    std::vector<PixelPicker> pickers;
-    FitHealth health;
-    LearnedResponse<float> response{Response::linear()};
-    AdamMoments response_moments{0};
-    long taken = 0;
+    int steps = 0;
+    std::optional<StepState> state;  // before them
   };
 
   std::span<RayShard<float>> shards() { return {shards_.data(), rays_.size() / kRaysPerShard}; }
@@ -98,25 +104,20 @@ class FieldFit {
 
   FieldOptions options_;
   WorkerPool& pool_;
-  Pcg32 random_;
+  StepState state_;
   Window window_;
   FieldNetworks<float> networks_;
   FitBudget budget_;
   int samples_per_ray_ = 0;
   bool has_dynamic_ = true;  // false where nothing in the window moves
-  LearnedResponse<float> response_;
   OptimisedBranch still_, moving_;
   std::vector<RayShard<float>> shards_;  // as many as the largest budget so far needed; shards() are in use
   int most_samples_ = 0;                 // capacity of a shard
-  std::vector<PixelPicker> pickers_;     // by slot
   std::vector<TrainingRay> rays_;
   std::vector<float> misfits_;       // of the step's rays
   std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
   LearnedResponse<float>::Gradient d_response_{};
-  AdamMoments response_moments_;
-  FitHealth health_;
-  long taken_ = 0;  // Adam steps
   bool response_started_ = false;
   bool ready_ = false;                 // for steps on the newest frame
   std::unique_ptr<VulkanFit> device_;  // null: the processor takes the steps

@@ -27,6 +27,7 @@ class FitHealth {
   static constexpr double kSmallLoss = 0.05;   // .. times this: a new frame may multiply a loss near zero
   static constexpr double kLargeGradient = 5;  // times the usual norm
   static constexpr int kWarmUp = 20;           // steps before the usual values are known
+  static constexpr int kMemory = 50;           // steps that usual values are the mean of
   static constexpr int kPatience = 3;          // roll-backs without a step taken between them
 
   StepVerdict judge(double loss, double gradient_norm) {
@@ -36,7 +37,7 @@ class FitHealth {
       ++counts_.rolled_back, ++in_a_row_;
       return StepVerdict::RolledBack;
     }
-    const double rate = 1.0 / (1 + std::min(seen_, 50));
+    const double rate = 1.0 / (1 + seen_);
     usual_loss_ += rate * (loss - usual_loss_);
     scale_ = 1;
     if (seen_ >= kWarmUp && gradient_norm > kLargeGradient * usual_norm_ && usual_norm_ > 0) {
@@ -44,7 +45,7 @@ class FitHealth {
       ++counts_.clipped;
     }
     usual_norm_ += rate * (scale_ * gradient_norm - usual_norm_);
-    ++seen_;
+    seen_ = std::min(seen_ + 1, kMemory);
     in_a_row_ = 0;
     return StepVerdict::Taken;
   }

@@ -259,6 +259,13 @@ TEST_CASE("the status has the histogram, the exposures, the counters and the sou
     CHECK(frame["provenance"].contains(look["key"].get<std::string>()));
 }
 
+TEST_CASE("a recording whose name is not UTF-8 is shown with a mark in its place") {
+  ExampleControl control;
+  control.file = "caf\xe9.mkv";
+  const auto view = open_view(&control);
+  CHECK(json_at(*view, "/status.json")["recording"] == "caf\ufffd.mkv");
+}
+
 TEST_CASE("the metrics are Prometheus' text, with every drop under its reason") {
   ExampleControl control;
   const auto view = open_view(&control);

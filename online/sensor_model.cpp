@@ -1,0 +1,151 @@
+#include "online/sensor_model.h"
+
+#include "capture/amplified_noise.h"
+
+namespace hdrcam {
+namespace {
+
+float code_step_of(const CameraFacts& camera) {
+  return kMaxCode / static_cast<float>((1 << camera.bits) - 1);
+}
+
+}  // namespace
+
+SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
+                         const std::optional<Response>& response, const StateLayer& state, WorkerPool& pool)
+    : noise_kind_(knobs.noise),
+      blur_kind_(knobs.motion_blur),
+      response_stated_(response.has_value()),
+      state_(state),
+      pool_(pool),
+      learner_({knobs.response, knobs.bootstrap_frames, code_step_of(camera), camera.bits}),
+      response_(response ? *response : prior_mean_response()),
+      noise_estimator_(std::in_place, pool),
+      texture_error_(std::in_place, pool),
+      shown_blur_(pool) {
+  noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
+  noise_.code_step = code_step_of(camera);
+  assumed_noise_ = noise_;
+}
+
+void SensorModel::meet(const ExposedFrame& frame) {
+  constexpr std::size_t kMaxTables = 32;
+  if (tables_.size() > kMaxTables) tables_.clear();
+  if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
+  if (blur_kind_ == BlurKind::Shown) shown_blur_.heed(frame);
+  if (known_ || !response_stated_) return;
+  black_level_ = frame.facts.black_level.value_or(BlackLevel());
+  known_ = true;
+}
+
+void SensorModel::learn_first(std::span<const CompactFrame> frames) {
+  known_ = true;
+  go_over_to(learner_.first(frames, noise_));
+}
+
+std::optional<ResponseEstimate> SensorModel::learn_response(const ExposedFrame& frame) {
+  if (response_stated_) return std::nullopt;
+  return learner_.next(frame, noise_);
+}
+
+void SensorModel::begin_anew(const ResponseEstimate& estimate, int frame) {
+  relearned_.push_back(frame);
+  begun_with_ = frame;
+  tables_.clear();
+  noise_ = assumed_noise_;
+  noise_estimator_.emplace(pool_);
+  texture_error_.emplace(pool_);
+  shown_blur_.forget();
+  go_over_to(estimate);
+}
+
+void SensorModel::go_over_to(const ResponseEstimate& estimate) {
+  response_ = estimate.response;
+  black_level_ = estimate.black_level;
+  exposures_ = estimate.exposures;
+  noise_origin_ = NoiseOrigin::Unknown;
+  if (!estimate.noise || noise_kind_ != NoiseKind::Learned) return;
+  noise_origin_ = NoiseOrigin::Sensor;
+  noise_ = *estimate.noise;
+  noise_estimator_->expect(noise_);
+}
+
+void SensorModel::correct(ExposedFrame& frame) const {
+  if (response_stated_) return;
+  remove_black_level(frame, black_level_);
+  frame.exposure = exposures_.corrected(frame.exposure);
+}
+
+float SensorModel::count_blur(ExposedFrame& frame) const {
+  const float stated = ShownBlur::stated(frame);
+  switch (blur_kind_) {
+    case BlurKind::Off:
+      frame.blur_fraction = 0;
+      break;
+    case BlurKind::Stated:
+      frame.blur_fraction = stated;
+      break;
+    case BlurKind::Shown:
+      frame.blur_fraction = shown_blur_.counted(stated);
+      break;
+  }
+  return stated;
+}
+
+void SensorModel::compare(const ExposedFrame& frame, float stated, const FlowField& motion, float white) {
+  if (blur_kind_ == BlurKind::Shown && looks_closely(frame))
+    shown_blur_.observe(frame, stated, state_.state(), motion, tables_for(frame), white);
+  if (noise_kind_ == NoiseKind::Assumed) return;
+  texture_error_->observe(frame, state_.state(), motion, tables_for(frame), white);
+  for (auto& [key, tables] : tables_) tables.set_texture_error(texture_error_->share());
+}
+
+// Whether a frame tells of noise and blur: every one at first; every fifth later, so that each pair of a
+// cycle of up to four has its turn.
+bool SensorModel::looks_closely(const ExposedFrame& frame) const {
+  constexpr int kEagerFrames = 24, kLaterEvery = 5;
+  const int age = frame.index - begun_with_;
+  return age < kEagerFrames || age % kLaterEvery == 0;
+}
+
+bool SensorModel::learns_noise(const ExposedFrame& frame) const {
+  return noise_kind_ == NoiseKind::Learned && looks_closely(frame);
+}
+
+void SensorModel::learn_noise(const ExposedFrame& older, const ExposedFrame& newer,
+                              const StateMotion& motion) {
+  constexpr int kEager = 8;  // pairs: at first the model is solved with each, then with multiples of this
+  if (noise_is_seen_in_newer(older, newer))
+    noise_estimator_->add_pair(newer, older, motion.to_previous, response_, {gain_of(newer), gain_of(older)});
+  else
+    noise_estimator_->add_pair(older, newer, motion.from_previous, response_,
+                               {gain_of(older), gain_of(newer)});
+  if (noise_estimator_->pairs() >= kEager && noise_estimator_->pairs() % kEager != 0) return;
+  noise_ = noise_estimator_->solve(assumed_noise_);
+  for (auto& [key, tables] : tables_)
+    tables.rebuild(response_, amplified(noise_, key.second), state_.residuals().excess(key.first));
+}
+
+void SensorModel::take_over_residuals(const ExposedFrame& frame) {
+  tables_of(frame).rebuild(response_, amplified(noise_, gain_of(frame)),
+                           state_.residuals().excess(frame.exposure));
+}
+
+float SensorModel::gain_of(const ExposedFrame& frame) const {
+  return static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain / reference_gain_);
+}
+
+ExposureTables& SensorModel::tables_of(const ExposedFrame& frame) {
+  const std::pair key{frame.exposure, gain_of(frame)};
+  const auto found = tables_.find(key);
+  if (found != tables_.end()) return found->second;
+  ExposureTables& tables =
+      tables_
+          .emplace(key, ExposureTables(response_, amplified(noise_, key.second), frame.exposure,
+                                       state_.residuals().excess(frame.exposure)))
+          .first->second;
+  tables.set_texture_error(texture_error_->share());
+  return tables;
+}
+
+}  // namespace hdrcam

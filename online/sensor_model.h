@@ -1,0 +1,108 @@
+// What a camera's codes mean and how far they are right: its response and black level, its noise, the error
+// that its own processing leaves in textures, and how much of the stated motion blur its frames show. It
+// learns them from the first frames and goes on while the stream runs, by comparing new frames with the
+// state. Thread-bound; the result does not depend on the number of threads.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "capture/compact_frame.h"
+#include "online/knobs.h"
+#include "online/noise/noise_estimator.h"
+#include "online/response/response_learner.h"
+#include "online/state/shown_blur.h"
+#include "online/state/state_layer.h"
+#include "online/state/texture_error.h"
+
+namespace hdrcam {
+
+class SensorModel {
+ public:
+  // response: none where it is unknown and must be learned. state: what frames are compared with; it and the
+  // pool outlive the model.
+  SensorModel(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
+              const StateLayer& state, WorkerPool& pool);
+
+  // --- the way of a frame, in this order ---
+  // Takes note of what the frame states. Where the response is unknown, it has its black level still.
+  void meet(const ExposedFrame& frame);
+  // Whether codes mean something: else frames wait until there are enough for learn_first().
+  bool is_known() const { return known_; }
+  void learn_first(std::span<const CompactFrame> frames);
+  // Where this frame shows the response to be another one, what it is: the caller ends what goes on under the
+  // last one and calls begin_anew(). Nearly always nothing.
+  std::optional<ResponseEstimate> learn_response(const ExposedFrame& frame);
+  // Under another response the same codes are other radiances: nothing that was learned under the last one
+  // holds. frame: the index of the first that comes under it.
+  void begin_anew(const ResponseEstimate& estimate, int frame);
+  // Removes a black level that was learned and corrects the exposure.
+  void correct(ExposedFrame& frame) const;
+  // The share of the motion that counts as the frame's blur becomes its blur_fraction; returns the stated
+  // one.
+  float count_blur(ExposedFrame& frame) const;
+  // Compares the frame with the state of the frame before. motion: from its pixels to the state's; stated: as
+  // count_blur() returned it; white: as known_limit() takes it.
+  void compare(const ExposedFrame& frame, float stated, const FlowField& motion, float white);
+  // Whether learn_noise() wants the pair that the frame makes with the one before it.
+  bool learns_noise(const ExposedFrame& frame) const;
+  // older_to_newer and newer_to_older: rated along the pixels of the shorter exposure (is_seen_in_newer).
+  void learn_noise(const ExposedFrame& older, const ExposedFrame& newer, const StateMotion& motion);
+  // The noise of two frames is compared at the pixels of the shorter exposure.
+  static bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer) {
+    return newer.exposure <= older.exposure;
+  }
+  // After the state took the frame in: its residuals become part of what samples of this exposure are worth.
+  void take_over_residuals(const ExposedFrame& frame);
+
+  // What the frame's codes mean. Valid until the next meet().
+  const ExposureTables& tables_for(const ExposedFrame& frame) { return tables_of(frame); }
+
+  // --- what is known ---
+  const Response& response() const { return response_; }
+  // False where no frames say anything about the response yet, and the mean of real cameras stands in.
+  bool response_measured() const { return response_stated_ || learner_.measured(); }
+  // The frames, counted from 0, with which the response became another one.
+  const std::vector<int>& relearned() const { return relearned_; }
+  const BlackLevel& black_level() const { return black_level_; }
+  const NoiseModel& noise() const { return noise_; }  // at reference_gain()
+  NoiseOrigin noise_origin() const { return noise_origin_; }
+  double reference_gain() const { return reference_gain_; }  // of the first frame
+  // The share of the local contrast that the camera's own processing leaves as error (texture_error.h).
+  float texture_error() const { return texture_error_->share(); }
+  // Whether frames show the motion blur that their exposure times state (shown_blur.h).
+  bool blur_shown() const { return shown_blur_.shown(); }
+
+ private:
+  void go_over_to(const ResponseEstimate& estimate);
+  float gain_of(const ExposedFrame& frame) const;
+  bool looks_closely(const ExposedFrame& frame) const;
+  ExposureTables& tables_of(const ExposedFrame& frame);
+
+  const NoiseKind noise_kind_;
+  const BlurKind blur_kind_;
+  const bool response_stated_;
+  const StateLayer& state_;
+  WorkerPool& pool_;
+  bool known_ = false;
+
+  ResponseLearner learner_;
+  Response response_;
+  BlackLevel black_level_;
+  ExposureCorrections exposures_;
+  std::vector<int> relearned_;
+  int begun_with_ = 0;  // the index of the first frame under this response
+
+  NoiseOrigin noise_origin_ = NoiseOrigin::Unknown;
+  NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
+  std::optional<NoiseEstimator> noise_estimator_;
+  std::optional<TextureError> texture_error_;
+  ShownBlur shown_blur_;
+  double reference_gain_ = 0;                                 // 0: no frame came yet
+  std::map<std::pair<float, float>, ExposureTables> tables_;  // by exposure and gain
+};
+
+}  // namespace hdrcam
