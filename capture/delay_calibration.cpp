@@ -74,7 +74,7 @@ DelayEstimate DelayCalibration::estimate() const {
   if (estimate.comparisons < kEnough) {
     estimate.reason = fmt::format(
         "only {} of the {} required comparisons were possible: the scene is too dark, clipped "
-        "or unsteady",
+        "or unsteady, or frames are lost",
         estimate.comparisons, int{kEnough});
   } else if (1 - estimate.agreement > kMostMisses) {
     estimate.reason = fmt::format(
@@ -91,7 +91,8 @@ DelayEstimate DelayCalibration::estimate() const {
 
 Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
                                     const Exposure& shorter, const Exposure& longer,
-                                    const PixelUnpackSettings& unpack, int frames) {
+                                    const PixelUnpackSettings& unpack, const std::atomic<bool>& stop,
+                                    int frames) {
   constexpr Duration kPatience{2'000'000'000};
   constexpr std::size_t kAsked = 64;
   const PixelCodes kind = codes_of(mode.format);
@@ -99,6 +100,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
       shorter, longer,
       kind.linear ? PhotometricResponse::linear_unknown_black() : PhotometricResponse::unknown());
   std::array<Exposure, kAsked> asked{};  // by cookie
+  const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(frames);
   PhotometricSignature picture;
   Image<std::uint16_t> codes;
   std::uint64_t cookie = 0, index = 0, sequence = 0;
@@ -116,7 +118,8 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
   };
   const auto run = [&]() -> Result<void> {
     for (int i = 0; i < buffers && TRY(queue_next()); ++i) continue;
-    for (int i = 0; i < frames; ++i) {
+    for (int i = 0; i < frames && index < last_index; ++i) {
+      if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
       std::optional<std::uint64_t> completed;
       {
         const CapturedBuffer buffer = TRY(camera.wait(kPatience));

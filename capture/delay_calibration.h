@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -59,9 +60,11 @@ class DelayCalibration {
 
 // Configures the camera to `mode` with so many buffers, runs the calibration and stops the camera. Two
 // exposures that differ in time measure the exposure delay; two that differ in gain measure the gain delay.
-// Errors: the camera's own; an unknown delay is not an error.
+// It ends after `frames` frames, or after twice their time where many are lost. Errors: the camera's own;
+// Interrupted at the next frame after `stop`; an unknown delay is not an error.
 Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
                                     const Exposure& shorter, const Exposure& longer,
-                                    const PixelUnpackSettings& unpack, int frames = 120);
+                                    const PixelUnpackSettings& unpack, const std::atomic<bool>& stop,
+                                    int frames = 120);
 
 }  // namespace hdrcam

@@ -76,6 +76,7 @@ Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::str
   if (trimmed(gain).empty()) return exposures;
 
   const auto gains = split(gain);
+  if (exposures.size() == 1) exposures.resize(gains.size(), exposures.front());
   if (gains.size() != 1 && gains.size() != exposures.size())
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' has {} gains for {} shutter times; give one gain, or one each", gain,

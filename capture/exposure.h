@@ -33,8 +33,8 @@ bool outlasts_frame(double exposure_s, double interval_s);
 // negative.
 Result<Duration> parse_duration(std::string_view text);
 
-// A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2" (one for all, or one each; empty means
-// gain_otherwise). Invalid, naming the wrong part.
+// A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2". One gain is for all times, one time
+// for all gains; empty gains mean gain_otherwise. Invalid, naming the wrong part.
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
                                               double gain_otherwise = 1);
 

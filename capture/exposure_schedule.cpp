@@ -1,7 +1,11 @@
 #include "capture/exposure_schedule.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace hdrcam {
 namespace {
@@ -18,8 +22,32 @@ Result<void> check_slots(std::span<const Exposure> cycle) {
                                                int{ExposureSchedule::kMaxSlots}, cycle.size())};
 }
 
-// A cycle that repeats one exposure cannot be told apart by the proof and gives no HDR.
-Result<void> check_distinct(const std::vector<Exposure>& cycle) {
+// An exposure too long for its frame, and what would do: only times and rates that are accepted.
+Error does_not_fit(const Exposure& asked, const CameraCapabilities& camera, Duration frame_duration,
+                   Duration margin) {
+  constexpr double kLeastFramerate_hz = 0.1;  // of --framerate
+  const Duration longest = rounded_down(std::min(frame_duration - margin, camera.exposure_max));
+  const double fastest_hz = std::floor(100 / to_seconds(asked.time + margin)) / 100;
+  std::vector<std::string> ways;
+  if (longest > Duration(0) && longest >= camera.exposure_min)
+    ways.push_back(fmt::format("shorten it to {}", describe(longest)));
+  if (asked.time <= camera.exposure_max && fastest_hz >= kLeastFramerate_hz)
+    ways.push_back(fmt::format("lower --framerate to {:.2f}", fastest_hz));
+  return {ErrorCode::BadExposure,
+          fmt::format("shutter {} does not fit a frame of {} with {} of read-out; {}", describe(asked.time),
+                      describe(frame_duration), describe(margin),
+                      ways.empty() ? "lower --framerate" : fmt::format("{}", fmt::join(ways, ", or ")))};
+}
+
+}  // namespace
+
+Duration rounded_down(Duration longest) {
+  Duration::rep unit = 1;
+  while (longest.count() / unit >= 10'000) unit *= 10;  // describe() prints four digits
+  return Duration(longest.count() / unit * unit);
+}
+
+Result<void> check_distinct(std::span<const Exposure> cycle) {
   const auto same = [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) <= kSameExposure;
   };
@@ -30,8 +58,6 @@ Result<void> check_distinct(const std::vector<Exposure>& cycle) {
                   "--gain, or a single one",
                   cycle.size(), describe(cycle.front()))};
 }
-
-}  // namespace
 
 Duration half_period(Mains mains) {
   switch (mains) {
@@ -62,15 +88,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
   ExposureSchedule schedule;
   std::vector<Exposure> exposures;  // rounded to what the sensor can do
   for (const Exposure& asked : cycle) {
-    if (asked.time + margin > frame_duration) {
-      const double fastest_hz = std::floor(100 / to_seconds(asked.time + margin)) / 100;
-      return Error{
-          ErrorCode::BadExposure,
-          fmt::format("shutter {} does not fit a frame of {} with {} of read-out; shorten it to {}{}",
-                      describe(asked.time), describe(frame_duration), describe(margin),
-                      describe(std::max(Duration(0), frame_duration - margin)),
-                      fastest_hz > 0 ? fmt::format(", or lower --framerate to {:.2f}", fastest_hz) : "")};
-    }
+    if (asked.time + margin > frame_duration) return does_not_fit(asked, camera, frame_duration, margin);
     Slot slot{asked, asked, false};
     if (half > Duration(0)) {
       const Duration longest = std::min(frame_duration - margin, camera.exposure_max);

@@ -17,6 +17,13 @@ enum class Mains { Off, Hz50, Hz60 };
 // Half a mains period; zero for Off.
 Duration half_period(Mains mains);
 
+// Invalid for a cycle of several exposures that are all the same: the proof cannot tell them apart, and they
+// give no HDR.
+Result<void> check_distinct(std::span<const Exposure> cycle);
+
+// The longest time within this one that describe() prints in full, so that a user can type it.
+Duration rounded_down(Duration longest);
+
 class ExposureSchedule {
  public:
   static constexpr int kMaxSlots = 4;
@@ -29,7 +36,8 @@ class ExposureSchedule {
 
   // Exposures of at least a mains half period are moved to the nearest multiple that fits the frame, shorter
   // ones are kept and flagged. Errors: Invalid for no slot or more than four; BadExposure outside the
-  // sensor's range, or for an exposure too long for the frame, naming one that fits.
+  // sensor's range, or for an exposure too long for the frame, naming one that fits, and a rate where the
+  // sensor can expose that long.
   static Result<ExposureSchedule> create(std::span<const Exposure> cycle, const CameraCapabilities& camera,
                                          Duration frame_duration, Mains mains = Mains::Off);
 

@@ -1,8 +1,13 @@
 #include "capture/recording_stage.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
+
+#include "capture/exposure_schedule.h"
 
 namespace hdrcam {
 
@@ -64,8 +69,16 @@ Result<bool> RecordingStage::next(CapturedFrame& frame) {
   if (const auto objection = labels_.objection(); objection && contradiction_ == Contradiction::Fails)
     return Error{ErrorCode::BadExposure, *objection};
   ++counters_.emitted;
+  compare_exposure(frame.raw.facts);
   counters_.count(frame.proof);
   return true;
+}
+
+void RecordingStage::compare_exposure(const FrameFacts& facts) {
+  const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain};
+  if (!first_exposure_) first_exposure_ = exposure;
+  exposures_differ_ =
+      exposures_differ_ || std::abs(log_product(exposure) - log_product(*first_exposure_)) > kSameExposure;
 }
 
 // Of the numbers that are missing before a frame, those of damaged frames were not lost by the camera.
@@ -93,6 +106,12 @@ std::vector<std::string> RecordingStage::warnings() const {
   std::vector<std::string> warnings = labels_.warnings();
   if (std::string damage = recording_->left_out().sentence(); !damage.empty())
     warnings.push_back(std::move(damage));
+  // Contradicted exposures have their warning already, and a part of a cycle may be of equal ones.
+  if (!exposures_differ_ && counters_.contradicted == 0 && counters_.emitted > ExposureSchedule::kMaxSlots)
+    warnings.push_back(
+        fmt::format("all {} frames have the same exposure, {}, and give no HDR; record a "
+                    "cycle such as --shutter 1ms,4ms,16ms",
+                    counters_.emitted, describe(*first_exposure_)));
   return warnings;
 }
 

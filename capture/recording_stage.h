@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "capture/captured_frame.h"
+#include "capture/exposure.h"
 #include "capture/recorded_labels.h"
 #include "hal/recording/recording.h"
 
@@ -40,6 +41,7 @@ class RecordingStage {
  private:
   void read_beginning();
   void count_gap(CapturedFrame& frame);
+  void compare_exposure(const FrameFacts& facts);
   // Returns whether there was one more frame; end_ keeps the reason for the end.
   bool read(CapturedFrame& frame);
 
@@ -56,6 +58,8 @@ class RecordingStage {
   std::optional<Result<bool>> end_;
   CaptureCounters counters_;
   std::optional<std::uint64_t> last_sequence_;
+  std::optional<Exposure> first_exposure_;
+  bool exposures_differ_ = false;
   std::uint64_t left_out_ = 0;  // up to the frame that was read last
 };
 

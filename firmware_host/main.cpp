@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   give_back_large_blocks();
   hdrcam::occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, not the end of a recording
+  std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that reaches the limit of ulimit -f
   log_to_standard_error();
   stop_cleanly_once(SIGINT);
   stop_cleanly_once(SIGTERM);

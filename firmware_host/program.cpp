@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <cstring>
 #include <exception>
 #include <ostream>
 #include <string_view>
@@ -84,14 +86,45 @@ Error unknown_verb(std::string_view typed) {
                                           did_you_mean(typed, verb_names()))};
 }
 
+// CLI11's words for what is wrong, in ours. Names of flags and arguments stay as the help has them.
+std::string sentence_of(const CLI::App& place, const CLI::ParseError& refused) {
+  std::string sentence = refused.what();
+  const std::string first_word = sentence.substr(0, sentence.find_first_of(": "));
+  for (const CLI::Option* option : place.get_options()) {
+    const std::string name = option->get_name();
+    if (name != first_word) continue;
+    const std::size_t most = static_cast<std::size_t>(option->get_items_expected_max());
+    if (sentence.starts_with(name + ": At Most 1") && option->count() > most)
+      return option->count() == 2 ? name + " is given twice; give it once"
+                                  : fmt::format("{} is given {} times; give it once", name, option->count());
+    return sentence;
+  }
+  if (!sentence.empty())
+    sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
+  return sentence;
+}
+
+// The innermost verb that was named, and the words that lead to it.
+struct NamedVerb {
+  const CLI::App* app;
+  std::string words;
+};
+NamedVerb innermost(const CLI::App& app) {
+  NamedVerb verb{&app, app.get_name()};
+  for (auto inner = app.get_subcommands(); !inner.empty(); inner = verb.app->get_subcommands()) {
+    verb.app = inner.front();
+    verb.words += ' ' + verb.app->get_name();
+  }
+  return verb;
+}
+
 // The sentence for a command line that CLI11 refused. An unknown flag comes first, because it
 // usually causes the other errors (its value was taken for a positional, or the intended flag is
 // missing).
 Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
-  const auto chosen = app.get_subcommands();
-  const CLI::App& place = chosen.empty() ? app : *chosen.front();
-  const std::string help =
-      chosen.empty() ? "hdrcam --help" : fmt::format("hdrcam {} --help", place.get_name());
+  const NamedVerb verb = innermost(app);
+  const CLI::App& place = *verb.app;
+  const std::string help = verb.words + " --help";
   std::vector<std::string> flags;
   for (const CLI::Option* option : place.get_options())
     for (const auto& word : option->get_lnames()) flags.push_back("--" + word);
@@ -106,10 +139,7 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
   }
   if (!extras.empty())
     return {ErrorCode::Invalid, fmt::format("unexpected argument '{}'; see '{}'", extras.front(), help)};
-  std::string sentence = refused.what();
-  if (!sentence.empty())
-    sentence[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(sentence[0])));
-  return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence, help)};
+  return {ErrorCode::Invalid, fmt::format("{}; see '{}'", sentence_of(place, refused), help)};
 }
 
 // "hdrcam help [TOPIC]" is rewritten to the equivalent flag.
@@ -153,6 +183,14 @@ bool wants_json(std::span<const char* const> args) {
     if (word.starts_with(kFlag) && word.substr(kFlag.size()) == "=json") return true;
   }
   return false;
+}
+
+// code: errno of the write that failed, 0 where it is not known.
+Error lost_output(int code, std::string_view consequence) {
+  const char* const reason = code == EBADF ? "it is closed" : std::strerror(code != 0 ? code : EIO);
+  const bool full = code == ENOSPC || code == EDQUOT;
+  return {full ? ErrorCode::NoSpace : ErrorCode::Io,
+          fmt::format("cannot write to the standard output: {}{}", reason, consequence)};
 }
 
 }  // namespace
@@ -203,16 +241,15 @@ int run_program(std::span<const char* const> args, Storage& storage, const std::
     auto request = parse_command_line(args);
     if (!request) return end_with(request.error());
     if (!request->verb) {
+      errno = 0;
       out << request->text << std::flush;
-      return kExitOk;
+      return out ? kExitOk : end_with(lost_output(errno, ""));
     }
     Surroundings surroundings{storage, stop};
     const Result<void> done = request->verb(surroundings);
     if (!done) return end_with(done.error());
     if (const int lost = lost_results(); lost != 0)
-      return end_with(
-          {ErrorCode::Io, fmt::format("cannot write to the standard output: {}; the files are complete",
-                                      std::strerror(lost))});
+      return end_with(lost_output(lost, "; the files are complete"));
     return kExitOk;
   } catch (const std::exception& bug) {
     tell(fmt::format("internal error: {}", bug.what()));

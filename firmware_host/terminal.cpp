@@ -27,7 +27,7 @@ void occupy_standard_streams() {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
     if (::fcntl(fd, F_GETFD) < 0 && errno == EBADF)
       (void)::open("/dev/null",
-                   fd == STDIN_FILENO ? O_RDONLY : O_WRONLY);  // gets the lowest free number, which is fd
+                   fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);  // gets the lowest free number, which is fd
 }
 
 void write_result(std::string_view text) {

@@ -12,7 +12,8 @@
 namespace hdrcam {
 
 // Files that the process opens must not get the numbers of the standard streams, or messages would be written
-// into them: /dev/null replaces a closed one. Call it before anything is opened.
+// into them: /dev/null replaces a closed one. In place of the standard output it takes nothing, so that
+// results that nobody gets are an error. Call it before anything is opened.
 void occupy_standard_streams();
 
 void write_result(std::string_view text);

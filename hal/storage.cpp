@@ -16,6 +16,20 @@ std::string unpredictable_name_beside(const std::string& path) {
       .string();
 }
 
+// Nobody asked for the file in the making: a message names the one that was asked for.
+Result<void> named_as(const std::string& asked, const std::string& made, Result<void> result) {
+  if (result) return result;
+  Error error = result.error();
+  if (const std::size_t at = error.message.find(made); at != std::string::npos)
+    error.message.replace(at, made.size(), asked);
+  return error;
+}
+
+Result<void> write_new(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
+  const auto file = TRY(storage.create(path, Creation::New));
+  return file->write_at(0, bytes);
+}
+
 }  // namespace
 
 Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& path) {
@@ -48,10 +62,7 @@ Result<void> write_whole(Storage& storage, const std::string& path, std::span<co
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return TRY(storage.create(path))->write_at(0, bytes);
   FileInMaking making = TRY(FileInMaking::beside(storage, path));
-  {
-    auto file = TRY(storage.create(making.path(), Creation::New));
-    TRY(file->write_at(0, bytes));
-  }
+  TRY(named_as(path, making.path(), write_new(storage, making.path(), bytes)));
   return making.commit();
 }
 

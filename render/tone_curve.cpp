@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "render/srgb.h"
+
 namespace hdrcam {
 namespace {
 
@@ -14,11 +16,6 @@ constexpr double kWhitePercentile = 0.995;
 constexpr float kWhiteHeadroom =
     1.41f;                           // half a stop above the percentile, so that highlights keep their shape
 constexpr float kLeastContrast = 4;  // white / mid: a flat picture is not stretched to the full display range
-
-// IEC 61966-2-1, [0,1] -> [0,1]
-float srgb_encoded(float linear) {
-  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
-}
 
 float moved_towards(float from, float to, float most_stops) {
   const float stops = std::log2(to / from);
@@ -33,10 +30,10 @@ std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance) {
   for (int y = 0; y < radiance.rows(); y += kMeasureStep_px) {
     const float *r = radiance.row(0, y), *g = radiance.row(1, y), *b = radiance.row(2, y);
     for (int x = 0; x < radiance.cols(); x += kMeasureStep_px) {
-      const float luminance = 0.2126f * r[x] + 0.7152f * g[x] + 0.0722f * b[x];  // ITU-R BT.709
-      if (!(luminance > 0) || !std::isfinite(luminance)) continue;
-      luminances.push_back(luminance);
-      log_sum += std::log(luminance);
+      const float light = luminance(r[x], g[x], b[x]);
+      if (!(light > 0) || !std::isfinite(light)) continue;
+      luminances.push_back(light);
+      log_sum += std::log(light);
     }
   }
   if (luminances.empty()) return std::nullopt;
@@ -57,7 +54,7 @@ ToneCurve::ToneCurve(ToneAnchors anchors) : anchors_(anchors) {
                                       segment / kSegments + kLowestOctave);
     const float x = scale * radiance;
     const float y = x * (1 + x / (white * white)) / (1 + x);
-    codes_[i] = 255 * srgb_encoded(std::min(y, 1.0f));
+    codes_[i] = 255 * srgb_level(y);
   }
 }
 

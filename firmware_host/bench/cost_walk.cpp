@@ -82,17 +82,15 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
   return points;
 }
 
-Result<std::vector<PointCost>> walk(const CostWalk& plan, const Settings& settings,
-                                    const std::string& scratch, Storage& storage,
-                                    const std::atomic<bool>& stop) {
-  std::vector<PointCost> costs;
+Result<void> walk(const CostWalk& plan, const Settings& settings, const std::string& scratch,
+                  Storage& storage, const std::atomic<bool>& stop, std::vector<PointCost>& costs) {
   for (const std::string& clip : plan.clips)
     for (const CostPoint& point : plan.points) {
       costs.push_back(TRY(measure(point, clip, plan, settings, scratch, storage, stop)));
       const PointCost& cost = costs.back();
       remark("{}, {}: {:.1f} ms a frame, {:.2f} dB\n", cost.clip, cost.point, cost.mean_ms, cost.psnr_mu_db);
     }
-  return costs;
+  return {};
 }
 
 std::vector<PointCost> means_of(std::span<const PointCost> costs) {

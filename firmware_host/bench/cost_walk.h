@@ -39,10 +39,10 @@ struct CostWalk {
 
 // For each point and clip; a clip's points run one after the other, so that a drift of the machine's speed
 // spreads over the clips. `scratch`: a folder that does not exist yet; it holds HDR frames for a while, and
-// is removed. Errors: those of the clips (render/scores/scores.h) and of run(); Interrupted.
-Result<std::vector<PointCost>> walk(const CostWalk& plan, const Settings& settings,
-                                    const std::string& scratch, Storage& storage,
-                                    const std::atomic<bool>& stop);
+// is removed. costs: gets what was measured, also when the walk ends early. Errors: those of the clips
+// (render/scores/scores.h) and of run(); Interrupted.
+Result<void> walk(const CostWalk& plan, const Settings& settings, const std::string& scratch,
+                  Storage& storage, const std::atomic<bool>& stop, std::vector<PointCost>& costs);
 
 // A point's mean over the clips, in the order of the points.
 std::vector<PointCost> means_of(std::span<const PointCost> costs);

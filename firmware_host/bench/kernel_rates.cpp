@@ -20,19 +20,25 @@ namespace {
 
 constexpr int kRepetitions = 5;
 
+// How long each kernel runs, and what ends all of them; then their rates mean nothing.
+struct Patience {
+  double seconds;
+  const std::atomic<bool>& stop;
+};
+
 // Runs per second, of the fastest repetition.
-double runs_per_s(double seconds, const std::function<void()>& run) {
-  const double ms = 1000 * seconds / kRepetitions;
+double runs_per_s(const Patience& patience, const std::function<void()>& run) {
+  const double ms = 1000 * patience.seconds / kRepetitions;
   double best = 0;
   run();  // caches and page tables
-  for (int i = 0; i < kRepetitions; ++i) {
+  for (int i = 0; i < kRepetitions && !patience.stop; ++i) {
     Stopwatch watch;
     double spent = 0;
     int runs = 0;
     do {
       run(), ++runs;
       spent += watch.lap_ms();
-    } while (spent < ms);
+    } while (spent < ms && !patience.stop);
     best = std::max(best, 1000 * runs / spent);
   }
   return best;
@@ -41,28 +47,29 @@ double runs_per_s(double seconds, const std::function<void()>& run) {
 // What keeps results alive.
 void use(float value) { asm volatile("" : : "g"(value)); }
 
-double flops_per_s(double seconds) {
+double flops_per_s(const Patience& patience) {
   constexpr int kRounds = 20'000;
   const CeilingKernels& kernels = ceiling_kernels();
-  return runs_per_s(seconds, [&] { use(kernels.multiply_add(kRounds)); }) * kRounds * kernels.flops_per_round;
+  return runs_per_s(patience, [&] { use(kernels.multiply_add(kRounds)); }) * kRounds *
+         kernels.flops_per_round;
 }
 
-double look_ups_per_s(double seconds) {
+double look_ups_per_s(const Patience& patience) {
   constexpr int kEntries = 1 << 15, kPlaces = 1 << 16;
   Pcg32 random(1);
   Image<float> table(1, 1, 2 * kEntries);
   Image<int> places(1, 1, kPlaces);
   for (int& place : places.samples()) place = random.below(kEntries);
-  return kPlaces * runs_per_s(seconds, [&] {
+  return kPlaces * runs_per_s(patience, [&] {
            use(ceiling_kernels().look_up(table.plane(0), places.plane(0), kPlaces));
          });
 }
 
 // Bytes per second of streams that touch so many bytes in all.
-double bytes_per_s(double footprint, double seconds) {
+double bytes_per_s(double footprint, const Patience& patience) {
   const int n = std::max(1024, static_cast<int>(footprint / 12)) / 16 * 16;
   Image<float> planes(3, 1, n);
-  return 12.0 * n * runs_per_s(seconds, [&] {
+  return 12.0 * n * runs_per_s(patience, [&] {
            ceiling_kernels().stream(planes.plane(0), planes.plane(1), planes.plane(2), n);
          });
 }
@@ -85,12 +92,13 @@ const char* name(KernelBound bound) {
 
 namespace {
 
-KernelRates measured_here(std::span<const KernelTask> tasks, double seconds) {
+KernelRates measured_here(std::span<const KernelTask> tasks, const Patience& patience) {
   flush_denormals();
-  KernelRates rates{flops_per_s(seconds), look_ups_per_s(seconds), {}};
+  KernelRates rates{flops_per_s(patience), look_ups_per_s(patience), {}};
   std::map<double, double> streams;  // bytes per second, by footprint
   for (const KernelTask& task : tasks) {
-    KernelRate rate{task.name, task.item, task.items * runs_per_s(seconds, task.run), 0,
+    if (patience.stop) break;
+    KernelRate rate{task.name, task.item, task.items * runs_per_s(patience, task.run), 0,
                     KernelBound::Unknown};
     const auto bounded = [&](KernelBound bound, double available, double needed) {
       if (needed <= 0 || (rate.ceiling_per_s > 0 && available / needed >= rate.ceiling_per_s)) return;
@@ -100,7 +108,7 @@ KernelRates measured_here(std::span<const KernelTask> tasks, double seconds) {
     bounded(KernelBound::LookUps, rates.look_ups_per_s, task.look_ups);
     if (task.bytes > 0) {
       const auto [stream, is_new] = streams.try_emplace(task.footprint, 0);
-      if (is_new) stream->second = bytes_per_s(task.footprint, seconds);
+      if (is_new) stream->second = bytes_per_s(task.footprint, patience);
       bounded(KernelBound::Memory, stream->second, task.bytes);
     }
     rates.kernels.push_back(rate);
@@ -110,9 +118,13 @@ KernelRates measured_here(std::span<const KernelTask> tasks, double seconds) {
 
 }  // namespace
 
-KernelRates measure_kernels(std::span<const KernelTask> tasks, double seconds) {
+Result<KernelRates> measure_kernels(std::span<const KernelTask> tasks, double seconds,
+                                    const std::atomic<bool>& stop) {
   KernelRates rates;
-  std::thread([&] { rates = measured_here(tasks, seconds); }).join();  // the caller keeps its denormals
+  std::thread([&] {
+    rates = measured_here(tasks, {seconds, stop});
+  }).join();  // the caller keeps its denormals
+  if (stop) return Error{ErrorCode::Interrupted, "stopped before all kernels were measured"};
   return rates;
 }
 

@@ -1,11 +1,13 @@
 // Rates of kernels beside the ceilings of this processor, measured in the same run. Thread-bound.
 #pragma once
 
+#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "firmware_host/bench/kernel_tasks.h"
+#include "hal/core/result.h"
 
 namespace hdrcam {
 
@@ -25,8 +27,10 @@ struct KernelRates {
   std::vector<KernelRate> kernels;
 };
 
-// seconds: for each kernel; the fastest of several repetitions counts.
-KernelRates measure_kernels(std::span<const KernelTask> tasks, double seconds);
+// seconds: for each kernel; the fastest of several repetitions counts. Errors: Interrupted once `stop` is
+// set.
+Result<KernelRates> measure_kernels(std::span<const KernelTask> tasks, double seconds,
+                                    const std::atomic<bool>& stop);
 
 std::string rates_table(const KernelRates& rates);  // Markdown
 std::string rates_json(const KernelRates& rates, int rows, int cols);

@@ -53,17 +53,23 @@ Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
   plan.points = TRY(chosen_points(cost_points(settings.fit), flags.points));
   const auto page = [&](const char* name) { return flags.output + "/" + name; };
   std::vector<NamedInput> inputs;
-  for (const std::string& clip : plan.clips) inputs.push_back({"a clip that is read", clip + "/clip.json"});
+  for (const std::string& clip : plan.clips)
+    for (NamedInput& file : files_of_clip(clip)) inputs.push_back(std::move(file));
   TRY(flags.kept.check(around.storage, inputs,
-                       {{"--output", page("pareto.json")},
-                        {"--output", page("pareto.html")},
-                        {"--output", page("pareto.md")}}));
+                       {{"--output", page("pareto.json"), OutputKind::Document},
+                        {"--output", page("pareto.html"), OutputKind::Document},
+                        {"--output", page("pareto.md"), OutputKind::Document}}));
   const std::string scratch = page("frames");
   if (std::filesystem::exists(scratch))
     return Error{ErrorCode::Exists, fmt::format("'{}' is in the way of the frames to be scored; name another "
                                                 "folder with --output, or remove it",
                                                 scratch)};
-  const std::vector<PointCost> costs = TRY(walk(plan, settings, scratch, around.storage, around.stop));
+  std::vector<PointCost> costs;
+  const Result<void> walked = walk(plan, settings, scratch, around.storage, around.stop, costs);
+  const bool interrupted = !walked && walked.error().code == ErrorCode::Interrupted;
+  if (interrupted && costs.empty())
+    return Error{ErrorCode::Interrupted, "stopped before a point was measured; nothing was written"};
+  if (!interrupted) TRY(Result<void>(walked));
 
   std::string command = "hdrcam bench pareto";
   for (const std::string& clip : plan.clips) command += " " + shell_word(clip);
@@ -79,6 +85,9 @@ Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
   TRY(write("pareto.json", cost_json(costs, command, threads)));
   TRY(write("pareto.html", cost_page(costs, command, threads)));
   say("{}{}/pareto.html: the charts; pareto.json and pareto.md: the figures\n", table, flags.output);
+  if (interrupted)
+    return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} points; the pages hold these",
+                                                     costs.size(), plan.points.size() * plan.clips.size())};
   return {};
 }
 
@@ -86,14 +95,17 @@ struct KernelBenchFlags {
   int width = 640, height = 480;
   double seconds = 0.2;
   std::string json;
+  KeptWork kept;
 };
 
 Result<void> bench_kernels(Surroundings& around, const KernelBenchFlags& flags) {
-  if (!flags.json.empty())
-    TRY(make_room_for(around.storage, std::vector<NamedOutput>{{"--json", flags.json, OutputKind::Page}}));
-  const KernelRates rates = measure_kernels(kernel_tasks(flags.height, flags.width), flags.seconds);
+  const bool json_alone = flags.json == kStandardOutput;
+  TRY(flags.kept.check(around.storage, {}, {{"--json", json_alone ? "" : flags.json}}));
+  const KernelRates rates =
+      TRY(measure_kernels(kernel_tasks(flags.height, flags.width), flags.seconds, around.stop));
   if (!flags.json.empty()) {
     const std::string text = rates_json(rates, flags.height, flags.width);
+    if (json_alone) return say("{}", text), Result<void>{};
     TRY(write_whole(around.storage, flags.json, std::as_bytes(std::span(text))));
   }
   say("{}", rates_table(rates));
@@ -111,9 +123,16 @@ void add_bench_kernels(CLI::App& bench, Verb& chosen) {
       ->check(CLI::Range(64, 8192))
       ->capture_default_str();
   verb->add_option("--seconds", flags->seconds, "for each kernel; the fastest fifth counts")
-      ->check(CLI::Range(0.001, 60.0))
+      ->check([](const std::string& text) {
+        double seconds = 0;
+        const bool sound = CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 60;
+        return sound ? std::string() : fmt::format("takes seconds, 0.001 to 60, not '{}'", text);
+      })
       ->capture_default_str();
-  verb->add_option("--json", flags->json, "also write the figures to this file");
+  verb->add_option("--json", flags->json,
+                   "also write the figures to this file; -: print them instead of the table")
+      ->check(names_file);
+  flags->kept.add_without_force(*verb);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_kernels(around, *flags); }; });
 }
@@ -128,9 +147,11 @@ void add_bench(CLI::App& app, Verb& chosen) {
   CLI::App* verb = bench->add_subcommand(
       "pareto", "walk the knobs over clips with ground truth: time, quality and flicker of each point");
   verb->add_option("CLIP", flags->walk.clips, "folders with clip.json and gt/, as compare reads them")
-      ->required();
+      ->required()
+      ->check(names_file);
   verb->add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
-      ->required();
+      ->required()
+      ->check(names_file);
   verb->add_option("--point", flags->points,
                    "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");
   verb->add_option("--frames", flags->walk.frames, "frames to take of each clip [all]")

@@ -6,10 +6,10 @@
 
 #include "capture/delay_calibration.h"
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/settings_toml.h"
-#include "firmware_host/sinks/output_guard.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -17,6 +17,7 @@ namespace {
 
 struct CalibrateFlags {
   std::string what, output;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
 
@@ -59,11 +60,9 @@ std::vector<Pair> gain_pairs(const ExposureSchedule& schedule, const CameraCapab
 Result<DelayEstimate> measure(Camera& camera, const CaptureOptions& options, const std::vector<Pair>& pairs,
                               const std::atomic<bool>& stop) {
   DelayEstimate estimate;
-  estimate.reason = "no two exposures of --shutter are a stop apart";
   for (const Pair& pair : pairs) {
-    if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
-    estimate =
-        TRY(measure_delay(camera, options.mode, options.buffers, pair.shorter, pair.longer, options.unpack));
+    estimate = TRY(measure_delay(camera, options.mode, options.buffers, pair.shorter, pair.longer,
+                                 options.unpack, stop));
     if (estimate.delay) break;
   }
   return estimate;
@@ -78,14 +77,13 @@ void print(const char* control, const DelayEstimate& estimate) {
 }
 
 Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
+  Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   if (flags.what != "delay")
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
-  Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  if (!flags.output.empty())
-    TRY(make_room_for(around.storage,
-                      std::vector<NamedOutput>{{"--output", flags.output, OutputKind::Page}}));
+  TRY(flags.kept.check(around.storage, inputs_of(settings.camera),
+                       {{"--output", flags.output, OutputKind::Document}}));
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));
   if (!camera->capabilities().sets_exposure)
     return Error{ErrorCode::Unsupported,
@@ -97,11 +95,17 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
   const auto schedule =
       TRY(ExposureSchedule::create(setup.cycle, camera->capabilities(), mode.frame_duration, setup.mains));
 
-  const DelayEstimate exposure =
-      TRY(measure(*camera, setup.options, time_pairs(schedule, camera->capabilities()), around.stop));
+  const auto times = time_pairs(schedule, camera->capabilities());
+  if (times.empty())
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("no two exposures of --shutter {} are a stop apart, so that their pictures could "
+                    "be told from each other; give 1ms,4ms",
+                    settings.schedule.shutter)};
+  const DelayEstimate exposure = TRY(measure(*camera, setup.options, times, around.stop));
   print("exposure", exposure);
   if (!exposure.delay)
-    return Error{ErrorCode::Timeout,
+    return Error{ErrorCode::TooShort,
                  "the exposure delay could not be measured; point the camera at a static "
                  "scene that is neither black nor clipped, or give other times by --shutter"};
   DelayEstimate gain;
@@ -134,7 +138,9 @@ void add_calibrate(CLI::App& app, Verb& chosen) {
                    "delay: control latency, in frames from a request to the picture that shows it")
       ->type_name("delay")
       ->required();
-  verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml");
+  verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
+      ->check(names_file);
+  flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return calibrate(*flags, around); }; });

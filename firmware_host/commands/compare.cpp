@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "firmware_host/commands/command.h"
-#include "firmware_host/sinks/output_guard.h"
+#include "firmware_host/commands/kept_work.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "render/scores/scores.h"
 
@@ -15,6 +16,7 @@ namespace {
 struct CompareFlags {
   std::string clip, estimates, json, label;
   int skip = 1;
+  KeptWork kept;
 };
 
 std::string fixed(const std::optional<double>& value, int digits) {
@@ -56,15 +58,17 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
 }
 
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
-  if (!flags.json.empty())
-    TRY(make_room_for(around.storage, std::vector<NamedOutput>{{"--json", flags.json, OutputKind::Page}}));
+  const bool json_alone = flags.json == kStandardOutput;
+  TRY(flags.kept.check(around.storage, files_of_clip(flags.clip),
+                       {{"--json", json_alone ? "" : flags.json}}));
   const ClipScores scores =
       TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);
   const std::string label = flags.label.empty() ? folder_name(flags.estimates) : flags.label;
+  const std::string json = to_json(scores, clip, label);
+  if (json_alone) return say("{}", json), Result<void>{};
   print(scores, clip, label);
   if (flags.json.empty()) return {};
-  const std::string json = to_json(scores, clip, label);
   return write_whole(around.storage, flags.json, std::as_bytes(std::span(json)));
 }
 
@@ -73,13 +77,17 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
 void add_compare(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<CompareFlags>();
   CLI::App* verb = app.add_subcommand("compare", "score HDR frames against a clip with ground truth");
-  verb->add_option("CLIP", flags->clip, "folder with clip.json and gt/")->required();
+  verb->add_option("CLIP", flags->clip, "folder with clip.json and gt/")->required()->check(names_file);
   verb->add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
-      ->required();
-  verb->add_option("--json", flags->json, "also write the scores to this file");
+      ->required()
+      ->check(names_file);
+  verb->add_option("--json", flags->json,
+                   "also write the scores to this file; -: print them instead of the table")
+      ->check(names_file);
   verb->add_option("--skip", flags->skip, "frames left out at either end of the clip")->capture_default_str();
   verb->add_option("--label", flags->label,
                    "name of the estimates in the table (default: the folder's name)");
+  flags->kept.add_without_force(*verb);
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return compare(around, *flags); }; });
 }

@@ -15,6 +15,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "firmware_host/terminal.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 
@@ -73,7 +74,12 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
 
 Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
+  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   const std::string& output = settings.output.path("frames");
+  if (output.empty())
+    return Error{ErrorCode::Invalid,
+                 "no video; give -o x.mp4 (.mov, .mkv), or - for the standard output; see 'hdrcam encode "
+                 "--help'"};
   if (output != kStandardOutput && !video_container_of(output))
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is no name of a video; give -o x.mp4 (.mov, .mkv), or - for "
@@ -86,12 +92,7 @@ Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
   CameraFacts camera;
   std::unique_ptr<FrameSink> sink;
   Progress progress(stderr, static_cast<int>(files.size()));
-  Result<void> encoded;
-  for (const NumberedFile& file : files) {
-    if (around.stop)
-      encoded = Error{ErrorCode::Interrupted, fmt::format("interrupted before '{}'", file.path)};
-    if (!encoded) break;
-    Stopwatch watch;
+  const auto add = [&](const NumberedFile& file) -> Result<void> {
     const ExrImage image = TRY(read_exr(around.storage, file.path));
     if (!sink) {
       const double wanted = settings.camera.framerate_hz;
@@ -100,7 +101,15 @@ Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
           "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
     }
     const HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
-    encoded = sink->emit({frame, ExposedFrame{}, FrameRecord{}});
+    return sink->emit({frame, ExposedFrame{}, FrameRecord{}});
+  };
+  Result<void> encoded;
+  for (const NumberedFile& file : files) {
+    if (around.stop)
+      encoded = Error{ErrorCode::Interrupted, fmt::format("interrupted before '{}'", file.path)};
+    if (!encoded) break;
+    Stopwatch watch;
+    encoded = add(file);
     progress.frame_done(watch.lap_ms(), std::nullopt);
   }
   if (sink)

@@ -6,9 +6,9 @@
 #include <span>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/sinks/output_guard.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
@@ -21,6 +21,7 @@ namespace {
 struct ExportOptions {
   std::string recording, folder;
   bool strict = false, transforms = false, colmap = false;
+  const CLI::App* verb = nullptr;
   std::unique_ptr<SettingsFlags> settings;
 
   Damage damage() const { return strict ? Damage::Ends : Damage::IsSkipped; }
@@ -45,7 +46,8 @@ Result<void> check_poses(Storage& storage, const ExportOptions& options) {
 }
 
 Result<void> check_files(Storage& storage, const ExportOptions& options) {
-  const NamedInput inputs[] = {{"the recording that is read", options.recording}};
+  std::vector<NamedInput> inputs = configuration_of(*options.verb);
+  inputs.push_back({"the recording that is read", options.recording});
   std::vector<NamedOutput> outputs{{"--transforms", options.transforms_path()}};
   for (const std::string_view file : kColmapFiles)
     outputs.push_back({"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : ""});
@@ -81,7 +83,7 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
   return {};
 }
 
-// A truncated or damaged recording gives its whole frames and a message on stderr.
+// A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
 Result<void> export_recording(Surroundings& around, const ExportOptions& options) {
   const Settings settings = TRY(options.settings->read(around.storage));
   if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
@@ -96,15 +98,13 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
   PosedClip posed = begun(reader->camera());
   std::optional<Instant> start;
   int frames = 0;
+  Result<void> ended;
   for (;; ++frames) {
     if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
     auto frame = reader->next();
-    if (!frame && frame.error().code == ErrorCode::Truncated && !options.strict) {
-      remark("{}; exporting these\n", frame.error().message);
-      break;
-    }
-    if (!frame) return frame.error();
-    if (!frame.value()) break;
+    if (!frame && (frame.error().code != ErrorCode::Truncated || options.strict)) return frame.error();
+    if (!frame) ended = frame.error();
+    if (!frame || !frame.value()) break;
     const FrameFacts& facts = (**frame).facts;
     if (!start) start = facts.timestamp;
     TRY(clip.append(**frame));
@@ -115,7 +115,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
   say("{}: {} frames\n", options.folder, frames);
-  return {};
+  return ended;
 }
 
 }  // namespace
@@ -123,14 +123,16 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
 void add_export(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* verb = app.add_subcommand("export", "turn a recording into a folder of images with a clip.json");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
   verb->add_option("-o,--output", options->folder, "the folder to write; it must not hold a clip yet")
-      ->required();
+      ->required()
+      ->check(names_file);
   verb->add_flag("--transforms", options->transforms,
                  "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
   verb->add_flag("--colmap", options->colmap,
                  "the recording's poses as a COLMAP text model in colmap/ of that folder, without points");
   verb->add_flag("--strict", options->strict, "fail where the recording is cut or damaged");
+  options->verb = verb;
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return export_recording(around, *options); };

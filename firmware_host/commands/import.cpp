@@ -1,19 +1,23 @@
 // hdrcam import FOOTAGE -o x.mkv: videos, pictures, or a folder of images with its clip.json become a
 // recording.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_name.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
+#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {
@@ -90,10 +94,61 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
   return write_recording(around, options, reader_of(std::move(clip)));
 }
 
+bool is_recording(Storage& storage, const std::string& file) {
+  return !is_still(file) && open_recording(storage, file).ok();
+}
+
+// What makes one clip of a folder: its stills, or its videos but not the recordings that were made of them.
+Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& folder) {
+  std::vector<std::string> files = TRY(footage_in(folder));
+  std::erase_if(files, [&](const std::string& file) {
+    const bool recording = is_recording(storage, file);
+    if (recording) remark("note: '{}' is a recording already and is left out\n", file);
+    return recording;
+  });
+  if (files.empty())
+    return Error{ErrorCode::NotFound,
+                 fmt::format("'{}' holds recordings only, and no footage; replay them as they are", folder)};
+  const auto still = std::ranges::find_if(files, is_still);
+  const auto video = std::ranges::find_if_not(files, is_still);
+  if (still != files.end() && video != files.end())
+    return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are a picture and a video, which do not make "
+                                                 "one clip; name the files of one kind",
+                                                 *still, *video)};
+  return files;
+}
+
+// The files that were named, or those in the one folder.
+Result<std::vector<std::string>> footage_files(Storage& storage, const std::vector<std::string>& named) {
+  if (named.size() == 1 && fs::is_directory(named.front())) return clip_in(storage, named.front());
+  for (const std::string& file : named) {
+    if (fs::is_directory(file))
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
+                               "files",
+                               file)};
+    if (is_recording(storage, file))
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' is a recording already; use it as it is: hdrcam replay {}", file,
+                               shell_word(file))};
+  }
+  return named;
+}
+
+// Cut footage is an error after all that is there was imported, as a cut recording is.
+Result<void> tell_losses(const FootagePlan& plan) {
+  std::optional<std::string> cut;
+  for (const FootageLosses& losses : plan.losses)
+    if (losses.lost.missing > 0 && !cut)
+      cut = describe(losses);
+    else
+      remark("warning: {}\n", describe(losses));
+  return cut ? Error{ErrorCode::Truncated, *cut} : Result<void>();
+}
+
 Result<void> import_footage(Surroundings& around, const ImportOptions& options) {
   FootageRequest footage = options.footage;
-  if (footage.files.size() == 1 && fs::is_directory(footage.files.front()))
-    footage.files = TRY(footage_in(footage.files.front()));
+  footage.files = TRY(footage_files(around.storage, footage.files));
   if (!options.list)
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
@@ -104,7 +159,17 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options) 
            plan.time_trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");
-  return write_recording(around, options, TRY(open_planned(around.storage, footage, plan)));
+  auto reader = TRY(open_planned(around.storage, footage, plan));
+  TRY(write_recording(around, options, std::move(reader)));
+  return tell_losses(plan);
+}
+
+// What --framerate takes: "" for a rate that a recording can have, else a clause that says so.
+std::string takes_framerate(const std::string& text) {
+  CameraFacts camera;
+  if (!CLI::detail::lexical_cast(text, camera.framerate_hz))
+    return fmt::format("takes frames per second, such as 30, not '{}'", text);
+  return objection_to(camera).value_or("");
 }
 
 Result<void> import_any(Surroundings& around, const ImportOptions& options) {
@@ -113,6 +178,7 @@ Result<void> import_any(Surroundings& around, const ImportOptions& options) {
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
+  TRY(check_recording_name(around.storage, "--output", options.output));
   const FootageRequest& footage = options.footage;
   const bool clip = is_clip(footage.files);
   if (clip && !(footage.shutter.empty() && footage.gain.empty() && footage.framerate_hz == 0))
@@ -135,8 +201,9 @@ void add_import(CLI::App& app, Verb& chosen) {
           "footage", footage.files,
           "videos and pictures, or a folder of them; with a clip.json that says each exposure, it or its "
           "folder")
-      ->required();
-  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)");
+      ->required()
+      ->check(names_file);
+  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->check(names_file);
   verb->add_option(
       "--shutter", footage.shutter,
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
@@ -144,7 +211,7 @@ void add_import(CLI::App& app, Verb& chosen) {
   verb->add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
   verb->add_option("--framerate", footage.framerate_hz,
                    "frames per second of stills [when EXIF says they were taken, else 30]")
-      ->check(CLI::PositiveNumber);
+      ->check(takes_framerate);
   verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
   verb->add_flag("--strict", options->strict,
                  "fail where the pictures contradict an exposure, instead of relabelling or flagging it");

@@ -5,6 +5,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -19,11 +20,13 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
   const auto summary = TRY(summarize(around.storage, options.recording));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
   if (summary.end) return *summary.end;
-  if (const std::string damage = summary.left_out.sentence(); !damage.empty())
-    return Error{ErrorCode::Corrupt, fmt::format("'{0}' is damaged: {1}; 'hdrcam repair {0} -o FILE' writes "
-                                                 "the others",
-                                                 options.recording, damage)};
-  return {};
+  const LeftOut& left_out = summary.left_out;
+  const std::string damage = left_out.sentence();
+  if (damage.empty()) return {};
+  // without a lost frame the sentence itself says that the file is damaged
+  return Error{ErrorCode::Corrupt, fmt::format("'{0}' is {1}{2}; 'hdrcam repair {0} -o FILE' writes {3}",
+                                               options.recording, left_out.count > 0 ? "damaged: " : "",
+                                               damage, left_out.count > 0 ? "the others" : "a sound one")};
 }
 
 }  // namespace
@@ -31,7 +34,7 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
 void add_info(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* verb = app.add_subcommand("info", "show the content of a recording and whether it is complete");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
   verb->add_flag("--json", options->json, "as JSON, for programs");
   verb->callback(
       [options, &chosen] { chosen = [options](Surroundings& around) { return show(around, *options); }; });

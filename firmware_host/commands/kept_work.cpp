@@ -6,24 +6,31 @@
 
 #include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
-#include "firmware_host/sinks/sink_table.h"
+#include "firmware_host/sinks/truth_folder.h"
+#include "hal/recording/image_sequence.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
 
 void KeptWork::add_to(CLI::App& verb) {
+  add_without_force(verb);
   verb.add_flag("--force", force_, "replace outputs of an earlier run");
 }
 
+void KeptWork::add_without_force(CLI::App& verb) { verb_ = &verb; }
+
 Result<void> KeptWork::check(Storage& storage, const std::vector<NamedInput>& inputs,
                              const std::vector<NamedOutput>& outputs) const {
-  TRY(check_outputs(storage, inputs, outputs, force_ ? Overwrite::Force : Overwrite::Refuse));
+  std::vector<NamedInput> read = configuration_of(*verb_);
+  read.insert(read.end(), inputs.begin(), inputs.end());
+  TRY(check_outputs(storage, read, outputs, force_ ? Overwrite::Force : Overwrite::Refuse));
   return make_room_for(storage, outputs);
 }
 
-std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag) {
+std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag,
+                                    std::span<const SinkKind> kinds) {
   std::vector<NamedOutput> outputs;
-  for (const SinkKind& sink : sink_kinds()) {
+  for (const SinkKind& sink : kinds) {
     const std::string& path = settings.output.path(sink.name);
     const std::string_view flag = sink.flag;
     if (path == kStandardOutput || sink.target == SinkTarget::Address) continue;  // replaces nothing
@@ -33,17 +40,31 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
         outputs.push_back({name, fmt::format("{}/{}", path, file)});
       continue;
     }
-    const OutputKind kind = path.find('%') != std::string::npos ? OutputKind::Frames
-                            : video_container_of(path)          ? OutputKind::Recording
-                                                                : OutputKind::Page;
-    outputs.push_back({name, path, kind});
-    if (std::string_view(sink.name) == "frames" && kind == OutputKind::Frames)
+    const bool video = video_container_of(path).has_value(), numbered = !video && sink.extension != nullptr;
+    const OutputKind kind = video ? OutputKind::Recording : numbered ? OutputKind::Frames : OutputKind::Page;
+    outputs.push_back({name, path, kind, numbered ? sink.extension : ""});
+    if (std::string_view(sink.name) == "frames" && numbered && !path.empty())
       outputs.push_back({"the list beside --output",
                          (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
   }
   outputs.push_back({"--trace", settings.machine.trace});
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   return outputs;
+}
+
+std::vector<NamedInput> configuration_of(const CLI::App& verb) {
+  for (const CLI::App* place = &verb; place != nullptr;
+       place = place->get_parent())  // "bench", then "kernels"
+    if (const CLI::Option* config = place->get_option_no_throw("--config");
+        config != nullptr && config->count() > 0)
+      return {{"the configuration", config->as<std::string>()}};
+  return {};
+}
+
+std::vector<NamedInput> files_of_clip(const std::string& folder) {
+  return {{"the clip", folder + "/" + ImageSequence::kFile},
+          {"the pictures of the clip", folder + "/" + ImageSequence::kPictures, InputKind::Folder},
+          {"the ground truth", folder + "/" + TruthFolder::kFolder, InputKind::Folder}};
 }
 
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera) {

@@ -1,11 +1,15 @@
-// The flag --force: without it no output replaces an input or an earlier take (sinks/output_guard.h). All
-// verbs that write files share it. Thread-bound.
+// The flag --force: without it no output replaces an earlier take, and with or without it none replaces an
+// input, the file of --config among them (sinks/output_guard.h). All verbs that write files share it.
+// Thread-bound.
 #pragma once
 
+#include <span>
+#include <string>
 #include <vector>
 
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/output_guard.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace CLI {
 class App;
@@ -15,18 +19,25 @@ namespace hdrcam {
 
 class KeptWork {
  public:
-  void add_to(CLI::App& verb);  // --force
+  void add_to(CLI::App& verb);             // --force; the verb outlives this
+  void add_without_force(CLI::App& verb);  // for a verb whose outputs every run replaces
 
   // Also makes the folders of the outputs. Errors: those of check_outputs and of make_room_for.
   Result<void> check(Storage& storage, const std::vector<NamedInput>& inputs,
                      const std::vector<NamedOutput>& outputs) const;
 
  private:
+  const CLI::App* verb_ = nullptr;
   bool force_ = false;
 };
 
 // The outputs of a run: its sinks and its recording, with this verb's flags for them.
-std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag);
+std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag,
+                                    std::span<const SinkKind> kinds = sink_kinds());
+// The file of --config; empty where there is none.
+std::vector<NamedInput> configuration_of(const CLI::App& verb);
+// The files of a clip with ground truth: its clip.json, its pictures and its truth.
+std::vector<NamedInput> files_of_clip(const std::string& folder);
 // The recording that a camera "replay:FILE" reads; empty for any other camera.
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera);
 

@@ -5,13 +5,16 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -44,14 +47,23 @@ bool keeps_nothing(const Settings& settings) {
   return settings.record.file.empty();
 }
 
+// Where the results of a run are told: the standard output may be taken by the frames.
+auto* teller_of(const Settings& settings) {
+  return settings.output.path("frames") == kStandardOutput ? write_remark : write_result;
+}
+
+std::string recorded_line(const Settings& settings, std::uint64_t recorded, std::uint64_t captured) {
+  if (settings.record.file.empty()) return "";
+  return fmt::format("{}: {} of {} frames\n", settings.record.file, recorded, captured);
+}
+
 void print_summary(const LiveCounters& counters, const std::string& trigger, const Settings& settings) {
-  // The standard output may be taken by the frames.
-  const auto tell = settings.output.path("frames") == kStandardOutput ? write_remark : write_result;
+  const auto tell = teller_of(settings);
   tell(fmt::format("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
                    proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3));
   if (!trigger.empty()) tell(trigger + "\n");
-  if (!settings.record.file.empty())
-    tell(fmt::format("{}: {} of {} frames\n", settings.record.file, counters.recorded, counters.captured()));
+  if (const std::string line = recorded_line(settings, counters.recorded, counters.captured()); !line.empty())
+    tell(line);
 }
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
@@ -75,14 +87,19 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
                      .trace = trace.trace()};
   Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
   for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
-  say("{} frames; {}\n", source->counters().captured, proof_of(source->counters()));
+  const CaptureCounters counters = source->counters();
+  teller_of(settings)(fmt::format("{} frames; {}\n{}", counters.captured, proof_of(counters),
+                                  recorded_line(settings, counters.emitted, counters.captured)));
   return ended;
 }
 
 Result<void> live(const LiveFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  TRY(check_ignored_flags(*flags.settings, settings));
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
+  TRY(check_needs(settings));
+  TRY(check_recording_name(around.storage, "--record", settings.record.file));
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
   TRY(check_lines(settings));
   if (keeps_nothing(settings))

@@ -6,6 +6,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/packaging/manual_pages.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
@@ -14,7 +15,8 @@ void add_manual(CLI::App& app, Verb& chosen) {
   auto folder = std::make_shared<std::string>();
   CLI::App* verb = app.add_subcommand("manual", "write the manual pages, for an installation");
   verb->add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
-      ->required();
+      ->required()
+      ->check(names_file);
   verb->callback([folder, &app, &chosen] {
     chosen = [folder, &app](Surroundings& around) -> Result<void> {
       TRY(around.storage.make_directories(*folder));

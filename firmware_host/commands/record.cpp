@@ -5,7 +5,9 @@
 #include <memory>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
@@ -58,9 +60,11 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
 Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  TRY(check_ignored_flags(*flags.settings, settings));
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
+  TRY(check_recording_name(around.storage, "--output", settings.record.file));
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
   TRY(check_lines(settings));
   TraceFile trace(settings);

@@ -5,13 +5,16 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/render.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -33,14 +36,11 @@ bool is_png(const std::string& path) { return path.ends_with(".png"); }
 
 // A film's frames are made of recorded ones: what moves between them is known of those alone.
 Result<void> check_motion(const Settings& settings) {
-  for (const SinkKind& sink : sink_kinds())
-    if (std::string_view(sink.name).find("flow") != std::string_view::npos &&
-        !settings.output.path(sink.name).empty())
-      return Error{ErrorCode::Invalid,
-                   fmt::format("{} writes the motion between recorded frames, which a film "
-                               "does not show; use 'hdrcam replay'",
-                               sink.flag)};
-  return {};
+  const std::string motion = motion_output(settings.output);
+  if (motion.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{} writes the motion between recorded frames, which a film "
+                                               "does not show; use 'hdrcam replay'",
+                                               motion)};
 }
 
 // 8-bit pictures go where 8-bit pictures can go.
@@ -99,13 +99,16 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
   if (!settings.output.http_takes.empty())
     return Error{ErrorCode::Invalid, "--http-record needs a camera; a film has nothing to record"};
+  TRY(check_ignored_flags(*flags.settings, settings));
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.wish, settings.fit, recording));
   TRY(check_pictures(plan, settings));
   TRY(check_motion(settings));
+  TRY(check_needs(settings));
+  const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
   std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
   if (!flags.wish.path.empty()) inputs.push_back({"the path of the view", flags.wish.path});
-  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "")));
+  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "", sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
   const std::string& clip = source->camera().name;
@@ -116,7 +119,7 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
       .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.wish) +
                  flags.settings->as_flags(settings),
       .film = &plan,
-      .sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds(),
+      .sinks = sinks,
       .stop = &around.stop,
       .trace = trace.trace()};
   Result<void> ended = trace.write_after(run(run_plan, *source, around.storage), around.storage);
@@ -135,6 +138,7 @@ void add_view_flags(CLI::App& verb, FilmWish& wish) {
   verb.add_option(
           "--path", wish.path,
           "a file that moves the camera: CSV or JSON with time_s,dx,dy,dz,yaw,pitch,roll, time_s of the film")
+      ->check(names_file)
       ->group(kGroup);
   verb.add_option("--time", wish.time,
                   "freeze this moment, seconds from the first frame: 0.5; or show this part: 0.2..0.8")
@@ -170,7 +174,7 @@ void add_render(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<RenderFlags>();
   CLI::App* verb =
       app.add_subcommand("render", "show a recording's scene from any view, at any time and exposure");
-  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
+  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->check(names_file);
   add_view_flags(*verb, flags->wish);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(

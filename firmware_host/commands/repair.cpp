@@ -5,6 +5,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_name.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
@@ -47,6 +48,7 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
 Result<void> repair(Surroundings& around, const RepairOptions& options) {
   const Settings settings = TRY(options.settings->read(around.storage));
   if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+  TRY(check_recording_name(around.storage, "--output", options.output));
   TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
                          {{"--output", options.output, OutputKind::Recording}}));
   const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));
@@ -69,8 +71,10 @@ void add_repair(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<RepairOptions>();
   CLI::App* verb =
       app.add_subcommand("repair", "write the whole frames of a cut or damaged recording as a complete one");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required();
-  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->required();
+  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
+  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")
+      ->required()
+      ->check(names_file);
   options->kept.add_to(*verb);
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
   verb->callback(

@@ -7,10 +7,12 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -38,7 +40,8 @@ std::string command_line_of(const ReplayFlags& flags, const Settings& settings) 
 
 std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
   std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
-  if (!flags.truth.empty()) inputs.push_back({"the clip with ground truth", flags.truth + "/clip.json"});
+  if (flags.truth.empty()) return inputs;
+  for (NamedInput& file : files_of_clip(flags.truth)) inputs.push_back(std::move(file));
   return inputs;
 }
 
@@ -56,6 +59,8 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
         "'hdrcam replay --help' lists all"};
   if (!settings.output.http_takes.empty())
     return Error{ErrorCode::Invalid, "--http-record needs a camera; a replay has nothing to record"};
+  TRY(check_ignored_flags(*flags.settings, settings));
+  TRY(check_needs(settings));
   TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
@@ -84,12 +89,12 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
 void add_replay(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<ReplayFlags>();
   CLI::App* verb = app.add_subcommand("replay", "turn a recording into HDR frames");
-  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)");
+  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->check(names_file);
   verb->add_option("--frames", flags->frames, "frames to take [all]")->check(counts_frames());
-  verb->add_option(
-      "--truth", flags->truth,
-      "a clip with ground truth: scores in the report, and the field's views from the clip's other cameras "
-      "beside the frames, in novel/");
+  verb->add_option("--truth", flags->truth,
+                   "a clip with ground truth: scores in the report, and the field's views from the clip's "
+                   "other cameras beside the frames, in novel/")
+      ->check(names_file);
   verb->add_flag(
       "--strict", flags->strict,
       "fail at a damaged frame and where pictures contradict an exposure, instead of going on with a "

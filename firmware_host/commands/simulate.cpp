@@ -7,9 +7,10 @@
 #include <memory>
 #include <string>
 
-#include "capture/exposure.h"
+#include "capture/exposure_schedule.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_name.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -73,9 +74,16 @@ class Timeline {
       jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
   }
 
-  // The sequence number of the next frame that is not lost.
-  std::uint64_t next_kept(std::uint64_t sequence) const {
-    while (drops_ && drops_->lost(sequence)) ++sequence;
+  // The sequence number of the next frame that is not lost. Errors: Invalid for a scene that loses them all.
+  Result<std::uint64_t> next_kept(std::uint64_t sequence) const {
+    constexpr std::uint64_t kMostLost = 1'000'000;  // in a row
+    const std::uint64_t end = sequence + kMostLost;
+    while (drops_ && drops_->lost(sequence))
+      if (++sequence == end)
+        return Error{ErrorCode::Invalid,
+                     fmt::format("drops={}: the scene loses {} frames in a row and nothing "
+                                 "arrives; give drops below 1, such as drops=0.1",
+                                 simulation_.drops.probability, kMostLost)};
     return sequence;
   }
   // Scene time of the middle of the picture and of its exposure.
@@ -118,6 +126,23 @@ class Timeline {
   std::optional<ClockJitter> jitter_;
 };
 
+// All files that the run writes, those of the truth first.
+std::vector<NamedOutput> outputs_of(const SimulateFlags& flags) {
+  std::vector<NamedOutput> outputs;
+  const auto add = [&](const std::string& file, OutputKind kind) {
+    outputs.push_back({"--truth", flags.truth + "/" + file, kind});
+  };
+  if (!flags.truth.empty()) {
+    const std::string truth = std::string(TruthFolder::kFolder) + "/";
+    add(ImageSequence::kFile, OutputKind::Document);
+    for (const char* file : TruthFolder::kFiles) add(truth + file, OutputKind::Document);
+    add(std::string(ImageSequence::kPictures) + "/%04d.png", OutputKind::Frames);
+    for (const char* frames : TruthFolder::kFrames) add(truth + frames, OutputKind::Frames);
+  }
+  outputs.push_back({"--output", flags.output, OutputKind::Recording});
+  return outputs;
+}
+
 // The outputs of a run; each exists if it was requested.
 struct Outputs {
   std::unique_ptr<RecordingWriter> recording;
@@ -130,7 +155,7 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, c
   Outputs outputs;
   CameraFacts facts = sensor.facts();
   if (!flags.truth.empty()) {
-    outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts));
+    outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts, Creation::Replace));
     outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));
   }
   // last, so that a refused run never empties an earlier recording
@@ -148,14 +173,14 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
   Progress progress(stderr, flags.frames);
   SceneTruth truth;
   RawFrame frame;
-  std::uint64_t sequence = timeline.next_kept(0), before = sequence;
+  std::uint64_t sequence = TRY(timeline.next_kept(0)), before = sequence;
   for (int i = 0; i < flags.frames; ++i) {
     if (around.stop)
       return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}", i, flags.frames)};
     const auto begin = std::chrono::steady_clock::now();
     sensor.expose(timeline.shot(sequence), frame.codes);
     frame.facts = timeline.facts(sequence, i > 0 && sequence != before + 1, sensor.facts().bits);
-    const std::uint64_t next = timeline.next_kept(sequence + 1);
+    const std::uint64_t next = TRY(timeline.next_kept(sequence + 1));
     if (outputs.recording) TRY(outputs.recording->append(frame));
     if (outputs.truth) {
       truth_renderer->render(timeline.centre_s(sequence), timeline.centre_s(next), truth);
@@ -183,6 +208,9 @@ std::string scene_list() {
 }
 
 Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
+  if (flags.list && !(flags.output.empty() && flags.truth.empty()))
+    return Error{ErrorCode::Invalid,
+                 "--list prints the scenes and films none; leave it out, or --output and --truth"};
   if (flags.list) return say("{}", scene_list()), Result<void>{};
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
@@ -190,10 +218,12 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
     return Error{ErrorCode::Invalid, "no scene given; 'hdrcam simulate --list' prints the scenes"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
     return Error{ErrorCode::Invalid, "nothing to do; give -o FILE, --truth FOLDER or --explain"};
+  TRY(check_recording_name(around.storage, "--output", flags.output));
   const Simulation simulation = TRY(simulation_of(flags.scene));
   const Format format = TRY(format_of(flags));
-  const Timeline timeline(simulation,
-                          TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain)));
+  const std::vector<Exposure> cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
+  TRY(check_distinct(cycle));
+  const Timeline timeline(simulation, cycle);
   if (timeline.longest_s() * simulation.framerate_hz > 1)
     return Error{
         ErrorCode::BadExposure,
@@ -210,7 +240,8 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
     print_plan(sensor, costs, timeline.longest_s());
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
-  TRY(flags.kept.check(around.storage, {}, {{"--output", flags.output, OutputKind::Recording}}));
+  TRY(timeline.next_kept(0));  // before an output is opened
+  TRY(flags.kept.check(around.storage, {}, outputs_of(flags)));
   Outputs outputs = TRY(open_outputs(around, flags, sensor, settings.record.codec));
   return film(around, flags, timeline, sensor, pool, outputs);
 }
@@ -223,8 +254,9 @@ void add_simulate(CLI::App& app, Verb& chosen) {
       app.add_subcommand("simulate", "film a simulated scene into a recording, with ground truth");
   verb->add_option("scene", flags->scene,
                    "name and settings, for instance walk?seed=3&size=320x240&objects=5");
-  verb->add_option("-o,--output", flags->output, "the recording to write (.mkv)");
-  verb->add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it");
+  verb->add_option("-o,--output", flags->output, "the recording to write (.mkv)")->check(names_file);
+  verb->add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
+      ->check(names_file);
   verb->add_option("--frames", flags->frames, "frames to film")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

@@ -50,10 +50,21 @@ std::size_t column_of(std::string_view name) {
 }
 
 Error unknown_column(const std::string& where, const std::string& name) {
+  if (name.find(';') != std::string::npos)
+    return {ErrorCode::Invalid,
+            fmt::format("{}: the values are separated by ';'; write commas, and points in numbers: time_s,dx",
+                        where)};
   const std::vector<std::string> known(kColumns.begin(), kColumns.end());
   return {ErrorCode::Invalid,
           fmt::format("{}: unknown name '{}'{}; a pose has time_s,dx,dy,dz,yaw,pitch,roll", where, name,
                       did_you_mean(name, known))};
+}
+
+Error no_text(const std::string& path) {
+  return {ErrorCode::Invalid,
+          fmt::format("'{}' is no path of a view: it is no text; write CSV with a line of "
+                      "names, such as time_s,dx, or JSON",
+                      path)};
 }
 
 using Row = std::array<double, 7>;  // as kColumns
@@ -196,7 +207,10 @@ Result<CameraMove> CameraMove::parse_view(std::string_view text) {
 
 Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& path) {
   const std::string content = TRY(read_whole(storage, path));
-  const std::string_view text = content;
+  std::string_view text = content;
+  if (text.find('\0') != std::string_view::npos) return no_text(path);
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   const bool json = trimmed(text.substr(0, 64)).starts_with('[') || path.ends_with(".json");
   const std::vector<Row> rows = TRY(json ? rows_of_json(path, text) : rows_of_csv(path, text));
   if (rows.size() > kMostPoses)

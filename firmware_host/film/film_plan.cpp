@@ -114,9 +114,11 @@ Result<void> plan_geometry(Storage& storage, const FilmWish& wish, const Setting
   TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
   const auto field = fit.knobs.find("field");
   const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || wish.stabilize;
-  if (needs_depth && field != fit.knobs.end() && field->second == "none")
+  const bool without_field = field != fit.knobs.end() && field->second == "none";
+  if (needs_depth && (without_field || fit.emit == EmitLayer::State))
     return Error{ErrorCode::Invalid,
-                 "another view needs the depth that the field knows; leave out --set field=none"};
+                 fmt::format("another view needs the depth that the field knows; leave out {}",
+                             without_field ? "--set field=none" : "--emit state")};
   return {};
 }
 

@@ -9,6 +9,7 @@
 
 #include "capture/exposure_schedule.h"
 #include "hal/recording/exposure_cycle.h"
+#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {
@@ -21,7 +22,10 @@ struct Scan {
   std::string about;
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;
+  bool stills = false;  // at least one
   StepsByLag steps;
+  std::string silent;  // the first file with a frame whose exposure it does not state; "": none
+  std::vector<FootageLosses> losses;
 };
 
 Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
@@ -41,7 +45,11 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
       seen.steps[lag - 1].push_back(step_between(photometer, recent[(i - lag) % recent.size()], here));
     seen.facts.push_back(frame.facts);
     seen.taken.push_back(footage.taken());
+    seen.stills |= footage.still();
+    if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
+      seen.silent = footage.path();
   }
+  seen.losses = footage.losses();
   if (seen.facts.size() < 2)
     return Error{ErrorCode::TooShort, fmt::format("'{}' is a clip of {} frame(s); a clip has at least two",
                                                   seen.camera.name, seen.facts.size())};
@@ -52,6 +60,8 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
 TimeOrigin take_exif_times(Scan& seen, std::string& trouble) {
   StillTimes times = times_of(seen.taken);
   trouble = std::move(times.trouble);
+  if (times.since_first.empty() && trouble.empty() && seen.stills)
+    trouble = "none of them says in EXIF when it was taken";
   if (times.since_first.empty()) return TimeOrigin::Files;
   for (std::size_t i = 0; i < seen.facts.size(); ++i) seen.facts[i].timestamp = times.since_first[i];
   return TimeOrigin::Exif;
@@ -71,11 +81,6 @@ void read_times(Scan& seen, TimeOrigin times) {
   if (times == TimeOrigin::Exif) return;
   for (std::size_t i = 0; i < intervals_s.size(); ++i)
     seen.steps[0][i].missing = std::max(0, static_cast<int>(std::lround(intervals_s[i] / usual_s)) - 1);
-}
-
-bool all_stated(const Scan& seen) {
-  return std::ranges::all_of(
-      seen.facts, [](const FrameFacts& facts) { return facts.exposure_source == ExposureSource::Embedded; });
 }
 
 // Apertures are factors beside the first frame's.
@@ -144,13 +149,18 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   FootagePlan plan;
   if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
   read_times(seen, plan.times);
-  plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts;
+  plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts, plan.losses = seen.losses;
+  if (const auto objection = objection_to(plan.camera))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' cannot be a recording: {}; give the rate of stills with "
+                             "--framerate",
+                             plan.camera.name, *objection)};
   if (request.shutter.empty()) {
-    if (!all_stated(seen))
+    if (!seen.silent.empty())
       return Error{ErrorCode::BadExposure,
                    fmt::format("'{}' does not say how its frames were exposed; give the cycle with --shutter "
                                "1ms,4ms,16ms, or --shutter auto to have it estimated",
-                               request.files.front())};
+                               seen.silent)};
     take_stated(seen, plan);
     return plan;
   }
@@ -167,6 +177,14 @@ Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const Fo
                                                       const FootagePlan& plan) {
   auto footage = TRY(open_footage(storage, request.files, request.framerate_hz));
   return std::unique_ptr<RecordingReader>(std::make_unique<PlannedFootage>(std::move(footage), plan));
+}
+
+std::string describe(const FootageLosses& losses) {
+  const int lost = losses.lost.damaged + losses.lost.missing;
+  if (losses.lost.missing > 0)
+    return fmt::format("'{}' was cut: {} of its frames are missing; the others are used", losses.path, lost);
+  return fmt::format("'{}' is damaged: {} of its frames do not decode, or depend on such, and are left out",
+                     losses.path, lost);
 }
 
 std::string described(const FootagePlan& plan) {
@@ -198,6 +216,8 @@ std::string described(const FootagePlan& plan) {
       lost += missing;
       if (++losses <= static_cast<int>(kShown)) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
     }
+  for (const FootageLosses& losses_of_file : plan.losses)
+    text += fmt::format("warning: {}\n", describe(losses_of_file));
   if (lost > 0)
     text += fmt::format("missing: {} frames, before frame {}{}\n", lost, places,
                         losses > static_cast<int>(kShown) ? ".." : "");

@@ -44,16 +44,21 @@ struct FootagePlan {
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle
   std::vector<FrameFacts> facts;
+  std::vector<FootageLosses> losses;  // of files that are not whole
 };
 
-// stop: ends the reading with Interrupted. Errors: those of open_footage; TooShort below two frames;
-// BadExposure where no exposure is known, or the pictures do not alternate as the cycle.
+// stop: ends the reading with Interrupted. Errors: those of open_footage and its frames; TooShort below two
+// frames; BadExposure where no exposure is known, or the pictures do not alternate as the cycle; Invalid for
+// a frame rate that no recording can have.
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
                                  const std::atomic<bool>& stop);
 
 // The frames of the plan. Errors: those of open_footage.
 Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,
                                                       const FootagePlan& plan);
+
+// A sentence without a full stop: the file, how much it lacks, and what becomes of the rest.
+std::string describe(const FootageLosses& losses);
 
 // For people: what the footage is, its cycle, what is missing, and the first frames.
 std::string described(const FootagePlan& plan);

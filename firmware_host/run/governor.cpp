@@ -19,6 +19,8 @@ constexpr double kRoomToEmitAll = 0.95;    // a frame that is left out is lost: 
 constexpr double kRoomBesideQueue = 0.95;  // to return, where a queue absorbs what is late
 constexpr double kRoomToCatchUp = 0.8;     // under a backlog that lasts: the deadline itself
 
+constexpr double kMostStep = 1.4;  // a rung's time over that of the next cheaper one
+
 constexpr int kSettling = 1;                                 // frames
 constexpr int kProven = 30;                                  // frames after which a return has held
 constexpr int kLongestWait = 16;                             // in first waits
@@ -134,9 +136,22 @@ std::optional<std::size_t> Governor::rung_to_return_to() const {
       const double room = r == emits_all_ ? kRoomToEmitAll : room_to_return();
       if (ratios_[r] && !is_blocked(r) && *ratios_[r] * steady_ms() <= room * deadline_ms_) return r;
     }
-  const std::size_t above = at_ - 1;
-  const bool ample = upper(std::min(samples_, kWindow)).total_ms <= room_to_return() * deadline_ms_;
-  return !ratios_[above] && !is_blocked(above) && ample ? std::optional(above) : std::nullopt;
+  return rung_to_try();
+}
+
+// The best rung of unknown cost that may fit, if each takes up to kMostStep times as long as the one below;
+// of the next one it is enough that the present one leaves room.
+std::optional<std::size_t> Governor::rung_to_try() const {
+  const double room_ms = room_to_return() * deadline_ms_;
+  double most_ms = upper(std::min(samples_, kWindow)).total_ms;
+  if (most_ms > room_ms) return std::nullopt;
+  std::size_t best = at_;
+  while (best > 0 && !ratios_[best - 1] && !is_blocked(best - 1)) {
+    most_ms *= kMostStep;
+    if (best < at_ && most_ms > room_ms) break;
+    --best;
+  }
+  return best < at_ ? std::optional(best) : std::nullopt;
 }
 
 void Governor::begin(Wait& wait) const {

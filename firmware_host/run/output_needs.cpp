@@ -2,7 +2,46 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace hdrcam {
+namespace {
+
+// Motion and depth are written twice: as channels of the EXR files and as files of their own.
+struct MotionOrDepth {
+  const char* word;  // of --layers
+  bool ExrLayers::*layer;
+  const char* sink;
+  const char* flag;
+  bool is_motion, is_of_field;
+};
+constexpr MotionOrDepth kMotionAndDepth[] = {
+    {"depth", &ExrLayers::depth, "depth", "--depth", false, true},
+    {"flow", &ExrLayers::flow, "flow_backward", "--flow-backward", true, false},
+    {"flow_forward", &ExrLayers::flow_forward, "flow_forward", "--flow-forward", true, false},
+    {"field_flow", &ExrLayers::field_flow, "field_flow_backward", "--field-flow-backward", true, true},
+    {"field_flow_forward", &ExrLayers::field_flow_forward, "field_flow_forward", "--field-flow-forward", true,
+     true},
+};
+
+// The first of them that is wanted, as it was asked for; "" for none.
+std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kind) {
+  for (const MotionOrDepth& one : kMotionAndDepth) {
+    if (!(one.*kind)) continue;
+    if (!output.path(one.sink).empty()) return one.flag;
+    if (output.layers.*one.layer) return fmt::format("--layers {}", one.word);
+  }
+  return "";
+}
+
+// The setting that leaves out the field; "" where none does.
+const char* what_leaves_out_field(const Settings::Fit& fit) {
+  if (fit.emit == EmitLayer::State) return "--emit state";
+  const auto field = fit.knobs.find("field");
+  return field != fit.knobs.end() && field->second == "none" ? "--set field=none" : "";
+}
+
+}  // namespace
 
 OutputNeeds needs_of(const Settings::Output& output) {
   const ExrLayers& layers = output.layers;
@@ -16,6 +55,10 @@ OutputNeeds needs_of(const Settings::Output& output) {
   needs.poses = wanted("transforms") || wanted("colmap");
   needs.points = wanted("colmap");
   return needs;
+}
+
+std::string motion_output(const Settings::Output& output) {
+  return first_asked(output, &MotionOrDepth::is_motion);
 }
 
 ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
@@ -38,13 +81,14 @@ Result<void> check_needs(const Settings& settings) {
   if (needs_of(settings.output).flow_forward && settings.fit.lookahead == 0)
     return Error{ErrorCode::Invalid,
                  "motion to the next frame is known once that frame is there; give --lookahead 1"};
-  for (const char* sink : {"depth", "field_flow_forward", "field_flow_backward"})
-    if (!settings.output.path(sink).empty() && settings.fit.emit == EmitLayer::State)
-      return Error{
-          ErrorCode::Invalid,
-          fmt::format("'{}' comes from the field, which --emit state leaves out; leave out one of them",
-                      settings.output.path(sink))};
-  return {};
+  for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
+    if (!settings.output.path(sink).empty()) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
+  const std::string shown = first_asked(settings.output, &MotionOrDepth::is_of_field);
+  const std::string_view without_field = what_leaves_out_field(settings.fit);
+  if (shown.empty() || without_field.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{} comes from the field, which {} leaves out; leave out one "
+                                               "of them",
+                                               shown, without_field)};
 }
 
 }  // namespace hdrcam

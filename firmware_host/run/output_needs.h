@@ -1,6 +1,8 @@
 // What the outputs of a run need of the method besides the HDR frames, and how these are written. Reentrant.
 #pragma once
 
+#include <string>
+
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "hal/core/result.h"
@@ -19,9 +21,12 @@ struct OutputNeeds {
 };
 OutputNeeds needs_of(const Settings::Output& output);
 
+// The first output with motion, as it was asked for: "--flow-forward" or "--layers flow"; "" for none.
+std::string motion_output(const Settings::Output& output);
+
 ExrCompression compression_of(const Settings::Output& output, RunPace pace);
 
-// Invalid where the settings switch off what an output needs.
+// Invalid where the settings switch off what an output needs, or where there are no pictures for its poses.
 Result<void> check_needs(const Settings& settings);
 
 }  // namespace hdrcam

@@ -16,6 +16,7 @@
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -31,10 +32,9 @@ namespace {
 class SharedProgress {
  public:
   explicit SharedProgress(std::optional<int> total) { state_.total = total; }
-  void frame_done(const FrameRecord& record) {
+  void frame_done(double ms, std::optional<double> loss) {
     const std::lock_guard lock(mutex_);
-    state_.frame_done(record.total_ms,
-                      record.losses.empty() ? std::nullopt : std::optional(record.losses.front().value));
+    state_.frame_done(ms, loss);
   }
   ProgressState now() const {
     const std::lock_guard lock(mutex_);
@@ -175,8 +175,14 @@ Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record
   return {};
 }
 
-// One line for each output: where it is, and how many frames.
-std::string written(const RunPlan& plan, const RunRecord& record) {
+bool exists(const std::string& path, Storage& storage) {
+  auto facts = storage.look_at(path);
+  return facts && facts->kind != FileKind::Missing;
+}
+
+// One line for each output that is whole: where it is, and how many frames. Of numbered frames each is a file
+// of its own, so that those before a failure count.
+std::string written(const RunPlan& plan, const SinkSet& sinks, const RunRecord& record, Storage& storage) {
   std::string text;
   for (const SinkKind& kind : plan.sinks) {
     const std::string& path = plan.settings.output.path(kind.name);
@@ -184,6 +190,8 @@ std::string written(const RunPlan& plan, const RunRecord& record) {
     const bool files = kind.target != SinkTarget::Address && path != kStandardOutput;
     if (path.empty() || !files || sink == record.sinks.end()) continue;
     const bool numbered = path.find('%') != std::string::npos;
+    const bool some = sink->frames + sink->left_out > 0;
+    if (numbered ? !some : !sinks.is_whole(kind.name) || !exists(path, storage)) continue;
     text += numbered ? fmt::format("{}: {} frames", path, sink->frames) : path;
     if (numbered && sink->left_out > 0) text += fmt::format(", {} left out to keep up", sink->left_out);
     text += '\n';
@@ -196,6 +204,10 @@ Result<void> first_cause(Result<void> worked, Result<void> ended) {
   const bool too_short = !worked && worked.error().code == ErrorCode::TooShort;
   if (!worked && !(too_short && !ended)) return worked;
   return ended;
+}
+
+std::optional<double> loss_of(const FrameRecord& record) {
+  return record.losses.empty() ? std::nullopt : std::optional(record.losses.front().value);
 }
 
 // The path of a frame. where: a list of the outputs, for the user.
@@ -244,9 +256,19 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
 
   // Output: each HDR frame goes to the sinks, and its record is kept.
   std::size_t responses_told = camera.linear ? 1 : 0;
-  const VirtualCamera::Show show = [&](HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+  const auto stopped_film = [&]() -> Result<void> {
+    if (plan.stop == nullptr || !*plan.stop || film->done()) return {};
+    return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
+                                                     "complete",
+                                                     film->shown(), plan.film->frames)};
+  };
+  Stopwatch between_shows;
+  const VirtualCamera::Show show = [&](HdrFrame& hdr, const ExposedFrame& input,
+                                       const FrameRecord& made) -> Result<void> {
     if (balance) apply_white_balance(*balance, hdr);
-    return sinks.emit({hdr, input, made});
+    TRY(sinks.emit({hdr, input, made}));
+    progress.frame_done(between_shows.lap_ms(), std::nullopt);
+    return stopped_film();
   };
   const Pipeline::Deliver deliver = [&](HdrFrame& hdr, const FrameEstimate& estimate,
                                         const FrameRecord& made) -> Result<void> {
@@ -272,7 +294,7 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
                             pipeline.online().sensor().black_level());
     if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online().sensor(), source, kept);
     if (novel_views) TRY(novel_views->render(estimate));
-    progress.frame_done(kept);
+    if (!film) progress.frame_done(kept.total_ms, loss_of(kept));
     return {};
   };
 
@@ -289,7 +311,9 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
       if (governor) governor->done(pipeline.work(), backlog());
     }
     TRY(pipeline.finish(deliver));
-    return film ? film->finish(show) : Result<void>{};
+    if (!film) return {};
+    TRY(stopped_film());  // what was not read is not filmed
+    return film->finish(show);
   };
   Result<void> worked = take_all();
 
@@ -307,9 +331,16 @@ Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& stor
   if (worked && ended) worked = add_scores(plan, storage, record);
   record.sinks = sinks.times();
   if (const Result<void> concluded = sinks.conclude(record); worked && !concluded) worked = concluded;
-  where = written(plan, record);
+  where = written(plan, sinks, record, storage);
   if (plan.record != nullptr) *plan.record = std::move(record);
   return first_cause(std::move(worked), ended);
+}
+
+std::vector<EarlierFrames> earlier_frames(const RunPlan& plan, Storage& storage) {
+  std::vector<EarlierFrames> earlier;
+  for (const SinkKind& kind : plan.sinks)
+    if (kind.extension != nullptr) earlier.emplace_back(storage, plan.settings.output.path(kind.name));
+  return earlier;
 }
 
 // Rewrites the line that says how far the run is until the work is done.
@@ -329,7 +360,8 @@ void show_progress(std::FILE* stream, FrameSource& source, const SharedProgress&
 }  // namespace
 
 Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
-  SharedProgress progress(source.frame_count());
+  SharedProgress progress(plan.film != nullptr ? plan.film->frames : source.frame_count());
+  const std::vector<EarlierFrames> earlier = earlier_frames(plan, storage);
   std::string where;
   std::future<Result<void>> work = std::async(std::launch::async, [&] {
     name_this_thread("fit");
@@ -339,6 +371,8 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   });
   if (plan.progress != nullptr) show_progress(plan.progress, source, progress, work);
   Result<void> ended = work.get();
+  for (const EarlierFrames& frames : earlier)
+    if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
   if (plan.progress == nullptr) return ended;
   const bool taken = plan.settings.output.path("frames") == kStandardOutput;  // by the frames
   (taken ? write_remark : write_result)(where);

@@ -22,7 +22,7 @@ struct RunPlan {
   const FilmPlan* film = nullptr;  // what a virtual camera films of the frames; null: the frames as they are
   std::string truth = {};          // a clip with ground truth, to score the HDR frames against; "" for none
   std::span<const SinkKind> sinks = sink_kinds();
-  const std::atomic<bool>* stop = nullptr;  // ends the scoring
+  const std::atomic<bool>* stop = nullptr;  // ends the film and the scoring
   std::FILE* progress = stderr;             // stream of the progress line; null for none
   Trace* trace = nullptr;                   // gets stages and frames; null, or outlives the run
   RunRecord* record = nullptr;              // gets the record of the run; null, or outlives it

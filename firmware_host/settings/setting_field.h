@@ -42,6 +42,7 @@ struct SettingField {
   bool list = false;                 // parts joined by commas; TOML also accepts an array
   const Knob* knob = nullptr;        // of a Knob
   bool secret = false;               // left out of the command line that a run records
+  bool names_file = false;           // its flag takes no empty name
 };
 
 // The clause with the range or the choices, and the meaning of an unset field.

@@ -34,6 +34,13 @@ SettingField any(const char* key, const char* flag, const char* about, const cha
 }
 
 template <auto kGroup, auto kMember>
+SettingField file(const char* key, const char* flag, const char* about, const char* unset = "") {
+  SettingField field = any<kGroup, kMember>(key, flag, about, unset);
+  field.names_file = true;
+  return field;
+}
+
+template <auto kGroup, auto kMember>
 SettingField list(const char* key, const char* flag, const char* about, const char* unset = "") {
   SettingField field = any<kGroup, kMember>(key, flag, about, unset);
   field.list = true;
@@ -98,6 +105,7 @@ SettingField path_of(const SinkKind& sink) {
   SettingField field;
   const std::string name = sink.name;
   field.key = "output." + name, field.flag = sink.flag, field.about = sink.about, field.unset = "none";
+  field.names_file = sink.target != SinkTarget::Address;
   field.read = [name](const Settings& s) -> SettingValue { return s.output.path(name); };
   field.write = [name](Settings& s, const SettingValue& path) {
     s.output.paths[name] = std::get<std::string>(path);
@@ -324,7 +332,7 @@ std::vector<SettingField> output_fields() {
   fields.push_back(any<&Settings::output, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
   fields.back().secret = true;
-  fields.push_back(any<&Settings::output, &O::http_takes>(
+  fields.push_back(file<&Settings::output, &O::http_takes>(
       "output.http_record", "--http-record", "recordings that the live page starts: takes/%03d.mkv", "none"));
   for (SettingField& field : video_fields()) fields.push_back(std::move(field));
   return fields;
@@ -333,7 +341,7 @@ std::vector<SettingField> output_fields() {
 std::vector<SettingField> record_fields() {
   using R = Settings::Record;
   return {
-      any<&Settings::record, &R::file>(
+      file<&Settings::record, &R::file>(
           "record.file", "--record",
           "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
       choice<&Settings::record, &R::codec, RecordingCodec::Huffyuv, RecordingCodec::Ffv1>(
@@ -356,8 +364,8 @@ std::vector<SettingField> machine_fields() {
       choice<kGroup, &M::log_format, LogFormat::Text, LogFormat::Json>(
           "machine.log_format", "--log-format",
           "of progress, remarks and errors: text, or one JSON object a line", {"text", "json"}),
-      any<kGroup, &M::trace>("machine.trace", "--trace",
-                             "what each thread did when, for ui.perfetto.dev: trace.json", "none"),
+      file<kGroup, &M::trace>("machine.trace", "--trace",
+                              "what each thread did when, for ui.perfetto.dev: trace.json", "none"),
   };
 }
 

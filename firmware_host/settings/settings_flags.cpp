@@ -27,9 +27,10 @@ const char* type_name(SettingType type) {
 CLI::Option* add_flag(CLI::App& verb, const SettingField& field, const char* flag) {
   const std::string help = describe(field);
   if (field.type == SettingType::Switch) return verb.add_flag(flag, help);
-  return verb.add_option(flag, help)
-      ->type_name(type_name(field.type))
-      ->default_str(to_text(field.read(Settings{})));
+  CLI::Option* option = verb.add_option(flag, help)
+                            ->type_name(type_name(field.type))
+                            ->default_str(to_text(field.read(Settings{})));
+  return field.names_file ? option->check(names_file) : option;
 }
 
 Result<void> set_knob_from(const std::string& assignment, const std::vector<const SettingField*>& knobs,
@@ -74,9 +75,16 @@ struct SettingsFlags::Given {
           ->take_all()
           ->expected(1)
           ->group(title(SettingGroup::Fit));
-    verb.add_option("--config", config, "settings in TOML; flags override them")->group("Configuration");
+    verb.add_option("--config", config, "settings in TOML; flags override them")
+        ->check(names_file)
+        ->group("Configuration");
     if (fields.empty()) return;
-    verb.add_flag("--print-config", print_config, "print the settings as such a file and exit")
+    // What a run needs is not needed to print its settings.
+    const auto print_instead = [this, &verb](std::int64_t) {
+      print_config = true;
+      for (CLI::Option* option : verb.get_options()) option->required(false);
+    };
+    verb.add_flag_function("--print-config", print_instead, "print the settings as such a file and exit")
         ->group("Configuration");
   }
 };
@@ -115,6 +123,10 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   return settings;
 }
 
+std::string names_file(const std::string& word) {
+  return word.empty() ? "takes the name of a file or a folder, not ''" : "";
+}
+
 std::string shell_word(std::string_view word) {
   constexpr std::string_view kPlain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./:=@_";
@@ -137,6 +149,14 @@ std::string SettingsFlags::printed(const Settings& settings) const {
     for (const auto* taken : {&given_->fields, &given_->knobs})
       if (std::ranges::find(*taken, &field) != taken->end()) all.push_back(&field);
   return to_toml(settings, all);
+}
+
+std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& keys) const {
+  std::vector<std::string> flags;
+  for (std::size_t i = 0; i < given_->fields.size(); ++i)
+    if (given_->options[i]->count() > 0 && std::ranges::find(keys, given_->fields[i]->key) != keys.end())
+      flags.push_back(given_->options[i]->get_name());
+  return flags;
 }
 
 std::string SettingsFlags::as_flags(const Settings& settings) const {

@@ -20,6 +20,10 @@ namespace hdrcam {
 // A word as a shell takes it: quoted where it must be.
 std::string shell_word(std::string_view word);
 
+// What a flag for a file or a folder takes: "" for a name, else a clause that says so. A shell hands over an
+// empty word for "$OUT" where OUT is not set.
+std::string names_file(const std::string& word);
+
 class SettingsFlags {
  public:
   // Adds the flags of these groups to the verb, or of these keys.
@@ -35,6 +39,8 @@ class SettingsFlags {
   bool print_config() const;
   // The settings of this verb, as --print-config prints them.
   std::string printed(const Settings& settings) const;
+  // Those of these settings that the command line set, as flags: "--width".
+  std::vector<std::string> given(const std::vector<std::string>& keys) const;
   // The settings that differ from their default, as flags for a command line: " --preset fast".
   std::string as_flags(const Settings& settings) const;
 

@@ -10,6 +10,7 @@ namespace hdrcam {
 namespace {
 
 constexpr int kMaxDigits = 19;  // of a 64-bit sequence number
+constexpr std::string_view kTakesVideos = "--output";
 
 Error refused(std::string_view flag, std::string_view text, std::string_view why,
               std::string_view extension) {
@@ -22,7 +23,11 @@ Error refused(std::string_view flag, std::string_view text, std::string_view why
 Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text,
                                          std::string_view extension) {
   const auto percents = std::count(text.begin(), text.end(), '%');
-  if (percents == 0) return refused(flag, text, "would put every frame into one file", extension);
+  if (percents == 0) {
+    Error one_file = refused(flag, text, "would put every frame into one file", extension);
+    if (flag == kTakesVideos) one_file.message += ", or name a video: out.mp4, out.mov or out.mkv";
+    return one_file;
+  }
   if (percents > 1) return refused(flag, text, "has more than one '%'", extension);
   if (!text.ends_with(extension))
     return refused(flag, text, fmt::format("does not end in '{}'", extension), extension);

@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
+#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "hal/video/picture_converter.h"
 #include "render/display_light.h"
+#include "render/srgb.h"
 #include "render/tone_curve.h"
-#include "render/views/re_exposure.h"
 
 namespace hdrcam {
 namespace {
@@ -59,12 +61,34 @@ Result<void> check(const VideoOptions& options) {
 // What the frames hold.
 enum class FrameLight { Radiance, Display };
 
+// Where a video goes. A file is made with the first frame: a run without any leaves none, and an earlier
+// video stays as it is.
+class VideoTarget {
+ public:
+  explicit VideoTarget(std::unique_ptr<StorageFile> pipe) : pipe_(std::move(pipe)) {}
+  VideoTarget(Storage& storage, std::string path, StorageStream::Direction direction)
+      : storage_(&storage), path_(std::move(path)), direction_(direction) {}
+
+  Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format) {
+    auto file = storage_ == nullptr ? std::move(pipe_) : TRY(storage_->create(path_));
+    auto writer = VideoWriter::create(std::move(file), direction_, format);
+    if (!writer && direction_ == StorageStream::Direction::Write) (void)storage_->remove(path_);
+    return writer;
+  }
+
+ private:
+  std::unique_ptr<StorageFile> pipe_;
+  Storage* storage_ = nullptr;  // null for a pipe that is open already
+  std::string path_;
+  StorageStream::Direction direction_ = StorageStream::Direction::Pipe;
+};
+
 // The frames as the planes of a video, whatever becomes of them.
 class HdrVideo : public FrameSink {
  public:
-  HdrVideo(std::unique_ptr<StorageFile> file, StorageStream::Direction direction, VideoFormat format,
-           const VideoOptions& options, FrameLight holds = FrameLight::Radiance)
-      : file_(std::move(file)), direction_(direction), format_(format), options_(options), holds_(holds) {
+  HdrVideo(VideoTarget target, VideoFormat format, const VideoOptions& options,
+           FrameLight holds = FrameLight::Radiance)
+      : target_(std::move(target)), format_(format), options_(options), holds_(holds) {
     format_.tags = tags_of(options.transfer);
     format_.crf = options.crf;
     if (options.transfer == VideoTransfer::Pq) format_.mastering.emplace().peak_nits = options.peak_nits;
@@ -111,7 +135,7 @@ class HdrVideo : public FrameSink {
     constexpr int kStep = PictureConverter::kAlignment_bytes / static_cast<int>(sizeof(float));
     light_ =
         Image<float>(3, format_.coded_height_px(), (format_.coded_width_px() + kStep - 1) / kStep * kStep);
-    writer_ = TRY(VideoWriter::create(std::move(file_), direction_, format_));
+    writer_ = TRY(target_.open(format_));
     return {};
   }
 
@@ -144,8 +168,7 @@ class HdrVideo : public FrameSink {
     }
   }
 
-  std::unique_ptr<StorageFile> file_;  // until the writer has it
-  const StorageStream::Direction direction_;
+  VideoTarget target_;
   VideoFormat format_;
   const VideoOptions options_;
   const FrameLight holds_;
@@ -169,14 +192,17 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
   const auto container = video_container_of(path);
   if (!container)
     return Error{ErrorCode::Invalid, fmt::format("'{}' is no name of a video; .mp4, .mov or .mkv are", path)};
+  if (FramePattern::parse("", path, std::filesystem::path(path).extension().string()))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' numbers frames, and a video is one file; give out.mp4, "
+                             "or out/%06d.exr for HDR frames",
+                             path)};
   TRY(make_folder_of(storage, path));
   const bool pipe = TRY(storage.look_at(path)).kind == FileKind::Other;
-  auto file = TRY(storage.create(path));
   VideoFormat format{.framerate_hz = framerate_hz, .codec = codec_of(options), .container = *container};
   format.bits = format.codec == VideoCodec::H264 ? 8 : 10;
-  return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(
-      std::move(file), pipe ? StorageStream::Direction::Pipe : StorageStream::Direction::Write, format,
-      options, holds));
+  VideoTarget target(storage, path, pipe ? StorageStream::Direction::Pipe : StorageStream::Direction::Write);
+  return std::unique_ptr<FrameSink>(std::make_unique<HdrVideo>(std::move(target), format, options, holds));
 }
 
 }  // namespace
@@ -201,7 +227,7 @@ Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile
       .codec = VideoCodec::Uncompressed,
       .container = options.pipe == PipeFormat::Y4m ? VideoContainer::Y4m : VideoContainer::Nut};
   return std::unique_ptr<FrameSink>(
-      std::make_unique<HdrVideo>(std::move(pipe), StorageStream::Direction::Pipe, format, options));
+      std::make_unique<HdrVideo>(VideoTarget(std::move(pipe)), format, options));
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,7 @@
 // HDR frames as a video: HDR10, HLG, or tone-mapped for displays without HDR. One scale, one shoulder or one
-// tone curve for the whole clip; each frame at its sensor time, counted from the first. The file has its name
-// from the start, because what is cut plays up to the cut (hal/video/video_writer.h).
+// tone curve for the whole clip; each frame at its sensor time, counted from the first. The file is made
+// with the first frame and has its name from then on, because what is cut plays up to the cut
+// (hal/video/video_writer.h).
 #pragma once
 
 #include <memory>
@@ -14,8 +15,8 @@
 namespace hdrcam {
 
 // path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension or options that
-// contradict each other, Permission, NoSpace, Io; with the first frame Unsupported, where the codec refuses
-// it.
+// contradict each other, Permission, NoSpace, Io; with the first frame also Unsupported, where the codec
+// refuses it.
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options);
 

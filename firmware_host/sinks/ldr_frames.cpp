@@ -26,9 +26,11 @@ Result<std::unique_ptr<FrameSink>> open_frames(const SinkRequest& request) {
 std::span<const SinkKind> ldr_sink_kinds() {
   static const std::vector<SinkKind> kinds = [] {
     std::vector<SinkKind> all(sink_kinds().begin(), sink_kinds().end());
-    for (SinkKind& kind : all)
-      if (std::string_view(kind.name) == "frames" || std::string_view(kind.name) == "video")
-        kind.open = open_frames;
+    for (SinkKind& kind : all) {
+      const bool frames = std::string_view(kind.name) == "frames";
+      if (frames || std::string_view(kind.name) == "video") kind.open = open_frames;
+      if (frames) kind.extension = ".png";
+    }
     return all;
   }();
   return kinds;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 
 namespace hdrcam {
@@ -30,15 +31,14 @@ struct NameSet {
   }
 };
 
-// nullopt where it is not a pattern; its sink reports why.
-Result<std::optional<NameSet>> names_of(Storage& storage, const std::string& pattern) {
+// pattern: one that FramePattern::parse takes.
+Result<NameSet> names_of(Storage& storage, const std::string& pattern) {
   const fs::path path(pattern);
   const std::string name = path.filename().string();
   const std::size_t percent = name.find('%'), end = name.find('d', percent);
-  if (percent == std::string::npos || end == std::string::npos) return std::optional<NameSet>{};
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return std::optional(NameSet{TRY(storage.look_at(folder.string())).real_path, name.substr(0, percent),
-                               name.substr(end + 1)});
+  return NameSet{TRY(storage.look_at(folder.string())).real_path, name.substr(0, percent),
+                 name.substr(end + 1)};
 }
 
 // The place of an input or an output on the disk.
@@ -46,7 +46,8 @@ struct Place {
   std::string words;  // "the recording that is read", "--stats"
   std::string path;
   FileFacts facts;
-  std::optional<NameSet> names;  // of numbered frames
+  std::optional<NameSet> names;       // of numbered frames
+  InputKind input = InputKind::File;  // an output is none
 };
 
 bool same_file(const FileFacts& a, const FileFacts& b) {
@@ -55,7 +56,19 @@ bool same_file(const FileFacts& a, const FileFacts& b) {
   return a.kind != FileKind::Other && a.device == b.device && a.inode == b.inode;
 }
 
+bool is_below(const std::string& real_path, const std::string& folder) {
+  return real_path.starts_with(folder.ends_with('/') ? folder : folder + '/');
+}
+
+// input: a folder that is read
+bool is_in(const Place& output, const Place& input) {
+  const std::string& folder = input.facts.real_path;
+  if (!output.names) return is_below(output.facts.real_path, folder);
+  return output.names->folder == folder || is_below(output.names->folder, folder);
+}
+
 bool meet(const Place& a, const Place& b) {
+  if (b.input == InputKind::Folder) return is_in(a, b);
   if (a.names && b.names)
     return a.names->folder == b.names->folder && a.names->before == b.names->before &&
            a.names->after == b.names->after;
@@ -68,12 +81,22 @@ bool meet(const Place& a, const Place& b) {
   return same_file(a.facts, b.facts);
 }
 
+Result<Place> place_of(Storage& storage, const NamedInput& input) {
+  return Place{input.what, input.path, TRY(storage.look_at(input.path)), std::nullopt, input.kind};
+}
+
 Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   Place place{output.flag, output.path, {}, std::nullopt};
-  if (output.kind == OutputKind::Frames)
+  if (output.kind == OutputKind::Frames) {
+    const std::string own = fs::path(output.path).extension().string();
+    TRY(FramePattern::parse(output.flag, output.path, output.extension.empty() ? own : output.extension));
     place.names = TRY(names_of(storage, output.path));
-  else
-    place.facts = TRY(storage.look_at(output.path));
+    return place;
+  }
+  if (output.path.ends_with('/'))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("{} '{}' names a folder; name a file in it", output.flag, output.path)};
+  place.facts = TRY(storage.look_at(output.path));
   return place;
 }
 
@@ -94,7 +117,8 @@ EarlierFrames earlier_frames(const NameSet& names) {
 }
 
 Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
-  if (kind == OutputKind::Recording && place.facts.kind == FileKind::Regular)
+  const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Document;
+  if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another file, or replace it "
                                                 "with --force",
                                                 place.words, place.path)};
@@ -108,7 +132,8 @@ Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
   return {};
 }
 
-// A page may replace a page, but never a frame or a recording that was named by mistake.
+// A page may replace a page, and a document a document, but never a frame or a recording that was named by
+// mistake.
 Result<void> is_no_work_of_another_kind(const Place& place) {
   constexpr std::string_view kWork[] = {".exr", ".mkv", ".mp4", ".mov", ".dng", ".cr2", ".nef"};
   if (place.facts.kind != FileKind::Regular) return {};
@@ -124,8 +149,7 @@ Result<void> is_no_work_of_another_kind(const Place& place) {
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite) {
   std::vector<Place> taken;
-  for (const NamedInput& input : inputs)
-    taken.push_back({input.what, input.path, TRY(storage.look_at(input.path)), std::nullopt});
+  for (const NamedInput& input : inputs) taken.push_back(TRY(place_of(storage, input)));
   for (const NamedOutput& output : outputs) {
     if (output.path.empty()) continue;
     Place place = TRY(place_of(storage, output));
@@ -133,7 +157,8 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
       if (meet(place, other))
         return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
                                                      place.words, place.path, other.words, other.path)};
-    if (output.kind == OutputKind::Page) TRY(is_no_work_of_another_kind(place));
+    if (output.kind == OutputKind::Page || output.kind == OutputKind::Document)
+      TRY(is_no_work_of_another_kind(place));
     if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(place, output.kind));
     taken.push_back(std::move(place));
   }

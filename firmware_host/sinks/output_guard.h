@@ -10,14 +10,21 @@
 
 namespace hdrcam {
 
+enum class InputKind {
+  File,
+  Folder,  // with everything below it
+};
+
 struct NamedInput {
   std::string what;  // for messages: "the recording that is read"
   std::string path;
+  InputKind kind = InputKind::File;
 };
 
 enum class OutputKind {
   Frames,     // a pattern, one file per frame: earlier frames stay unless --force
   Recording,  // an earlier take stays unless --force
+  Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
   Page,       // statistics, a report, a sheet: every run replaces them
 };
 
@@ -25,12 +32,14 @@ struct NamedOutput {
   std::string flag;  // "--report"
   std::string path;  // as the user gave it; "": not wanted
   OutputKind kind = OutputKind::Page;
+  std::string extension = {};  // of frames, with its dot; "": as the pattern has it
 };
 
 enum class Overwrite { Refuse, Force };
 
-// Errors: Invalid where an output is an input, another output, or a page over a file of another kind (by its
-// extension); Exists where it would replace an earlier take; those of Storage::look_at.
+// Errors: Invalid where an output is an input, another output, a folder or no pattern of frames, or a page or
+// a document over a file of another kind (by its extension); Exists where it would replace an earlier take;
+// those of Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 

@@ -1,5 +1,7 @@
 #include "firmware_host/sinks/sink_set.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -15,18 +17,29 @@ std::string path_in(const Paths& paths, std::string_view sink) {
   return path == paths.end() ? std::string() : path->second;
 }
 
-// The HDR frames where they are pictures, else the previews.
+// The standard output takes the frames and nothing else.
+Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths& paths) {
+  for (const SinkKind& kind : kinds)
+    if (path_in(paths, kind.name) == kStandardOutput && std::string_view(kind.name) != "frames")
+      return Error{ErrorCode::Invalid,
+                   fmt::format("{} - would write a file named '-': only the frames of -o go to the standard "
+                               "output; name a file",
+                               kind.flag)};
+  return {};
+}
+
+}  // namespace
+
 PicturePatterns patterns_of(const Paths& paths) {
   const std::string frames = path_in(paths, "frames");
   const bool numbered = frames.find('%') != std::string::npos;
   return {numbered ? frames : path_in(paths, "preview"), path_in(paths, "depth")};
 }
 
-}  // namespace
-
 Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
                               const std::map<std::string, std::string, std::less<>>& paths,
                               const SinkRequest& request, RunPace pace) {
+  TRY(check_standard_output(kinds, paths));
   SinkSet set;
   for (const SinkKind& kind : kinds) {
     const auto path = paths.find(kind.name);
@@ -58,7 +71,7 @@ Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
       continue;
     }
     Stopwatch watch;
-    TRY(open.sink->emit(frame));
+    TRY(noted(open.sink->emit(frame), open));
     const double ms = watch.lap_ms();
     ++open.here.frames, open.here.total_ms += ms;
     open.here.longest_ms = std::max(open.here.longest_ms, ms);
@@ -69,13 +82,27 @@ Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
 Result<void> SinkSet::finish() {
   Result<void> first;
   for (Open& open : open_)
-    if (Result<void> finished = open.sink->finish(); first && !finished) first = std::move(finished);
+    if (Result<void> finished = noted(open.sink->finish(), open); first && !finished)
+      first = std::move(finished);
   return first;
 }
 
 Result<void> SinkSet::conclude(const RunRecord& record) {
-  for (Open& open : open_) TRY(open.sink->conclude(record));
-  return {};
+  Result<void> first;
+  for (Open& open : open_)
+    if (Result<void> concluded = noted(open.sink->conclude(record), open); first && !concluded)
+      first = std::move(concluded);
+  return first;
+}
+
+Result<void> SinkSet::noted(Result<void> done, Open& open) {
+  if (!done) open.failed = true;
+  return done;
+}
+
+bool SinkSet::is_whole(std::string_view name) const {
+  const auto found = std::ranges::find(open_, name, [](const Open& open) { return open.name; });
+  return found != open_.end() && !found->failed;
 }
 
 bool SinkSet::has_previews() const {

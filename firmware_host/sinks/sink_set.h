@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firmware_host/sinks/sink_table.h"
@@ -14,6 +15,10 @@ namespace hdrcam {
 // Pace of a run: a clip waits for every sink; a camera does not wait, so sinks that may leave out frames do,
 // and their threads have a lower priority than capture.
 enum class RunPace { Clip, Camera };
+
+// Where a run with these paths leaves its pictures: the HDR frames where they are pictures, else the
+// previews.
+PicturePatterns patterns_of(const std::map<std::string, std::string, std::less<>>& paths);
 
 // Whether sinks that may leave out frames get one.
 enum class Previews { Written, LeftOut };
@@ -30,8 +35,11 @@ class SinkSet {
   Result<void> emit(const EmittedFrame& frame, Previews previews = Previews::Written);
   // Finishes every sink, also after an error of one of them. Returns the first error.
   Result<void> finish();
+  // Concludes every sink, also after an error of one of them. Returns the first error.
   Result<void> conclude(const RunRecord& record);
 
+  // Whether a sink of that name is open and none of its calls failed.
+  bool is_whole(std::string_view name) const;
   bool empty() const { return open_.empty(); }
   bool has_previews() const;
   std::vector<SinkTimes> times() const;
@@ -44,7 +52,10 @@ class SinkSet {
     SinkTimes here = {};               // where it has none
     SinkPace pace = SinkPace::Light;
     int left_out = 0;  // frames that emit() kept from it
+    bool failed = false;
   };
+  static Result<void> noted(Result<void> done, Open& open);  // done, and open.failed where it is an error
+
   std::vector<Open> open_;
 };
 

@@ -48,10 +48,11 @@ constexpr SinkKind kSinkKinds[] = {
     {"frames", "-o,--output",
      "HDR frames, numbered by the sensor's sequence: out/%06d.exr; a video: out.mp4 (.mov, .mkv); or -, the "
      "standard output",
-     SinkPace::Complete, open_frames},
+     SinkPace::Complete, open_frames, SinkTarget::Files, ".exr"},
     {"video", "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete, open_video},
     {"preview", "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest,
-     [](const SinkRequest& request) { return create_preview(request.storage, request.path); }},
+     [](const SinkRequest& request) { return create_preview(request.storage, request.path); },
+     SinkTarget::Files, ".png"},
     {"sheet", "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest,
      [](const SinkRequest& request) { return create_contact_sheet(request.storage, request.path); }},
     {"stats", "--stats", "time, losses and provenance per frame: stats.json", SinkPace::Light,
@@ -60,28 +61,33 @@ constexpr SinkKind kSinkKinds[] = {
      SinkPace::Complete,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-forward", request.path, &HdrFrame::flow_forward);
-     }},
+     },
+     SinkTarget::Files, ".flo"},
     {"flow_backward", "--flow-backward", "motion to the previous frame: back/%06d.flo", SinkPace::Complete,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-backward", request.path, &HdrFrame::flow);
-     }},
+     },
+     SinkTarget::Files, ".flo"},
     {"field_flow_forward", "--field-flow-forward", "the field's motion to the next frame: field/%06d.flo",
      SinkPace::Complete,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-forward", request.path,
                                 &HdrFrame::field_flow_forward);
-     }},
+     },
+     SinkTarget::Files, ".flo"},
     {"field_flow_backward", "--field-flow-backward",
      "the field's motion to the previous frame: field_back/%06d.flo", SinkPace::Complete,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-backward", request.path,
                                 &HdrFrame::field_flow);
-     }},
+     },
+     SinkTarget::Files, ".flo"},
     {"depth", "--depth",
      "depth in 16-bit pictures: depth/%06d.png, millimetres where poses are given, else thousandths of the "
      "tracked poses' unit",
      SinkPace::Complete,
-     [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); }},
+     [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); },
+     SinkTarget::Files, ".png"},
     {"transforms", "--transforms",
      "poses of the pictures for nerfstudio and instant-ngp, given or tracked: transforms.json",
      SinkPace::Light,

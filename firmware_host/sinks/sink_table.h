@@ -53,6 +53,7 @@ struct SinkKind {
   // Errors: Invalid for an unusable path, and those of the disk.
   Result<std::unique_ptr<FrameSink>> (*open)(const SinkRequest& request);
   SinkTarget target = SinkTarget::Files;
+  const char* extension = nullptr;  // of one file per frame, ".png"; null where it writes none such
 };
 
 // In the order in which they get a frame, and in which the help lists them.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "firmware_host/sinks/output_folder.h"
 #include "hal/core/json_text.h"
 #include "render/exr.h"
 #include "render/png.h"
@@ -49,9 +50,8 @@ std::string curve_table(const Simulation& simulation) {
 
 Result<TruthFolder> TruthFolder::create(Storage& storage, const std::string& folder,
                                         const SimulatedSensor& sensor, const std::string& spec) {
-  TruthFolder truth(storage, folder + "/gt");
-  for (const char* kind : {"/hdr", "/depth", "/flow", "/id"})
-    TRY(storage.make_directories(truth.folder_ + kind));
+  TruthFolder truth(storage, folder + "/" + kFolder);
+  for (const char* frames : kFrames) TRY(make_folder_of(storage, truth.folder_ + "/" + frames));
   truth.simulation_ = sensor.simulation();
   const Intrinsics& lens = sensor.lens().intrinsics;
   auto& json = truth.json_;

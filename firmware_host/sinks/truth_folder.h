@@ -14,6 +14,11 @@ namespace hdrcam {
 
 class TruthFolder {
  public:
+  // Its name in the clip, and its files: patterns of one for each frame, and those of the whole clip.
+  static constexpr const char* kFolder = "gt";
+  static constexpr const char* kFrames[] = {"hdr/%04d.exr", "depth/%04d.exr", "flow/%04d.exr", "id/%04d.png"};
+  static constexpr const char* kFiles[] = {"gt.json", "crf.csv"};
+
   // folder: of the clip; creates gt/ in it. spec: the scene's settings, stored in gt.json. Errors:
   // Permission, Io.
   static Result<TruthFolder> create(Storage& storage, const std::string& folder,

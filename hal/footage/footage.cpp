@@ -6,6 +6,7 @@
 #include <cctype>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -20,14 +21,18 @@ namespace fs = std::filesystem;
 constexpr double kUsualFramerate_hz = 30;
 
 // What is looked at in a folder; a file that is named is opened whatever it is called.
-constexpr std::string_view kExtensions[] = {".avi", ".jpeg", ".jpg", ".m2ts", ".m4v", ".mkv",
-                                            ".mov", ".mp4",  ".mts", ".mxf",  ".nut", ".png",
-                                            ".tif", ".tiff", ".ts",  ".webm", ".y4m"};
+constexpr std::string_view kStills[] = {".jpeg", ".jpg", ".png", ".tif", ".tiff"};
+constexpr std::string_view kVideos[] = {".avi", ".m2ts", ".m4v", ".mkv",  ".mov", ".mp4",
+                                        ".mts", ".mxf",  ".nut", ".webm", ".ts",  ".y4m"};
 
 std::string lower(std::string text) {
   std::ranges::transform(text, text.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
+}
+
+bool has_one_of(const std::string& path, std::span<const std::string_view> extensions) {
+  return std::ranges::find(extensions, lower(fs::path(path).extension().string())) != extensions.end();
 }
 
 // By letters, and numbers by their value.
@@ -81,6 +86,9 @@ class FootageFiles : public FootageReader {
   std::string about() const override { return about_; }
 
   std::optional<ExifTime> taken() const override { return taken_; }
+  const std::string& path() const override { return files_[next_file_ - 1]; }
+  bool still() const override { return still_; }
+  const std::vector<FootageLosses>& losses() const override { return losses_; }
 
   Result<bool> next(RawFrame& frame) override {
     if (std::exchange(has_ahead_, false)) {
@@ -94,7 +102,7 @@ class FootageFiles : public FootageReader {
       return Error{
           ErrorCode::SizeChanged,
           fmt::format("'{}' has {}x{} pixels of {} bits, {}; the clip began with {}x{} of {} bits, {}",
-                      files_[next_file_ - 1], frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
+                      path(), frame.codes.cols(), frame.codes.rows(), file_->facts().bits,
                       name(file_->facts().layout), camera_.width, camera_.height, camera_.bits,
                       name(camera_.layout))};
     return true;
@@ -110,14 +118,22 @@ class FootageFiles : public FootageReader {
         begin_ = last_ ? *last_ + period() : Instant{};
       }
       if (TRY(file_->next(frame))) break;
-      if (next_file_ == files_.size()) return false;
-      file_.reset();
+      end_file();
     }
     frame.facts.timestamp = begin_ + frame.facts.timestamp.since_boot;
     frame.facts.sequence = frames_++;
     taken_ = file_->taken();
+    still_ = file_->facts().framerate_hz == 0;
     last_ = frame.facts.timestamp;
     return true;
+  }
+
+  // The next file goes on after what this one should have held.
+  void end_file() {
+    const PictureLosses lost = file_->losses();
+    if (lost.damaged + lost.missing > 0) losses_.push_back({path(), lost});
+    if (last_) last_ = *last_ + lost.missing * period();
+    file_.reset();
   }
 
   Duration period() const {
@@ -136,6 +152,8 @@ class FootageFiles : public FootageReader {
   Instant begin_;
   std::optional<Instant> last_;
   std::optional<ExifTime> taken_;
+  bool still_ = false;
+  std::vector<FootageLosses> losses_;
   RawFrame ahead_;  // the first frame, which says what the clip is
   bool has_ahead_ = false;
 };
@@ -150,13 +168,14 @@ Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vecto
   return std::unique_ptr<FootageReader>(std::move(footage));
 }
 
+bool is_still(const std::string& path) { return is_raw_still(path) || has_one_of(path, kStills); }
+
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code ignored;
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     if (entry.is_regular_file(ignored) &&
-        (is_raw_still(entry.path().string()) ||
-         std::ranges::find(kExtensions, lower(entry.path().extension().string())) != std::end(kExtensions)))
+        (is_still(entry.path().string()) || has_one_of(entry.path().string(), kVideos)))
       files.push_back(entry.path().string());
   if (files.empty())
     return Error{ErrorCode::NotFound,

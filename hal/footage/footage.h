@@ -13,9 +13,16 @@
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
 #include "hal/footage/exif_time.h"
+#include "hal/footage/picture_file.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
+
+// A file that was not whole, and what it lacks.
+struct FootageLosses {
+  std::string path;
+  PictureLosses lost;
+};
 
 class FootageReader {
  public:
@@ -26,11 +33,16 @@ class FootageReader {
   // In one clause for people: "h264, yuv420p".
   virtual std::string about() const = 0;
   // The next frame; false at the end. Its facts: the number within the footage, the time since its beginning,
-  // and the exposure with its source, Unknown where the file says none. Errors: Corrupt, SizeChanged,
-  // Unsupported.
+  // and the exposure with its source, Unknown where the file says none. Frames of a video that are not whole
+  // are left out (losses). Errors: Corrupt for a damaged still; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it.
   virtual std::optional<ExifTime> taken() const = 0;
+  // The file of that frame, and whether it is a still.
+  virtual const std::string& path() const = 0;
+  virtual bool still() const = 0;
+  // The files so far that were not whole; complete at the end.
+  virtual const std::vector<FootageLosses>& losses() const = 0;
 };
 
 // The pictures of these files, one after the other, as one clip. framerate_hz: of stills, which do not say
@@ -38,6 +50,9 @@ class FootageReader {
 // SizeChanged.
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz);
+
+// Whether a file is a still by its name, as those in a folder are told from videos.
+bool is_still(const std::string& path);
 
 // The pictures and videos in a folder, by name, numbers in their order (IMG_9 before IMG_10). Errors:
 // NotFound where there are none.

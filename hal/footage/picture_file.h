@@ -21,16 +21,24 @@ struct PictureFileFacts {
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 
+// What a file lacks of the pictures that it should hold.
+struct PictureLosses {
+  int damaged = 0;  // that do not decode, or are predicted from such
+  int missing = 0;  // behind the end of a file that was cut
+};
+
 class PictureFile {
  public:
   virtual ~PictureFile() = default;
 
   virtual const PictureFileFacts& facts() const = 0;
-  // The next frame; false at the end. Its timestamp is the time in the file; its exposure what the file says.
-  // Errors: Corrupt, SizeChanged, Unsupported.
+  // The next whole frame; false at the end. Its timestamp is the time in the file; its exposure what the file
+  // says. Errors: Corrupt for a damaged still, and where no frame is whole; SizeChanged, Unsupported.
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it.
   virtual std::optional<ExifTime> taken() const { return std::nullopt; }
+  // Of what was read so far; complete at the end.
+  virtual PictureLosses losses() const { return {}; }
 };
 
 }  // namespace hdrcam

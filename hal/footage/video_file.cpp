@@ -12,6 +12,8 @@ extern "C" {
 #include <cmath>
 #include <string_view>
 
+#include "hal/core/parse_number.h"
+
 namespace hdrcam {
 namespace {
 
@@ -68,6 +70,29 @@ std::optional<double> exif_number(const AVFrame& frame, const char* tag) {
   return std::isfinite(value) && value > 0 ? std::optional(value) : std::nullopt;
 }
 
+// "00:01:02.500000000", as Matroska states the end of a track; seconds.
+std::optional<double> clock_time_s(std::string_view text) {
+  double time_s = 0;
+  for (int part = 0; part < 3; ++part) {
+    const std::size_t colon = text.find(':');
+    if ((colon == std::string_view::npos) != (part == 2)) return std::nullopt;
+    const auto number = parse_number<double>(text.substr(0, colon));
+    if (!number) return std::nullopt;
+    time_s = 60 * time_s + *number;
+    if (part < 2) text.remove_prefix(colon + 1);
+  }
+  return time_s;
+}
+
+// When a track ends, as its file states it: for the track, or for all where it is the only one.
+std::optional<double> stated_end_s(const AVFormatContext& demuxer, const AVStream& track) {
+  if (const AVDictionaryEntry* const entry = av_dict_get(track.metadata, "DURATION", nullptr, 0))
+    if (const auto end_s = clock_time_s(entry->value)) return end_s;
+  const bool stated = demuxer.duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
+  if (demuxer.nb_streams != 1 || !stated || demuxer.duration <= 0) return std::nullopt;
+  return static_cast<double>(demuxer.duration) / AV_TIME_BASE;
+}
+
 std::string_view exif_text(const AVFrame& frame, const char* tag) {
   const AVDictionaryEntry* const entry = av_dict_get(frame.metadata, tag, nullptr, 0);
   return entry != nullptr ? entry->value : "";
@@ -116,32 +141,92 @@ Result<void> VideoFile::open_decoder() {
   if (track_ < 0) return refused(ErrorCode::NotRecording, "holds no pictures");
   const AVStream& stream = *demuxer_->streams[track_];
   decoder_.reset(avcodec_alloc_context3(codec));
-  decoder_->thread_count = 0;  // as many as there are processors
+  decoder_->thread_count = 0;                                  // as many as there are processors
+  decoder_->err_recognition = AV_EF_EXPLODE | AV_EF_CRCCHECK;  // no picture whose rest is made up
   if (avcodec_parameters_to_context(decoder_.get(), stream.codecpar) < 0 ||
       avcodec_open2(decoder_.get(), codec, nullptr) < 0)
     return refused(ErrorCode::Unsupported, fmt::format("cannot be decoded as {}", codec->name));
   frame_.reset(av_frame_alloc());
   packet_.reset(av_packet_alloc());
-  const bool still = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
-  facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still ? av_q2d(stream.avg_frame_rate) : 0;
+  still_ = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
+  facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still_ ? av_q2d(stream.avg_frame_rate) : 0;
   facts_.format = avcodec_get_name(stream.codecpar->codec_id);
   return {};
 }
 
-// What is damaged on the way is left out, as a player does; the next whole picture comes.
+// What is damaged on the way is left out and counted; the next whole picture comes.
 Result<bool> VideoFile::decode() {
   for (;;) {
     const int code = avcodec_receive_frame(decoder_.get(), frame_.get());
-    if (code >= 0) return true;
-    if (code == AVERROR_EOF) return false;
-    const int read = av_read_frame(demuxer_.get(), packet_.get());
-    if (stream_.failure()) return *stream_.failure();
-    if (read < 0)
-      avcodec_send_packet(decoder_.get(), nullptr);  // the end: what is inside comes out
-    else if (packet_->stream_index == track_)
-      avcodec_send_packet(decoder_.get(), packet_.get());
-    av_packet_unref(packet_.get());
+    if (code >= 0 && is_whole()) return true;
+    if (code >= 0) continue;
+    if (code == AVERROR_EOF) break;
+    if (code == AVERROR(EAGAIN))
+      TRY(feed());
+    else
+      lose_until_key();
   }
+  losses_.missing = missing_at_end();
+  return false;
+}
+
+Result<void> VideoFile::feed() {
+  const int read = av_read_frame(demuxer_.get(), packet_.get());
+  if (stream_.failure()) return *stream_.failure();
+  if (read >= 0 && packet_->stream_index == track_) send(*packet_);
+  av_packet_unref(packet_.get());
+  if (read >= 0) return {};
+  const int code = avcodec_send_packet(decoder_.get(), nullptr);  // the end: what is inside comes out
+  if (code < 0 && code != AVERROR_EOF) lose_until_key();
+  return {};
+}
+
+// A packet that was cut, and those that refer to it, stay outside.
+void VideoFile::send(const AVPacket& packet) {
+  ++packets_;
+  const AVStream& track = *demuxer_->streams[track_];
+  const std::int64_t begin = packet.pts != AV_NOPTS_VALUE ? packet.pts : packet.dts;
+  const bool timed = packet.duration > 0 || track.avg_frame_rate.num <= 0;
+  const std::int64_t duration =
+      timed ? packet.duration : av_rescale_q(1, av_inv_q(track.avg_frame_rate), track.time_base);
+  if (begin != AV_NOPTS_VALUE) end_ = std::max(end_, begin + duration);
+  if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0)
+    awaits_key_packet_ = true;
+  else if ((packet.flags & AV_PKT_FLAG_KEY) != 0)
+    awaits_key_packet_ = false;
+  if (awaits_key_packet_)
+    ++losses_.damaged;
+  else if (avcodec_send_packet(decoder_.get(), &packet) < 0)
+    lose_until_key();
+}
+
+void VideoFile::lose_until_key() {
+  ++losses_.damaged;
+  awaits_key_frame_ = true;
+}
+
+// Whether the frame that the decoder gave is one to show. A frame after a damaged one refers to it, up to the
+// next key frame.
+bool VideoFile::is_whole() {
+  if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0 || frame_->decode_error_flags != 0)
+    awaits_key_frame_ = true;
+  else if (frame_->key_frame != 0)
+    awaits_key_frame_ = false;
+  if (awaits_key_frame_) ++losses_.damaged;
+  return !awaits_key_frame_;
+}
+
+// By the list of pictures that MP4 and MOV have, elsewhere by the stated end.
+int VideoFile::missing_at_end() const {
+  const AVStream& track = *demuxer_->streams[track_];
+  if (still_) return 0;
+  if (std::string_view(demuxer_->iformat->name).starts_with("mov"))
+    return std::max(0, avformat_index_get_entries_count(&track) - packets_);
+  constexpr double kRounding = 0.1, kMost = 1e9;  // frames; times are in milliseconds
+  const auto stated_s = stated_end_s(*demuxer_, track);
+  if (!stated_s || packets_ == 0) return 0;
+  const double missing_s = *stated_s - static_cast<double>(end_) * av_q2d(track.time_base);
+  return static_cast<int>(std::clamp(missing_s * facts_.framerate_hz + kRounding, 0.0, kMost));
 }
 
 // From the first frame: how its codes become RGB.
@@ -232,7 +317,13 @@ Result<void> VideoFile::unpack(Image<std::uint16_t>& codes) {
 }
 
 Result<bool> VideoFile::next(RawFrame& frame) {
-  if (!TRY(decode())) return false;
+  if (!TRY(decode())) {
+    const bool none = pixel_format_ < 0;
+    if (none && (still_ || losses_.damaged > 0))
+      return refused(ErrorCode::Corrupt,
+                     "is damaged or cut and does not decode; copy it again, or leave it out");
+    return false;
+  }
   if (frame_->interlaced_frame != 0)
     return refused(ErrorCode::Unsupported, "is interlaced; make whole frames of it first: ffmpeg -vf bwdif");
   const bool first = pixel_format_ < 0;

@@ -26,6 +26,7 @@ class VideoFile : public PictureFile {
   // RGB.
   Result<bool> next(RawFrame& frame) override;
   std::optional<ExifTime> taken() const override;
+  PictureLosses losses() const override { return losses_; }
 
  private:
   VideoFile(std::unique_ptr<StorageFile> file, std::string path)
@@ -37,6 +38,11 @@ class VideoFile : public PictureFile {
 
   Result<void> open_decoder();
   Result<bool> decode();
+  Result<void> feed();
+  void send(const AVPacket& packet);
+  bool is_whole();
+  void lose_until_key();
+  int missing_at_end() const;
   Result<void> prepare();
   Result<void> unpack(Image<std::uint16_t>& codes);
   Error refused(ErrorCode code, const std::string& why) const;
@@ -48,6 +54,12 @@ class VideoFile : public PictureFile {
   libav::Frame frame_;
   libav::Packet packet_;
   int track_ = 0;
+  bool still_ = false;
+
+  PictureLosses losses_;
+  bool awaits_key_frame_ = false, awaits_key_packet_ = false;  // what comes before it lacks what it refers to
+  int packets_ = 0;                                            // of the track
+  std::int64_t end_ = 0;                                       // of the latest of them, in ticks of the track
 
   // Of the first frame; all others are like it.
   int pixel_format_ = -1;

@@ -15,6 +15,17 @@
 namespace hdrcam {
 namespace {
 
+// The part of a path that is a file where a folder is needed.
+std::string file_within(const std::string& path) {
+  std::filesystem::path part;
+  for (const std::filesystem::path& name : std::filesystem::path(path)) {
+    part /= name;
+    std::error_code ignored;
+    if (std::filesystem::exists(part, ignored) && !std::filesystem::is_directory(part, ignored)) break;
+  }
+  return part.string();
+}
+
 Error error_of(int code, const std::string& what, const std::string& path) {
   const std::string reason = std::strerror(code);
   switch (code) {
@@ -26,8 +37,12 @@ Error error_of(int code, const std::string& what, const std::string& path) {
     case EPERM:
     case EROFS:
     case EISDIR:
-    case ENOTDIR:
       return {ErrorCode::Permission, fmt::format("cannot {} '{}': {}", what, path, reason), code};
+    case ENOTDIR:
+      return {ErrorCode::Permission,
+              fmt::format("cannot {} '{}': '{}' is a file, and a folder is needed in its place", what, path,
+                          file_within(path)),
+              code};
     case ENOSPC:
     case EDQUOT:
     case EFBIG:
@@ -146,7 +161,9 @@ class PosixStorage : public Storage {
   Result<FileFacts> look_at(const std::string& path) override {
     FileFacts facts;
     std::error_code code;
-    facts.real_path = std::filesystem::weakly_canonical(end_of_links(path), code).string();
+    // absolute first: a missing file in the current folder would keep the relative name it was given
+    const std::filesystem::path absolute = std::filesystem::absolute(end_of_links(path), code);
+    if (!code) facts.real_path = std::filesystem::weakly_canonical(absolute, code).string();
     if (code) return error_of(code.value(), "look at", path);
     struct stat status {};
     if (::stat(path.c_str(), &status) != 0) {
@@ -163,9 +180,14 @@ class PosixStorage : public Storage {
   static Result<std::unique_ptr<StorageFile>> opened(const std::string& path, int flags, const char* what) {
     const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
     if (fd < 0) {
-      if (errno == ENOENT && (flags & O_CREAT) != 0)
-        return Error{ErrorCode::Permission, fmt::format("cannot write '{}': its folder does not exist", path),
+      if (errno == ENOENT && (flags & O_CREAT) != 0) {
+        std::error_code ignored;
+        const bool there = std::filesystem::exists(std::filesystem::absolute(path).parent_path(), ignored);
+        return Error{ErrorCode::Permission,
+                     fmt::format("cannot write '{}': its folder {}", path,
+                                 there ? "takes no new files" : "does not exist"),
                      ENOENT};
+      }
       return error_of(errno, what, path);
     }
     return std::unique_ptr<StorageFile>(std::make_unique<PosixFile>(fd, path));

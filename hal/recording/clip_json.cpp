@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "hal/core/json_text.h"
@@ -20,20 +21,33 @@ using Json = nlohmann::ordered_json;
 constexpr double kLatestSeconds = 4e9;  // differences of nanoseconds still fit 64 bits
 
 // Python writes NaN and Infinity, which JSON does not have. They become strings of the same length, so that
-// positions stay and the field is refused because it is not a number.
+// positions stay and the field is refused because it is not a number. The mark tells them from other strings.
+constexpr std::array<std::string_view, 3> kNonNumbers = {"-Infinity", "Infinity", "NaN"};
+constexpr char kNonNumberMark = '\x7f';
+
 void quote_non_numbers(std::string& text) {
   bool in_string = false;
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '"') in_string = !in_string;
     if (text[i] == '\\' && in_string) ++i;
     if (in_string) continue;
-    for (const std::string_view word : {"-Infinity", "Infinity", "NaN"})
+    for (const std::string_view word : kNonNumbers)
       if (text.compare(i, word.size(), word) == 0) {
         text[i] = text[i + word.size() - 1] = '"';
+        text[i + 1] = kNonNumberMark;
         i += word.size() - 1;
         break;
       }
   }
+}
+
+// The word that became this string; "" for any other value.
+std::string_view non_number(const Json& value) {
+  if (!value.is_string()) return "";
+  const auto& text = value.get_ref<const std::string&>();
+  if (!text.starts_with(kNonNumberMark)) return "";
+  const auto* const word = std::ranges::find(kNonNumbers, text.size() + 2, &std::string_view::size);
+  return word == kNonNumbers.end() ? "" : *word;
 }
 
 // The library's message without its own position.
@@ -68,11 +82,13 @@ class Fields {
   // The value of the field, shortened, for a message.
   std::string shown(const char* key) const {
     if (!has(key)) return "missing";
+    if (const std::string_view word = non_number(object_.at(key)); !word.empty())
+      return fmt::format("is {}", word);
     std::string text = json_text(object_.at(key));
     if (text.size() > 40) text.resize(40), text += "..";
     return "is " + text;
   }
-  Error wrong(const char* key, const char* expected, ErrorCode code = ErrorCode::Invalid) const {
+  Error wrong(const char* key, std::string_view expected, ErrorCode code = ErrorCode::Invalid) const {
     return {code, fmt::format("{}: '{}' {}; {}", where_, key, shown(key), expected)};
   }
 
@@ -91,7 +107,8 @@ class Fields {
       if (!value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
         return static_cast<T>(value.get<std::int64_t>());
     }
-    return wrong(key, "a whole number within its range is needed");
+    return wrong(key, fmt::format("a whole number, {}..{}, is needed", std::numeric_limits<T>::min(),
+                                  std::numeric_limits<T>::max()));
   }
   // A factor of the exposure: positive and finite.
   Result<double> exposure_factor(const char* key, std::optional<double> otherwise = std::nullopt) const {

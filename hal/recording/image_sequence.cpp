@@ -116,13 +116,15 @@ std::unique_ptr<RecordingReader> reader_of(ImageSequence clip) {
 }
 
 Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const std::string& folder,
-                                                        const CameraFacts& camera) {
-  if (const auto held = storage.open(folder + "/" + ImageSequence::kFile);
-      held || held.error().code != ErrorCode::NotFound)
-    return held ? Error{ErrorCode::Invalid,
-                        fmt::format("'{}' already holds a clip; name another folder or remove it", folder)}
-                : held.error();
-  TRY(storage.make_directories(folder + "/ldr"));
+                                                        const CameraFacts& camera, Creation how) {
+  const std::string file = folder + "/" + ImageSequence::kFile;
+  const auto held = storage.open(file);
+  if (!held && held.error().code != ErrorCode::NotFound) return held.error();
+  if (held && how == Creation::New)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' already holds a clip; name another folder or remove it", folder)};
+  if (held) TRY(storage.remove(file));
+  TRY(storage.make_directories(folder + "/" + ImageSequence::kPictures));
   ImageSequenceWriter writer(storage, folder);
   writer.clip_.camera = camera;
   return writer;
@@ -137,7 +139,7 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
                              frame.codes.rows(), camera.width, camera.height)};
   PngImage image{camera.bits > 8 ? 16 : 8, frame.codes.clone()};
   if (camera.bits > 8) to_samples(image.samples, camera.bits);
-  const std::string file = fmt::format("ldr/{:04}.png", clip_.frames.size());
+  const std::string file = fmt::format("{}/{:04}.png", ImageSequence::kPictures, clip_.frames.size());
   TRY(write_png(*storage_, folder_ + "/" + file, image));
   clip_.frames.push_back({file, frame.facts});
   return {};

@@ -24,6 +24,7 @@ enum class ClipReach {
 class ImageSequence {
  public:
   static constexpr const char* kFile = "clip.json";
+  static constexpr const char* kPictures = "ldr";  // folder of the images that ImageSequenceWriter writes
 
   // path: of the clip.json, or of the folder that holds it. The storage outlives the sequence.
   // Errors: those of clip_from_json and, for the first image, of read.
@@ -58,10 +59,10 @@ std::unique_ptr<RecordingReader> reader_of(ImageSequence clip);
 
 class ImageSequenceWriter {
  public:
-  // Makes the folder. Errors: Invalid where it already holds a clip; Permission. The storage outlives the
-  // writer.
+  // Makes the folder. how: Replace removes the clip.json of an earlier clip. Errors: Invalid where it already
+  // holds a clip and none is to be replaced; Permission. The storage outlives the writer.
   static Result<ImageSequenceWriter> create(Storage& storage, const std::string& folder,
-                                            const CameraFacts& camera);
+                                            const CameraFacts& camera, Creation how = Creation::New);
 
   // Writes the whole image. Errors: SizeChanged, Permission, NoSpace, Io.
   Result<void> append(const RawFrame& frame);

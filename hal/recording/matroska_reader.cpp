@@ -58,15 +58,20 @@ Result<bool> is_whole(StorageFile& file) {
   return true;
 }
 
+constexpr const char* kImportMakesOne = "'hdrcam import' makes a recording of pictures, videos and clips";
+
 Result<Container> open_container(Storage& storage, const std::string& path) {
   libav::be_quiet();
+  if (TRY(storage.look_at(path)).kind == FileKind::Folder)
+    return Error{ErrorCode::NotRecording,
+                 fmt::format("'{}' is a folder and not a recording; {}", path, kImportMakesOne)};
   Container container;
   container.stream = std::make_unique<StorageStream>(TRY(storage.open(path)), StorageStream::Direction::Read);
   std::array<std::byte, 4> head{};
   const std::size_t known = TRY(container.stream->file().read_at(0, head));
   if (!std::equal(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(known), kEbmlMagic.begin()))
     return Error{ErrorCode::NotRecording,
-                 fmt::format("'{}' is not a recording: it is no Matroska file", path)};
+                 fmt::format("'{}' is not a recording: it is no Matroska file; {}", path, kImportMakesOne)};
 
   container.whole = TRY(is_whole(container.stream->file()));
   AVFormatContext* demuxer = avformat_alloc_context();
@@ -87,8 +92,9 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
 Result<CameraFacts> camera_of(const Container& container, const std::string& path) {
   const AVDictionaryEntry* tag = av_dict_get(container.demuxer->metadata, matroska::kCameraTag, nullptr, 0);
   if (tag == nullptr)
-    return Error{ErrorCode::NotRecording,
-                 fmt::format("'{}' is a Matroska file, but not a recording of hdrcam", path)};
+    return Error{
+        ErrorCode::NotRecording,
+        fmt::format("'{}' is a Matroska file, but not a recording of hdrcam; {}", path, kImportMakesOne)};
   const auto tracks = container.tracks();
   if (tracks.size() != 2 || tracks[matroska::kPixelTrack]->codecpar->codec_type != AVMEDIA_TYPE_VIDEO ||
       tracks[matroska::kFactsTrack]->codecpar->codec_type != AVMEDIA_TYPE_SUBTITLE)

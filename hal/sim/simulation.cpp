@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "hal/core/parse_number.h"
@@ -152,6 +154,27 @@ std::string setting_names() {
   return names;
 }
 
+struct GivenSetting {
+  std::string_view key, value;
+};
+
+// Each setting once, and no effect both with and without.
+Result<void> check_given(std::span<const GivenSetting> given) {
+  const auto value_of = [&](std::string_view key) {
+    const auto found = std::ranges::find(given, key, &GivenSetting::key);
+    return found == given.end() ? std::string_view() : found->value;
+  };
+  for (const GivenSetting& one : given)
+    if (std::ranges::count(given, one.key, &GivenSetting::key) > 1)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("simulation setting '{}' is given more than once; give it once", one.key)};
+  const auto left_out = split(value_of("without"), ',');
+  for (const std::string_view effect : split(value_of("with"), ','))
+    if (std::ranges::find(left_out, effect) != left_out.end())
+      return invalid("with", effect, "it is left out as well; take it out of with or of without");
+  return {};
+}
+
 }  // namespace
 
 Result<Simulation> simulation_of(std::string_view text) {
@@ -167,6 +190,7 @@ Result<Simulation> simulation_of(std::string_view text) {
   simulation.scene = entry->settings;
   simulation.full_well_e = entry->full_well_e;
   for (const auto& need : entry->needs) simulation.plan.switch_on(need.effect, need.why);
+  std::vector<GivenSetting> given;
   for (const std::string_view pair : split(text.substr(std::min(question + 1, text.size())), '&')) {
     const std::size_t equals = std::min(pair.find('='), pair.size());
     const std::string_view key = pair.substr(0, equals),
@@ -177,7 +201,9 @@ Result<Simulation> simulation_of(std::string_view text) {
       return Error{ErrorCode::Invalid, fmt::format("there is no simulation setting '{}'; the settings are {}",
                                                    key, setting_names())};
     TRY(setting->set(simulation, key, value));
+    given.push_back({key, value});
   }
+  TRY(check_given(given));
   return simulation;
 }
 

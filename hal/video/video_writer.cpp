@@ -8,6 +8,7 @@ extern "C" {
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <span>
@@ -19,6 +20,10 @@ namespace {
 
 constexpr AVRational kMicroseconds = {1, 1'000'000};
 constexpr double kFragment_s = 1;  // what a cut costs at most
+
+// x265 (3.5, AVX) works on its CU tree in rows of 16-pixel blocks and writes behind the end of a row of less
+// than four; twice that is safe.
+constexpr int kLeastWidthOfTree_px = 128;
 
 const char* muxer_name(VideoContainer container) {
   switch (container) {
@@ -78,6 +83,7 @@ void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
   set("preset", "fast");
   if (format.codec != VideoCodec::Hevc) return;
   std::string parameters = "log-level=none:bframes=0:open-gop=0";
+  if (format.coded_width_px() < kLeastWidthOfTree_px) parameters += ":cutree=0";
   if (format.mastering) parameters += ':', parameters += x265_parameters(*format.mastering);
   set("x265-params", parameters);
 }
@@ -85,7 +91,9 @@ void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
 }  // namespace
 
 std::optional<VideoContainer> video_container_of(std::string_view path) {
-  const std::string extension = std::filesystem::path(path).extension().string();
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   if (extension == ".mp4") return VideoContainer::Mp4;
   if (extension == ".mov") return VideoContainer::Mov;
   if (extension == ".mkv") return VideoContainer::Matroska;

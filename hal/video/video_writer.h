@@ -27,7 +27,7 @@ namespace hdrcam {
 enum class VideoCodec { Hevc, Av1, H264, Uncompressed };
 enum class VideoContainer { Mp4, Mov, Matroska, Nut, Y4m };
 
-// By the extension: .mp4, .mov, .mkv; nullopt for any other.
+// By the extension, in letters of either case: .mp4, .mov, .mkv; nullopt for any other.
 std::optional<VideoContainer> video_container_of(std::string_view path);
 
 struct VideoFormat {

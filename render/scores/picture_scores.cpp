@@ -4,13 +4,14 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "render/srgb.h"
+
 namespace hdrcam {
 namespace {
 
 constexpr float kMu = 5000;
 constexpr float kDarkest = 1.0f / 16384;  // 14 stops below white
-constexpr float kLuminance[3] = {0.2126f, 0.7152f, 0.0722f};
-constexpr float kPuWhite = 4000;  // cd/m2
+constexpr float kPuWhite = 4000;          // cd/m2
 
 float mu_law(float x) { return std::log1p(kMu * x) / std::log(kMu + 1); }
 
@@ -69,8 +70,7 @@ Image<float> luminance_of(const Image<float>& rgb) {
   Image<float> out(1, rgb.rows(), rgb.cols());
   const float *r = rgb.plane(0), *g = rgb.plane(1), *b = rgb.plane(2);
   float* y = out.plane(0);
-  for (std::size_t i = 0; i < out.size(); ++i)
-    y[i] = kLuminance[0] * r[i] + kLuminance[1] * g[i] + kLuminance[2] * b[i];
+  for (std::size_t i = 0; i < out.size(); ++i) y[i] = luminance(r[i], g[i], b[i]);
   return out;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "render/srgb.h"
+
 namespace hdrcam {
 
 void expose_again(double exposure, const Response& response, Image<float>& picture) {
@@ -24,15 +26,6 @@ Image<std::uint8_t> codes_of_light(const Image<float>& light) {
     return static_cast<std::uint8_t>(std::lround(255 * srgb_level(value)));
   });
   return codes;
-}
-
-float srgb_level(float light) {
-  const float l = std::clamp(light, 0.f, 1.f);
-  return l <= 0.0031308f ? 12.92f * l : 1.055f * std::pow(l, 1 / 2.4f) - 0.055f;
-}
-
-float srgb_light(float level) {
-  return level <= 0.04045f ? level / 12.92f : std::pow((level + 0.055f) / 1.055f, 2.4f);
 }
 
 }  // namespace hdrcam

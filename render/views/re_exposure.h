@@ -16,8 +16,4 @@ void expose_again(double exposure, const Response& response, Image<float>& pictu
 // The codes of such light, [rgb, rows, cols], exactly as the response gave them.
 Image<std::uint8_t> codes_of_light(const Image<float>& light);
 
-// sRGB level 0..1 of a light 0..1 (IEC 61966-2-1), and back.
-float srgb_level(float light);
-float srgb_light(float level);
-
 }  // namespace hdrcam

@@ -1,5 +1,6 @@
 #include "capture/delay_calibration.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 
 #include "tests/capture/sensor_model.h"
@@ -13,13 +14,14 @@ using test::SensorModel;
 using test::SensorSettings;
 using namespace std::chrono_literals;
 
+const std::atomic<bool> kGoOn{false};
 constexpr Exposure kShort{3ms, 1}, kLong{12ms, 1}, kLongByGain{3ms, 4};
 
 DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults,
                       const Exposure& longer = kLong) {
   SensorModel camera(settings, faults);
   const StreamMode mode = camera.configure({}, 8).value();
-  const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {});
+  const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {}, kGoOn);
   REQUIRE(estimate.ok());
   return estimate.value();
 }
@@ -67,6 +69,26 @@ TEST_CASE("pictures that cannot tell are said to be so", "[capture]") {
   const DelayEstimate stuck = measure({.per_request = false}, {.never_applied = true});
   CHECK_FALSE(stuck.delay);
   CHECK(stuck.reason.find("ignore the control") != std::string::npos);
+}
+
+TEST_CASE("a camera that loses most frames is given up after twice the time of a calibration", "[capture]") {
+  SensorModel camera({.per_request = false}, {.drop = 1, .drop_run = 29});
+  const StreamMode mode = camera.configure({}, 8).value();
+  const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, kGoOn, 120);
+  REQUIRE(estimate.ok());
+  CHECK_FALSE(estimate.value().delay);
+  CHECK(estimate.value().reason.find("frames are lost") != std::string::npos);
+  CHECK(camera.frames() <= 2 * 120 + 2 * 30);
+}
+
+TEST_CASE("a calibration that is told to stop ends at the next frame", "[capture]") {
+  SensorModel camera({.per_request = false}, {});
+  const StreamMode mode = camera.configure({}, 8).value();
+  const std::atomic<bool> stop{true};
+  const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, stop);
+  REQUIRE_FALSE(estimate.ok());
+  CHECK(estimate.error().code == ErrorCode::Interrupted);
+  CHECK(camera.frames() <= 1);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct Followed {
 
 // key: how bright the scene is, see SensorSettings.
 Followed follow(double key, Adapt adapt, double gain = 1) {
-  test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .key = key, .least_gain = gain},
+  test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .least_gain = gain, .key = key},
                            {});
   CaptureOptions options;
   options.adapt = adapt;

@@ -36,9 +36,33 @@ TEST_CASE("an exposure that does not fit the frame is refused with what would do
   CHECK(schedule.error().message.find("--framerate to 29.86") != std::string::npos);
   CHECK(ExposureSchedule::create(kLong, sensor(), Duration(1'000'000'000 / 29)).ok());
 
+  // No advice that would be refused in turn: not beyond the sensor's longest, nor below the least rate.
+  constexpr Exposure kBeyond[] = {{1ms, 1}, {4s, 1}};
+  CHECK(ExposureSchedule::create(kBeyond, sensor(), k30Hz).error().message ==
+        "shutter 4 s does not fit a frame of 33.33 ms with 480 us of read-out; shorten it to 32.85 ms");
+  constexpr Exposure kSlow[] = {{1ms, 1}, {10s, 1}};
+  CameraCapabilities patient = sensor();
+  patient.exposure_max = 20s;
+  CHECK(ExposureSchedule::create(kSlow, patient, 10s).error().message ==
+        "shutter 10 s does not fit a frame of 10 s with 480 us of read-out; shorten it to 9.999 s");
+  CameraCapabilities quick = sensor();
+  quick.exposure_max = 30'333us;
+  CHECK(ExposureSchedule::create(kLong, quick, k30Hz).error().message.find("shorten it to 30.33 ms") !=
+        std::string::npos);
+
   const Exposure five[5] = {{1ms, 1}, {1ms, 1}, {1ms, 1}, {1ms, 1}, {1ms, 1}};
   CHECK_FALSE(ExposureSchedule::create(five, sensor(), k30Hz).ok());
   CHECK_FALSE(ExposureSchedule::create({}, sensor(), k30Hz).ok());
+}
+
+TEST_CASE("a time rounded down is printed in full, and never longer", "[capture]") {
+  for (const Duration time : {Duration(32'853'333), Duration(9'999'520'000), Duration(250'000)}) {
+    const Duration typed = rounded_down(time);
+    CAPTURE(describe(typed));
+    CHECK(typed <= time);
+    CHECK(typed > time - time / 1000);
+    CHECK(parse_duration(describe(typed)).value() == typed);
+  }
 }
 
 TEST_CASE("a cycle of several equal exposures is refused, also where the sensor or the mains make them equal",

@@ -39,6 +39,7 @@ TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {
   CHECK(parse_exposures("1ms,4ms", "").value() == std::vector<Exposure>{{1ms, 1}, {4ms, 1}});
   CHECK(parse_exposures("1ms,4ms", "", 1.25).value() == std::vector<Exposure>{{1ms, 1.25}, {4ms, 1.25}});
   CHECK(parse_exposures("1ms,4ms", "2.5").value() == std::vector<Exposure>{{1ms, 2.5}, {4ms, 2.5}});
+  CHECK(parse_exposures("20ms", "1,4").value() == std::vector<Exposure>{{20ms, 1}, {20ms, 4}});
   CHECK_FALSE(parse_exposures("1ms,4ms", "1,2,3").ok());
   CHECK_FALSE(parse_exposures("1ms,,4ms", "").ok());
   CHECK_FALSE(parse_exposures("1ms", "0").ok());

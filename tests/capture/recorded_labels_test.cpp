@@ -155,6 +155,16 @@ TEST_CASE("a recording that states one exposure for all its different frames is 
   CHECK(result.warnings.front().find("their pictures contradict their exposures") != std::string::npos);
 }
 
+TEST_CASE("a recording whose frames all have one exposure is said to give no HDR", "[capture]") {
+  const auto scene = scene_of({0.004});
+  const Judged result = judged(scene, filmed(scene, 12));
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings.front() ==
+        "all 12 frames have the same exposure, 4 ms, and give no HDR; record a cycle such as --shutter "
+        "1ms,4ms,16ms");
+  CHECK(judged(scene, filmed(scene, 4)).warnings.empty());  // perhaps a part of a cycle
+}
+
 TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   for (const int wrong : {0, 3, 8, 13}) {

@@ -109,6 +109,13 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
   const auto wider = PulseTrain::check(wide, schedule);
   require_error(wider, ErrorCode::BadExposure);
   CHECK_THAT(wider.error().message, Contains("--trigger-width"));
+  TriggerOptions apart = options_of(TriggerMode::FrameStart);
+  apart.gap = 100ms;
+  const auto gap = PulseTrain::check(apart, schedule);
+  require_error(gap, ErrorCode::BadExposure);
+  CHECK(gap.error().message ==
+        "a gap of 100 ms between trigger pulses does not fit a frame of 20 ms; lower --trigger-gap or "
+        "--framerate");
   const Exposure gains[] = {{1ms, 1}, {4ms, 2}};
   const auto differ = PulseTrain::check(options_of(TriggerMode::PulseWidth), schedule_of(gains));
   require_error(differ, ErrorCode::Invalid);

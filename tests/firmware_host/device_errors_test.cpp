@@ -131,7 +131,8 @@ TEST_CASE("an exposure that a camera does not have is refused with the range") {
     return sentence({"live", "--camera", "sim:walk", "--shutter", shutter, "--gain", gain},
                     ErrorCode::BadExposure);
   };
-  CHECK_THAT(refused("1ms,4s", "1"), Contains("4 s") && Contains("shorten it to") && Contains("--framerate"));
+  CHECK_THAT(refused("1ms,4s", "1"),
+             Contains("4 s") && Contains("shorten it to") && !Contains("--framerate"));
   CHECK_THAT(refused("200s", "1"), Contains("shorten it to") && !Contains("--framerate"));
   CHECK_THAT(refused("1us,4ms", "1"), Contains("1 us") && Contains("'sim:walk'") && Contains(" to "));
   CHECK_THAT(refused("1ms,4ms", "500"), Contains("gain 500") && Contains("1 to 16"));

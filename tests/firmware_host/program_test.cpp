@@ -109,6 +109,34 @@ TEST_CASE("what is not understood is named in one sentence, with the nearest kno
   CHECK_THAT(refused({"--verbos"}), Contains("'--verbos'") && Contains("hdrcam --help"));
   CHECK_THAT(refused({"replay", "walk.mkv", "--seed", "many"}), Contains("--seed") && Contains("many"));
   CHECK_THAT(refused({"info"}), Contains("hdrcam info --help"));
+  CHECK(refused({"compare", "clip"}) == "hdrcam: OUT is required; see 'hdrcam compare --help'.\n");
+  CHECK_THAT(refused({"compare"}), Contains("CLIP is required"));
+  CHECK_THAT(refused({"replay", "walk.mkv", "--stats", "a", "--stats", "b"}),
+             Contains("--stats is given twice; give it once"));
+  CHECK_THAT(refused({"record", "--trigger-gap", "1ms", "--trigger-gap", "1ms", "--trigger-gap", "1ms"}),
+             Contains("--trigger-gap is given 3 times; give it once"));
+  CHECK_THAT(refused({"bench", "kernels", "--config", "c.toml"}),
+             Contains("unknown flag '--config'") && !Contains("mean '--config'") &&
+                 Contains("'hdrcam bench kernels --help'"));
+  CHECK_THAT(refused({"bench", "pareto"}), Contains("'hdrcam bench pareto --help'"));
+}
+
+TEST_CASE("the settings are printed without what a run needs") {
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"encode"},
+                                               {"import"},
+                                               {"export"},
+                                               {"repair"},
+                                               {"calibrate"},
+                                               {"replay"},
+                                               {"bench", "pareto"}}) {
+    std::vector<std::string> words = verb;
+    words.emplace_back("--print-config");
+    const RanHere printed = ran_here(words);
+    INFO(verb.back() << ": " << printed.err);
+    CHECK(printed.exit_code == kExitOk);
+    CHECK(printed.err.empty());
+  }
+  CHECK(ran_here({"encode"}).exit_code == kExitUsage);
 }
 
 TEST_CASE("a number that cannot be is refused with the range that a person needs, NaN always") {

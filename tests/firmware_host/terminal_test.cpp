@@ -25,13 +25,32 @@ TEST_CASE("a recording goes on whatever becomes of the terminal, and no word of 
   const std::string folder = sample::scratch_folder("terminal");
   int number = 0;
   for (const auto& [streams, code] :
-       {std::pair{"2>/dev/full >/dev/null", 0}, {"2>&- >&- <&-", 0}, {">/dev/full 2>/dev/null", 12}}) {
+       {std::pair{"2>/dev/full >/dev/null", 0}, {"2>&- >&- <&-", 12}, {">/dev/full 2>/dev/null", 11}}) {
     INFO(streams);
     const std::string file = folder + "/" + std::to_string(number++) + ".mkv";
     CHECK(recorded(file, streams) == code);
     const sample::Replayed replayed = sample::replay(posix_storage(), file);
     CHECK(replayed.frames.size() == 6);
     CHECK_FALSE(replayed.error.has_value());
+  }
+}
+
+TEST_CASE("results that the standard output does not take are an error in a sentence, whatever was asked") {
+  const std::string demo = "'" HDRCAM_SOURCE_DIR "/tests/data/demo.mkv' ";
+  const std::string words = sample::scratch_folder("terminal_results") + "/words";
+  const auto ended = [&](const std::string& verb, const std::string& output) {
+    const std::string line = "'" HDRCAM_BINARY "' " + verb + " 2>" + words + " " + output;
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  for (const std::string& verb :
+       {std::string("--help"), std::string("--version"), std::string("help exit-codes"), "info " + demo,
+        "replay " + demo + "--preset fast --emit state --frames 6 -o - --pipe-format half"}) {
+    INFO(verb);
+    CHECK(ended(verb, ">&-") == 12);
+    CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("standard output"));
+    CHECK(ended(verb, ">/dev/full") == 11);
+    CHECK_THAT(value_of(read_whole(posix_storage(), words)), Catch::Contains("standard output"));
   }
 }
 

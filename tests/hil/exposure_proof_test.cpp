@@ -46,8 +46,10 @@ void print(const std::string& what, const LabelTally& tally, const CaptureCounte
 
 ControlDelays measured_delays(Camera& camera) {
   const StreamMode mode = value_of(camera.configure(kMode, kBuffers));
+  const std::atomic<bool> stop{false};
   const auto measure = [&](const Exposure& shorter, const Exposure& longer) {
-    const DelayEstimate estimate = value_of(measure_delay(camera, mode, kBuffers, shorter, longer, {}, 80));
+    const DelayEstimate estimate =
+        value_of(measure_delay(camera, mode, kBuffers, shorter, longer, {}, stop, 80));
     INFO(estimate.reason);
     REQUIRE(estimate.delay.has_value());
     return *estimate.delay;

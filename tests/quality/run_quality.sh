@@ -228,7 +228,6 @@ IFS=, read -ra peer_pairs <<<"$peer_list"
 IFS=, read -ra value_list <<<"$knob_values"
 [[ ${#emit_list[@]} -gt 0 ]] || emit_list=('')
 [[ ${#value_list[@]} -gt 0 ]] || value_list=('')
-[[ $geometry == no ]] || replay_flags+=(--layers depth,flow,field_flow)
 : >"$out/rows.tsv"
 
 for clip in "${clips[@]}"; do
@@ -237,8 +236,11 @@ for clip in "${clips[@]}"; do
   rm -f "$recording"  # of an earlier run, perhaps of an earlier program
   for preset in "${preset_list[@]}"; do
     for emit in "${emit_list[@]}"; do
+      layers=depth,flow,field_flow
+      [[ $emit != state ]] || layers=flow  # the rest is the field's
       for value in "${value_list[@]}"; do
         flags=(--preset "$preset" ${emit:+--emit "$emit"} ${value:+--set "$knob=$value"} "${replay_flags[@]}")
+        [[ $geometry == no ]] || flags+=(--layers "$layers")
         method=$preset${emit:+-$emit}${value:+-$knob=$value}
         score "$clip" "$method" "$program ${flags[*]}" score_hdrcam "$method" "${flags[@]}"
       done

@@ -6,6 +6,7 @@
 
 #include "firmware_host/sinks/canvas.h"
 #include "render/jpeg.h"
+#include "render/srgb.h"
 
 namespace hdrcam {
 namespace {
@@ -63,8 +64,7 @@ std::optional<PictureLook> picture_look(std::string_view word) {
 }
 
 double stops_of(float r, float g, float b) {
-  const float luminance = 0.2126f * r + 0.7152f * g + 0.0722f * b;
-  return std::log2(static_cast<double>(std::max(luminance, kLeastHalf)));
+  return std::log2(static_cast<double>(std::max(luminance(r, g, b), kLeastHalf)));
 }
 
 Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureWish& wish) {

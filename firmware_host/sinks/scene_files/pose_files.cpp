@@ -8,7 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
@@ -151,6 +150,8 @@ class ColmapModel final : public PoseFile {
   const std::string model_;
 };
 
+}  // namespace
+
 Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& patterns) {
   for (const char* extension : {".exr", ".png"})
     if (auto pattern = pattern_of(patterns.pictures, extension)) return std::move(*pattern);
@@ -159,8 +160,6 @@ Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& p
                            "or --preview out/%06d.png too",
                            flag)};
 }
-
-}  // namespace
 
 Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std::string& path,
                                                      const PicturePatterns& patterns) {

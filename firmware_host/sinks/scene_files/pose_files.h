@@ -6,7 +6,9 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
+#include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/frame_sink.h"
 #include "hal/storage.h"
 
@@ -17,6 +19,9 @@ struct PicturePatterns {
   std::string pictures;  // "" where it leaves none
   std::string depths;    // of depth_pictures.h; "" for none
 };
+
+// The pictures that the poses of `flag` are of. Errors: Invalid where the run leaves none.
+Result<FramePattern> pictures_of(std::string_view flag, const PicturePatterns& patterns);
 
 // path: of the file; model: of the folder. The storage outlives the sinks. Errors: Invalid where the run
 // leaves no pictures; those of the disk. emit() fails at a frame without a pose before any that has one, and

@@ -1,12 +1,16 @@
 // The verb `bench` as a user meets it, on a small clip that the simulator films.
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "firmware_host/bench/cost_page.h"
 #include "firmware_host/bench/kernel_rates.h"
+#include "firmware_host/exit_code.h"
 #include "hal/storage.h"
 #include "tests/render/scores/synthetic_clip.h"
+#include "tests/support/ran_here.h"
+#include "tests/support/stopping_storage.h"
 
 #include "tests/support/ran.h"
 
@@ -78,7 +82,8 @@ TEST_CASE("the ceiling of a kernel is the resource that it exhausts first") {
   };
   const KernelTask tasks[] = {task("counted by flops", 1e9, 1, 1), task("by bytes", 1, 1e9, 1),
                               task("by look-ups", 1, 1, 1e9), task("not at all", 0, 0, 0)};
-  const KernelRates rates = measure_kernels(tasks, 1e-4);
+  const std::atomic<bool> stop{false};
+  const KernelRates rates = measure_kernels(tasks, 1e-4, stop).value();
   REQUIRE(rates.kernels.size() == 4);
   CHECK(runs >= 4 * 6);
   CHECK(rates.kernels[0].bound == KernelBound::Arithmetic);
@@ -93,6 +98,44 @@ TEST_CASE("the ceiling of a kernel is the resource that it exhausts first") {
   CHECK(table.find("| not at all |") != std::string::npos);
 }
 
+TEST_CASE("the kernels that are told to stop end within one run, and give no rates") {
+  std::atomic<bool> stop{false};
+  int runs = 0, runs_after = 0;
+  const KernelTask tasks[] = {{"first", "px", 10, 0, 0, 0, 4096, [&] { stop = stop || ++runs == 2; }},
+                              {"second", "px", 10, 0, 0, 0, 4096, [&] { ++runs_after; }}};
+  const auto rates = measure_kernels(tasks, 1e-3, stop);
+  REQUIRE_FALSE(rates.ok());
+  CHECK(rates.error().code == ErrorCode::Interrupted);
+  CHECK(runs == 2);
+  CHECK(runs_after == 0);
+}
+
+TEST_CASE("hdrcam bench kernels takes a number of seconds") {
+  for (const char* seconds : {"nan", "0", "61", "inf"}) {
+    const Ran refused = ran({"bench", "kernels", "--seconds", seconds});
+    INFO(refused.output);
+    CHECK(refused.exit_code == exit_code_of(ErrorCode::Invalid));
+    CHECK(refused.output.find("takes seconds, 0.001 to 60") != std::string::npos);
+  }
+}
+
+TEST_CASE("hdrcam bench pareto that is told to stop keeps the points that are measured") {
+  synthetic_clip::TemporaryFolder work;
+  REQUIRE(ran({"simulate", "walk?size=64x48", "--frames", "8", "--truth", work / "walk"}).exit_code == 0);
+  test::StoppingStorage storage(".exr", 8 + 2);  // in the second point
+  const test::RanHere stopped =
+      test::ran_here({"bench", "pareto", work / "walk", "-o", work / "cost", "--point", "fast", "--point",
+                      "look-ahead 0", "--preset", "fast"},
+                     storage, storage.stop());
+  INFO(stopped.err);
+  CHECK(stopped.exit_code == exit_code_of(ErrorCode::Interrupted));
+  CHECK(stopped.err.find("stopped after 1 of 2 points; the pages hold these") != std::string::npos);
+  const auto page = read_whole(posix_storage(), work / "cost/pareto.json");
+  REQUIRE(page.ok());
+  CHECK(nlohmann::json::parse(page.value()).at("points").size() == 1);
+  CHECK_FALSE(std::filesystem::exists(work / "cost/frames"));
+}
+
 TEST_CASE("hdrcam bench pareto names what it cannot measure") {
   synthetic_clip::TemporaryFolder work;
   const Ran unknown = ran({"bench", "pareto", work.path(), "-o", work / "cost", "--point", "swift"});
@@ -102,6 +145,20 @@ TEST_CASE("hdrcam bench pareto names what it cannot measure") {
   const Ran nothing = ran({"bench", "pareto", work / "none", "-o", work / "cost", "--point", "fast"});
   CHECK(nothing.exit_code != 0);
   CHECK(nothing.output.find("none") != std::string::npos);
+}
+
+TEST_CASE("hdrcam bench replaces no earlier measurement without --force, and no recording at all") {
+  synthetic_clip::TemporaryFolder work;
+  const std::string text = "an earlier one";
+  REQUIRE(posix_storage().make_directories(work / "cost").ok());
+  for (const char* file : {"cost/pareto.md", "take.mkv"})
+    REQUIRE(write_whole(posix_storage(), work / file, std::as_bytes(std::span(text))).ok());
+  const Ran again = ran({"bench", "pareto", work / "clip", "-o", work / "cost", "--point", "fast"});
+  CHECK(again.exit_code == 17);
+  CHECK(again.output.find("pareto.md") != std::string::npos);
+  CHECK(ran({"bench", "kernels", "--seconds", "0.001", "--json", work / "take.mkv"}).exit_code == 2);
+  for (const char* file : {"cost/pareto.md", "take.mkv"})
+    CHECK(read_whole(posix_storage(), work / file).value() == text);
 }
 
 TEST_CASE("the front holds the points that no other undercuts at the same quality") {

@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <span>
 #include <thread>
 
 #include "firmware_host/exit_code.h"
@@ -14,6 +15,8 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/process.h"
 #include "tests/support/ran_here.h"
+
+#include "tests/support/ran.h"
 
 using namespace hdrcam;
 using test::ran_here;
@@ -231,6 +234,49 @@ TEST_CASE("wrong exposures of a clip are put right by import, replay and live, o
   CHECK(photometric >= 16);
 }
 
+TEST_CASE("a flag that a run would ignore is refused, and a file of settings that holds it is not") {
+  const std::string folder = sample::scratch_folder("ignored_flags"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
+  const std::vector<std::string> copy{"record", "--camera", "replay:" + walk, "-o", folder + "/copy.mkv"};
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), copy.begin(), copy.end());
+    return flags;
+  };
+  check_refused(with({"--width", "128", "--height", "96", "--shutter", "9ms"}), ErrorCode::Invalid,
+                "leave out --width, --height, --shutter");
+  for (const auto& [flag, value] : {std::pair("--framerate", "5"),
+                                    {"--gain", "4"},
+                                    {"--format", "YUYV"},
+                                    {"--adapt", "light"},
+                                    {"--mains", "50"}})
+    for (const char* pace : {"fit", "realtime"})
+      check_refused(with({"--pace", pace, flag, value}), ErrorCode::Invalid,
+                    std::string("are recorded and cannot be set; leave out ") + flag);
+  check_refused({"live", "--camera", "replay:" + walk, "--adapt", "motion"}, ErrorCode::Invalid, "--adapt");
+  const std::string page_alone = "give --http 127.0.0.1:8080 too";
+  check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
+  check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
+                page_alone);
+  check_refused({"replay", walk, "--stats", folder + "/s.json", "--http-token", "abc"}, ErrorCode::Invalid,
+                page_alone);
+  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
+
+  const std::string file = folder + "/rig.toml",
+                    text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  require_success(with({"--config", file}));
+}
+
+TEST_CASE("live names its recording among its outputs, also where a recording stands in for the camera") {
+  const std::string folder = sample::scratch_folder("live_names_recording"), copy = folder + "/copy.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", folder + "/walk.mkv"});
+  const test::Ran ended = test::ran(std::vector<std::string>{
+      "live", "--camera", "replay:" + folder + "/walk.mkv", "--preset", "realtime", "--record", copy});
+  INFO(ended.output);
+  REQUIRE(ended.exit_code == kExitOk);
+  CHECK(ended.output.find(copy + ": 6 of 6 frames") != std::string::npos);
+}
+
 TEST_CASE("a recording runs through live like a camera, to its end") {
   const std::string folder = sample::scratch_folder("live_replay");
   require_success({"record", "--camera", "sim:still?size=64x48&fps=60", "--format", "RGB24", "--shutter",
@@ -326,6 +372,19 @@ TEST_CASE("a camera that reports nothing is calibrated once and then labelled ri
   CHECK(flagged <= 12);
 }
 
+TEST_CASE("a calibration replaces an earlier configuration with --force only, and a recording never") {
+  const std::string folder = sample::scratch_folder("live_calibration_kept"), text = "an earlier one";
+  std::vector<std::string> words{"calibrate", "delay", "--camera", "sim:still?size=64x48", "-o", ""};
+  for (const char* file : {"/camera.toml", "/take.mkv"}) {
+    const std::string path = words.back() = folder + file;
+    require_done(write_whole(posix_storage(), path, std::as_bytes(std::span(text))));
+    check_refused(words, path.ends_with(".toml") ? ErrorCode::Exists : ErrorCode::Invalid, path);
+    CHECK(value_of(read_whole(posix_storage(), path)) == text);
+  }
+  words.emplace_back("--force");
+  check_refused(words, ErrorCode::Invalid, "a picture or a recording");
+}
+
 TEST_CASE("what cannot be is said before the camera starts, each with its own exit code") {
   const std::string sim = "sim:still?size=64x48";
   check_refused({"live", "--camera", "sim:nosuch"}, ErrorCode::NotFound, "nosuch");
@@ -339,9 +398,13 @@ TEST_CASE("what cannot be is said before the camera starts, each with its own ex
   check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
   check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
   check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
+  check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it as walk.mkv");
+  check_refused({"live", "--camera", sim, "--record", "x.mp4"}, ErrorCode::Invalid, "name it as walk.mkv");
   check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
                 "/proc/nonexistent");
   check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
+  check_refused({"calibrate", "delay", "--camera", sim, "--shutter", "4ms"}, ErrorCode::Invalid,
+                "no two exposures of --shutter 4ms are a stop apart");
 }
 
 TEST_CASE("^C is how a run without limits ends well; one that was to go on says that it was stopped") {

@@ -37,6 +37,10 @@ TEST_CASE("hdrcam compare prints a table with units and writes the same figures 
   REQUIRE(json.at("clip") == std::filesystem::path(clip.path()).filename().string());
   REQUIRE(json.at("missing") == nlohmann::json{5});
   REQUIRE(run.output.find(fmt::format("{:.2f}", json.at("psnr_mu").get<double>())) != std::string::npos);
+
+  const Ran alone = run_compare(fmt::format("{0} {0}/out/ --label mine --json -", clip.path()));
+  REQUIRE(alone.exit_code == 0);
+  REQUIRE(nlohmann::json::parse(alone.output) == json);
 }
 
 TEST_CASE("hdrcam compare ends with a sentence and not with 0 where there is nothing to compare") {

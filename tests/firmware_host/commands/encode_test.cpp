@@ -108,4 +108,7 @@ TEST_CASE("encode says what is missing") {
   const RanHere name = ran_here({"encode", out + "/%06d.exr", "-o", out + "/x.avi"});
   CHECK(name.exit_code == 2);
   CHECK_THAT(name.err, Contains("x.avi") && Contains(".mp4"));
+  const RanHere nowhere = ran_here({"encode", out + "/%06d.exr"});
+  CHECK(nowhere.exit_code == 2);
+  CHECK_THAT(nowhere.err, Contains("no video; give -o x.mp4"));
 }

@@ -178,3 +178,12 @@ TEST_CASE("each write of each verb, refused, interrupted and cut short once, lea
           "[.][full]") {
   every_write_fails(1);
 }
+
+TEST_CASE("a limit on the size of files is a full disk to every verb, and leaves nothing half made") {
+  const std::string out = sample::scratch_folder("failing_writes_limit");
+  const Ran limited = test::ran("import " + input_folder() + "/clip -o " + out + "/walk.mkv", "ulimit -f 8;");
+  INFO(limited.output);
+  CHECK(limited.exit_code == exit_code_of(ErrorCode::NoSpace));
+  CHECK_THAT(limited.output, Catch::Contains("no space left to write '"));
+  CHECK(fs::is_empty(out));
+}

@@ -199,6 +199,78 @@ TEST_CASE("footage that does not say its exposures is not guessed at") {
   CHECK_FALSE(std::filesystem::exists(path + ".mkv"));
 }
 
+TEST_CASE("the first file that does not say its exposure is named, not the first of all") {
+  const std::string folder = sample::scratch_folder("import_silent");
+  for (int i = 0; i < 6; ++i)
+    test::write_jpeg(fmt::format("{}/IMG_{}.JPG", folder, i), scene().frame(i).codes,
+                     i == 4 ? std::nullopt : std::optional(test::Exif{1, 100, 100, 80}));
+  const auto refused = import_verb(folder + " -o " + folder + "/x.mkv");
+  CHECK(sample::error_of(refused).code == ErrorCode::BadExposure);
+  CHECK_THAT(sample::error_of(refused).message, Contains("/IMG_4.JPG' does not say"));
+}
+
+TEST_CASE("stills without any time come at the frame rate, and the list says so") {
+  const std::string folder =
+      write_bracket("import_no_times", std::vector<std::string>(9), std::vector<std::string>(9));
+  const std::atomic<bool> stop = false;
+  FootageRequest request;
+  request.files = footage_in(folder).value();
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  CHECK_THAT(described(plan.value()),
+             Contains("times: at 30 frames per second, for none of them says in EXIF when it was taken"));
+}
+
+TEST_CASE("of cut footage what is there is imported, and the end says how much is missing") {
+  const std::string path = sample::scratch_folder("import_cut") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(filmed(0, 30, {}))).ok());
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  const auto imported = import_verb(path + " -o " + path + ".mkv --shutter 1ms,4ms,16ms");
+  CHECK(sample::error_of(imported).code == ErrorCode::Truncated);
+  CHECK_THAT(sample::error_of(imported).message, Contains(path) && Contains("of its frames are missing"));
+  const auto replayed = sample::replay(posix_storage(), path + ".mkv");
+  CHECK_FALSE(replayed.error);
+  CHECK(replayed.frames.size() < 30);
+  check_labels(path + ".mkv", filmed(0, static_cast<int>(replayed.frames.size()), {}));
+}
+
+TEST_CASE("a damaged still ends the import, and nothing is written") {
+  const std::string folder =
+      write_bracket("import_damaged", std::vector<std::string>(9), std::vector<std::string>(9));
+  const std::string damaged = folder + "/IMG_5.JPG", out = folder + "/x.mkv";
+  std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) / 2);
+  const auto refused = import_verb(folder + " -o " + out);
+  CHECK(sample::error_of(refused).code == ErrorCode::Corrupt);
+  CHECK_THAT(sample::error_of(refused).message, Contains(damaged));
+  CHECK_FALSE(std::filesystem::exists(out));
+}
+
+TEST_CASE("a recording is no footage: in a folder it is left out, by its name it is refused") {
+  const std::string folder =
+      write_bracket("import_own", std::vector<std::string>(9), std::vector<std::string>(9));
+  REQUIRE(import_verb(folder + " -o " + folder + "/new.mkv").ok());
+  const std::string out = sample::scratch_folder("import_own_out") + "/x.mkv";
+  REQUIRE(import_verb(folder + " -o " + out).ok());
+  check_labels(out, filmed(0, 9, {}));
+  const auto again = import_verb(folder + "/new.mkv --shutter auto -o " + out + ".mkv");
+  CHECK(sample::error_of(again).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(again).message, Contains("new.mkv' is a recording already"));
+}
+
+TEST_CASE("pictures and videos of one folder do not make one clip") {
+  const std::string folder =
+      write_bracket("import_mixed", std::vector<std::string>(9), std::vector<std::string>(9));
+  REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 3, {}))).ok());
+  const auto mixed = import_verb(folder + " --list");
+  CHECK(sample::error_of(mixed).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(mixed).message, Contains("IMG_0.JPG") && Contains("x.mp4"));
+}
+
+TEST_CASE("a frame rate that no recording can have is refused") {
+  for (const char* rate : {"1e9", "1e-9", "nan", "0", "-30", "fast"})
+    CHECK_THROWS_AS(import_verb(fmt::format("x.png --list --framerate {}", rate)), CLI::ValidationError);
+}
+
 TEST_CASE("flags that would not be heeded are refused") {
   const std::string folder = sample::scratch_folder("import_flags"), path = folder + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(filmed(0, 12, {}))).ok());

@@ -141,7 +141,7 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     FaultyStorage disk(posix_storage(), {.cut_at_bytes = bytes * 3 / 5});
     const auto whole = sample::replay(disk, path).frames.size();
     REQUIRE((whole > 1 && whole < 5));
-    REQUIRE(hdrcam_verb(line, disk).ok());
+    CHECK(sample::error_of(hdrcam_verb(line, disk)).code == ErrorCode::Truncated);
     CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() ==
           static_cast<int>(whole));
   }
@@ -204,6 +204,37 @@ TEST_CASE("repair writes the whole frames of a cut or damaged recording, each wi
     CHECK_FALSE(std::filesystem::exists(repaired));
   }
   CHECK(sample::unfinished_files_in(folder) == 0);
+}
+
+TEST_CASE("a recording is named .mkv, so that no other program takes it for what it is not") {
+  const std::string folder = sample::scratch_folder("recording_names");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), folder + "/x.mkv", camera, sample::frames(camera, 3, 2)).ok());
+  write_clip(folder + "/clip", camera, 3);
+  for (const char* name : {"/y.mp4", "/y", "/y.mkv.part"})
+    for (const std::string& verb : {"repair " + folder + "/x.mkv", "import " + folder + "/clip"}) {
+      const Error refused = sample::error_of(hdrcam_verb(verb + " -o " + folder + name));
+      CHECK(refused.code == ErrorCode::Invalid);
+      CHECK(refused.message.find("is no name of a recording") != std::string::npos);
+      CHECK_FALSE(std::filesystem::exists(folder + name));
+    }
+  CHECK(hdrcam_verb("repair " + folder + "/x.mkv -o " + folder + "/y.MKV").ok());
+}
+
+TEST_CASE("a clip or a picture in place of a recording leads to import, and two clips to one at a time") {
+  const std::string folder = sample::scratch_folder("no_recording");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  write_clip(folder + "/a", camera, 3);
+  write_clip(folder + "/b", camera, 3);
+  for (const char* place : {"/a", "/a/ldr/0001.png"}) {
+    const Error refused = sample::error_of(hdrcam_verb("info " + folder + place));
+    CHECK(refused.code == ErrorCode::NotRecording);
+    CHECK(refused.message.find("'hdrcam import' makes a recording of") != std::string::npos);
+  }
+  const Error both =
+      sample::error_of(hdrcam_verb("import " + folder + "/a " + folder + "/b -o " + folder + "/x.mkv"));
+  CHECK(both.code == ErrorCode::Invalid);
+  CHECK(both.message.find("/a' is a folder among other footage") != std::string::npos);
 }
 
 TEST_CASE("names in a recording cannot move the cursor of a terminal") {

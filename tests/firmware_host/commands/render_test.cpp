@@ -14,6 +14,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/moving_scene.h"
 #include "tests/support/ran_here.h"
+#include "tests/support/stopping_storage.h"
 
 #include <catch2/catch.hpp>
 
@@ -202,6 +203,24 @@ TEST_CASE("a stereo film has both eyes side by side, each from its own place", "
   CHECK(apart > 1);
 }
 
+TEST_CASE("a film ends after the current frame when it is told to stop, however long it was to be",
+          "[film]") {
+  const std::string folder = sample::scratch_folder("render_stopped"), path = folder + "/long.csv";
+  const std::string text = "time_s,yaw\n0,0\n100,7\n";
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(text))).ok());
+  test::StoppingStorage storage(".exr", 3);
+  const std::vector<std::string> words{"render", clip(), "--preset", "fast", "--set", "steps=1",
+                                       "--time", "0.1",  "--path",   path,   "-o",    folder + "/%06d.exr"};
+  const RanHere outcome = ran_here(words, storage, storage.stop());
+  INFO(outcome.err);
+  CHECK(outcome.exit_code == exit_code_of(ErrorCode::Interrupted));
+  CHECK_THAT(outcome.err, Contains("of 3001 frames of the film; they are complete"));
+  const auto pictures = std::ranges::count_if(
+      fs::directory_iterator(folder), [](const auto& entry) { return entry.path().extension() == ".exr"; });
+  CHECK(pictures >= 3);
+  CHECK(pictures < 100);
+}
+
 TEST_CASE("what the verb cannot do is said before anything is written", "[film]") {
   const std::string folder = sample::scratch_folder("render_refused"), frames = folder + "/x/%06d.exr";
   CHECK_THAT(refusal({}), Contains("nothing to write; give --output"));
@@ -216,6 +235,11 @@ TEST_CASE("what the verb cannot do is said before anything is written", "[film]"
   CHECK_THAT(refusal({"-o", folder + "/x/%06d.png"}), Contains("give --exposure 4ms or --ldr"));
   CHECK_THAT(refusal({"-o", frames, "--stereo", "63mm"}),
              Contains("the poses are tracked and have no metres"));
+  for (const char* motion : {"flow", "flow_forward", "field_flow", "field_flow_forward"})
+    CHECK_THAT(refusal({"-o", frames, "--layers", motion}),
+               Contains(std::string("--layers ") + motion + " writes the motion between recorded frames"));
+  CHECK_THAT(refusal({"-o", frames, "--view", "0.1,0,0", "--emit", "state"}),
+             Contains("leave out --emit state"));
   CHECK_FALSE(fs::exists(folder + "/x"));
   CHECK(ran_here({"render", folder + "/none.mkv", "-o", frames}).exit_code ==
         exit_code_of(ErrorCode::NotFound));

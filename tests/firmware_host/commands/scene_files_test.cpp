@@ -413,6 +413,8 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
   refused(with({"--flow-forward", out + "/%06d.flo", "--lookahead", "0"}), "--lookahead 1");
   refused(with({"-o", frames, "--layers", "flow_forward", "--lookahead", "0"}), "--lookahead 1");
   refused(with({"--depth", out + "/%06d.png", "--emit", "state"}), "--emit state");
+  refused(with({"-o", frames, "--layers", "depth", "--emit", "state"}),
+          "--layers depth comes from the field");
   refused(with({"--transforms", whole, "-o", frames}), "would overwrite the recording that is read");
   refused(with({"--transforms", out + "/same.json", "-o", frames, "--stats", out + "/same.json"}),
           "would overwrite --stats");

@@ -1,7 +1,9 @@
 // The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is
 // explained.
+#include <filesystem>
 #include <string>
 
+#include "firmware_host/exit_code.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 #include "render/scores/scores.h"
@@ -81,6 +83,15 @@ TEST_CASE("dropped frames are gaps in the recording, flagged behind the gap") {
   CHECK(gaps > 2);
 }
 
+TEST_CASE("a scene that loses every frame is refused, and nothing is written") {
+  const std::string path = sample::scratch_folder("simulate_all_lost") + "/d.mkv";
+  const Ran run = run_simulate(fmt::format("'walk?size=64x48&drops=1' -o {} --frames 3", path));
+  INFO(run.output);
+  CHECK(run.exit_code == exit_code_of(ErrorCode::Invalid));
+  CHECK(run.output.find("drops=1") != std::string::npos);
+  CHECK_FALSE(posix_storage().open(path).ok());
+}
+
 TEST_CASE("explain names every effect, its reason, and a cost where it is on") {
   const Ran run = run_simulate("'night?size=64x48' --explain");
   INFO(run.output);
@@ -101,10 +112,34 @@ TEST_CASE("a raw recording is Bayer, linear and explained as such") {
   CHECK(value_of(reader->next())->facts.black_level->code(12) == Approx(0.0625 * 4095));
 }
 
+TEST_CASE("a clip with truth is replaced with --force only, and no recording takes the place of its files") {
+  const std::string folder = sample::scratch_folder("simulate_kept"), clip = folder + "/clip";
+  const auto frames = [&] { return value_of(ImageSequence::open(posix_storage(), clip)).frame_count(); };
+  require_success(fmt::format("'walk?size=32x32' --truth {} --frames 4", clip));
+  const Ran again = run_simulate(fmt::format("'walk?size=32x32' --truth {} --frames 2", clip));
+  CHECK(again.exit_code == 17);
+  CHECK(again.output.find("--force") != std::string::npos);
+  CHECK(frames() == 4);
+  require_success(fmt::format("'walk?size=32x32' --truth {} --frames 2 --force", clip));
+  CHECK(frames() == 2);
+  for (const char* file : {"clip.json", "gt/gt.json", "ldr/0000.png"}) {
+    INFO(file);
+    const Ran mixed = run_simulate(
+        fmt::format("'walk?size=32x32' --truth {0}/new -o {0}/new/{1} --frames 2", folder, file));
+    CHECK(mixed.exit_code == 2);
+    CHECK(mixed.output.find("would overwrite --truth") != std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists(folder + "/new"));
+}
+
 TEST_CASE("simulate refuses in a sentence what it cannot do") {
   CHECK(run_simulate("walk").output.find("--truth") != std::string::npos);
   CHECK(run_simulate("").output.find("--list") != std::string::npos);
   CHECK(run_simulate("walk -o /tmp/x.mkv --shutter 50ms").output.find("does not fit") != std::string::npos);
+  const Ran equal = run_simulate("walk -o /tmp/x.mkv --shutter 4ms,4ms,4ms");
+  CHECK(equal.exit_code == kExitUsage);
+  CHECK(equal.output.find("all 3 exposures of the cycle are the same, 4 ms") != std::string::npos);
+  CHECK(run_simulate("--list -o /tmp/x.mkv").exit_code == kExitUsage);
   CHECK(run_simulate("nowhere --explain").exit_code != 0);
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
 }

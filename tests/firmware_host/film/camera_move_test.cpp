@@ -89,6 +89,13 @@ TEST_CASE("a path passes through its poses, holds at its ends, and reads the sam
   }
 }
 
+TEST_CASE("a path file of a spreadsheet begins with a byte order mark", "[film]") {
+  const auto csv = file_with("bom.csv", "\xef\xbb\xbftime_s,dx\n0,0.5\n");
+  CHECK(CameraMove::read_path(posix_storage(), csv).value().at(0).shift.x() == 0.5);
+  const auto json = file_with("bom", "\xef\xbb\xbf[{\"time_s\": 0, \"dx\": 0.5}]");
+  CHECK(CameraMove::read_path(posix_storage(), json).value().at(0).shift.x() == 0.5);
+}
+
 TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   const auto read = [](const char* name, const char* text) {
     return refusal(CameraMove::read_path(posix_storage(), file_with(name, text)));
@@ -102,6 +109,10 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK_THAT(read("f.json", "{\"time_s\": 0}"), Contains("is no JSON array of poses"));
   CHECK_THAT(read("g.json", "[{\"time_s\": 0, \"dx\": \"1\"}]"), Contains("pose 0"));
   CHECK_THAT(read("h.csv", "time_s,dx\n-1,1\n"), Contains("a time from 0 on"));
+  CHECK_THAT(read("i.csv", "time_s;dx\n0;0,1\n"), Contains("i.csv:1: the values are separated by ';'"));
+  const std::string bytes("\x1a\x45\xdf\xa3\0\0,\x01", 8);
+  CHECK_THAT(refusal(CameraMove::read_path(posix_storage(), file_with("j.mkv", bytes))),
+             Contains("j.mkv' is no path of a view: it is no text"));
   CHECK(CameraMove::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
 }
 

@@ -85,11 +85,14 @@ TEST_CASE("what cannot be filmed is refused in a sentence that names the flag an
 TEST_CASE("a length in metres needs a recording that has poses, and a view needs the field", "[film]") {
   FilmedRecording posed = kWalk;
   posed.has_poses = true;
-  Settings::Fit tracked, blind;
-  tracked.knobs["pose"] = "tracked", blind.knobs["field"] = "none";
+  Settings::Fit tracked, blind, state_alone;
+  tracked.knobs["pose"] = "tracked", blind.knobs["field"] = "none", state_alone.emit = EmitLayer::State;
   CHECK(planned({.stereo = "63mm"}, posed).value().baseline == Approx(0.063));
   CHECK_THAT(refusal({.stereo = "63mm"}), Contains("--stereo is in metres, but the poses are tracked"));
   CHECK_THAT(refusal({.stereo = "63mm"}, posed, tracked), Contains("--stereo is in metres"));
   CHECK_THAT(refusal({.view = "0.1,0,0"}, kWalk, blind), Contains("--set field=none"));
   CHECK(planned({}, kWalk, blind).ok());
+  CHECK_THAT(refusal({.view = "0.1,0,0"}, kWalk, state_alone), Contains("leave out --emit state"));
+  CHECK_THAT(refusal({.stereo = "0.02"}, kWalk, state_alone), Contains("leave out --emit state"));
+  CHECK(planned({}, kWalk, state_alone).ok());
 }

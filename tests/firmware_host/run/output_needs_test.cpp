@@ -1,5 +1,7 @@
 #include "firmware_host/run/output_needs.h"
 
+#include <string>
+
 #include <catch2/catch.hpp>
 
 namespace hdrcam {
@@ -17,6 +19,49 @@ TEST_CASE("EXR files beside a camera are not compressed, others are, and the set
       output.compression = asked;
       CHECK(compression_of(output, pace) == used);
     }
+}
+
+TEST_CASE("a layer or an output of the field is refused by name where the field is left out") {
+  Settings settings;
+  settings.output.paths["frames"] = "out/%06d.exr";
+  settings.fit.emit = EmitLayer::State;
+  CHECK(check_needs(settings).ok());
+  const std::pair<bool ExrLayers::*, const char*> layers[] = {
+      {&ExrLayers::depth, "depth"},
+      {&ExrLayers::field_flow, "field_flow"},
+      {&ExrLayers::field_flow_forward, "field_flow_forward"}};
+  for (const auto& [layer, word] : layers) {
+    settings.output.layers = {};
+    settings.output.layers.*layer = true;
+    const auto refused = check_needs(settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Invalid);
+    CHECK(refused.error().message == std::string("--layers ") + word +
+                                         " comes from the field, which --emit state leaves out; leave out "
+                                         "one of them");
+  }
+  settings.output.layers = {.flow = true, .flow_forward = true};
+  CHECK(check_needs(settings).ok());  // the state's own
+  settings.fit.emit = EmitLayer::Merged;
+  settings.output.paths["depth"] = "depth/%06d.png";
+  CHECK(check_needs(settings).ok());
+  settings.fit.knobs["field"] = "none";
+  REQUIRE_FALSE(check_needs(settings).ok());
+  CHECK(check_needs(settings).error().message ==
+        "--depth comes from the field, which --set field=none leaves out; leave out one of them");
+}
+
+TEST_CASE("motion is found among the layers and among the outputs of its own") {
+  Settings::Output output;
+  output.paths["frames"] = "out/%06d.exr";
+  output.layers.depth = output.layers.provenance = true;
+  CHECK(motion_output(output).empty());
+  output.layers.field_flow = true;
+  CHECK(motion_output(output) == "--layers field_flow");
+  output.layers.flow_forward = true;
+  CHECK(motion_output(output) == "--layers flow_forward");
+  output.paths["flow_backward"] = "back/%06d.flo";
+  CHECK(motion_output(output) == "--flow-backward");
 }
 
 }  // namespace

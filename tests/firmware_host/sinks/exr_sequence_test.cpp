@@ -135,6 +135,7 @@ TEST_CASE("a full disk ends the sequence with an error and leaves only whole fil
   }
   REQUIRE_FALSE(last.ok());
   CHECK(last.error().code == ErrorCode::NoSpace);
+  CHECK(last.error().message.find(fmt::format("'{}/{:04}.exr'", folder, written)) != std::string::npos);
   CHECK(written > 0);
   std::uint64_t whole = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {

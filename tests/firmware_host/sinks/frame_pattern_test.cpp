@@ -44,3 +44,11 @@ TEST_CASE("a pattern that would lose frames or reach printf is refused with the 
     CHECK_THAT(pattern.error().message, Contains("--output '" + text + "'") && Contains("'out/%06d.exr'"));
   }
 }
+
+TEST_CASE("a single file for all frames leads to the videos, where the output may be one") {
+  const auto message = [](const char* flag, const char* text, const char* extension) {
+    return FramePattern::parse(flag, text, extension).error().message;
+  };
+  CHECK_THAT(message("--output", "v.avi", ".exr"), Contains("out.mp4, out.mov or out.mkv"));
+  CHECK_THAT(message("--preview", "v.avi", ".png"), !Contains("out.mp4"));
+}

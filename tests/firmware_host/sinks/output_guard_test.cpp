@@ -84,6 +84,67 @@ TEST_CASE("two outputs may not be one file, also before it exists") {
                            {"--sheet", ""}}));
 }
 
+// Runs in a folder, as a user does who names files without one.
+struct CurrentFolder {
+  explicit CurrentFolder(const std::string& folder) { fs::current_path(folder); }
+  ~CurrentFolder() { fs::current_path(before); }
+  const fs::path before = fs::current_path();
+};
+
+TEST_CASE("a missing file of the current folder is one file, under whatever name it is given") {
+  const Desk desk("guard_current_folder");
+  const CurrentFolder current(desk.folder);
+  const std::string up = "../" + fs::path(desk.folder).filename().string() + "/y.mkv";
+  for (const std::string& name : {std::string("./y.mkv"), up, desk.folder + "/y.mkv"}) {
+    INFO(name);
+    const NamedOutput outputs[] = {{"--output", "y.mkv", OutputKind::Recording},
+                                   {"--record", name, OutputKind::Recording}};
+    for (const Overwrite overwrite : {Overwrite::Refuse, Overwrite::Force})
+      require_error(check_outputs(posix_storage(), {}, outputs, overwrite), ErrorCode::Invalid);
+  }
+  const NamedOutput frame[] = {{"--output", "%06d.exr", OutputKind::Frames}, {"--stats", "000001.exr"}};
+  require_error(check_outputs(posix_storage(), {}, frame, Overwrite::Refuse), ErrorCode::Invalid);
+}
+
+TEST_CASE("no output goes into a folder that is read, whether its file exists or not, even with --force") {
+  const Desk desk("guard_folder");
+  desk.put("clip/gt/hdr/0000.exr");
+  const std::vector<NamedInput> inputs{{"the ground truth", desk.folder + "/clip/gt", InputKind::Folder}};
+  const auto check = [&](const std::string& path, OutputKind kind) {
+    const NamedOutput outputs[] = {{"--output", desk.folder + "/" + path, kind}};
+    return check_outputs(posix_storage(), inputs, outputs, Overwrite::Force);
+  };
+  require_error(check("clip/gt/hdr/%04d.exr", OutputKind::Frames), ErrorCode::Invalid);
+  require_error(check("clip/gt/%06d.exr", OutputKind::Frames), ErrorCode::Invalid);
+  require_error(check("clip/gt/new/stats.json", OutputKind::Page), ErrorCode::Invalid);
+  require_done(check("clip/out/%06d.exr", OutputKind::Frames));
+  require_done(check("clip/gt.json", OutputKind::Page));
+}
+
+TEST_CASE("a document is replaced with --force only, and never stands in for a recording") {
+  const Desk desk("guard_document");
+  desk.put("camera.toml"), desk.put("take1.mkv");
+  const std::vector<NamedOutput> again{{"--output", "camera.toml", OutputKind::Document}};
+  require_error(desk.check(again), ErrorCode::Exists);
+  require_done(desk.check(again, Overwrite::Force));
+  require_error(desk.check({{"--output", "take1.mkv", OutputKind::Document}}, Overwrite::Force),
+                ErrorCode::Invalid);
+}
+
+TEST_CASE("a name that no frame or file can have is refused before its folder is made") {
+  const Desk desk("guard_names");
+  const auto refused = [&](const NamedOutput& output, const char* reason) {
+    const Result<void> checked = desk.check({output});
+    require_error(checked, ErrorCode::Invalid);
+    CHECK(checked.error().message.find(reason) != std::string::npos);
+  };
+  refused({"--output", "o/100%/%06d.exr", OutputKind::Frames, ".exr"}, "more than one '%'");
+  refused({"--preview", "o/%06d.exr", OutputKind::Frames, ".png"}, "does not end in '.png'");
+  refused({"--depth", "o/depth.png", OutputKind::Frames, ".png"}, "would put every frame into one file");
+  refused({"--stats", "o/", OutputKind::Page}, "names a folder");
+  CHECK_FALSE(fs::exists(desk.folder + "/o"));
+}
+
 TEST_CASE("an earlier recording is replaced with --force only") {
   const Desk desk("guard_take");
   desk.put("take1.mkv");

@@ -63,6 +63,24 @@ TEST_CASE("one line of the table is one more sink: it is opened where a path is 
   CHECK(times[0].name == "tally");
 }
 
+TEST_CASE("the standard output takes frames alone, and a sheet is a PNG picture") {
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  const auto refusal = [&](const char* sink, const std::string& path) {
+    const auto refused = SinkSet::open(sink_kinds(), {{sink, path}}, request, RunPace::Clip);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Invalid);
+    return refused.error().message;
+  };
+  CHECK(
+      refusal("stats", "-") ==
+      "--stats - would write a file named '-': only the frames of -o go to the standard output; name a file");
+  CHECK(refusal("report", "-").starts_with("--report - would write"));
+  const std::string sheet = sample::scratch_folder("sink_names") + "/s.jpg";
+  CHECK(refusal("sheet", sheet) ==
+        "--sheet '" + sheet + "' is no name of a PNG picture; name it as sheet.png");
+}
+
 TEST_CASE("a sink without a path is not opened, and one that cannot be opened says why") {
   const CameraFacts camera;
   const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
@@ -81,4 +99,7 @@ TEST_CASE("every sink is finished, also after another one failed") {
   REQUIRE(sinks.ok());
   CHECK_FALSE(sinks.value().finish().ok());
   CHECK(read_whole(posix_storage(), folder + "/b").value() == "0");
+  CHECK_FALSE(sinks.value().is_whole("tally"));
+  CHECK(sinks.value().is_whole("light"));
+  CHECK_FALSE(sinks.value().is_whole("other"));
 }

@@ -1,6 +1,7 @@
 #include "hal/footage/footage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -37,6 +38,7 @@ struct Read {
   CameraFacts camera;
   std::string about;
   std::vector<RawFrame> frames;
+  std::vector<FootageLosses> losses;
   std::optional<Error> error;
 };
 
@@ -49,7 +51,7 @@ Read read(std::vector<std::string> files, double framerate_hz = 0) {
     RawFrame frame;
     const auto more = footage.value()->next(frame);
     if (!more) return all.error = more.error(), std::move(all);
-    if (!more.value()) return all;
+    if (!more.value()) return all.losses = footage.value()->losses(), std::move(all);
     all.frames.push_back(std::move(frame));
   }
 }
@@ -205,4 +207,62 @@ TEST_CASE("a video that was cut comes up to its cut") {
   CHECK_FALSE(read_back.error);
   CHECK(read_back.frames.size() >= 30);
   CHECK(read_back.frames.size() < 90);
+  REQUIRE(read_back.losses.size() == 1);  // its end is stated
+  CHECK(static_cast<int>(read_back.frames.size()) + read_back.losses[0].lost.missing == 90);
+}
+
+TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
+  const std::string path = sample::scratch_folder("footage_cut_mp4") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(30)).ok());
+  CHECK(read({path}).losses.empty());
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  const Read read_back = read({path, path});
+  CHECK_FALSE(read_back.error);
+  REQUIRE(read_back.losses.size() == 2);
+  const PictureLosses lost = read_back.losses[0].lost;
+  CHECK(read_back.losses[0].path == path);
+  CHECK(lost.missing > 0);
+  const std::size_t whole = read_back.frames.size() / 2;
+  CHECK(whole + static_cast<std::size_t>(lost.missing + lost.damaged) == 30);
+  // The second file begins where the first one should have ended, but for its last, damaged picture.
+  const double begin_s = read_back.frames[whole].facts.timestamp.seconds();
+  CHECK(begin_s >= static_cast<double>(30 - lost.damaged) / 30 - 1e-6);
+}
+
+TEST_CASE("damaged frames of a video are left out and counted, and the others keep their times") {
+  const std::string path = sample::scratch_folder("footage_damaged") + "/x.mp4";
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(20)).ok());
+  const auto size = static_cast<std::streamoff>(std::filesystem::file_size(path));
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  const std::string zeros(static_cast<std::size_t>(size / 10), '\0');
+  file.seekp(size / 2).write(zeros.data(), static_cast<std::streamsize>(zeros.size()));
+  file.close();
+  const Read read_back = read({path});
+  CHECK_FALSE(read_back.error);
+  REQUIRE(read_back.losses.size() == 1);
+  CHECK(read_back.losses[0].lost.damaged > 0);
+  CHECK(read_back.losses[0].lost.missing == 0);
+  CHECK(read_back.frames.size() < 20);
+  for (const RawFrame& frame : read_back.frames) {
+    const double number = frame.facts.timestamp.seconds() * 30;
+    CHECK(number == Approx(std::round(number)).margin(1e-3));
+    CHECK(difference(frame, 10, patches(static_cast<int>(std::lround(number)))) < 3);
+  }
+}
+
+TEST_CASE("a damaged still is an error that names it, wherever it stands") {
+  const std::string folder = sample::scratch_folder("footage_damaged_still");
+  test::write_jpeg(folder + "/a.jpg", patches(0), std::nullopt);
+  test::write_jpeg(folder + "/b.jpg", patches(1), std::nullopt);
+  png(folder + "/c.png", patches(0)), png(folder + "/d.png", patches(1));
+  for (const auto& [whole, cut] : {std::pair{"/a.jpg", "/b.jpg"}, std::pair{"/c.png", "/d.png"}}) {
+    const std::string damaged = folder + cut;
+    std::filesystem::resize_file(damaged, std::filesystem::file_size(damaged) * 2 / 3);
+    for (const auto& files : {std::vector{folder + whole, damaged}, std::vector{damaged, folder + whole}}) {
+      const Read read_back = read(files);
+      REQUIRE(read_back.error);
+      CHECK(read_back.error->code == ErrorCode::Corrupt);
+      CHECK_THAT(read_back.error->message, Contains(damaged) && Contains("damaged or cut"));
+    }
+  }
 }

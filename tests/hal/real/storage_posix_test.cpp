@@ -61,6 +61,23 @@ TEST_CASE("a file that is replaced keeps its permissions") {
   CHECK((status.st_mode & 07777) == 0600);
 }
 
+TEST_CASE("a file where a folder is needed is named, and so is a folder that takes no files") {
+  const TemporaryFolder folder;
+  require_done(write_whole(posix_storage(), folder / "notes.txt", bytes_of("old")));
+  const std::string blocker = "'" + (folder / "notes.txt") + "' is a file, and a folder is needed";
+  for (const char* path : {"notes.txt/clip.json", "notes.txt/a/b.json"}) {
+    const auto opened = posix_storage().open(folder / path);
+    require_error(opened, ErrorCode::Permission);
+    CHECK(opened.error().message.find(blocker) != std::string::npos);
+  }
+  const auto made = posix_storage().make_directories(folder / "notes.txt");
+  require_error(made, ErrorCode::Permission);
+  CHECK(made.error().message.find(blocker) != std::string::npos);
+  const auto created = posix_storage().create("/proc/s.json", Creation::New);
+  require_error(created, ErrorCode::Permission);
+  CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
+}
+
 TEST_CASE("a FIFO is written through, not replaced") {
   const TemporaryFolder folder;
   const std::string fifo = folder / "fifo";

@@ -327,7 +327,9 @@ TEST_CASE("a file that is not a recording is said to be none") {
     write_file(path, "\x89PNG\r\n\x1a\n and so on");
     const auto replayed = sample::replay(posix_storage(), path);
     CHECK(replayed.ended_with(ErrorCode::NotRecording));
-    CHECK(replayed.error->message == "'" + path + "' is not a recording: it is no Matroska file");
+    CHECK(replayed.error->message == "'" + path +
+                                         "' is not a recording: it is no Matroska file; 'hdrcam "
+                                         "import' makes a recording of pictures, videos and clips");
   }
   SECTION("it is noise") {
     std::mt19937 random(3);

@@ -104,9 +104,9 @@ TEST_CASE("an exposure that is missing or cannot be is refused by its frame, fil
   refused("", "'exposure_s' missing");
   refused(R"(,"exposure_s":0)", "'exposure_s' is 0");
   refused(R"(,"exposure_s":-0.004)", "'exposure_s' is -0.004");
-  refused(R"(,"exposure_s":NaN)", "'exposure_s'");
-  refused(R"(,"exposure_s":Infinity)", "'exposure_s'");
-  refused(R"(,"exposure_s":-Infinity)", "'exposure_s'");
+  refused(R"(,"exposure_s":NaN)", "'exposure_s' is NaN");
+  refused(R"(,"exposure_s":Infinity)", "'exposure_s' is Infinity");
+  refused(R"(,"exposure_s":-Infinity)", "'exposure_s' is -Infinity");
   refused(R"(,"exposure_s":null)", "'exposure_s' is null");
   refused(R"(,"exposure_s":"long")", "'exposure_s' is \"long\"");
   refused(R"(,"exposure_s":0.01,"gain":0)", "'gain' is 0");

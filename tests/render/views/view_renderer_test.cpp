@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/srgb.h"
 #include "render/views/re_exposure.h"
 
 #include <catch2/catch.hpp>

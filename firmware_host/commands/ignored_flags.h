@@ -1,0 +1,14 @@
+// Refuses a flag of the command line that its run would not use. What a file of settings holds is not
+// refused: one file serves many runs. Reentrant.
+#pragma once
+
+#include "firmware_host/settings/settings_flags.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+// Errors: Invalid, naming the flags: those of the camera's mode and cycle where a recording stands in for the
+// camera, and those of the live page without --http.
+Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings);
+
+}  // namespace hdrcam

@@ -1,0 +1,17 @@
+#include "firmware_host/commands/recording_name.h"
+
+#include <fmt/format.h>
+
+#include "hal/video/video_writer.h"
+
+namespace hdrcam {
+
+Result<void> check_recording_name(Storage& storage, const char* flag, const std::string& path) {
+  if (path.empty() || video_container_of(path) == VideoContainer::Matroska) return {};
+  if (TRY(storage.look_at(path)).kind == FileKind::Other) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} '{}' is no name of a recording, which is a Matroska file; name it as walk.mkv",
+                           flag, path)};
+}
+
+}  // namespace hdrcam

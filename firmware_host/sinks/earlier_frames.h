@@ -1,0 +1,34 @@
+// The numbered files of an earlier run that lie where a run writes its own. --force replaces those of the
+// same numbers; the others stay, because they may be all that is left of a take, and a warning says so:
+// whoever reads the pattern as one clip would mix two. Thread-bound.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+class EarlierFrames {
+ public:
+  // Looks at the files that are there now. pattern: "out/%06d.exr"; what is none has no files. The storage
+  // outlives this.
+  EarlierFrames(Storage& storage, const std::string& pattern);
+
+  // After the run: a sentence about the files that it did not replace; "" where there are none.
+  std::string warning() const;
+
+ private:
+  struct File {
+    std::string path;
+    std::uint64_t inode;
+  };
+
+  Storage& storage_;
+  const std::string pattern_;
+  std::vector<File> files_;
+};
+
+}  // namespace hdrcam

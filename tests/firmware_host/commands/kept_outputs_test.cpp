@@ -1,0 +1,169 @@
+// What no output of a verb may destroy, what a refused or failed run leaves, and what it says that it wrote.
+#include <algorithm>
+#include <filesystem>
+#include <span>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "hal/recording/image_sequence.h"
+#include "render/exr.h"
+#include "tests/contracts/expect.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+#include "tests/support/ran_here.h"
+
+#include "tests/support/ran.h"
+
+using namespace hdrcam;
+using Catch::Contains;
+using test::ran_here;
+using test::RanHere;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kDemo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+const std::vector<std::string> kQuick{"--preset", "fast", "--emit", "state"};
+
+std::vector<std::string> joined(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+void put(const std::string& path, const std::string& text) {
+  require_done(write_whole(posix_storage(), path, std::as_bytes(std::span(text))));
+}
+
+std::string text_of(const std::string& path) { return value_of(read_whole(posix_storage(), path)); }
+
+bool has_line(const std::string& text, const std::string& wanted) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (line == wanted) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("no output takes the place of the configuration, of a clip or of its truth, even with --force") {
+  const std::string folder = sample::scratch_folder("kept_inputs"), clip = folder + "/clip",
+                    walk = folder + "/walk.mkv", config = folder + "/c.toml", out = folder + "/out";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
+          0);
+  put(config, "[fit]\nseed = 2\n");
+  const auto refused = [&](const std::vector<std::string>& words, const char* kept) {
+    const RanHere run = ran_here(words);
+    INFO(run.err);
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Contains("would overwrite") && Contains(kept));
+  };
+  const char* const kConfig = "the configuration";
+  refused({"replay", walk, "--config", config, "--stats", config}, kConfig);
+  refused({"live", "--camera", "sim:still?size=32x32", "--config", config, "--report", config}, kConfig);
+  refused({"record", "--camera", "sim:still?size=32x32", "--config", config, "--force", "-o", config},
+          kConfig);
+  refused({"simulate", "walk?size=32x32", "--config", config, "--force", "-o", config}, kConfig);
+  refused({"compare", clip, out, "--config", config, "--json", config}, kConfig);
+  CHECK(text_of(config) == "[fit]\nseed = 2\n");
+
+  const std::string clip_json = text_of(clip + "/clip.json");
+  refused({"compare", clip, out, "--json", clip + "/clip.json"}, "the clip");
+  refused({"replay", walk, "--truth", clip, "--force", "-o", clip + "/gt/hdr/%04d.exr"}, "the ground truth");
+  refused({"replay", walk, "--truth", clip, "--force", "-o", out + "/%06d.exr", "--preview",
+           clip + "/ldr/%04d.png"},
+          "the pictures of the clip");
+  CHECK(text_of(clip + "/clip.json") == clip_json);
+  CHECK(value_of(ImageSequence::open(posix_storage(), clip)).frame_count() == 6);
+  CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("an empty name of a file or a folder is refused by every verb and every flag") {
+  const std::vector<std::vector<std::string>> lines{{"export", kDemo, "-o", ""},
+                                                    {"export", "", "-o", "out"},
+                                                    {"compare", "", ""},
+                                                    {"compare", "clip", "out", "--json", ""},
+                                                    {"info", ""},
+                                                    {"repair", kDemo, "-o", ""},
+                                                    {"import", "clip", "-o", ""},
+                                                    {"simulate", "walk", "-o", ""},
+                                                    {"simulate", "walk", "--truth", ""},
+                                                    {"manual", "-o", ""},
+                                                    {"bench", "pareto", "clip", "-o", ""},
+                                                    {"bench", "kernels", "--json", ""},
+                                                    {"calibrate", "delay", "-o", ""},
+                                                    {"record", "-o", ""},
+                                                    {"record", "--trace", "", "-o", "x.mkv"},
+                                                    {"encode", "out/%06d.exr", "-o", ""},
+                                                    {"replay", kDemo, "-o", ""},
+                                                    {"replay", kDemo, "-o", "out/%06d.exr", "--stats", ""},
+                                                    {"replay", kDemo, "-o", "out/%06d.exr", "--truth", ""},
+                                                    {"replay", kDemo, "-o", "out/%06d.exr", "--config", ""},
+                                                    {"render", kDemo, "-o", "out/%06d.exr", "--path", ""},
+                                                    {"live", "--camera", "sim:still", "--record", ""}};
+  for (const auto& line : lines) {
+    INFO(line.front() << " " << line[line.size() - 2]);
+    const RanHere run = ran_here(line);
+    CHECK(run.exit_code == 2);
+    CHECK_THAT(run.err, Contains("takes the name of a file or a folder, not ''"));
+  }
+}
+
+TEST_CASE("a run that is refused for its outputs leaves no folder of them") {
+  const std::string folder = sample::scratch_folder("kept_refused"), out = folder + "/out";
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"-o", out + "/100%/%06d.exr"},
+                                             {"-o", out + "/frame.exr"},
+                                             {"--preview", out + "/%06d.exr"},
+                                             {"--colmap", out + "/colmap"},
+                                             {"--transforms", out + "/transforms.json"},
+                                             {"--flow-forward", out + "/%06d.flo", "--lookahead", "0"},
+                                             {"--stats", out + "/"}}) {
+    INFO(flags.back());
+    CHECK(ran_here(joined({"replay", kDemo}, flags)).exit_code == 2);
+    CHECK_FALSE(fs::exists(out));
+  }
+}
+
+TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {
+  const std::string folder = sample::scratch_folder("kept_video"), video = folder + "/depth.mp4";
+  const float depth[4] = {1, 2, 3, 4};
+  ExrPicture picture;
+  picture.rows = picture.cols = 2;
+  picture.channels.push_back({"Z", {depth, 4}, ExrSample::Float});
+  require_done(write_whole(posix_storage(), folder + "/000000.exr", value_of(encode_exr(picture))));
+  const std::vector<std::string> words{"encode", folder + "/%06d.exr", "--force", "-o", video};
+  const RanHere none = ran_here(words);
+  CHECK(none.exit_code == 2);
+  CHECK_THAT(none.err, Contains("has no channel"));
+  CHECK_FALSE(fs::exists(video));
+  put(video, "an earlier video");
+  CHECK(ran_here(words).exit_code == 2);
+  CHECK(text_of(video) == "an earlier video");
+}
+
+TEST_CASE("a run lists the outputs that it completed, and no other") {
+  const std::string folder = sample::scratch_folder("kept_list"), frames = folder + "/%06d.exr",
+                    report = folder + "/report.html";
+  const test::Ran run = test::ran(joined(
+      {"replay", kDemo, "--frames", "6", "-o", frames, "--stats", "/dev/full", "--report", report}, kQuick));
+  INFO(run.output);
+  CHECK(run.exit_code == 11);
+  CHECK_FALSE(has_line(run.output, "/dev/full"));
+  CHECK_THAT(run.output, Contains(frames + ": 6 frames\n") && Contains(report + "\n"));
+  CHECK(fs::exists(report));  // written, although the statistics before it failed
+}
+
+TEST_CASE("a run with --force says which files of an earlier, longer run remain beside its own") {
+  const std::string folder = sample::scratch_folder("kept_older"), frames = folder + "/%06d.exr";
+  const auto replay = [&](const char* count) {
+    return test::ran(joined({"replay", kDemo, "--force", "--frames", count, "-o", frames}, kQuick));
+  };
+  CHECK_THAT(replay("8").output, !Contains("earlier run"));
+  const test::Ran shorter = replay("6");
+  INFO(shorter.output);
+  CHECK(shorter.exit_code == 0);
+  CHECK_THAT(shorter.output, Contains("warning: 2 file(s) of an earlier run remain") && Contains(frames));
+  CHECK_THAT(replay("8").output, !Contains("earlier run"));
+}
