@@ -208,7 +208,7 @@ Result<CameraMove> CameraMove::parse_view(std::string_view text) {
 Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& path) {
   const std::string content = TRY(read_whole(storage, path));
   std::string_view text = content;
-  if (text.find('\0') != std::string_view::npos) return no_text(path);
+  if (std::ranges::find(content, '\0') != content.end()) return no_text(path);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   const bool json = trimmed(text.substr(0, 64)).starts_with('[') || path.ends_with(".json");

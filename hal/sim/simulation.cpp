@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -158,18 +159,18 @@ struct GivenSetting {
   std::string_view key, value;
 };
 
-// Each setting once, and no effect both with and without.
+// Each setting once, lists of effects apart; and no effect both with and without.
 Result<void> check_given(std::span<const GivenSetting> given) {
-  const auto value_of = [&](std::string_view key) {
-    const auto found = std::ranges::find(given, key, &GivenSetting::key);
-    return found == given.end() ? std::string_view() : found->value;
-  };
+  std::vector<std::string_view> added, left_out;
   for (const GivenSetting& one : given)
-    if (std::ranges::count(given, one.key, &GivenSetting::key) > 1)
+    if (one.key == "with" || one.key == "without") {
+      auto& effects = one.key == "with" ? added : left_out;
+      std::ranges::copy(split(one.value, ','), std::back_inserter(effects));
+    } else if (std::ranges::count(given, one.key, &GivenSetting::key) > 1) {
       return Error{ErrorCode::Invalid,
                    fmt::format("simulation setting '{}' is given more than once; give it once", one.key)};
-  const auto left_out = split(value_of("without"), ',');
-  for (const std::string_view effect : split(value_of("with"), ','))
+    }
+  for (const std::string_view effect : added)
     if (std::ranges::find(left_out, effect) != left_out.end())
       return invalid("with", effect, "it is left out as well; take it out of with or of without");
   return {};

@@ -49,10 +49,10 @@ bool has_line(const std::string& text, const std::string& wanted) {
 
 TEST_CASE("no output takes the place of the configuration, of a clip or of its truth, even with --force") {
   const std::string folder = sample::scratch_folder("kept_inputs"), clip = folder + "/clip",
-                    walk = folder + "/walk.mkv", config = folder + "/c.toml", out = folder + "/out";
+                    walk = folder + "/walk.mkv", config = folder + "/c.toml", odd = folder + "/c.mkv", out = folder + "/out";
   REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
           0);
-  put(config, "[fit]\nseed = 2\n");
+  for (const std::string& file : {config, odd}) put(file, "[fit]\nseed = 2\n");
   const auto refused = [&](const std::vector<std::string>& words, const char* kept) {
     const RanHere run = ran_here(words);
     INFO(run.err);
@@ -62,11 +62,10 @@ TEST_CASE("no output takes the place of the configuration, of a clip or of its t
   const char* const kConfig = "the configuration";
   refused({"replay", walk, "--config", config, "--stats", config}, kConfig);
   refused({"live", "--camera", "sim:still?size=32x32", "--config", config, "--report", config}, kConfig);
-  refused({"record", "--camera", "sim:still?size=32x32", "--config", config, "--force", "-o", config},
-          kConfig);
-  refused({"simulate", "walk?size=32x32", "--config", config, "--force", "-o", config}, kConfig);
+  refused({"record", "--camera", "sim:still?size=32x32", "--config", odd, "--force", "-o", odd}, kConfig);
+  refused({"simulate", "walk?size=32x32", "--config", odd, "--force", "-o", odd}, kConfig);
   refused({"compare", clip, out, "--config", config, "--json", config}, kConfig);
-  CHECK(text_of(config) == "[fit]\nseed = 2\n");
+  for (const std::string& file : {config, odd}) CHECK(text_of(file) == "[fit]\nseed = 2\n");
 
   const std::string clip_json = text_of(clip + "/clip.json");
   refused({"compare", clip, out, "--json", clip + "/clip.json"}, "the clip");

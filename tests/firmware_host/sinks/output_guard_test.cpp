@@ -23,7 +23,7 @@ struct Desk {
   }
   Result<void> check(std::vector<NamedOutput> outputs, Overwrite overwrite = Overwrite::Refuse) const {
     for (NamedOutput& output : outputs)
-      if (!output.path.starts_with('/')) output.path = folder + "/" + output.path;
+      if (!output.path.empty() && !output.path.starts_with('/')) output.path = folder + "/" + output.path;
     const std::vector<NamedInput> inputs{{"the recording that is read", folder + "/walk.mkv"}};
     return check_outputs(posix_storage(), inputs, outputs, overwrite);
   }

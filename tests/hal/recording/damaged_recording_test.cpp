@@ -348,6 +348,8 @@ TEST_CASE("a file that is not a recording is said to be none") {
     CHECK(replayed.error->message.find("not a recording of hdrcam") != std::string::npos);
   }
   SECTION("it is a folder") {
-    CHECK(sample::replay(posix_storage(), folder).ended_with(ErrorCode::Permission));
+    const auto replayed = sample::replay(posix_storage(), folder);
+    CHECK(replayed.ended_with(ErrorCode::NotRecording));
+    CHECK(replayed.error->message.find("is a folder and not a recording") != std::string::npos);
   }
 }
