@@ -35,14 +35,15 @@ std::optional<double> take_number(std::string_view& text) {
 std::optional<double> seconds_in(std::string_view text) {
   auto number = take_number(text);
   if (!number) return std::nullopt;
-  if (text.starts_with('/')) {
+  const bool fraction = text.starts_with('/');
+  if (fraction) {
     text.remove_prefix(1);
     const auto divisor = take_number(text);
     if (!divisor || *divisor == 0) return std::nullopt;
     *number /= *divisor;
   }
   text = trimmed(text);
-  if (text.empty() || text == "s") return number;
+  if (text == "s" || (text.empty() && fraction)) return number;
   if (text == "ms") return *number * 1e-3;
   if (text == "us") return *number * 1e-6;
   return std::nullopt;
@@ -59,6 +60,10 @@ double log_product(const Exposure& exposure) { return std::log(exposure.product(
 
 Result<Duration> parse_duration(std::string_view text) {
   constexpr double kLongest_s = 3600;
+  std::string_view rest = trimmed(text);
+  if (const auto number = take_number(rest); number && *number > 0 && rest.empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("the time '{0}' has no unit; write {0}ms or {0}s", trimmed(text))};
   const auto seconds = seconds_in(trimmed(text));
   if (!seconds || !(*seconds >= 1e-9) || *seconds > kLongest_s)
     return Error{ErrorCode::Invalid,

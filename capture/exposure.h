@@ -29,8 +29,8 @@ constexpr double kSameExposure = 0.05;
 // wrong.
 bool outlasts_frame(double exposure_s, double interval_s);
 
-// "4ms", "250us", "1/250", "1/250s", "0.004s"; a bare number is seconds. Invalid for anything else, zero or
-// negative.
+// "4ms", "250us", "1/250", "1/250s", "0.004s". A bare number is refused: seconds are meant by few who write
+// one. Invalid for anything else, zero or negative.
 Result<Duration> parse_duration(std::string_view text);
 
 // A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2". One gain is for all times, one time

@@ -16,15 +16,6 @@ std::string unpredictable_name_beside(const std::string& path) {
       .string();
 }
 
-// Nobody asked for the file in the making: a message names the one that was asked for.
-Result<void> named_as(const std::string& asked, const std::string& made, Result<void> result) {
-  if (result) return result;
-  Error error = result.error();
-  if (const std::size_t at = error.message.find(made); at != std::string::npos)
-    error.message.replace(at, made.size(), asked);
-  return error;
-}
-
 Result<void> write_new(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
   const auto file = TRY(storage.create(path, Creation::New));
   return file->write_at(0, bytes);
@@ -39,13 +30,14 @@ Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& p
   if (there.kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("cannot write '{}': it is a device or a FIFO; name a regular file", path)};
-  return FileInMaking(storage, unpredictable_name_beside(there.real_path), there.real_path);
+  return FileInMaking(storage, unpredictable_name_beside(there.real_path), there.real_path, path);
 }
 
 FileInMaking::FileInMaking(FileInMaking&& other) noexcept
     : storage_(other.storage_),
       path_(std::move(other.path_)),
       final_path_(std::move(other.final_path_)),
+      asked_(std::move(other.asked_)),
       ours_(std::exchange(other.ours_, false)) {}
 
 FileInMaking::~FileInMaking() {
@@ -62,7 +54,7 @@ Result<void> write_whole(Storage& storage, const std::string& path, std::span<co
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return TRY(storage.create(path))->write_at(0, bytes);
   FileInMaking making = TRY(FileInMaking::beside(storage, path));
-  TRY(named_as(path, making.path(), write_new(storage, making.path(), bytes)));
+  TRY(making.as_asked(write_new(storage, making.path(), bytes)));
   return making.commit();
 }
 

@@ -74,12 +74,26 @@ class FileInMaking {
   const std::string& path() const { return path_; }
   Result<void> commit();
 
+  // The outcome of work on path(). Nobody asked for that file: an error names the one that was asked for.
+  template <class T>
+  Result<T> as_asked(Result<T> outcome) const {
+    if (outcome.ok()) return outcome;
+    Error error = outcome.error();
+    if (const std::size_t at = error.message.find(path_); at != std::string::npos)
+      error.message.replace(at, path_.size(), asked_);
+    return error;
+  }
+
  private:
-  FileInMaking(Storage& storage, std::string path, std::string final_path)
-      : storage_(&storage), path_(std::move(path)), final_path_(std::move(final_path)) {}
+  FileInMaking(Storage& storage, std::string path, std::string final_path, std::string asked)
+      : storage_(&storage),
+        path_(std::move(path)),
+        final_path_(std::move(final_path)),
+        asked_(std::move(asked)) {}
 
   Storage* storage_;
   std::string path_, final_path_;
+  std::string asked_;  // the final path as it was given, with its links
   bool ours_ = true;
 };
 

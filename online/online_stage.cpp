@@ -1,5 +1,6 @@
 #include "online/online_stage.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,12 @@ std::optional<FramePose> given_pose(const FrameFacts& facts) {
   const RigidTransform T_world_camera = from_matrix(*facts.T_world_camera);
   if (!T_world_camera.finite()) return std::nullopt;
   return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
+}
+
+// Of intervals between time stamps, which may be wrong.
+float ratio(Duration interval, Duration other) {
+  if (interval <= Duration::zero() || other <= Duration::zero()) return 1;
+  return static_cast<float>(std::clamp(to_seconds(interval) / to_seconds(other), 0.1, 10.0));
 }
 
 }  // namespace
@@ -127,7 +134,8 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
                at_newer = SensorModel::noise_is_seen_in_newer(previous.frame, step.frame);
     const RatedFlows rated{.to_previous = learns && at_newer,
                            .from_previous = joins_newest() || (learns && !at_newer)};
-    motion_->match(state_->state(), step.frame, tables, {budget_.flow, budget_.blurs}, rated, step.motion);
+    motion_->match(state_->state(), step.frame, tables,
+                   {budget_.flow, budget_.blurs, before_ratio(steps_.size() - 1)}, rated, step.motion);
     if (timing_) timing_(Stage::Motion, watch.lap_ms());
     if (learns) {
       sensor_.learn_noise(previous.frame, step.frame, step.motion);
@@ -142,17 +150,12 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   Stopwatch watch;
   std::size_t at = 0;
   while (steps_[at].get() != &step) ++at;
-  const Instant before = time_before(at, 1);
-  const double interval = to_seconds(step.frame.facts.timestamp - before);
-  const auto ratio = [&](double other) {
-    return other > 0 && interval > 0 ? static_cast<float>(std::clamp(interval / other, 0.1, 10.0)) : 1.f;
-  };
-  MotionContext context;
-  if (retired_ + at >= 2) context.before_ratio = ratio(to_seconds(before - time_before(at, 2)));
+  MotionContext context{.before_ratio = before_ratio(at)};
   if (after != nullptr) {
+    const Instant before = time_before(at, 1);
     context.after = &after->frame;
     context.after_tables = &sensor_.tables_for(after->frame);
-    context.after_ratio = ratio(to_seconds(after->frame.facts.timestamp - before));
+    context.after_ratio = ratio(step.frame.facts.timestamp - before, after->frame.facts.timestamp - before);
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow,
                     {.from_previous = field_takes_part() || look_ahead_ > 1}, step.motion);
@@ -192,6 +195,13 @@ void OnlineStage::end_look_along(Step& step) {
 // The instant of the n-th frame before steps_[at], one or two.
 Instant OnlineStage::time_before(std::size_t at, std::size_t n) const {
   return at >= n ? steps_[at - n]->frame.facts.timestamp : retired_times_[n - at - 1];
+}
+
+// The time that a step takes over that of the step before it.
+float OnlineStage::before_ratio(std::size_t at) const {
+  if (retired_ + at < 2) return 1;
+  const Instant before = time_before(at, 1);
+  return ratio(steps_[at]->frame.facts.timestamp - before, before - time_before(at, 2));
 }
 
 Result<void> OnlineStage::fit(Step& step) {

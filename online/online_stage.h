@@ -55,6 +55,7 @@ class OnlineStage {
   Result<void> take(ExposedFrame& frame, const Emit& emit);
   Result<void> advance(Step& step, const Step* after);
   Instant time_before(std::size_t at, std::size_t n) const;
+  float before_ratio(std::size_t at) const;
   Result<void> fit(Step& step);
   void start_second_layer(const ExposedFrame& first);
   void keep_state(Step& step);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "online/mu_law.h"
 #include "online/pictures/for_samples.h"
 #include "render/black_channels.h"
 #include "render/channel_rows.h"
@@ -14,8 +15,7 @@ constexpr int code(Provenance from) { return static_cast<int>(from); }
 }  // namespace
 
 void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
-  constexpr float kDarkOffset =
-      1 / 5000.f;  // of white: below it differences are not visible after mu-law, mu = 5000
+  constexpr float kDarkOffset = 1 / kPsnrMu;  // of white: differences below it are not visible
   const float offset = estimate.white * kDarkOffset;
   frame.facts = estimate.frame.facts;
   frame.exposure = static_cast<float>(frame.facts.exposure() / estimate.reference_exposure);  // as stated

@@ -11,14 +11,12 @@ namespace {
 inline float total(Lanes v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
 inline Lanes positive(Lanes v) { return v > 0 ? v : Lanes{}; }
 
-// orthonormal: luminance, red - blue, green against both
 constexpr float kOpponent[3][3] = {
-    {0.57735f, 0.57735f, 0.57735f}, {-0.70711f, 0, 0.70711f}, {0.40825f, -0.81650f, 0.40825f}};
+    {kOfLuminance, kOfLuminance, kOfLuminance}, {-kOfRedBlue, 0, kOfRedBlue}, {kOfBoth, -kOfGreen, kOfBoth}};
 
 void to_opponent(const float* const radiance[3], const float* const variance[3], float offset, int n,
                  float* const opponent[3], float* const noise[3], float* const sum[3],
                  float* const weight[3]) {
-  constexpr float kMaxLogVariance = 0.25f;
   constexpr int kBlock = 64;
   // whole rows: for a block the compiler writes string instructions, which take longer to begin than to end
   for (int c = 0; c < 3; ++c) {
@@ -139,12 +137,12 @@ void shrink(const float* opponent, const float* noise, const float* thresholds, 
     for (int i = 0; i < 8; ++i) {
       const Lanes power = spectrum.row[i] * spectrum.row[i];
       const Lanes threshold = mean_noise * load(thresholds + kShrinkageTile * i);
-      const Lanes gain = positive((power - threshold) / (power + 1e-12f));
+      const Lanes gain = positive((power - threshold) / (power + kLeastPower));
       spectrum.row[i] *= gain;
       energies += gain * gain;
     }
     spectrum.row[0][0] = mean;
-    const float share = 1 / ((1 + total(energies)) * (mean_noise + 1e-6f));
+    const float share = 1 / ((1 + total(energies)) * (mean_noise + kLeastNoise));
     const Tile smooth = backward(transposed(backward(spectrum)));
     for (int i = 0; i < 8; ++i) {
       const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(i) * cols + x0;

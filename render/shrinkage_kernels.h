@@ -5,9 +5,9 @@
 
 #include <cstddef>
 
-namespace hdrcam {
+#include "render/shrinkage_constants.h"
 
-constexpr int kShrinkageTile = 8, kShrinkageStep = 4;  // pixels
+namespace hdrcam {
 
 struct ShrinkageKernels {
   // The logarithm of radiance + offset in opponent colours, and its variance; sum and weight are cleared.

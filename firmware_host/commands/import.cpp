@@ -75,7 +75,8 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
   TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
-  const std::uint64_t frames = TRY(copy_frames(around, clip, making.path(), settings.record.codec));
+  const std::uint64_t frames =
+      TRY(making.as_asked(copy_frames(around, clip, making.path(), settings.record.codec)));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);

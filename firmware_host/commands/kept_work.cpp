@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "firmware_host/live/capture_setup.h"
 #include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/truth_folder.h"
@@ -68,9 +69,8 @@ std::vector<NamedInput> files_of_clip(const std::string& folder) {
 }
 
 std::vector<NamedInput> inputs_of(const Settings::Camera& camera) {
-  constexpr std::string_view kReplay = "replay:";
-  if (!camera.id.starts_with(kReplay)) return {};
-  return {{"the recording that is read", camera.id.substr(kReplay.size())}};
+  if (!is_replayed(camera.id)) return {};
+  return {{"the recording that is read", replayed_file(camera.id)}};
 }
 
 }  // namespace hdrcam

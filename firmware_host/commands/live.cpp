@@ -4,18 +4,17 @@
 #include <memory>
 #include <string>
 
+#include "firmware_host/commands/camera_run.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
-#include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
-#include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/start_time.h"
@@ -42,9 +41,7 @@ std::string command_line_of(const LiveFlags& flags, const Settings& settings) {
 }
 
 bool keeps_nothing(const Settings& settings) {
-  for (const auto& [sink, path] : settings.output.paths)
-    if (!path.empty()) return false;
-  return settings.record.file.empty();
+  return !writes_outputs(settings.output) && settings.record.file.empty();
 }
 
 // Where the results of a run are told: the standard output may be taken by the frames.
@@ -68,25 +65,15 @@ void print_summary(const LiveCounters& counters, const std::string& trigger, con
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
-  const std::string file = replayed_file(settings.camera.id);
-  RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
-                                 .timeout = flags.limits.options(true).timeout,
-                                 .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns,
-                                 .copy_to = settings.record.file,
-                                 .copy_codec = settings.record.codec};
-  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
-  const auto source = TRY(RecordingSource::open(around.storage, file, options, around.stop));
-  const CameraFacts& camera = source->camera();
-  TRY(memory_limit(settings).admit(
-      fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
-      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings)));
-  TraceFile trace(settings);
-  const RunPlan plan{.settings = settings,
-                     .title = camera.name,
-                     .command = command_line_of(flags, settings),
-                     .trace = trace.trace()};
-  Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  RecordingSourceOptions options = recording_options(settings, flags.limits);
+  if (flags.strict) options.contradiction = Contradiction::Fails;
+  const auto source =
+      TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));
+  TRY(admit_fit(settings, source->camera()));
+  Result<void> ended = run_on(
+      *source,
+      {.settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)},
+      around.storage);
   const CaptureCounters counters = source->counters();
   teller_of(settings)(fmt::format("{} frames; {}\n{}", counters.captured, proof_of(counters),
                                   recorded_line(settings, counters.emitted, counters.captured)));
@@ -99,13 +86,10 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   TRY(check_ignored_flags(*flags.settings, settings));
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(check_needs(settings));
-  TRY(check_recording_name(around.storage, "--record", settings.record.file));
-  TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--record")));
-  TRY(check_lines(settings));
+  TRY(check_camera_run(settings, "--record", flags.kept, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
-  if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
-    return replay_as_camera(flags, settings, around);
+  if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
   LiveOptions limits = flags.limits.options(true);
   limits.trace = trace.trace();

@@ -4,16 +4,16 @@
 #include <cstdio>
 #include <memory>
 
+#include "firmware_host/commands/camera_run.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
-#include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/live/camera_source.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
-#include "firmware_host/run/recording_source.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
@@ -35,13 +35,8 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 // disk takes them.
 Result<void> record_again(const RecordFlags& flags, const Settings& settings, Trace* trace,
                           Surroundings& around) {
-  RecordingSourceOptions options{.frames = static_cast<int>(flags.limits.frames),
-                                 .timeout = flags.limits.options(false).timeout,
-                                 .copy_to = settings.record.file,
-                                 .copy_codec = settings.record.codec};
-  if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
-  const auto source =
-      TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));
+  const auto source = TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id),
+                                                recording_options(settings, flags.limits), around.stop));
   Result<void> failed;
   for (;;) {
     const TraceSpan span(trace, "record");
@@ -51,7 +46,7 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   }
   RunRecord record;
   Result<void> ended = source->finish(record);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
+  show_warnings(*source);
   say("{} frames; {}\n{}\n", source->counters().emitted, proof_of(source->counters()), settings.record.file);
   TRY(failed);
   return ended;
@@ -64,11 +59,9 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
-  TRY(check_recording_name(around.storage, "--output", settings.record.file));
-  TRY(flags.kept.check(around.storage, inputs_of(settings.camera), outputs_of(settings, "--output")));
-  TRY(check_lines(settings));
+  TRY(check_camera_run(settings, "--output", flags.kept, around.storage));
   TraceFile trace(settings);
-  if (is_replayed(settings.camera.id) && settings.camera.pace == ReplayPace::AsFastAsAsked)
+  if (is_read_as_fast_as_asked(settings.camera))
     return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);
   LiveOptions limits = flags.limits.options(false);
   limits.trace = trace.trace();

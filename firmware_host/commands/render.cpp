@@ -1,22 +1,18 @@
 // hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording from another view, at
 // another time, with another shutter or exposure.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/render.h"
-#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/run/recording_source.h"
-#include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/ldr_frames.h"
 #include "firmware_host/terminal.h"
@@ -93,9 +89,8 @@ std::string as_flags(const FilmWish& wish) {
 Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  if (flags.recording.empty())
-    return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam render --help'"};
-  if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
+  TRY(check_recording_named(flags.recording, "render"));
+  if (!writes_outputs(settings.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
   if (!settings.output.http_takes.empty())
     return Error{ErrorCode::Invalid, "--http-record needs a camera; a film has nothing to record"};
@@ -111,20 +106,15 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
   TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "", sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
-  const std::string& clip = source->camera().name;
-  TraceFile trace(settings);
-  const RunPlan run_plan{
-      .settings = settings,
-      .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
-      .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.wish) +
-                 flags.settings->as_flags(settings),
-      .film = &plan,
-      .sinks = sinks,
-      .stop = &around.stop,
-      .trace = trace.trace()};
-  Result<void> ended = trace.write_after(run(run_plan, *source, around.storage), around.storage);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
-  return ended;
+  return run_on(*source,
+                {.settings = settings,
+                 .title = title_of(source->camera(), flags.recording),
+                 .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.wish) +
+                            flags.settings->as_flags(settings),
+                 .film = &plan,
+                 .sinks = sinks,
+                 .stop = &around.stop},
+                around.storage);
 }
 
 void add_view_flags(CLI::App& verb, FilmWish& wish) {

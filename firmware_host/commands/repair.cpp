@@ -54,7 +54,7 @@ Result<void> repair(Surroundings& around, const RepairOptions& options) {
   const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));
   TRY(admit_copy(settings, reader->camera()));
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
-  const Saved saved = TRY(copy_whole_frames(around, *reader, making.path()));
+  const Saved saved = TRY(making.as_asked(copy_whole_frames(around, *reader, making.path())));
   if (saved.frames == 0)
     return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
   TRY(making.commit());

@@ -1,20 +1,15 @@
 // hdrcam replay RECORDING -o out/%06d.exr: turns a recording into HDR frames.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
-#include "firmware_host/commands/trace_file.h"
-#include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/run/recording_source.h"
-#include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
@@ -48,11 +43,10 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  if (flags.recording.empty())
-    return Error{ErrorCode::Invalid, "no recording; name one, such as walk.mkv; see 'hdrcam replay --help'"};
+  TRY(check_recording_named(flags.recording, "replay"));
   if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
-  if (std::ranges::all_of(settings.output.paths, [](const auto& output) { return output.second.empty(); }))
+  if (!writes_outputs(settings.output))
     return Error{
         ErrorCode::Invalid,
         "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report; "
@@ -66,22 +60,14 @@ Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
       around.storage, flags.recording,
       {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},
       around.stop));
-  const CameraFacts& camera = source->camera();
-  TRY(memory_limit(settings).admit(
-      fmt::format("the fit of pictures of {}x{}", camera.width, camera.height),
-      recording_bytes(camera) + fit_bytes(camera.width, camera.height, settings,
-                                          flags.truth.empty() ? FieldUse::Fills : FieldUse::Seen)));
-  const std::string& clip = camera.name;
-  TraceFile trace(settings);
-  RunPlan plan{.settings = settings,
-               .title = clip.empty() ? std::filesystem::path(flags.recording).stem().string() : clip,
-               .command = command_line_of(flags, settings),
-               .truth = flags.truth,
-               .stop = &around.stop,
-               .trace = trace.trace()};
-  Result<void> ended = trace.write_after(run(plan, *source, around.storage), around.storage);
-  for (const std::string& warning : source->warnings()) remark("warning: {}\n", warning);
-  return ended;
+  TRY(admit_fit(settings, source->camera(), flags.truth.empty() ? FieldUse::Fills : FieldUse::Seen));
+  return run_on(*source,
+                {.settings = settings,
+                 .title = title_of(source->camera(), flags.recording),
+                 .command = command_line_of(flags, settings),
+                 .truth = flags.truth,
+                 .stop = &around.stop},
+                around.storage);
 }
 
 }  // namespace

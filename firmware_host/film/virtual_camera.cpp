@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "online/mu_law.h"
 #include "render/views/re_exposure.h"
 
 namespace hdrcam {
@@ -41,7 +42,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   else
     key = std::move(spare_.back()), spare_.pop_back();
   take_keyframe(frame, estimate, pool_, own_view_, *key);
-  constexpr float kDark = 1 / 5000.f;  // of white: differences below it are noise
+  constexpr float kDark = 1 / kPsnrMu;  // of white: differences below it are noise
   edges_.follow(key->frame.radiance, kDark * key->frame.white, {}, key->inverse_depth);
   if (!keys_.empty()) motion_.match(*keys_.back(), *key);
   steady_.add(key->time_s, key->T_world_camera);

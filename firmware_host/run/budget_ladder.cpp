@@ -41,13 +41,13 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.later_frames = 1;
     add("one later frame");
   }
-  for (const auto& [quality, name] : {std::pair(FlowQuality::Medium, "flow medium"),
-                                      {FlowQuality::Fast, "flow fast"},
-                                      {FlowQuality::Coarse, "flow coarse"}})
-    if (rung.budget.flow > quality) {
-      rung.budget.flow = quality;
-      add(name);
-    }
+  const auto lower_flow = [&](FlowQuality quality, const char* name) {
+    if (rung.budget.flow <= quality) return;
+    rung.budget.flow = quality;
+    add(name);
+  };
+  lower_flow(FlowQuality::Medium, "flow medium");
+  lower_flow(FlowQuality::Fast, "flow fast");
   if (rung.budget.shrinkage == ShrinkageEffort::Dense) {
     rung.budget.shrinkage = ShrinkageEffort::On;
     add("fewer shrinkage tiles");
@@ -60,6 +60,7 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     rung.budget.blurs = false;
     add("no motion blur");
   }
+  lower_flow(FlowQuality::Coarse, "flow coarse");
   if (rung.budget.shrinkage != ShrinkageEffort::Off) {
     rung.budget.shrinkage = ShrinkageEffort::Off;
     add("no shrinkage");

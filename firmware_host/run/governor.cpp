@@ -122,10 +122,21 @@ std::optional<std::size_t> Governor::rung_to_shed_to() const {
   const double late_ms = at_ < emits_all_ ? upper(kWindow).total_ms : mean_ms();
   const bool steady = samples_ >= kWindow && late_ms > allowed_ms();
   if (!sudden && !steady) return std::nullopt;
-  const double machine_ms = upper(sudden ? kSudden : kWindow).steady_ms;
-  for (std::size_t r = at_ + 1; r < end(); ++r)
-    if (!ratios_[r] || *ratios_[r] * machine_ms <= kRoomToShedTo * allowed_ms()) return r;
+  const Sample now = upper(sudden ? kSudden : kWindow);
+  for (std::size_t r = at_ + 1; r < end(); ++r) {
+    const auto ratio = expected_ratio(r, now.ratio());
+    if (!ratio || *ratio * now.steady_ms <= kRoomToShedTo * allowed_ms()) return r;
+  }
   return end() - 1;
+}
+
+// Of a cheaper rung; one that was never in use lies evenly between the present one and the next known one.
+std::optional<double> Governor::expected_ratio(std::size_t rung, double present) const {
+  std::size_t known = rung;
+  while (known < ratios_.size() && !ratios_[known]) ++known;
+  if (known == ratios_.size()) return std::nullopt;
+  const double way = static_cast<double>(rung - at_) / static_cast<double>(known - at_);
+  return present + (*ratios_[known] - present) * way;
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {

@@ -2,14 +2,15 @@
 // (budget_ladder.h) for the next one. It sheds when frames are late, at once under a sudden load, and returns
 // to better rungs as soon as they are predicted to fit. It predicts a rung from what it took when it was last
 // in use, in units of the work that no rung changes: a machine that is slowed by other work slows both alike.
-// A rung that was never in use is tried where there is ample time, several at once where there is much; one
-// that turned out too slow is tried again after a wait that doubles, or when the machine became faster. It
-// starts at the cheapest rung that emits every frame, so that the first frames come early. Where not even the
-// last rung is in time, frames are lost before they are worked on, and to leave out more gains nothing: it
-// goes back to that rung, for a while. Where frames queue, it knows better than times tell whether the run
-// keeps up: none is left out for late frames that the queue absorbs, none of quality returns while frames
-// wait, and a backlog that does not shrink is worked off within a smaller deadline. Deterministic: times in,
-// budget out; it reads no clock. No allocation after the constructor. Thread-bound.
+// A rung that was never in use is taken to lie between its neighbours when time is short, and tried where
+// there is ample time, several at once where there is much; one that turned out too slow is tried again after
+// a wait that doubles, or when the machine became faster. It starts at the cheapest rung that emits every
+// frame, so that the first frames come early. Where not even the last rung is in time, frames are lost before
+// they are worked on, and to leave out more gains nothing: it goes back to that rung, for a while. Where
+// frames queue, it knows better than times tell whether the run keeps up: none is left out for late frames
+// that the queue absorbs, none of quality returns while frames wait, and a backlog that does not shrink is
+// worked off within a smaller deadline. Deterministic: times in, budget out; it reads no clock. No allocation
+// after the constructor. Thread-bound.
 #pragma once
 
 #include <array>
@@ -74,6 +75,7 @@ class Governor {
   double room_to_return() const;
   double allowed_ms() const;
   std::optional<std::size_t> rung_to_shed_to() const;
+  std::optional<double> expected_ratio(std::size_t rung, double present) const;
   std::optional<std::size_t> rung_to_return_to() const;
   std::optional<std::size_t> rung_to_try() const;
   void remember();

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <filesystem>
 #include <future>
-#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
@@ -45,114 +45,6 @@ class SharedProgress {
   mutable std::mutex mutex_;
   ProgressState state_;
 };
-
-RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads) {
-  RunRecord record;
-  record.title = plan.title;
-  record.command = plan.command;
-  record.preset = name(plan.settings.fit.preset);
-  record.seed = static_cast<std::uint64_t>(plan.settings.fit.seed);
-  record.threads = threads;
-  record.camera = camera.name;
-  record.width = camera.width, record.height = camera.height;
-  record.framerate_hz = camera.framerate_hz;
-  if (pace == RunPace::Camera) {
-    record.frames.resize(kFramesKept);  // so that the memory is really there, not only reserved
-    record.frames.clear();
-  }
-  return record;
-}
-
-// The record of a clip holds every frame. A camera may run for weeks, so only the latest frames are kept.
-std::size_t frames_kept(RunPace pace) {
-  return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
-}
-
-FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
-  const std::size_t most = frames_kept(pace);
-  if (record.frames.size() < most) record.frames.emplace_back();
-  FrameRecord& kept = record.frames[static_cast<std::size_t>(record.emitted) % most];
-  ++record.emitted;
-  kept = frame;
-  return kept;
-}
-
-// The governor of a run that has a deadline. A film is made without one: all frames of its window count.
-std::optional<Governor> governor_of(const RunPlan& plan, const PipelineOptions& options, FieldUse use,
-                                    const CameraFacts& camera, RunPace pace, PreviewUse previews) {
-  const std::optional<Duration> deadline = deadline_of(plan.settings.fit, camera, pace);
-  if (!deadline || plan.film != nullptr) return std::nullopt;
-  FrameBudget asked = options.knobs.budget;
-  asked.later_frames = look_ahead_of(options.knobs, camera.height, camera.width);
-  return Governor(budget_ladder(asked, field_use(plan.settings, options, use), previews), *deadline);
-}
-
-void add_deadline(const Governor& governor, RunRecord& record) {
-  record.late = governor.late();
-  for (std::size_t r = 0; r < governor.ladder().size(); ++r)
-    record.rungs.push_back({governor.ladder()[r].name, governor.frames_at()[r]});
-}
-
-// The camera parameters that the method estimated.
-void add_findings(const Pipeline& pipeline, RunRecord& record) {
-  const OnlineStage& online = pipeline.online();
-  const SensorModel& sensor = online.sensor();
-  record.response = ResponseCurves{sensor.response().inverse(0), sensor.response().inverse(1),
-                                   sensor.response().inverse(2)};
-  record.response_prior = prior_mean_response().inverse(1);
-  if (!sensor.response_measured())
-    record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
-  for (const int frame : sensor.relearned())
-    record.notes.push_back(
-        fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
-  const NoiseModel& noise = sensor.noise();
-  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
-                                     noise.full_well, noise.read_noise));
-  if (const float share = sensor.texture_error(); share > 0)
-    record.notes.push_back(
-        fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
-                    100 * share));
-  if (!sensor.blur_shown())
-    record.notes.emplace_back(
-        "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
-        "motion_blur=stated if they do)");
-  const BlackLevel& black = sensor.black_level();
-  record.notes.push_back(
-      fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
-  if (const std::string trouble = online.trouble(); !trouble.empty())
-    record.notes.push_back("the processor went on with the state: " + trouble);
-  if (const std::string trouble = online.field_trouble(); !trouble.empty())
-    record.notes.push_back("the processor went on with the fit of the field: " + trouble);
-  if (pipeline.kept_out() > 0)
-    record.notes.push_back(fmt::format(
-        "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
-}
-
-// Asks the source for another cycle where the fit expects less error of it.
-void ask_for_exposures(CycleChoice& choice, const FrameEstimate& estimate, const SensorModel& sensor,
-                       FrameSource& source, FrameRecord& record) {
-  Stopwatch watch;
-  const auto wish = choice.observe(estimate, {sensor.response(), sensor.noise(), sensor.reference_gain()});
-  record.stages_ms.push_back({name(Stage::Exposures), watch.lap_ms()});
-  record.total_ms += (record.stages_ms.end() - 1)->value;
-  if (!wish) return;
-  source.follow(wish->cycle);
-  record.note += fmt::format("{}asked for {}", record.note.empty() ? "" : "; ", describe(*wish));
-}
-
-void close_record(RunPace pace, double wall_s, RunRecord& record) {
-  const std::size_t most = frames_kept(pace);
-  if (record.frames.size() == most)  // the oldest first
-    std::rotate(
-        record.frames.begin(),
-        record.frames.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record.emitted) % most),
-        record.frames.end());
-  if (static_cast<int>(record.frames.size()) < record.emitted)
-    record.notes.push_back(fmt::format("times are those of the last {} frames", record.frames.size()));
-  record.dropped = record.captured - record.emitted;
-  record.wall_s = wall_s;
-  record.peak_memory_mib = peak_memory_mib();
-}
 
 std::string folder_of_frames(const Settings& settings) {
   const std::string folder = std::filesystem::path(settings.output.path("frames")).parent_path().string();
@@ -210,130 +102,238 @@ std::optional<double> loss_of(const FrameRecord& record) {
   return record.losses.empty() ? std::nullopt : std::optional(record.losses.front().value);
 }
 
-// The path of a frame. where: a list of the outputs, for the user.
-Result<void> frames_flow(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
-                         std::string& where) {
-  const Settings& settings = plan.settings;
-  TRY(check_needs(settings));
-  const CameraFacts& camera = source.camera();
-  const RunPace pace = source.pace();
-  const std::optional<ChannelGains> balance =
-      TRY(white_balance_gains(parse_white_balance(settings.output.white_balance).value(), camera));
+// The path of a frame: from the source through the method to the outputs.
+class Run {
+ public:
+  // balance: of the HDR frames; none: as the sensor gives them. All else outlives the run.
+  Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source, Storage& storage,
+      SharedProgress& progress);
 
-  // The method and the sinks.
-  const bool field_is_seen = !plan.truth.empty() || plan.film != nullptr;
-  const FieldUse use = field_is_seen ? FieldUse::Seen : FieldUse::Fills;
-  const PipelineOptions options = options_of(settings, use);
-  WorkerPool pool(thread_count(settings.fit),
-                  pace == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual);
-  const Backend backend = open_backend(settings.fit.backend);
-  Pipeline pipeline(options, camera, pool, backend.gpu.get());
-  pipeline.set_trace(plan.trace);
-  CameraFacts filming = camera;  // the camera that the sinks see
-  if (plan.film != nullptr) filming.framerate_hz = plan.film->framerate_hz;
-  SinkSet sinks =
-      TRY(SinkSet::open(plan.sinks, settings.output.paths,
-                        {"", filming, settings.output.layers, compression_of(settings.output, pace),
-                         settings.video, storage, settings.output.http_token, source.control(), plan.trace},
-                        pace));
-  std::optional<NovelViews> novel_views;
-  if (!plan.truth.empty())
-    novel_views = TRY(NovelViews::open(storage, plan.truth, folder_of_frames(settings), pool));
-  std::optional<VirtualCamera> film;
-  if (plan.film != nullptr) film.emplace(*plan.film, pool);
-  std::optional<Governor> governor = governor_of(plan, options, use, camera, pace,
-                                                 sinks.has_previews() ? PreviewUse::Some : PreviewUse::None);
-  RunRecord record = opened_record(plan, camera, pace, pool.threads());
-  if (governor) record.deadline_ms = governor->deadline_ms();
-  const auto backlog = [&] {
-    return is_pace_of(camera, governor->deadline()) ? source.backlog() : Backlog::Unknown;
-  };
+  // where: a list of the outputs, for the user.
+  Result<void> to_end(std::string& where);
+
+ private:
+  Result<void> open_outputs();
+  void open_governor();
+  Result<void> take_frames();
+  Result<void> conclude(Result<void> worked, Stopwatch wall);
+
+  Result<void> deliver(HdrFrame& hdr, const FrameEstimate& estimate, const FrameRecord& made);
+  Result<void> give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, FrameRecord& kept);
+  void tell_response();
+  void ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept);
+  Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made);
+  Result<void> stopped_film() const;
+
+  const SensorModel& sensor() const { return pipeline_.online().sensor(); }
+  Backlog backlog() const;
+
+  const RunPlan& plan_;
+  const std::optional<ChannelGains> balance_;
+  FrameSource& source_;
+  Storage& storage_;
+  SharedProgress& progress_;
+  const CameraFacts& camera_;
+  const RunPace pace_;
+  const FieldUse use_;
+  const PipelineOptions options_;
+  WorkerPool pool_;
+  const Backend backend_;
+  Pipeline pipeline_;
+  SinkSet sinks_;
+  std::optional<NovelViews> novel_views_;
+  std::optional<VirtualCamera> film_;
+  const VirtualCamera::Show show_;     // a film frame to the sinks
+  std::optional<Governor> governor_;   // none without a deadline
+  std::optional<CycleChoice> choice_;  // of the exposures, of a camera that lets the fit ask for them
+  RunRecord record_;
+  std::size_t responses_told_;  // to the source
+  Stopwatch between_shows_;
+};
+
+// Films and scores look at the field, whatever the settings show of it.
+FieldUse field_use_of(const RunPlan& plan) {
+  return !plan.truth.empty() || plan.film != nullptr ? FieldUse::Seen : FieldUse::Fills;
+}
+
+Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source,
+         Storage& storage, SharedProgress& progress)
+    : plan_(plan),
+      balance_(balance),
+      source_(source),
+      storage_(storage),
+      progress_(progress),
+      camera_(source.camera()),
+      pace_(source.pace()),
+      use_(field_use_of(plan)),
+      options_(options_of(plan.settings, use_)),
+      pool_(thread_count(plan.settings.fit),
+            pace_ == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual),
+      backend_(open_backend(plan.settings.fit.backend)),
+      pipeline_(options_, camera_, pool_, backend_.gpu.get()),
+      show_([this](HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+        return show(hdr, input, made);
+      }),
+      record_(opened_record(plan, camera_, pace_, pool_.threads())),
+      responses_told_(camera_.linear ? 1 : 0) {
+  pipeline_.set_trace(plan.trace);
+  pipeline_.set_left_out([this] { ++record_.left_out, source_.left_out(); });
+  if (plan.film != nullptr) film_.emplace(*plan.film, pool_);
+}
+
+Result<void> Run::to_end(std::string& where) {
+  TRY(open_outputs());
+  open_governor();
+  if (const auto room = source_.exposure_room()) choice_.emplace(*room);
+  between_shows_ = {};
   Stopwatch wall;
+  TRY(source_.start());
+  const Result<void> worked = take_frames();
+  Result<void> ended = conclude(worked, wall);
+  where = written(plan_, sinks_, record_, storage_);
+  if (plan_.record != nullptr) *plan_.record = std::move(record_);
+  return ended;
+}
 
-  // The exposures that the fit asks for, of a camera that lets it.
-  std::optional<CycleChoice> exposures;
-  if (const auto room = source.exposure_room()) exposures.emplace(*room);
+Result<void> Run::open_outputs() {
+  const Settings::Output& output = plan_.settings.output;
+  CameraFacts filming = camera_;  // the camera that the sinks see
+  if (plan_.film != nullptr) filming.framerate_hz = plan_.film->framerate_hz;
+  sinks_ = TRY(SinkSet::open(plan_.sinks, output.paths,
+                             {"", filming, output.layers, compression_of(output, pace_), plan_.settings.video,
+                              storage_, output.http_token, source_.control(), plan_.trace},
+                             pace_));
+  if (!plan_.truth.empty())
+    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of_frames(plan_.settings), pool_));
+  return {};
+}
 
-  // Output: each HDR frame goes to the sinks, and its record is kept.
-  std::size_t responses_told = camera.linear ? 1 : 0;
-  const auto stopped_film = [&]() -> Result<void> {
-    if (plan.stop == nullptr || !*plan.stop || film->done()) return {};
-    return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
-                                                     "complete",
-                                                     film->shown(), plan.film->frames)};
+// A film is made without a deadline: all frames of its window count.
+void Run::open_governor() {
+  const std::optional<Duration> deadline = deadline_of(plan_.settings.fit, camera_, pace_);
+  if (!deadline || film_) return;
+  FrameBudget asked = options_.knobs.budget;
+  asked.later_frames = look_ahead_of(options_.knobs, camera_.height, camera_.width);
+  const PreviewUse previews = sinks_.has_previews() ? PreviewUse::Some : PreviewUse::None;
+  governor_.emplace(budget_ladder(asked, field_use(plan_.settings, options_, use_), previews), *deadline);
+  record_.deadline_ms = governor_->deadline_ms();
+}
+
+// Input: frame by frame, until the source ends. The time of a frame decides on the budget of the next.
+Result<void> Run::take_frames() {
+  const Pipeline::Deliver deliver = [this](HdrFrame& hdr, const FrameEstimate& estimate,
+                                           const FrameRecord& made) {
+    return this->deliver(hdr, estimate, made);
   };
-  Stopwatch between_shows;
-  const VirtualCamera::Show show = [&](HdrFrame& hdr, const ExposedFrame& input,
-                                       const FrameRecord& made) -> Result<void> {
-    if (balance) apply_white_balance(*balance, hdr);
-    TRY(sinks.emit({hdr, input, made}));
-    progress.frame_done(between_shows.lap_ms(), std::nullopt);
-    return stopped_film();
-  };
-  const Pipeline::Deliver deliver = [&](HdrFrame& hdr, const FrameEstimate& estimate,
-                                        const FrameRecord& made) -> Result<void> {
-    FrameRecord& kept = keep(made, pace, record);
-    if (governor) kept.rung = governor->rung();
-    source.emitted(kept);
-    Stopwatch watch;
-    const bool previews = !governor || governor->previews();
-    const TraceSpan span(plan.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
-    if (balance && !film) apply_white_balance(*balance, hdr);
-    if (film)
-      TRY(film->take(hdr, estimate, pipeline.online().sensor().response(), show));
-    else
-      TRY(sinks.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
-    if (!sinks.empty()) {
-      const double ms = watch.lap_ms();
-      kept.stages_ms.push_back({name(Stage::Sinks), ms});
-      kept.total_ms += ms;
-    }
-    if (const std::size_t known = 1 + pipeline.online().sensor().relearned().size();
-        std::exchange(responses_told, known) < known)
-      source.learn_response(pipeline.online().sensor().response().inverse(1),
-                            pipeline.online().sensor().black_level());
-    if (exposures) ask_for_exposures(*exposures, estimate, pipeline.online().sensor(), source, kept);
-    if (novel_views) TRY(novel_views->render(estimate));
-    if (!film) progress.frame_done(kept.total_ms, loss_of(kept));
-    return {};
-  };
+  const RawFrame* frame = nullptr;
+  while (!(film_ && film_->done()) && (frame = TRY(source_.next())) != nullptr) {
+    ++record_.captured;
+    const TraceSpan span(plan_.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
+    TRY(pipeline_.take(*frame, governor_ ? governor_->next() : options_.knobs.budget, deliver));
+    if (governor_) governor_->done(pipeline_.work(), backlog());
+  }
+  TRY(pipeline_.finish(deliver));
+  if (!film_) return {};
+  TRY(stopped_film());  // what was not read is not filmed
+  return film_->finish(show_);
+}
 
-  pipeline.set_left_out([&] { ++record.left_out, source.left_out(); });
+// Output: each HDR frame goes to the outputs and its record is kept; what the fit learned goes to the source.
+Result<void> Run::deliver(HdrFrame& hdr, const FrameEstimate& estimate, const FrameRecord& made) {
+  FrameRecord& kept = keep(made, pace_, record_);
+  if (governor_) kept.rung = governor_->rung();
+  source_.emitted(kept);
+  const TraceSpan span(plan_.trace, "deliver", static_cast<std::int64_t>(hdr.facts.sequence));
+  TRY(give_to_outputs(hdr, estimate, kept));
+  tell_response();
+  if (choice_) ask_for_exposures(estimate, kept);
+  if (novel_views_) TRY(novel_views_->render(estimate));
+  if (!film_) progress_.frame_done(kept.total_ms, loss_of(kept));
+  return {};
+}
 
-  // Input: frame by frame, until the source ends. The time of a frame decides on the budget of the next.
-  TRY(source.start());
-  const auto take_all = [&]() -> Result<void> {
-    const RawFrame* frame = nullptr;
-    while (!(film && film->done()) && (frame = TRY(source.next())) != nullptr) {
-      ++record.captured;
-      const TraceSpan span(plan.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
-      TRY(pipeline.take(*frame, governor ? governor->next() : options.knobs.budget, deliver));
-      if (governor) governor->done(pipeline.work(), backlog());
-    }
-    TRY(pipeline.finish(deliver));
-    if (!film) return {};
-    TRY(stopped_film());  // what was not read is not filmed
-    return film->finish(show);
-  };
-  Result<void> worked = take_all();
+// To the film, which shows its own frames, or to the sinks.
+Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, FrameRecord& kept) {
+  Stopwatch watch;
+  if (film_) {
+    TRY(film_->take(hdr, estimate, sensor().response(), show_));
+  } else {
+    if (balance_) apply_white_balance(*balance_, hdr);
+    const bool previews = !governor_ || governor_->previews();
+    TRY(sinks_.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
+  }
+  if (sinks_.empty()) return {};
+  const double ms = watch.lap_ms();
+  kept.stages_ms.push_back({name(Stage::Sinks), ms});
+  kept.total_ms += ms;
+  return {};
+}
 
-  // The end: completes the files, then writes the outputs about the whole run.
-  if (const Result<void> completed = sinks.finish(); worked && !completed) worked = completed;
-  if (!backend.note.empty()) record.notes.push_back(backend.note);
-  if (governor) add_deadline(*governor, record);
-  add_findings(pipeline, record);
-  if (exposures) record.notes.push_back(exposures->summary());
-  if (film)
-    record.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",
-                                       film->shown(), 100 * film->filled_share()));
-  close_record(pace, wall.lap_ms() / 1e3, record);
-  const Result<void> ended = source.finish(record);
-  if (worked && ended) worked = add_scores(plan, storage, record);
-  record.sinks = sinks.times();
-  if (const Result<void> concluded = sinks.conclude(record); worked && !concluded) worked = concluded;
-  where = written(plan, sinks, record, storage);
-  if (plan.record != nullptr) *plan.record = std::move(record);
+// Once it is estimated, and each time it is learned anew.
+void Run::tell_response() {
+  const std::size_t known = 1 + sensor().relearned().size();
+  if (std::exchange(responses_told_, known) < known)
+    source_.learn_response(sensor().response().inverse(1), sensor().black_level());
+}
+
+// Asks the source for another cycle where the fit expects less error of it.
+void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
+  Stopwatch watch;
+  const auto wish =
+      choice_->observe(estimate, {sensor().response(), sensor().noise(), sensor().reference_gain()});
+  const double ms = watch.lap_ms();
+  kept.stages_ms.push_back({name(Stage::Exposures), ms});
+  kept.total_ms += ms;
+  if (!wish) return;
+  source_.follow(wish->cycle);
+  kept.note += fmt::format("{}asked for {}", kept.note.empty() ? "" : "; ", describe(*wish));
+}
+
+Result<void> Run::show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+  if (balance_) apply_white_balance(*balance_, hdr);
+  TRY(sinks_.emit({hdr, input, made}));
+  progress_.frame_done(between_shows_.lap_ms(), std::nullopt);
+  return stopped_film();
+}
+
+// Interrupted if the user stopped the run before the end of the film.
+Result<void> Run::stopped_film() const {
+  if (plan_.stop == nullptr || !*plan_.stop || film_->done()) return {};
+  return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
+                                                   "complete",
+                                                   film_->shown(), plan_.film->frames)};
+}
+
+Backlog Run::backlog() const {
+  return is_pace_of(camera_, governor_->deadline()) ? source_.backlog() : Backlog::Unknown;
+}
+
+// The end: completes the files, then writes the outputs about the whole run.
+Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
+  if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
+  if (!backend_.note.empty()) record_.notes.push_back(backend_.note);
+  if (governor_) add_deadline(*governor_, record_);
+  add_findings(pipeline_, record_);
+  if (choice_) record_.notes.push_back(choice_->summary());
+  if (film_)
+    record_.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",
+                                        film_->shown(), 100 * film_->filled_share()));
+  close_record(pace_, wall.lap_ms() / 1e3, record_);
+  const Result<void> ended = source_.finish(record_);
+  if (worked && ended) worked = add_scores(plan_, storage_, record_);
+  record_.sinks = sinks_.times();
+  if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
   return first_cause(std::move(worked), ended);
+}
+
+// What the settings rule out is found before the run is built. where: as of Run::to_end.
+Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
+                        std::string& where) {
+  TRY(check_needs(plan.settings));
+  const WhiteBalance wanted = parse_white_balance(plan.settings.output.white_balance).value();
+  const std::optional<ChannelGains> balance = TRY(white_balance_gains(wanted, source.camera()));
+  Run run(plan, balance, source, storage, progress);
+  return run.to_end(where);
 }
 
 std::vector<EarlierFrames> earlier_frames(const RunPlan& plan, Storage& storage) {
@@ -367,7 +367,7 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
     name_this_thread("fit");
     if (source.pace() == RunPace::Camera) set_priority_of_this_thread(ThreadPriority::Background);
     flush_denormals();
-    return frames_flow(plan, source, storage, progress, where);
+    return run_to_end(plan, source, storage, progress, where);
   });
   if (plan.progress != nullptr) show_progress(plan.progress, source, progress, work);
   Result<void> ended = work.get();

@@ -28,8 +28,6 @@ struct RunPlan {
   RunRecord* record = nullptr;              // gets the record of the run; null, or outlives it
 };
 
-constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
-
 // Runs until the source ends; the work is done on separate threads, the caller's shows the progress. However
 // a run ends, frames emitted before are complete. Errors: those of the settings, of the disk, of the frames
 // (BadExposure, SizeChanged, TooShort) and of the source.

@@ -12,13 +12,14 @@ namespace hdrcam {
 
 EarlierFrames::EarlierFrames(Storage& storage, const std::string& pattern)
     : storage_(storage), pattern_(pattern) {
-  const auto parsed = FramePattern::parse("", pattern, std::filesystem::path(pattern).extension().string());
+  const std::filesystem::path as_path(pattern);
+  const auto parsed = FramePattern::parse("", pattern, as_path.extension().string());
   if (!parsed) return;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(parsed.value().folder(), ignored)) {
-    const auto sequence = parsed.value().sequence_of(entry.path().filename().string());
-    if (!sequence) continue;
-    const std::string path = parsed.value().path(*sequence);
+    const std::filesystem::path name = entry.path().filename();
+    if (!parsed.value().fits(name.string())) continue;
+    const std::string path = (as_path.parent_path() / name).string();  // with the folder as it was given
     if (const auto facts = storage.look_at(path)) files_.push_back({path, facts.value().inode});
   }
   std::ranges::sort(files_, {}, &File::path);

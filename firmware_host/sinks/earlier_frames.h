@@ -1,8 +1,10 @@
-// The numbered files of an earlier run that lie where a run writes its own. --force replaces those of the
-// same numbers; the others stay, because they may be all that is left of a take, and a warning says so:
-// whoever reads the pattern as one clip would mix two. Thread-bound.
+// The numbered files of an earlier run that lie where a run writes its own, whatever their number of digits.
+// They stop a run without --force. --force replaces those of the same names; the others stay, because they
+// may be all that is left of a take, and a warning says so: whoever reads the folder as one clip would mix
+// two. Thread-bound.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,6 +18,9 @@ class EarlierFrames {
   // Looks at the files that are there now. pattern: "out/%06d.exr"; what is none has no files. The storage
   // outlives this.
   EarlierFrames(Storage& storage, const std::string& pattern);
+
+  std::size_t count() const { return files_.size(); }
+  const std::string& first() const { return files_.front().path; }  // by name; there is one
 
   // After the run: a sentence about the files that it did not replace; "" where there are none.
   std::string warning() const;

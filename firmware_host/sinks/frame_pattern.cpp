@@ -51,15 +51,30 @@ std::string FramePattern::path(std::uint64_t sequence) const {
   return fmt::format("{}{:0{}}{}", before_, sequence, digits_, after_);
 }
 
-std::optional<std::uint64_t> FramePattern::sequence_of(std::string_view name) const {
+std::string_view FramePattern::name_before() const {
   const std::size_t slash = before_.rfind('/');
-  const std::string_view before =
-      std::string_view(before_).substr(slash == std::string::npos ? 0 : slash + 1);
+  return std::string_view(before_).substr(slash == std::string::npos ? 0 : slash + 1);
+}
+
+std::optional<std::string_view> FramePattern::number_in(std::string_view name) const {
+  const std::string_view before = name_before();
   if (name.size() <= before.size() + after_.size() || !name.starts_with(before) || !name.ends_with(after_))
     return std::nullopt;
-  const std::string_view digits = name.substr(before.size(), name.size() - before.size() - after_.size());
-  const auto sequence = parse_number<std::uint64_t>(digits);
+  return name.substr(before.size(), name.size() - before.size() - after_.size());
+}
+
+std::optional<std::uint64_t> FramePattern::sequence_of(std::string_view name) const {
+  const auto sequence = parse_number<std::uint64_t>(number_in(name).value_or(""));
   return sequence && path(*sequence).ends_with(name) ? sequence : std::nullopt;
+}
+
+bool FramePattern::fits(std::string_view name) const {
+  const auto number = number_in(name);
+  return number && number->find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+bool FramePattern::same_names_but_for_digits(const FramePattern& other) const {
+  return name_before() == other.name_before() && after_ == other.after_;
 }
 
 std::string FramePattern::folder() const {

@@ -20,9 +20,18 @@ class FramePattern {
   std::string path(std::uint64_t sequence) const;
   // The number of a file of that name, without its folder; nullopt where the pattern makes no such name.
   std::optional<std::uint64_t> sequence_of(std::string_view name) const;
+  // Whether a file of that name, without its folder, is numbered as the pattern says, with any number of
+  // digits: "0041.exr" is also one of "%06d.exr".
+  bool fits(std::string_view name) const;
+  bool same_names_but_for_digits(const FramePattern& other) const;  // in whatever folders
   std::string folder() const;  // of the files; "." where the pattern names none
 
  private:
+  std::string_view name_before() const;  // the number, without the folder
+  // Between what comes before the number and what comes after it; nullopt where there is nothing or another
+  // name.
+  std::optional<std::string_view> number_in(std::string_view name) const;
+
   FramePattern(std::string before, int digits, std::string after)
       : before_(std::move(before)), digits_(digits), after_(std::move(after)) {}
 

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <string_view>
 #include <vector>
 
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
 
@@ -17,28 +17,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The names that a pattern stands for: everything before the number, digits, the rest.
+// The names that numbered frames may get.
 struct NameSet {
-  std::string folder, before, after;  // folder: without symbolic links
-
-  bool holds(const fs::path& file) const {
-    const std::string name = file.filename().string();
-    if (name.size() <= before.size() + after.size()) return false;
-    if (!name.starts_with(before) || !name.ends_with(after)) return false;
-    return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(before.size()),
-                       name.end() - static_cast<std::ptrdiff_t>(after.size()),
-                       [](unsigned char c) { return std::isdigit(c) != 0; });
-  }
+  std::string folder;  // without symbolic links
+  FramePattern pattern;
 };
 
-// pattern: one that FramePattern::parse takes.
-Result<NameSet> names_of(Storage& storage, const std::string& pattern) {
-  const fs::path path(pattern);
-  const std::string name = path.filename().string();
-  const std::size_t percent = name.find('%'), end = name.find('d', percent);
+Result<NameSet> names_of(Storage& storage, const NamedOutput& frames) {
+  const fs::path path(frames.path);
+  const std::string own = path.extension().string();
+  auto pattern =
+      TRY(FramePattern::parse(frames.flag, frames.path, frames.extension.empty() ? own : frames.extension));
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  return NameSet{TRY(storage.look_at(folder.string())).real_path, name.substr(0, percent),
-                 name.substr(end + 1)};
+  return NameSet{TRY(storage.look_at(folder.string())).real_path, std::move(pattern)};
 }
 
 // The place of an input or an output on the disk.
@@ -70,11 +61,10 @@ bool is_in(const Place& output, const Place& input) {
 bool meet(const Place& a, const Place& b) {
   if (b.input == InputKind::Folder) return is_in(a, b);
   if (a.names && b.names)
-    return a.names->folder == b.names->folder && a.names->before == b.names->before &&
-           a.names->after == b.names->after;
+    return a.names->folder == b.names->folder && a.names->pattern.same_names_but_for_digits(b.names->pattern);
   const auto in = [](const NameSet& names, const Place& file) {
     const fs::path real(file.facts.real_path);
-    return real.parent_path() == names.folder && names.holds(real);
+    return real.parent_path() == names.folder && names.pattern.fits(real.filename().string());
   };
   if (a.names) return in(*a.names, b);
   if (b.names) return in(*b.names, a);
@@ -88,9 +78,7 @@ Result<Place> place_of(Storage& storage, const NamedInput& input) {
 Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   Place place{output.flag, output.path, {}, std::nullopt};
   if (output.kind == OutputKind::Frames) {
-    const std::string own = fs::path(output.path).extension().string();
-    TRY(FramePattern::parse(output.flag, output.path, output.extension.empty() ? own : output.extension));
-    place.names = TRY(names_of(storage, output.path));
+    place.names = TRY(names_of(storage, output));
     return place;
   }
   if (output.path.ends_with('/'))
@@ -100,35 +88,19 @@ Result<Place> place_of(Storage& storage, const NamedOutput& output) {
   return place;
 }
 
-// The number of files with these names, and one of them.
-struct EarlierFrames {
-  int count = 0;
-  std::string one;
-};
-EarlierFrames earlier_frames(const NameSet& names) {
-  EarlierFrames found;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(names.folder, ignored))
-    if (names.holds(entry.path())) {
-      ++found.count;
-      if (found.one.empty() || entry.path() < found.one) found.one = entry.path().string();
-    }
-  return found;
-}
-
-Result<void> keeps_earlier_work(const Place& place, OutputKind kind) {
+Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind kind) {
   const bool is_kept = kind == OutputKind::Recording || kind == OutputKind::Document;
   if (is_kept && place.facts.kind == FileKind::Regular)
     return Error{ErrorCode::Exists, fmt::format("{} '{}' exists already; name another file, or replace it "
                                                 "with --force",
                                                 place.words, place.path)};
   if (!place.names) return {};
-  if (const EarlierFrames earlier = earlier_frames(*place.names); earlier.count > 0)
+  if (const EarlierFrames earlier(storage, place.path); earlier.count() > 0)
     return Error{
         ErrorCode::Exists,
         fmt::format("{} '{}' would mix with {} earlier file(s), '{}' among them; name another folder, "
                     "or replace them with --force",
-                    place.words, place.path, earlier.count, earlier.one)};
+                    place.words, place.path, earlier.count(), earlier.first())};
   return {};
 }
 
@@ -159,7 +131,7 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                                                      place.words, place.path, other.words, other.path)};
     if (output.kind == OutputKind::Page || output.kind == OutputKind::Document)
       TRY(is_no_work_of_another_kind(place));
-    if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(place, output.kind));
+    if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(storage, place, output.kind));
     taken.push_back(std::move(place));
   }
   return {};
@@ -171,7 +143,7 @@ Result<void> make_room_for(Storage& storage, std::span<const NamedOutput> output
     TRY(make_folder_of(storage, output.path));
     if (TRY(storage.look_at(output.path)).kind == FileKind::Other) continue;  // written through
     const FileInMaking trial = TRY(FileInMaking::beside(storage, output.path));
-    if (const auto made = storage.create(trial.path(), Creation::New); !made)
+    if (const auto made = trial.as_asked(storage.create(trial.path(), Creation::New)); !made)
       return Error{
           made.error().code,
           fmt::format("{} '{}' cannot be written: {}", output.flag, output.path, made.error().message),

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "firmware_host/sinks/output_folder.h"
-#include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/sinks/record_json.h"
 #include "firmware_host/version.h"
 #include "hal/core/cpu.h"
 #include "hal/core/json_text.h"
@@ -13,20 +13,6 @@ namespace hdrcam {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <class Values>
-Json object_of(const Values& values) {
-  Json object = Json::object();
-  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
-  return object;
-}
-
-template <class Shares>
-Json provenance_of(const Shares& shares) {
-  Json object = Json::object();
-  for (std::size_t i = 0; i < kProvenances; ++i) object[kProvenanceLooks[i].key] = shares[i];
-  return object;
-}
 
 // Of a run with a deadline: what the governor chose.
 Json deadline_of(const RunRecord& record) {

@@ -1,5 +1,9 @@
 // What every kernel of ours begins with: one invocation per element of a grid, innermost axis first, and
 // buffers of floats. The size of a work group is the device's choice (GpuFacts::group).
+//
+// Numbers that a kernel and its twin on the processor must have alike stand in a header that is C++ and GLSL.
+#define constexpr const
+
 layout(local_size_x_id = 0, local_size_y = 1, local_size_z = 1) in;
 
 #define READS(place, block, name) \

@@ -31,6 +31,7 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 #include <optional>
 #include <utility>
 
+#include "hal/real/buffer_slots.h"
 #include "hal/real/control_pacer.h"
 #include "hal/real/libcamera_buffers.h"
 #include "hal/real/libcamera_formats.h"
@@ -144,7 +145,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     (void)LibcameraCamera::stop();
     camera_->requestCompleted.disconnect(this);
     camera_->disconnected.disconnect(this);
-    slots_.clear(), buffers_.reset();
+    requests_.clear(), buffers_.reset();
     camera_->release();
   }
 
@@ -153,7 +154,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
     const std::lock_guard lock(mutex_);
     TRY(check_configurable(wanted, buffers));
-    slots_.clear(), buffers_.reset();
+    slots_.reset(0), requests_.clear(), buffers_.reset();
     auto configuration = camera_->generateConfiguration(
         {is_bayer(wanted.format) ? lc::StreamRole::Raw : lc::StreamRole::Viewfinder});
     if (configuration == nullptr || configuration->empty()) return does_not_offer(wanted.format);
@@ -171,11 +172,12 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     mode_.frame_duration = constant_frame_duration(wanted.frame_duration);
     stride_ = wanted.format == PixelFormat::Mjpeg ? 0 : stream.stride;
     buffers_ = TRY(LibcameraBuffers::allocate(camera_, *stream.stream(), buffers));
-    slots_.resize(buffers_->size());
-    for (std::size_t i = 0; i < slots_.size(); ++i) {
-      slots_[i].request = camera_->createRequest(i);
-      slots_[i].request->addBuffer(stream.stream(), &buffers_->buffer(i));
+    requests_.resize(buffers_->size());
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+      requests_[i].own = camera_->createRequest(i);
+      requests_[i].own->addBuffer(stream.stream(), &buffers_->buffer(i));
     }
+    slots_.reset(requests_.size());
     return mode_;
   }
 
@@ -185,8 +187,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
     if (slots_.empty())
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
-    for (Slot& slot : slots_)
-      if (slot.state == State::Queued) slot.state = State::Free;
+    slots_.free_queued();
     {
       const std::lock_guard completions(completions_mutex_);
       if (gone_) return libcamera_error(-ENODEV, capabilities_.id, "start");
@@ -208,19 +209,14 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (!started_)
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
     TRY(check_exposure(capabilities_, wanted));
-    const auto free =
-        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
-    if (free == slots_.end())
-      return Error{ErrorCode::Busy,
-                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
-                               slots_.size(), capabilities_.id)};
-    lc::Request& request = *free->request;
+    const std::size_t slot = TRY(slots_.free_one());
+    lc::Request& request = *requests_[slot].own;
     request.reuse(lc::Request::ReuseBuffers);
     if (std::exchange(first_request_, false)) take_over(request.controls());
     const auto turn = set_exposure(request.controls(), wanted);
-    free->state = State::Queued, free->cookie = wanted.cookie;
+    slots_.queue(slot, wanted.cookie);
     if (const int code = camera_->queueRequest(&request); code != 0) {
-      free->state = State::Free;
+      slots_.free(slot);
       return libcamera_error(unplugged() ? -ENODEV : code, capabilities_.id, "queue a request");
     }
     if (turn) {
@@ -263,17 +259,15 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   }
 
  private:
-  enum class State { Free, Queued, Leased };
-  struct Slot {
-    std::unique_ptr<lc::Request> request;
-    State state = State::Free;
-    std::uint64_t cookie = 0;
+  // Of the buffer of the same index.
+  struct Request {
+    std::unique_ptr<lc::Request> own;
     bool control_late = false;  // written by libcamera's thread before it reports the completion
   };
 
   void give_back(int index) override {
     const std::lock_guard lock(mutex_);
-    slots_[static_cast<std::size_t>(index)].state = State::Free;
+    slots_.free(static_cast<std::size_t>(index));
   }
 
   Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
@@ -286,11 +280,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     if (wanted.width <= 0 || wanted.height <= 0)
       return Error{ErrorCode::Invalid,
                    fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};
-    if (std::any_of(slots_.begin(), slots_.end(),
-                    [](const Slot& slot) { return slot.state == State::Leased; }))
-      return Error{ErrorCode::Busy,
-                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
-    return {};
+    return slots_.check_none_leased();
   }
 
   Error does_not_offer(PixelFormat format) const {
@@ -354,16 +344,15 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   }
 
   CapturedBuffer delivered(std::size_t index) {
-    Slot& slot = slots_[index];
-    slot.state = State::Leased;
+    const Request& request = requests_[index];
     const lc::FrameMetadata& frame = buffers_->buffer(index).metadata();
-    const lc::ControlList& metadata = slot.request->metadata();
+    const lc::ControlList& metadata = request.own->metadata();
     CapturedBuffer buffer;
+    buffer.cookie = slots_.lease(index);
     buffer.lease = BufferLease(*this, static_cast<int>(index));
-    buffer.cookie = slot.cookie;
     buffer.sequence = frame.sequence;
-    buffer.timestamp = timestamp_of(*slot.request, frame);
-    buffer.control_late = slot.control_late;
+    buffer.timestamp = timestamp_of(*request.own, frame);
+    buffer.control_late = request.control_late;
     buffer.damaged = frame.status != lc::FrameMetadata::FrameSuccess;
     if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
       buffer.exposure = microseconds(*exposure_us);
@@ -386,7 +375,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     {
       const std::lock_guard completions(completions_mutex_);
       completed_[(first_ + count_++) % completed_.size()] = index;
-      if (paced_) slots_[index].control_late = pacer_.completed(timestamp);
+      if (paced_) requests_[index].control_late = pacer_.completed(timestamp);
     }
     changed_.notify_one();
   }
@@ -411,8 +400,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   std::size_t stride_ = 0;
   std::unique_ptr<LibcameraBuffers> buffers_;
 
-  std::mutex mutex_;  // of the slots and of calls into the camera, against stop() and leases given back
-  std::vector<Slot> slots_;
+  std::mutex mutex_;  // of slots, requests and calls into the camera, against stop() and leases given back
+  BufferSlots slots_{capabilities_.id};
+  std::vector<Request> requests_;
   bool first_request_ = false;
 
   std::mutex

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "hal/real/buffer_slots.h"
 #include "hal/real/control_pacer.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/recent_stamp.h"
@@ -100,7 +101,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
     const std::lock_guard lock(mutex_);
     TRY(check_configurable(buffers));
-    slots_.clear();
+    slots_.reset(0);
     TRY(stream_.allocate(0));  // a queue with buffers keeps its format
     if (nodes_.graph) TRY(set_format_along(nodes_.graph->path, wanted));
     picture_ = TRY(set_mode(nodes_.video, nodes_.identity.queue_type, wanted));
@@ -113,7 +114,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     const bool requests = per_request_ && control_.exists() && stream_.takes_requests();
     capabilities_.exposure_per_request = capabilities_.reports_exposure = requests;
     capabilities_.timestamp_mark = stream_.timestamp_mark();
-    slots_.resize(static_cast<std::size_t>(stream_.buffers()));
+    slots_.reset(static_cast<std::size_t>(stream_.buffers()));
     return mode;
   }
 
@@ -123,9 +124,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
     if (slots_.empty())
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
-    for (Slot& slot : slots_)
-      if (slot.state == State::Queued) slot.state = State::Free;
-    pacer_.restart(), queued_ = 0, last_write_ = {}, wake_.clear();
+    slots_.free_queued();
+    pacer_.restart(), last_write_ = {}, wake_.clear();
     TRY(stream_.start());
     started_ = true;
     return {};
@@ -137,20 +137,14 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
     TRY(std::exchange(last_write_, {}));
     TRY(check_exposure(capabilities_, request));
-    const auto free =
-        std::find_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.state == State::Free; });
-    if (free == slots_.end())
-      return Error{ErrorCode::Busy,
-                   fmt::format("all {} buffers of camera '{}' are queued or read; wait for a frame first",
-                               slots_.size(), capabilities_.id)};
-    const int index = static_cast<int>(free - slots_.begin());
+    const std::size_t slot = TRY(slots_.free_one());
+    const int index = static_cast<int>(slot);
     if (capabilities_.exposure_per_request) {
       TRY(stream_.renew(index));
       TRY(control_.write(request, stream_.request_fd(index)));
     }
     TRY(stream_.queue(index));
-    *free = {State::Queued, request.cookie};
-    ++queued_;
+    slots_.queue(slot, request.cookie);
     pacer_.queued(request);
     return write_due_exposure();
   }
@@ -162,7 +156,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
         const std::lock_guard lock(mutex_);
         if (!started_)
           return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
-        if (queued_ > 0)
+        if (slots_.any_queued())
           if (const auto filled = TRY(stream_.dequeue())) return completed(*filled);
       }
       const auto left = deadline - SteadyClock::now();
@@ -185,15 +179,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
  private:
-  enum class State { Free, Queued, Leased };
-  struct Slot {
-    State state = State::Free;
-    std::uint64_t cookie = 0;
-  };
-
   void give_back(int index) override {
     const std::lock_guard lock(mutex_);
-    slots_[static_cast<std::size_t>(index)].state = State::Free;
+    slots_.free(static_cast<std::size_t>(index));
   }
 
   Result<void> check_configurable(int buffers) const {
@@ -203,11 +191,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (buffers < 1 || buffers > VIDEO_MAX_FRAME)
       return Error{ErrorCode::Invalid,
                    fmt::format("a stream cannot have {} buffers; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
-    if (std::any_of(slots_.begin(), slots_.end(),
-                    [](const Slot& slot) { return slot.state == State::Leased; }))
-      return Error{ErrorCode::Busy,
-                   fmt::format("a frame of camera '{}' is still being read", capabilities_.id)};
-    return {};
+    return slots_.check_none_leased();
   }
 
   // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
@@ -225,7 +209,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     bool waits_for_frame = false;
     {
       const std::lock_guard lock(mutex_);
-      waits_for_frame = queued_ > 0;
+      waits_for_frame = slots_.any_queued();
     }
     std::array<pollfd, 2> fds{
         {{wake_.fd(), POLLIN, 0}, {waits_for_frame ? nodes_.video.fd() : -1, POLLIN, 0}}};
@@ -240,12 +224,9 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
   CapturedBuffer completed(const V4l2Stream::Filled& filled) {
-    Slot& slot = slots_[static_cast<std::size_t>(filled.index)];
-    slot.state = State::Leased;
-    --queued_;
     CapturedBuffer buffer;
+    buffer.cookie = slots_.lease(static_cast<std::size_t>(filled.index));
     buffer.lease = BufferLease(*this, filled.index);
-    buffer.cookie = slot.cookie;
     buffer.sequence = filled.sequence;
     buffer.timestamp = instant_of_stamp(clock_, filled.flags, filled.stamp);
     buffer.mode = picture_.mode, buffer.stride = picture_.stride;
@@ -275,8 +256,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   WakeUp wake_;
   std::mutex mutex_;  // of all below, against stop() and leases given back by other threads
   bool started_ = false;
-  std::vector<Slot> slots_;
-  int queued_ = 0;
+  BufferSlots slots_{nodes_.video.path()};
   ControlPacer pacer_;
   Result<void> last_write_;  // of an exposure, from within wait()
 };

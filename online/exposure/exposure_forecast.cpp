@@ -6,6 +6,7 @@
 #include "capture/amplified_noise.h"
 #include "capture/clip_policy.h"
 #include "hal/core/interpolate.h"
+#include "online/mu_law.h"
 #include "online/state/state_filter.h"
 
 namespace hdrcam {
@@ -18,7 +19,6 @@ constexpr StateOptions kState;     // what the state does with its samples
 
 void ExposureForecast::look(const ExposureOutlook& outlook, const Sensor& sensor, double reference_exposure,
                             float white) {
-  constexpr float kMu = 5000;
   outlook_ = &outlook;
   noise_ = sensor.noise;
   reference_exposure_ = reference_exposure, reference_gain_ = sensor.reference_gain;
@@ -28,10 +28,10 @@ void ExposureForecast::look(const ExposureOutlook& outlook, const Sensor& sensor
     tables_->rebuild(sensor.response, coded);
   else
     tables_.emplace(sensor.response, coded, 1.f);
-  const float scale = kMu / std::log(1 + kMu) / white;
+  const float scale = kPsnrMu / std::log(1 + kPsnrMu) / white;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
     const float bright = outlook.radiance()[i] / white;
-    const float slope = bright > 1 ? 0 : scale / (1 + kMu * bright);
+    const float slope = bright > 1 ? 0 : scale / (1 + kPsnrMu * bright);
     weight_[i] = slope * slope;
   }
 }

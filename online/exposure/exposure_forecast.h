@@ -1,8 +1,8 @@
 // The error that HDR frames will have if the camera runs a given cycle, predicted for the pixels of an
 // ExposureOutlook: each pixel's variance is carried from frame to frame as the state carries it
 // (StateFilter), through the noise of every exposure at its gain, its clipping and its blur. The error is
-// squared and of the mu-law of radiance (mu = 5000), as pictures are judged: -10 log10 of it is a PSNR-mu.
-// Thread-bound; no allocation.
+// squared and of the mu-law of radiance (online/mu_law.h), as pictures are judged: -10 log10 of it is a
+// PSNR-mu. Thread-bound; no allocation.
 #pragma once
 
 #include <array>

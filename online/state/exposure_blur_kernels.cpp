@@ -3,14 +3,12 @@
 #include "online/state/exposure_blur_kernels.h"
 
 #include "hal/core/picture_lanes.h"
+#include "online/state/pass_constants.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
-constexpr float kLeastBlur = 0.6f;            // pixels: a shorter one changes nothing visible
-constexpr int kLeastTaps = 3, kMostTaps = 9;  // instants per exposure
-constexpr float kTapsPerPixel = 0.7f;
-constexpr float kLongest = 64;  // pixels that the taps still resolve
+using namespace pass_constants;
 
 // The instants of eight pixels' exposures; none where the motion is short.
 struct Instants {

@@ -10,6 +10,7 @@
 
 #include "capture/noise_model.h"
 #include "online/response/response.h"
+#include "online/state/pass_constants.h"
 
 namespace hdrcam {
 
@@ -22,7 +23,9 @@ struct VarianceExcess {
 
   // Position of a relative exposure among the bins' centres.
   static float place_of(float x) {
-    return std::clamp(-2 * std::log2(std::max(x, 1e-7f)) - 0.5f, 0.f, static_cast<float>(kBins - 1));
+    using namespace pass_constants;
+    return std::clamp(-kBinsPerStop * std::log2(std::max(x, kLeastExposure)) - 0.5f, 0.f,
+                      static_cast<float>(kBins - 1));
   }
   float at(std::size_t channel, float x) const { return at_place(channel, place_of(x)); }
   float at_place(std::size_t channel, float place) const {
@@ -66,8 +69,8 @@ class ExposureTables {
     const float root = std::sqrt(std::clamp(radiance * exposure_, 0.f, 1.f)) * kSegments;
     return variance_[static_cast<std::size_t>(channel)][static_cast<std::size_t>(root)];
   }
-  // The tables themselves, for kernels that look up on their own: radiance by code [257], variance by
-  // 2048 sqrt(relative exposure) [2050], code by the same [2050].
+  // The tables themselves, for kernels that look up on their own: radiance by code [kCodes], variance by
+  // kSegments sqrt(relative exposure) [kRoots], code by the same [kRoots].
   std::span<const float> radiances(int channel) const { return radiance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> variances(int channel) const { return variance_[static_cast<std::size_t>(channel)]; }
   std::span<const float> codes(int channel) const { return code_[static_cast<std::size_t>(channel)]; }
@@ -80,11 +83,11 @@ class ExposureTables {
   }
 
  private:
-  static constexpr int kSegments = 2048;  // uniform in sqrt(x)
+  static constexpr int kSegments = pass_constants::kSegments;  // uniform in sqrt(x)
   float exposure_, texture_error_ = 0;
   VarianceExcess excess_;
-  std::array<std::array<float, 257>, 3> radiance_{};
-  std::array<std::array<float, kSegments + 2>, 3> variance_{}, code_{};
+  std::array<std::array<float, pass_constants::kCodes>, 3> radiance_{};
+  std::array<std::array<float, pass_constants::kRoots>, 3> variance_{}, code_{};
 };
 
 }  // namespace hdrcam

@@ -5,15 +5,14 @@
 #include "capture/clip_policy.h"
 #include "hal/core/lane_functions.h"
 #include "hal/core/picture_lanes.h"
+#include "online/state/pass_constants.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
-constexpr float kTiny = 1e-20f;
-constexpr float kClipped = 0.05f;  // weight of a sample that is only a bound
-constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
+using namespace pass_constants;
 
-constexpr float kSegments = 2048;  // of a table by exposure, uniform in the root of the relative one
+constexpr int kBlock = 64;  // pixels; tables are looked up in a loop of its own, which then is a gather
 
 // Calls body(first, count) for one block of a row after the other.
 template <class Body>
@@ -107,13 +106,13 @@ void gate(const GatedRow& row, int n) {
     across(count, [&](int i, auto lane) {
       using V = decltype(lane);
       const int x = x0 + i;
-      const V excess = get<V>(row.chi2 + x) / (get<V>(row.covered + x) + 0.05f) - row.tolerance;
+      const V excess = get<V>(row.chi2 + x) / (get<V>(row.covered + x) + kHardlyCompared) - row.tolerance;
       put(agrees + i, -scale * most(excess, V{}));
       // a clipped sample is a lower bound; a darker state does not show the same surface
       V below{};
       for (int c = 0; c < 3; ++c) {
-        const V ratio = get<V>(row.state[c] + x) / (0.9f * get<V>(row.sample[c] + x) + kTiny);
-        const V under = (1 - ratio) / 0.15f;
+        const V ratio = get<V>(row.state[c] + x) / (kBound * get<V>(row.sample[c] + x) + kTiny);
+        const V under = (1 - ratio) / kBelowBound;
         below = most(get<V>(row.weight[c] + x) < kClipped ? under : V{}, below);
       }
       put(bounded + i, -below * below);
@@ -158,7 +157,7 @@ void update(const UpdatedRow& row, int n) {
     // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
     const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const auto counts = (v < row.known) | (weighed * mean2 > 1e-5f * doubt);
+    const auto counts = (v < row.known) | (weighed * mean2 > kLeastSignal2 * doubt);
     put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
     put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
     put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));
@@ -187,7 +186,7 @@ void warp_variance(const WarpedRow& row, int n) {
       const V fy = beyond(clamped(get<V>(dy + i), -kFar, kFar));
       const V between = 2 * (fx * (1 - fx) + fy * (1 - fy));
       const V moving = least(all<V>(1), get<V>(length + i));
-      put<V>(row.per_contrast + x0 + i, row.scale * (0.3f * moving + 0.7f * between));
+      put<V>(row.per_contrast + x0 + i, row.scale * (kByMotion * moving + kByInterpolation * between));
     });
   });
 }
@@ -198,7 +197,7 @@ void age(const AgedRow& row, int n) {
     const V s = get<V>(row.state + x), gate = get<V>(row.gate + x);
     const V aged = get<V>(row.variance + x) * row.growth + row.relative2 * s * s +
                    get<V>(row.per_contrast + x) * get<V>(row.contrast + x);
-    const V unseen = all<V>(row.unseen), doubted = aged / most(gate, all<V>(1e-4f));
+    const V unseen = all<V>(row.unseen), doubted = aged / most(gate, all<V>(kLeastGate));
     V lost = doubted < row.unseen ? doubted : unseen;
     lost = gate < row.floor ? unseen : lost;
     const V guess = aged < row.known ? most(aged, guessed(s, get<V>(row.sample + x), row.least)) : unseen;

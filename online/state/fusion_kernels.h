@@ -16,7 +16,7 @@ struct SampledRow {
 struct RecordedRow {
   const float* radiance[3];
   const float* blur[3];   // what is added to the radiance; null: nothing
-  const float* codes[3];  // by 2048 sqrt(relative exposure) (ExposureTables::codes())
+  const float* codes[3];  // by kSegments sqrt(relative exposure) (ExposureTables::codes())
   float exposure;
   float* gray;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "online/noise/robust_spread.h"
+#include "online/state/pass_constants.h"
 
 namespace hdrcam {
 namespace {
@@ -57,7 +58,7 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
     const float* blur = samples.blur_row(c, y);
     const float* trust = confidence.row(0, y);
     for (int x = 1; x < cols - 1; x += how.stride_px) {
-      if (trust[x] < how.least_confidence || v[x] >= known || w[x] < 0.5f) continue;
+      if (trust[x] < how.least_confidence || v[x] >= known || w[x] < pass_constants::kUnclipped) continue;
       const float variance = tables.variance(c, s[x]) + v[x];
       const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
       const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "online/mu_law.h"
 #include "render/srgb.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr float kMu = 5000;
 constexpr float kDarkest = 1.0f / 16384;  // 14 stops below white
 constexpr float kPuWhite = 4000;          // cd/m2
 
-float mu_law(float x) { return std::log1p(kMu * x) / std::log(kMu + 1); }
+float mu_law(float x) { return std::log1p(kPsnrMu * x) / std::log(kPsnrMu + 1); }
 
 // PU21, "banding + glare": luminance in cd/m2 to perceptually uniform units.
 float pu21(float luminance) {

@@ -25,7 +25,7 @@ struct ComparablePair {
 };
 
 struct PictureScores {
-  double psnr_mu_db = 0;      // after the mu-law, mu = 5000 (Kalantari and Ramamoorthi 2017)
+  double psnr_mu_db = 0;      // after the mu-law (online/mu_law.h)
   double psnr_l_db = 0;       // of linear values
   double psnr_pu_db = 0;      // after PU21 (Mantiuk and Azimi 2021), white shown at 4000 cd/m2
   double ssim_mu = 0;         // structural similarity of mu-law luminance, 11x11 Gaussian of 1.5 px

@@ -46,7 +46,7 @@ void main() {
     float sum = 0;
     for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[i % kTile * kTile + k];
     if (i > 0) {
-      const float power = sum * sum, gain = max(0.0, (power - threshold(c, i / kTile, i % kTile) * noise) / (power + 1e-12));
+      const float power = sum * sum, gain = max(0.0, (power - threshold(c, i / kTile, i % kTile) * noise) / (power + kLeastPower));
       sum *= gain;
       energy += gain * gain;
     }
@@ -57,7 +57,7 @@ void main() {
     for (int k = 0; k < kTile; ++k) sum += basis[k * kTile + i / kTile] * a[k * kTile + i % kTile];
     b[i] = sum;
   }
-  const float weight = 1 / (energy * (noise + 1e-6));
+  const float weight = 1 / (energy * (noise + kLeastNoise));
   const int to = tile_at(c, row(), column());
   tiles[to] = weight;
   for (int i = 0; i < 64; ++i) {  // b basis

@@ -1,5 +1,6 @@
 #include "render/vulkan/vulkan_shrinkage.h"
 
+#include "render/shrinkage_constants.h"
 #include "render/vulkan/gather.comp.h"
 #include "render/vulkan/opponent.comp.h"
 #include "render/vulkan/shrink.comp.h"
@@ -7,10 +8,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kTile = 8, kStep = 4, kTileFloats = 65;  // tiles.glsl
-constexpr float kMaxLogVariance = 0.25f;               // as shrinkage.cpp has it
+constexpr int kTileFloats = kShrinkageTile * kShrinkageTile + 1;  // tiles.glsl
 
-int tiles_along(int pixels, int step) { return (pixels - kTile + step - 1) / step + 1; }
+int tiles_along(int pixels, int step) { return (pixels - kShrinkageTile + step - 1) / step + 1; }
 
 struct TileConstants {
   int rows, cols, tile_rows, tile_cols;
@@ -44,7 +44,8 @@ Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& 
   const std::lock_guard turn(device_.turn());
   const int rows = radiance.rows(), cols = radiance.cols();
   const ShrinkageGrid grid = grid_of(options.effort);
-  const TileConstants tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kStep), grid};
+  const TileConstants tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kShrinkageStep),
+                            grid};
   TRY(reserve(rows, cols, tiles.tile_rows, tiles.tile_cols));
   GpuWork& work = device_.work();
   upload(work, radiance, radiance_);

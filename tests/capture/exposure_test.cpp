@@ -30,6 +30,12 @@ TEST_CASE("durations are read as photographers write them", "[capture]") {
     CHECK(duration.error().code == ErrorCode::Invalid);
     CHECK(duration.error().message.find("write it like") != std::string::npos);
   }
+  for (const char* number : {"33", " 0.004"}) {
+    const auto duration = parse_duration(number);
+    REQUIRE_FALSE(duration.ok());
+    CHECK(duration.error().message.find("has no unit; write ") != std::string::npos);
+  }
+  CHECK(parse_duration("33").error().message == "the time '33' has no unit; write 33ms or 33s");
 }
 
 TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {

@@ -10,6 +10,7 @@
 
 #include "firmware_host/sinks/live_view/frame_picture.h"
 #include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/sinks/record_json.h"
 #include "firmware_host/version.h"
 #include "hal/core/json_text.h"
 
@@ -24,13 +25,6 @@ constexpr float kLargestHalf = 65504;
 // As the file stores it.
 float stored(float radiance) { return static_cast<float>(Imath::half(std::min(radiance, kLargestHalf))); }
 
-template <class Values>
-Json object_of(const Values& values) {
-  Json object = Json::object();
-  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
-  return object;
-}
-
 Json frame_json(const ShownFrame& frame) {
   const FrameFacts& facts = frame.hdr.facts;
   Json json{{"sequence", facts.sequence},
@@ -44,9 +38,7 @@ Json frame_json(const ShownFrame& frame) {
             {"stages_ms", object_of(frame.record.stages_ms)},
             {"histogram", radiance_histogram(frame.hdr.radiance)}};
   if (facts.verdict) json["verdict"] = name(*facts.verdict);
-  Json& shares = json["provenance"] = Json::object();
-  for (std::size_t i = 0; i < kProvenances; ++i)
-    shares[kProvenanceLooks[i].key] = frame.record.provenance_share[i];
+  json["provenance"] = provenance_of(frame.record.provenance_share);
   return json;
 }
 

@@ -15,12 +15,15 @@ float smooth_step(float begin, float end, float x) {
   return t * t * (3 - 2 * t);
 }
 
-// A position split into whole pixels (xy) and 1/32 pixels (zw). Far outside or not a number: the border.
+// As hal/core/picture_lanes.h places pixels.
+const int kOutside = 4, kSubpixels = 32, kShift = 5;
+
+// A position split into whole pixels (xy) and subpixels (zw). Far outside or not a number: the border.
 ivec4 split_position(float px, float py) {
-  px = px > -4 ? min(px, float(cols + 4)) : -4;
-  py = py > -4 ? min(py, float(rows + 4)) : -4;
-  const int qx = int(floor(px * 32 + 0.5)), qy = int(floor(py * 32 + 0.5));
-  return ivec4(qx >> 5, qy >> 5, qx & 31, qy & 31);
+  px = px > -kOutside ? min(px, float(cols + kOutside)) : -kOutside;
+  py = py > -kOutside ? min(py, float(rows + kOutside)) : -kOutside;
+  const int qx = int(floor(px * kSubpixels + 0.5)), qy = int(floor(py * kSubpixels + 0.5));
+  return ivec4(qx >> kShift, qy >> kShift, qx & (kSubpixels - 1), qy & (kSubpixels - 1));
 }
 
 // Catmull-Rom weights of the four pixels around a place `fraction` of the way from the second to the third.

@@ -18,15 +18,17 @@ namespace hdrcam {
 // Coarse finds the motion in pictures of a quarter of the size, Fast of half.
 enum class FlowQuality { Coarse, Fast, Medium, Fine };
 
-struct MatchEffort {
+// How a step is matched. Ratios of intervals, here and below, are above 0; this one is (t_i - t_i-1) over
+// (t_i-1 - t_i-2), 1 at the first step. The motion of the step before is what complete() left last.
+struct MatchContext {
   FlowQuality flow = FlowQuality::Medium;
   bool blurs = true;  // the state is blurred as the frame was
+  float before_ratio = 1;
 };
 
-// The steps before and after the interval that is completed. Ratios of intervals, above 0: (t_i - t_i-1) over
-// (t_i-1 - t_i-2), and over (t_i+1 - t_i-1). The motion of the step before is what complete() left last.
+// The steps before and after the interval that is completed; after_ratio: (t_i - t_i-1) over (t_i+1 - t_i-1).
 struct MotionContext {
-  float before_ratio = 1;               // 1 at the first step
+  float before_ratio = 1;
   const ExposedFrame* after = nullptr;  // the next frame; null without look-ahead
   const ExposureTables* after_tables = nullptr;
   float after_ratio = 0.5f;
@@ -43,7 +45,7 @@ class MotionPrior {
 
   // state: at the previous frame. tables: at the frame's exposure.
   virtual void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-                     const MatchEffort& effort, const RatedFlows& rated, StateMotion& motion) = 0;
+                     const MatchContext& context, const RatedFlows& rated, StateMotion& motion) = 0;
   // Rates the motion to the previous frame in any case.
   virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                         FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;

@@ -91,27 +91,23 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
     : rows_(rows), cols_(cols), pool_(pool), flow_(pool) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
-                            const ExposureTables& tables, const MatchEffort& effort, const RatedFlows& rated,
-                            StateMotion& motion) {
+                            const ExposureTables& tables, const MatchContext& context,
+                            const RatedFlows& rated, StateMotion& motion) {
   const Borrowed room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors};
   if (last_.empty()) {
     gray_of_state(state.radiance, nullptr, tables, state_gray_, pool_);
   } else {
-    const double interval_s = to_seconds(frame.facts.timestamp - last_time_);
-    const float ratio = last_interval_s_ > 0 && interval_s > 0
-                            ? static_cast<float>(std::clamp(interval_s / last_interval_s_, 0.1, 10.0))
-                            : 1.f;
-    start_at_prediction(ratio, request);
+    start_at_prediction(context.before_ratio, request);
     const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
-    const float fraction = ratio * frame.blur_fraction;
-    const bool blurs = effort.blurs && exposure_blurs(predicted_, fraction, pool_);
+    const float fraction = context.before_ratio * frame.blur_fraction;
+    const bool blurs = context.blurs && exposure_blurs(predicted_, fraction, pool_);
     if (blurs) blur_difference(state.radiance, predicted_, fraction, blur_, pool_);
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
-  flow_.compute(effort.flow, request);
+  flow_.compute(context.flow, request);
   if (rated.to_previous) rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }
@@ -133,8 +129,6 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   }
   rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
-  if (!last_.empty()) last_interval_s_ = to_seconds(frame.facts.timestamp - last_time_);
-  last_time_ = frame.facts.timestamp;
   predict(context.before_ratio, motion.to_previous.vectors);
   copy(motion.to_previous.vectors, last_, pool_);
 }

@@ -16,7 +16,7 @@ class MotionEstimator final : public MotionPrior {
   // Matches both flows. The state is rendered as the frame would show it: at its exposure, and blurred along
   // the predicted motion. The search starts from that motion.
   void match(const RadianceState& state, const ExposedFrame& frame, const ExposureTables& tables,
-             const MatchEffort& effort, const RatedFlows& rated, StateMotion& motion) override;
+             const MatchContext& context, const RatedFlows& rated, StateMotion& motion) override;
   // Completes the motion where the frame is clipped, from the predicted motion and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
@@ -38,8 +38,6 @@ class MotionEstimator final : public MotionPrior {
   Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
   Image<float> measured_before_;  // the same of the step before it
   Image<float> predicted_;        // the motion of the next step, if it takes as long as the last one
-  Instant last_time_;             // where that step ended
-  double last_interval_s_ = 0;    // its duration; 0 where it is unknown
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
   Image<float> mask_, clipped_, clipped_after_, after_to_state_, state_to_after_, ahead_;

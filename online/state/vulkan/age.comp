@@ -24,7 +24,7 @@ void main() {
   const float s = state[at(c, y, x)], v = state[at(kVariance + c, y, x)], g = gate[at(0, y, x)];
   const float added = warp_variance(motion[at(0, y, x)], motion[at(1, y, x)], misalignment2) * contrast[at(c, y, x)];
   const float aged = v * growth + relative2 * s * s + added;
-  const float doubted = aged / max(1e-4, g);
+  const float doubted = aged / max(kLeastGate, g);
   const float lost = g < gate_floor || !(doubted < unseen) ? unseen : doubted;
   const float guess = aged < known ? max(aged, guessed(c, s, samples[at(c, y, x)])) : unseen;
   state[at(kVariance + c, y, x)] = samples[at(kWeight + c, y, x)] < kClipped ? lost : min(lost, guess);

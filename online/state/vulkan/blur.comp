@@ -14,7 +14,6 @@ WRITES(2, Samples, samples)
 
 void main() {
   if (!is_pixel()) return;
-  const float kLeastBlur = 0.6, kLongest = 64, kTapsPerPixel = 0.7;
   const int x = column(), y = row(), c = plane();
   const float dx = motion[at(0, y, x)], dy = motion[at(1, y, x)];
   const float reach = sqrt(dx * dx + dy * dy) * fraction;
@@ -22,7 +21,7 @@ void main() {
     samples[at(kBlur + c, y, x)] = 0;
     return;
   }
-  const int count = clamp(int(ceil(kTapsPerPixel * min(reach, kLongest))) + 1, 3, 9);
+  const int count = clamp(int(ceil(kTapsPerPixel * min(reach, kLongest))) + 1, kLeastTaps, kMostTaps);
   const vec2 last = vec2(cols - 1, rows - 1), here = vec2(x, y);
   float sum = 0;
   for (int k = 0; k < count; ++k) {

@@ -19,13 +19,13 @@ void main() {
   if (!is_pixel()) return;
   const int x = column(), y = row();
   const float chi2 = found[at(0, y, x)], covered = found[at(1, y, x)];
-  const float excess = max(0.0, chi2 / (covered + 0.05) - tolerance);
+  const float excess = max(0.0, chi2 / (covered + kHardlyCompared) - tolerance);
   const float agreement = 1 - min(1.0, covered) * (1 - least) * (1 - exp(-excess / scale));
   float bound = 1;
   for (int c = 0; c < 3; ++c) {
     if (samples[at(kWeight + c, y, x)] >= kClipped) continue;
-    const float ratio = state[at(c, y, x)] / (0.9 * samples[at(c, y, x)] + kTiny);
-    const float below = (1 - ratio) / 0.15;
+    const float ratio = state[at(c, y, x)] / (kBound * samples[at(c, y, x)] + kTiny);
+    const float below = (1 - ratio) / kBelowBound;
     if (ratio < 1) bound = min(bound, exp(-below * below));
   }
   gate[at(0, y, x)] = motion[at(kConfidence, y, x)] * agreement * (least + (1 - least) * bound);

@@ -24,13 +24,13 @@ void main() {
   const int size = found_rows * found_cols, to = c * size + row() * found_cols + column();
   found[to] = 0, found[3 * size + to] = 0, found[6 * size + to] = -1;
   const float s = state[at(c, y, x)], v = state[at(kVariance + c, y, x)];
-  if (motion[at(kConfidence, y, x)] < least_confidence || v >= known || samples[at(kWeight + c, y, x)] < 0.5) return;
+  if (motion[at(kConfidence, y, x)] < least_confidence || v >= known || samples[at(kWeight + c, y, x)] < kUnclipped) return;
   const float variance = noise_variance(c, s) + v;
   const float slope_x = state[at(c, y, x + 1)] - state[at(c, y, x - 1)];
   const float slope_y = state[at(c, y + 1, x)] - state[at(c, y - 1, x)];
   const float misplaced = misalignment * (slope_x * slope_x + slope_y * slope_y);
   if (misplaced > variance + relative2 * s * s) return;
-  const float place = clamp(-2 * log2(max(s * exposure, 1e-7)) - 0.5, 0.0, float(bins - 1));
+  const float place = clamp(-kBinsPerStop * log2(max(s * exposure, kLeastExposure)) - 0.5, 0.0, float(bins - 1));
   const int i = min(int(place), bins - 2);
   const float low = excess[c * bins + i], high = excess[c * bins + i + 1];
   found[to] = (samples[at(c, y, x)] - s - samples[at(kBlur + c, y, x)]) * exposure;

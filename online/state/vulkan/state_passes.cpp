@@ -4,6 +4,7 @@
 #include "online/pictures/vulkan/box_mean.comp.h"
 #include "online/pictures/vulkan/local_contrast.comp.h"
 #include "online/pictures/vulkan/warp.comp.h"
+#include "online/state/pass_constants.h"
 #include "online/state/sample_residuals.h"
 #include "online/state/vulkan/age.comp.h"
 #include "online/state/vulkan/blur.comp.h"
@@ -24,7 +25,8 @@ float square(float v) { return v * v; }
 }  // namespace
 
 Result<GpuTables> GpuTables::make(GpuDevice& device) {
-  constexpr std::size_t kCurves = 3 * (257 + 2050), kExcess = 3 * VarianceExcess::kBins;
+  using namespace pass_constants;
+  constexpr std::size_t kCurves = 3 * (kCodes + kRoots), kExcess = 3 * VarianceExcess::kBins;
   return GpuTables{TRY(device.buffer(kCurves * sizeof(float))), TRY(device.buffer(kExcess * sizeof(float))),
                    1};
 }
@@ -36,6 +38,15 @@ void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
   work.upload(std::as_bytes(std::span(all)), *curves);
   work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
   exposure = tables.exposure(), texture_error = tables.texture_error();
+}
+
+Result<PassRoom> PassRoom::make(GpuDevice& device, int rows, int cols) {
+  const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
+  return PassRoom{.mean = TRY(picture(3)),
+                  .guess = TRY(picture(3)),
+                  .detail = TRY(picture(3)),
+                  .found = TRY(picture(kFoundPlanes)),
+                  .found_mean = TRY(picture(kFoundPlanes))};
 }
 
 Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& options) {
@@ -97,11 +108,11 @@ void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, 
   run(kBlur, {*state, *motion, *samples}, constants, {state.cols, state.rows, 3});
 }
 
-void StatePasses::gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,
-                       const GpuPicture& contrast, const GpuTables& tables, const GpuPicture& motion,
-                       float white, const GpuPicture& found, const GpuPicture& found_mean,
-                       const GpuPicture& gate) const {
+void StatePasses::gate(const GpuSeen& seen, const GpuPicture& motion, const PassRoom& room,
+                       const GpuPicture& gate, const GpuPicture& contrast) const {
+  const auto& [state, samples, tables, white] = seen;
   const FusionOptions& o = options_.fusion;
+  local_contrast(state, room.mean, contrast);
   const struct {
     int rows, cols;
     float known, exposure, relative2, texture2, blur_tolerance;
@@ -112,19 +123,18 @@ void StatePasses::gate(const GpuPicture& state, const GpuPicture& samples, const
           square(o.chi2_relative),
           square(o.chi2_texture),
           o.blur_tolerance};
-  run(kDisagreement, {*state, *samples, *mean, *contrast, tables.curves.get(), *found}, apart,
-      found.pixels());
-  box_mean(found, 2, found_mean);
+  run(kDisagreement, {*state, *samples, *room.mean, *contrast, tables.curves.get(), *room.found}, apart,
+      room.found.pixels());
+  box_mean(room.found, 2, room.found_mean);
   const struct {
     int rows, cols;
     float tolerance, scale, least;
   } constants{state.rows, state.cols, o.chi2_tolerance, o.chi2_scale, o.gate_floor};
-  run(kGate, {*state, *samples, *found_mean, *motion, *gate}, constants, gate.pixels());
+  run(kGate, {*state, *samples, *room.found_mean, *motion, *gate}, constants, gate.pixels());
 }
 
-void StatePasses::age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
-                      const GpuPicture& gate, const GpuPicture& samples, const GpuTables& tables,
-                      float white) const {
+void StatePasses::age(const GpuSeen& seen, const GpuMoved& moved, const GpuPicture& gate) const {
+  const auto& [state, samples, tables, white] = seen;
   const struct {
     int rows, cols;
     float growth, relative2, misalignment2, gate_floor, known, unseen;
@@ -136,11 +146,12 @@ void StatePasses::age(const GpuPicture& state, const GpuPicture& contrast, const
               options_.fusion.gate_floor,
               known_limit(white),
               kUnseenVariance};
-  run(kAge, {*state, *contrast, *motion, *gate, *samples, tables.curves.get()}, constants, contrast.grid());
+  run(kAge, {*state, *moved.contrast, *moved.motion, *gate, *samples, tables.curves.get()}, constants,
+      moved.contrast.grid());
 }
 
-void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
-                            const GpuTables& tables, float white, const GpuPicture& found) const {
+void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const GpuPicture& found) const {
+  const auto& [state, samples, tables, white] = seen;
   constexpr ResidualSampling kHow = kResidualSampling;
   static_assert(kHow.stride_px == 2);
   const struct {
@@ -160,20 +171,19 @@ void StatePasses::residuals(const GpuPicture& state, const GpuPicture& samples, 
       {found.cols, found.rows, 3});
 }
 
-void StatePasses::fuse(Taking taking, int intervals, const GpuPicture& state, const GpuPicture& samples,
-                       const GpuTables& tables, float white, const GpuPicture& gate,
-                       const GpuPicture& contrast, const GpuPicture& motion, const GpuPicture& guess,
-                       const GpuPicture& mean, const GpuPicture& detail, const GpuPicture& share) const {
+void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,
+                       const PassRoom& room, const GpuPicture& share) const {
+  const auto& [state, samples, tables, white] = seen;
   const FusionOptions& o = options_.fusion;
   const struct {
     int rows, cols;
     float known;
   } choice{state.rows, state.cols, known_limit(white)};
-  run(kGuess, {*state, *samples, *guess}, choice, guess.grid());
+  run(kGuess, {*state, *samples, *room.guess}, choice, room.guess.grid());
   if (tables.texture_error > 0)
-    local_contrast(guess, mean, detail);
+    local_contrast(room.guess, room.mean, room.detail);
   else
-    box_mean(guess, 1, mean);
+    box_mean(room.guess, 1, room.mean);
   const struct {
     int rows, cols, joins, starts;
     float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
@@ -186,25 +196,23 @@ void StatePasses::fuse(Taking taking, int intervals, const GpuPicture& state, co
               square(o.relative_noise),
               o.blur_variance,
               o.unknown_blur_variance,
-              static_cast<float>(intervals) * square(o.misalignment),
+              static_cast<float>(moved.intervals) * square(o.misalignment),
               tables.texture_error};
-  run(kUpdate, {*state, *samples, *mean, tables.curves.get(), *gate, *contrast, *motion, *share, *detail},
+  run(kUpdate,
+      {*state, *samples, *room.mean, tables.curves.get(), *gate, *moved.contrast, *moved.motion, *share,
+       *room.detail},
       constants, share.pixels());
 }
 
-void StatePasses::update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
-                         float white, const GpuPicture& guess, const GpuPicture& mean,
-                         const GpuPicture& detail, const GpuPicture& share, Past past) const {
-  fuse(past == Past::None ? Taking::First : Taking::Own, 1, state, samples, tables, white, mean, mean, mean,
-       guess, mean, detail, share);
+void StatePasses::update(const GpuSeen& seen, const PassRoom& room, const GpuPicture& share,
+                         Past past) const {
+  const GpuPicture& unread = room.mean;  // a kernel has all its buffers
+  fuse(past == Past::None ? Taking::First : Taking::Own, seen, unread, {unread, unread}, room, share);
 }
 
-void StatePasses::join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables,
-                       float white, const GpuPicture& gate, const GpuPicture& contrast,
-                       const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-                       const GpuPicture& detail, const GpuPicture& share, int intervals) const {
-  fuse(Taking::Later, intervals, state, samples, tables, white, gate, contrast, motion, guess, mean, detail,
-       share);
+void StatePasses::join(const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,
+                       const PassRoom& room, const GpuPicture& share) const {
+  fuse(Taking::Later, seen, gate, moved, room, share);
 }
 
 void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {

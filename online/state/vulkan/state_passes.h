@@ -27,6 +27,29 @@ struct GpuTables {
   void take(const ExposureTables& tables, GpuWork& work);
 };
 
+// A state and samples at its pixels, as the passes of Fusion take them.
+struct GpuSeen {
+  const GpuPicture& state;    // RadianceState
+  const GpuPicture& samples;  // Samples
+  const GpuTables& tables;    // at the samples' exposure
+  float white;                // as known_limit() takes it
+};
+
+// As Moved.
+struct GpuMoved {
+  const GpuPicture& contrast;
+  const GpuPicture& motion;
+  int intervals = 1;
+};
+
+// What the kernels of one pass leave to each other; nothing in it outlives the pass.
+struct PassRoom {
+  GpuPicture mean, guess, detail;  // rgb; detail: the local contrast of the guess
+  GpuPicture found, found_mean;    // [kFoundPlanes]
+
+  static Result<PassRoom> make(GpuDevice& device, int rows, int cols);
+};
+
 class StatePasses {
  public:
   static Result<StatePasses> make(GpuDevice& device, const StateOptions& options);
@@ -42,25 +65,19 @@ class StatePasses {
   // Fusion::model_blur
   void model_blur(const GpuPicture& state, const GpuPicture& motion, float fraction,
                   const GpuPicture& samples) const;
-  // Fusion::gate; mean, contrast: of the state's radiance; found, found_mean: room
-  void gate(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& mean,
-            const GpuPicture& contrast, const GpuTables& tables, const GpuPicture& motion, float white,
-            const GpuPicture& found, const GpuPicture& found_mean, const GpuPicture& gate) const;
+  // Fusion::gate; motion: for its confidence; contrast: becomes the local contrast of the state
+  void gate(const GpuSeen& seen, const GpuPicture& motion, const PassRoom& room, const GpuPicture& gate,
+            const GpuPicture& contrast) const;
   // StateFilter's growth of the variance, Fusion::warp_variance in it
-  void age(const GpuPicture& state, const GpuPicture& contrast, const GpuPicture& motion,
-           const GpuPicture& gate, const GpuPicture& samples, const GpuTables& tables, float white) const;
+  void age(const GpuSeen& seen, const GpuMoved& moved, const GpuPicture& gate) const;
   // SampleResiduals::observe: what it looks at; found: [kResidualPlanes, (rows - 1) / 2, (cols - 1) / 2]
-  void residuals(const GpuPicture& state, const GpuPicture& samples, const GpuPicture& motion,
-                 const GpuTables& tables, float white, const GpuPicture& found) const;
-  // Fusion::update with a frame's own samples; guess, mean, detail: room
-  void update(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
-              const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
-              const GpuPicture& share, Past past = Past::Seen) const;
+  void residuals(const GpuSeen& seen, const GpuPicture& motion, const GpuPicture& found) const;
+  // Fusion::update with a frame's own samples
+  void update(const GpuSeen& seen, const PassRoom& room, const GpuPicture& share,
+              Past past = Past::Seen) const;
   // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
-  void join(const GpuPicture& state, const GpuPicture& samples, const GpuTables& tables, float white,
-            const GpuPicture& gate, const GpuPicture& contrast, const GpuPicture& motion,
-            const GpuPicture& guess, const GpuPicture& mean, const GpuPicture& detail,
-            const GpuPicture& share, int intervals = 1) const;
+  void join(const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved, const PassRoom& room,
+            const GpuPicture& share) const;
   // LookAhead: the brightest code that may have gone into a warped one; a path made longer
   void dilate(const GpuPicture& in, const GpuPicture& out) const;
   void follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const;
@@ -89,10 +106,8 @@ class StatePasses {
     device_->work().run(*kernels_[pass], buffers, constants, grid);
   }
   enum class Taking { First, Own, Later };  // samples: of the first frame, of a frame itself, of a later one
-  void fuse(Taking taking, int intervals, const GpuPicture& state, const GpuPicture& samples,
-            const GpuTables& tables, float white, const GpuPicture& gate, const GpuPicture& contrast,
-            const GpuPicture& motion, const GpuPicture& guess, const GpuPicture& mean,
-            const GpuPicture& detail, const GpuPicture& share) const;
+  void fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,
+            const PassRoom& room, const GpuPicture& share) const;
 
   GpuDevice* device_;
   StateOptions options_;

@@ -47,7 +47,7 @@ void main() {
     if (texture_error > 0) variance += texture_error * detail[i];
     const float weight = weighs * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
-    if (weight > 1e-5 / (m * m + kTiny) || v < known) {
+    if (weight > kLeastSignal2 / (m * m + kTiny) || v < known) {
       state[i] = (s * before + value * weight) / (before + weight);
       state[of_variance] = 1 / (before + weight);
       shared_ += weight / (before + weight) * (1.0 / 3);

@@ -38,12 +38,8 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
               .seen = TRY(picture(3)),
               .largest = TRY(picture(3)),
               .brightest = TRY(picture(3)),
-              .mean = TRY(picture(3)),
+              .room = TRY(PassRoom::make(device, rows, cols)),
               .contrast = TRY(picture(3)),
-              .guess = TRY(picture(3)),
-              .detail = TRY(picture(3)),
-              .found = TRY(picture(kFoundPlanes)),
-              .found_mean = TRY(picture(kFoundPlanes)),
               .gate = TRY(picture(1)),
               .share = TRY(picture(1)),
               .residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 1) / 2),
@@ -119,8 +115,7 @@ Result<void> VulkanState::restart_there(const StateInput& input) {
   std::copy_n(fetched_.plane(0), radiance.size(), radiance.plane(0));
   stack(radiance, unseen, stacked_);
   upload(work, stacked_, on.state);
-  on.passes.update(on.state, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share,
-                   Past::None);
+  on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share, Past::None);
   download(work, on.state, fetched_);
   download(work, on.share, fetched_share_);
   TRY(work.finish());
@@ -144,13 +139,12 @@ Result<void> VulkanState::advance_there(const StateInput& input, const FlowField
   passes.sample(on.codes, on.codes, on.tables, on.samples);
   passes.warp(on.state, on.motion, kCubic, options_.ringing_limit, on.predicted);
   passes.model_blur(on.predicted, on.motion, input.blur_fraction(), on.samples);
-  passes.local_contrast(on.predicted, on.mean, on.contrast);
-  passes.gate(on.predicted, on.samples, on.mean, on.contrast, on.tables, on.motion, input.white, on.found,
-              on.found_mean, on.gate);
-  passes.age(on.predicted, on.contrast, on.motion, on.gate, on.samples, on.tables, input.white);
+  const GpuSeen seen{on.predicted, on.samples, on.tables, input.white};
+  passes.gate(seen, on.motion, on.room, on.gate, on.contrast);
+  passes.age(seen, {on.contrast, on.motion}, on.gate);
   const bool judges = rows_ > 2 && cols_ > 2;
-  if (judges) passes.residuals(on.predicted, on.samples, on.motion, on.tables, input.white, on.residuals);
-  passes.update(on.predicted, on.samples, on.tables, input.white, on.guess, on.mean, on.detail, on.share);
+  if (judges) passes.residuals(seen, on.motion, on.residuals);
+  passes.update(seen, on.room, on.share);
   download(work, on.predicted, fetched_);
   download(work, on.share, fetched_share_);
   if (judges) download(work, on.residuals, found_);
@@ -208,11 +202,9 @@ Result<void> VulkanState::join_there(const RadianceState& of, std::span<const La
     // the path spans all intervals, the exposure lasts a part of the last one
     passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / static_cast<float>(intervals),
                       on.samples);
-    passes.local_contrast(on.joined, on.mean, on.contrast);
-    passes.gate(on.joined, on.samples, on.mean, on.contrast, on.tables, on.path, white, on.found,
-                on.found_mean, on.gate);
-    passes.join(on.joined, on.samples, on.tables, white, on.gate, on.contrast, on.path, on.guess, on.mean,
-                on.detail, on.share, intervals);
+    const GpuSeen seen{on.joined, on.samples, on.tables, white};
+    passes.gate(seen, on.path, on.room, on.gate, on.contrast);
+    passes.join(seen, on.gate, {on.contrast, on.path, intervals}, on.room, on.share);
   }
   download(work, on.joined, fetched_);
   download(work, on.share, joined.later_share);

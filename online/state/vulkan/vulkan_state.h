@@ -31,8 +31,9 @@ class VulkanState final : public StateLayer {
     StatePasses passes;
     GpuTables tables;
     GpuPicture state, predicted, joined;  // [kStatePlanes]
-    GpuPicture samples, motion, path, longer, codes, seen, largest, brightest, mean, contrast, guess, detail;
-    GpuPicture found, found_mean, gate, share, residuals;
+    GpuPicture samples, motion, path, longer, codes, seen, largest, brightest;
+    PassRoom room;
+    GpuPicture contrast, gate, share, residuals;
 
     static Result<Room> make(GpuDevice& device, const StateOptions& options, int rows, int cols);
   };

@@ -34,6 +34,7 @@ const Job kJobs[] = {
      "record --camera 'sim:still?size=64x48&fps=200' --format RGB24 --shutter 1ms,2ms,4ms --frames 10 -o "
      "{out}/raw.mkv"},
     {"import", "import {in}/clip -o {out}/walk.mkv"},
+    {"repair", "repair {in}/walk.mkv -o {out}/walk.mkv"},
     {"export", "export {in}/walk.mkv -o {out}/clip"},
     {"replay",
      "replay {in}/walk.mkv -o {out}/%06d.exr --stats {out}/stats.json --report {out}/report.html --preview "
@@ -113,6 +114,7 @@ void refused(const Job& job, long write, const std::string& kind) {
   INFO(job.name << ", write " << write << ": " << kind << "\n" << ran.output);
   CHECK(ran.exit_code == exit_code_of(kind == "EIO" ? ErrorCode::Io : ErrorCode::NoSpace));
   CHECK_THAT(ran.output, Catch::Contains(kind == "EIO" ? "cannot write '" : "no space left to write '"));
+  CHECK_THAT(ran.output, !Catch::Contains(".part"));  // which nobody asked for
   check_files(out);
   for (const auto& file : fs::directory_iterator(out)) {
     const std::string path = file.path().string();
@@ -184,6 +186,6 @@ TEST_CASE("a limit on the size of files is a full disk to every verb, and leaves
   const Ran limited = test::ran("import " + input_folder() + "/clip -o " + out + "/walk.mkv", "ulimit -f 8;");
   INFO(limited.output);
   CHECK(limited.exit_code == exit_code_of(ErrorCode::NoSpace));
-  CHECK_THAT(limited.output, Catch::Contains("no space left to write '"));
+  CHECK_THAT(limited.output, Catch::Contains("no space left to write '" + out + "/walk.mkv'"));
   CHECK(fs::is_empty(out));
 }

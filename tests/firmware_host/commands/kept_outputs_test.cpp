@@ -49,7 +49,8 @@ bool has_line(const std::string& text, const std::string& wanted) {
 
 TEST_CASE("no output takes the place of the configuration, of a clip or of its truth, even with --force") {
   const std::string folder = sample::scratch_folder("kept_inputs"), clip = folder + "/clip",
-                    walk = folder + "/walk.mkv", config = folder + "/c.toml", odd = folder + "/c.mkv", out = folder + "/out";
+                    walk = folder + "/walk.mkv", config = folder + "/c.toml", odd = folder + "/c.mkv",
+                    out = folder + "/out";
   REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
           0);
   for (const std::string& file : {config, odd}) put(file, "[fit]\nseed = 2\n");

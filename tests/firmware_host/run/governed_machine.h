@@ -29,7 +29,7 @@ struct Machine {
     const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1);
     work.steady_ms = slow * 5 * jitter();
     const double motion_ms[] = {3, 3.8, 4.8, 7};  // coarse, fast, medium, fine
-    const double shrinkage_ms[] = {0, 1.3, 2};  // off, on, dense
+    const double shrinkage_ms[] = {0, 1.3, 2};    // off, on, dense
     work.total_ms = work.steady_ms + slow * motion_ms[static_cast<int>(budget.flow)] * jitter();
     if (budget.blurs) work.total_ms += slow * jitter();
     if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();

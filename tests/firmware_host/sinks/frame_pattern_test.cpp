@@ -27,6 +27,19 @@ TEST_CASE("the number of a file is found again in its name") {
     CHECK_FALSE(pattern.sequence_of(stranger));
 }
 
+TEST_CASE("a file fits a pattern with any number of digits, and with nothing else in their place") {
+  const auto pattern = FramePattern::parse("--output", "out/f_%04d_v2.exr", ".exr").value();
+  for (const char* like : {"f_0007_v2.exr", "f_7_v2.exr", "f_00000000000000000000000007_v2.exr"})
+    CHECK(pattern.fits(like));
+  for (const char* stranger :
+       {"f__v2.exr", "f_0007.exr", "g_0007_v2.exr", "f_00a7_v2.exr", "f_-007_v2.exr", ""})
+    CHECK_FALSE(pattern.fits(stranger));
+  const auto names = [](const char* text) { return FramePattern::parse("--output", text, ".exr").value(); };
+  CHECK(pattern.same_names_but_for_digits(names("elsewhere/f_%06d_v2.exr")));
+  CHECK_FALSE(pattern.same_names_but_for_digits(names("out/f_%04d.exr")));
+  CHECK_FALSE(pattern.same_names_but_for_digits(names("out/%04d_v2.exr")));
+}
+
 TEST_CASE("a number of 64 bits keeps all its digits") {
   const auto pattern = FramePattern::parse("--output", "%019d.exr", ".exr");
   CHECK(pattern.value().path(UINT64_MAX) == "18446744073709551615.exr");

@@ -65,6 +65,7 @@ TEST_CASE("the folder of every output is made, and one that takes no file is fou
   const Result<void> no_file = room({{"--report", "/proc/self/report.html"}});
   REQUIRE_FALSE(no_file.ok());
   CHECK(no_file.error().message.find("--report '/proc/self/report.html' cannot be written") == 0);
+  CHECK(no_file.error().message.find(".part") == std::string::npos);
   CHECK_FALSE(room({{"--report", "walk.mkv/report.html"}}).ok());  // below a file
   CHECK_FALSE(room({{"--report", "a"}}).ok());                     // a folder
 }
@@ -165,8 +166,17 @@ TEST_CASE("frames do not mix with those of an earlier run unless --force says so
   desk.put("out/000041.exr");
   const Result<void> checked = desk.check(outputs);
   require_error(checked, ErrorCode::Exists);
-  CHECK(checked.error().message.find("000041.exr") != std::string::npos);
+  CHECK(checked.error().message.find("1 earlier file(s), '" + desk.folder + "/out/000041.exr' among them") !=
+        std::string::npos);
   require_done(desk.check(outputs, Overwrite::Force));
+}
+
+TEST_CASE("frames do not mix with those of an earlier run that had another number of digits") {
+  const Desk desk("guard_digits");
+  desk.put("out/0041.exr");
+  const Result<void> checked = desk.check({{"--output", "out/%06d.exr", OutputKind::Frames}});
+  require_error(checked, ErrorCode::Exists);
+  CHECK(checked.error().message.find("0041.exr") != std::string::npos);
 }
 
 TEST_CASE("a page is made anew, but never over a picture or a recording") {

@@ -78,6 +78,16 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
   CHECK(created.error().message.find("its folder takes no new files") != std::string::npos);
 }
 
+TEST_CASE("an error of a file in the making names the file that was asked for") {
+  const TemporaryFolder folder;
+  fs::create_symlink("take1.mkv", folder / "latest.mkv");
+  const FileInMaking making = value_of(FileInMaking::beside(posix_storage(), folder / "latest.mkv"));
+  require_done(write_whole(posix_storage(), making.path(), bytes_of("somebody else's")));
+  const auto made = making.as_asked(posix_storage().create(making.path(), Creation::New));
+  require_error(made, ErrorCode::Exists);
+  CHECK(made.error().message == "'" + (folder / "latest.mkv") + "' exists already");
+}
+
 TEST_CASE("a FIFO is written through, not replaced") {
   const TemporaryFolder folder;
   const std::string fifo = folder / "fifo";

@@ -109,8 +109,7 @@ TEST_CASE("an effect that is off is not there, one that is on is, and each for i
   for (std::size_t i = 0; i < kEffects; ++i) {
     const auto effect = static_cast<Effect>(i);
     if (effect == Effect::Mosaic || effect >= Effect::ControlDelay) continue;  // the format's; the stream's
-    has_exactly(value_of(simulation_of(walk + bare(name(effect)))), {effect},
-                PixelLayout::Rgb);
+    has_exactly(value_of(simulation_of(walk + bare(name(effect)))), {effect}, PixelLayout::Rgb);
   }
 }
 

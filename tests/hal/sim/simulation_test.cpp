@@ -75,7 +75,7 @@ TEST_CASE("what cannot be is refused in a sentence that says what can") {
   require_sentence("walk?camera=fly", ErrorCode::Invalid, "handheld");
   require_sentence("walk?rays=2", ErrorCode::Invalid, "1 or 4");
   require_sentence("walk?size=64x48&seed=1&size=32x32", ErrorCode::Invalid, "'size' is given more than once");
-  require_sentence("walk?with=noise&with=drops", ErrorCode::Invalid, "'with' is given more than once");
+  require_sentence("walk?with=drops&with=flare&without=flare", ErrorCode::Invalid, "'with=flare'");
   require_sentence("walk?with=drops,noise&without=noise", ErrorCode::Invalid, "'with=noise': it is left out");
   require_sentence("", ErrorCode::NotFound, "scenes are");
 }

@@ -107,6 +107,7 @@ struct Bench {
   GpuPicture empty(int planes, int rows = kRows, int cols = kCols) {
     return value_of(GpuPicture::make(*gpu, planes, rows, cols));
   }
+  PassRoom room() { return value_of(PassRoom::make(*gpu, kRows, kCols)); }
   GpuPicture put(std::initializer_list<const Image<float>*> parts) {
     Image<float> stacked;
     int planes = 0;
@@ -258,14 +259,14 @@ TEST_CASE("the gate on the graphics device is the processor's", "[gpu]") {
   Bench bench(test::open_test_gpu());
   NEEDS_GPU(bench.gpu);
   Scene s;
-  const GpuPicture state = bench.put(s.state), mean = bench.empty(3), contrast = bench.empty(3),
-                   gate = bench.empty(1), found = bench.empty(2), found_mean = bench.empty(2);
-  bench.passes->local_contrast(state, mean, contrast);
-  bench.passes->gate(state, bench.put(s.samples), mean, contrast, bench.put(s.tables), bench.put(s.motion),
-                     kWhite, found, found_mean, gate);
+  const GpuPicture state = bench.put(s.state), gate = bench.empty(1), contrast = bench.empty(3);
+  const PassRoom room = bench.room();
+  bench.passes->gate({state, bench.put(s.samples), bench.put(s.tables), kWhite}, bench.put(s.motion), room,
+                     gate, contrast);
   Image<float> here, local;
   s.fusion.gate(s.state, s.samples, s.tables, s.motion.confidence, here, local);
   check_alike(bench.get(gate), here, "gate");
+  check_alike(bench.get(contrast), local, "contrast");
 }
 
 TEST_CASE("an update of the state on the graphics device is the processor's", "[gpu]") {
@@ -273,9 +274,9 @@ TEST_CASE("an update of the state on the graphics device is the processor's", "[
   NEEDS_GPU(bench.gpu);
   Scene s;
   s.tables.set_texture_error(0.1f);
-  const GpuPicture state = bench.put(s.state), guess = bench.empty(3), mean = bench.empty(3),
-                   detail = bench.empty(3), share = bench.empty(1);
-  bench.passes->update(state, bench.put(s.samples), bench.put(s.tables), kWhite, guess, mean, detail, share);
+  const GpuPicture state = bench.put(s.state), share = bench.empty(1);
+  const PassRoom room = bench.room();
+  bench.passes->update({state, bench.put(s.samples), bench.put(s.tables), kWhite}, room, share);
   const Image<float> there = bench.get(state);
   Image<float> own;
   RadianceState updated;
@@ -294,11 +295,11 @@ TEST_CASE("later samples join the state on the graphics device as on the process
     for (int x = 0; x < kCols; ++x) gate.at(0, y, x) = 0.5f + 0.25f * wave(0, y, x);
   local_contrast(s.state.radiance, mean, contrast, s.pool);
   s.tables.set_texture_error(0.1f);
-  const GpuPicture state = bench.put(s.state), guess = bench.empty(3), room = bench.empty(3),
-                   detail = bench.empty(3), joined = bench.empty(1);
+  const GpuPicture state = bench.put(s.state), joined = bench.empty(1);
+  const PassRoom room = bench.room();
   bench.gpu->work().clear(*joined.buffer);
-  bench.passes->join(state, bench.put(s.samples), bench.put(s.tables), kWhite, bench.put({&gate}),
-                     bench.put({&contrast}), bench.put(s.motion), guess, room, detail, joined);
+  bench.passes->join({state, bench.put(s.samples), bench.put(s.tables), kWhite}, bench.put({&gate}),
+                     {bench.put({&contrast}), bench.put(s.motion)}, room, joined);
   const Image<float> there = bench.get(state);
   RadianceState updated;
   const Moved moved{contrast, s.motion.vectors};

@@ -1,0 +1,46 @@
+#include "firmware_host/commands/recording_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "firmware_host/commands/trace_file.h"
+#include "firmware_host/run/memory_need.h"
+#include "firmware_host/terminal.h"
+
+namespace hdrcam {
+
+Result<void> check_recording_named(const std::string& recording, const char* verb) {
+  if (!recording.empty()) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
+}
+
+bool writes_outputs(const Settings::Output& output) {
+  return std::ranges::any_of(output.paths, [](const auto& sink) { return !sink.second.empty(); });
+}
+
+Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {
+  return memory_limit(settings).admit(
+      fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
+      recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
+}
+
+std::string title_of(const CameraFacts& clip, const std::string& file) {
+  return clip.name.empty() ? std::filesystem::path(file).stem().string() : clip.name;
+}
+
+Result<void> run_on(RecordingSource& source, RunPlan plan, Storage& storage) {
+  TraceFile trace(plan.settings);
+  plan.trace = trace.trace();
+  Result<void> ended = trace.write_after(run(plan, source, storage), storage);
+  show_warnings(source);
+  return ended;
+}
+
+void show_warnings(const RecordingSource& source) {
+  for (const std::string& warning : source.warnings()) remark("warning: {}\n", warning);
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,31 @@
+// A run on a recording, as `replay`, `render` and `live --camera replay:FILE` share it. Thread-bound.
+#pragma once
+
+#include <string>
+
+#include "firmware_host/run/budget_ladder.h"
+#include "firmware_host/run/recording_source.h"
+#include "firmware_host/run/run.h"
+#include "firmware_host/settings/settings.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
+
+namespace hdrcam {
+
+// Errors: Invalid where no recording is named. verb: "replay".
+Result<void> check_recording_named(const std::string& recording, const char* verb);
+// Whether any output besides a recording is asked for.
+bool writes_outputs(const Settings::Output& output);
+
+// Errors: Unsupported where the pictures need more memory than the settings allow.
+Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use = FieldUse::Fills);
+
+// The clip's own name, else that of its file.
+std::string title_of(const CameraFacts& clip, const std::string& file);
+
+// Runs the plan, writes the trace that its settings ask for, and shows the warnings about the recording.
+// Errors: those of run(), else of the disk.
+Result<void> run_on(RecordingSource& source, RunPlan plan, Storage& storage);
+void show_warnings(const RecordingSource& source);
+
+}  // namespace hdrcam

@@ -1,0 +1,102 @@
+#include "firmware_host/run/record_keeping.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "firmware_host/run/governor.h"
+#include "firmware_host/run/pipeline.h"
+
+namespace hdrcam {
+namespace {
+
+// The record of a clip holds every frame. A camera may run for weeks, so only the latest frames are kept.
+std::size_t frames_kept(RunPace pace) {
+  return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
+}
+
+}  // namespace
+
+RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads) {
+  RunRecord record;
+  record.title = plan.title;
+  record.command = plan.command;
+  record.preset = name(plan.settings.fit.preset);
+  record.seed = static_cast<std::uint64_t>(plan.settings.fit.seed);
+  record.threads = threads;
+  record.camera = camera.name;
+  record.width = camera.width, record.height = camera.height;
+  record.framerate_hz = camera.framerate_hz;
+  if (pace == RunPace::Camera) {
+    record.frames.resize(kFramesKept);  // so that the memory is really there, not only reserved
+    record.frames.clear();
+  }
+  return record;
+}
+
+FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record) {
+  const std::size_t most = frames_kept(pace);
+  if (record.frames.size() < most) record.frames.emplace_back();
+  FrameRecord& kept = record.frames[static_cast<std::size_t>(record.emitted) % most];
+  ++record.emitted;
+  kept = frame;
+  return kept;
+}
+
+void add_deadline(const Governor& governor, RunRecord& record) {
+  record.late = governor.late();
+  for (std::size_t r = 0; r < governor.ladder().size(); ++r)
+    record.rungs.push_back({governor.ladder()[r].name, governor.frames_at()[r]});
+}
+
+void add_findings(const Pipeline& pipeline, RunRecord& record) {
+  const OnlineStage& online = pipeline.online();
+  const SensorModel& sensor = online.sensor();
+  record.response = ResponseCurves{sensor.response().inverse(0), sensor.response().inverse(1),
+                                   sensor.response().inverse(2)};
+  record.response_prior = prior_mean_response().inverse(1);
+  if (!sensor.response_measured())
+    record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
+  for (const int frame : sensor.relearned())
+    record.notes.push_back(
+        fmt::format("response: learned anew from frame {} on; the frames before showed little of it", frame));
+  const NoiseModel& noise = sensor.noise();
+  record.notes.push_back(fmt::format("noise: full well {:.0f} electrons, read noise {:.1f} electrons",
+                                     noise.full_well, noise.read_noise));
+  if (const float share = sensor.texture_error(); share > 0)
+    record.notes.push_back(
+        fmt::format("the camera processes textures: a sample's variance has {:.0f} % of the local contrast",
+                    100 * share));
+  if (!sensor.blur_shown())
+    record.notes.emplace_back(
+        "motion blur: frames do not show what their exposure times state, so none is modelled (--set "
+        "motion_blur=stated if they do)");
+  const BlackLevel& black = sensor.black_level();
+  record.notes.push_back(
+      fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
+  if (const std::string trouble = online.trouble(); !trouble.empty())
+    record.notes.push_back("the processor went on with the state: " + trouble);
+  if (const std::string trouble = online.field_trouble(); !trouble.empty())
+    record.notes.push_back("the processor went on with the fit of the field: " + trouble);
+  if (pipeline.kept_out() > 0)
+    record.notes.push_back(fmt::format(
+        "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+}
+
+void close_record(RunPace pace, double wall_s, RunRecord& record) {
+  const std::size_t most = frames_kept(pace);
+  if (record.frames.size() == most)  // the oldest first
+    std::rotate(
+        record.frames.begin(),
+        record.frames.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(record.emitted) % most),
+        record.frames.end());
+  if (static_cast<int>(record.frames.size()) < record.emitted)
+    record.notes.push_back(fmt::format("times are those of the last {} frames", record.frames.size()));
+  record.dropped = record.captured - record.emitted;
+  record.wall_s = wall_s;
+  record.peak_memory_mib = peak_memory_mib();
+}
+
+}  // namespace hdrcam

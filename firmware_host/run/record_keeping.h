@@ -1,0 +1,32 @@
+// What a run writes into its record (sinks/run_record.h): its settings at the start, one entry per emitted
+// frame, and at the end what the method found. Reentrant.
+#pragma once
+
+#include <cstddef>
+
+#include "firmware_host/run/run.h"
+#include "firmware_host/sinks/run_record.h"
+#include "firmware_host/sinks/sink_set.h"
+#include "hal/core/frame.h"
+
+namespace hdrcam {
+
+class Governor;
+class Pipeline;
+
+constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
+
+// With room for the frames of a camera, so that keep() does not allocate there.
+RunRecord opened_record(const RunPlan& plan, const CameraFacts& camera, RunPace pace, int threads);
+
+// Counts an emitted frame and returns its entry, valid until the next call.
+FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record);
+
+// How the deadline was held.
+void add_deadline(const Governor& governor, RunRecord& record);
+// The camera parameters that the method estimated.
+void add_findings(const Pipeline& pipeline, RunRecord& record);
+// The frames in order, and what the whole run took. wall_s: seconds.
+void close_record(RunPace pace, double wall_s, RunRecord& record);
+
+}  // namespace hdrcam

@@ -1,0 +1,28 @@
+// Parts of a run's record as JSON, the same in stats.json and in the live view. Reentrant.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firmware_host/sinks/provenance_palette.h"
+#include "firmware_host/sinks/run_record.h"
+
+namespace hdrcam {
+
+// NamedValues by their name, in their order.
+template <class Values>
+nlohmann::ordered_json object_of(const Values& values) {
+  auto object = nlohmann::ordered_json::object();
+  for (const NamedValue& entry : values) object[std::string(entry.name)] = entry.value;
+  return object;
+}
+
+// shares: by enum Provenance
+template <class Shares>
+nlohmann::ordered_json provenance_of(const Shares& shares) {
+  auto object = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < kProvenances; ++i) object[kProvenanceLooks[i].key] = shares[i];
+  return object;
+}
+
+}  // namespace hdrcam

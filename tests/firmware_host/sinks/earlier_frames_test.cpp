@@ -1,0 +1,50 @@
+#include "firmware_host/sinks/earlier_frames.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void put(const std::string& path) { std::ofstream(path) << path; }
+
+}  // namespace
+
+TEST_CASE("the frames of an earlier run are counted, with any number of digits, and the first is named") {
+  const std::string folder = sample::scratch_folder("earlier_frames");
+  for (const char* name : {"/000002.exr", "/000001.exr", "/0003.exr", "/poster.exr", "/000001.png"})
+    put(folder + name);
+  const EarlierFrames earlier(posix_storage(), folder + "/%06d.exr");
+  CHECK(earlier.count() == 3);
+  CHECK(earlier.first() == folder + "/000001.exr");
+}
+
+TEST_CASE("where there is no folder, or no pattern of frames, there are no earlier frames") {
+  const std::string folder = sample::scratch_folder("earlier_frames_none");
+  put(folder + "/000001.exr");
+  for (const std::string& pattern : {folder + "/none/%06d.exr", folder + "/walk.mp4", std::string("-")}) {
+    INFO(pattern);
+    const EarlierFrames earlier(posix_storage(), pattern);
+    CHECK(earlier.count() == 0);
+    CHECK(earlier.warning().empty());
+  }
+}
+
+TEST_CASE("files that the run replaced or that are gone are no remains, the others are named") {
+  const std::string folder = sample::scratch_folder("earlier_frames_left");
+  for (const char* name : {"/000001.exr", "/000002.exr", "/000003.exr", "/0004.exr"}) put(folder + name);
+  const EarlierFrames earlier(posix_storage(), folder + "/%06d.exr");
+  put(folder + "/new"), fs::rename(folder + "/new", folder + "/000001.exr");
+  fs::remove(folder + "/000002.exr");
+  CHECK_THAT(earlier.warning(),
+             Contains("2 file(s) of an earlier run remain") &&
+                 Contains("from '" + folder + "/000003.exr' to '" + folder + "/0004.exr'"));
+}
