@@ -1,5 +1,6 @@
 #include "firmware_host/commands/camera_run.h"
 
+#include "capture/exposure.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/trigger_setup.h"
@@ -9,6 +10,7 @@ namespace hdrcam {
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
                               Storage& storage) {
   TRY(check_recording_name(storage, recording_flag, settings.record.file));
+  TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));  // before a folder is made
   TRY(kept.check(storage, inputs_of(settings.camera), outputs_of(settings, recording_flag)));
   return check_lines(settings);
 }

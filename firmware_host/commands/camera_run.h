@@ -11,8 +11,8 @@
 
 namespace hdrcam {
 
-// Outputs and lines. recording_flag: the verb's flag for the recording, "--record". Errors: those of
-// check_recording_name, KeptWork::check and check_lines.
+// The cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record". Errors: those
+// of check_recording_name, parse_exposures, KeptWork::check and check_lines.
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
                               Storage& storage);
 

@@ -80,8 +80,7 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
-  say("{}: {} frames, {}x{}, {} bits, {}\n", options.output, frames, camera.width, camera.height, camera.bits,
-      name(camera.layout));
+  say("{}\n", describe_recording(options.output, camera, frames));
   return {};
 }
 

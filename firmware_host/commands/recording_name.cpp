@@ -14,4 +14,9 @@ Result<void> check_recording_name(Storage& storage, const char* flag, const std:
                            flag, path)};
 }
 
+std::string describe_recording(const std::string& path, const CameraFacts& camera, std::uint64_t frames) {
+  return fmt::format("{}: {} frames, {}x{}, {} bits, {}", path, frames, camera.width, camera.height,
+                     camera.bits, name(camera.layout));
+}
+
 }  // namespace hdrcam

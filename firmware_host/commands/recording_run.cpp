@@ -11,10 +11,13 @@
 
 namespace hdrcam {
 
-Result<void> check_recording_named(const std::string& recording, const char* verb) {
-  if (!recording.empty()) return {};
-  return Error{ErrorCode::Invalid,
-               fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
+Result<void> check_recording_named(Storage& storage, const std::string& recording, const char* verb) {
+  if (recording.empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
+  if (TRY(storage.look_at(recording)).kind == FileKind::Missing)
+    return Error{ErrorCode::NotFound, fmt::format("'{}' does not exist", recording)};
+  return {};
 }
 
 bool writes_outputs(const Settings::Output& output) {

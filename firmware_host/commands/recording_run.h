@@ -12,8 +12,9 @@
 
 namespace hdrcam {
 
-// Errors: Invalid where no recording is named. verb: "replay".
-Result<void> check_recording_named(const std::string& recording, const char* verb);
+// Before an output's folder is made. verb: "replay". Errors: Invalid where no recording is named, NotFound
+// where there is none of that name.
+Result<void> check_recording_named(Storage& storage, const std::string& recording, const char* verb);
 // Whether any output besides a recording is asked for.
 bool writes_outputs(const Settings::Output& output);
 

@@ -89,7 +89,7 @@ std::string as_flags(const FilmWish& wish) {
 Result<void> render(const RenderFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  TRY(check_recording_named(flags.recording, "render"));
+  TRY(check_recording_named(around.storage, flags.recording, "render"));
   if (!writes_outputs(settings.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
   if (!settings.output.http_takes.empty())

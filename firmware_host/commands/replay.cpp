@@ -43,7 +43,7 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
 Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
   const Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  TRY(check_recording_named(flags.recording, "replay"));
+  TRY(check_recording_named(around.storage, flags.recording, "replay"));
   if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
   if (!writes_outputs(settings.output))

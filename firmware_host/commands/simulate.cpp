@@ -191,10 +191,14 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     progress.frame_done(took.count(), std::nullopt);
   }
-  if (outputs.recording) TRY(outputs.recording->finish());
+  if (outputs.recording) {
+    TRY(outputs.recording->finish());
+    say("{}\n", describe_recording(flags.output, sensor.facts(), static_cast<std::uint64_t>(flags.frames)));
+  }
   if (outputs.truth) {
     TRY(outputs.truth->finish());
     TRY(outputs.clip->finish());
+    say("{}: a clip of {} images with ground truth\n", flags.truth, flags.frames);
   }
   return {};
 }

@@ -110,7 +110,7 @@ TEST_CASE("an empty name of a file or a folder is refused by every verb and ever
   }
 }
 
-TEST_CASE("a run that is refused for its outputs leaves no folder of them") {
+TEST_CASE("a run that is refused leaves no folder of its outputs") {
   const std::string folder = sample::scratch_folder("kept_refused"), out = folder + "/out";
   for (const std::vector<std::string>& flags :
        std::vector<std::vector<std::string>>{{"-o", out + "/100%/%06d.exr"},
@@ -124,6 +124,13 @@ TEST_CASE("a run that is refused for its outputs leaves no folder of them") {
     CHECK(ran_here(joined({"replay", kDemo}, flags)).exit_code == 2);
     CHECK_FALSE(fs::exists(out));
   }
+  const std::string frames = out + "/%06d.exr";
+  for (const char* verb : {"replay", "render"})
+    CHECK_THAT(ran_here({verb, folder + "/none.mkv", "-o", frames}).err,
+               Contains("none.mkv' does not exist"));
+  CHECK_THAT(ran_here({"live", "--camera", "sim:walk", "--shutter", "1,4", "-o", frames}).err,
+             Contains("has no unit"));
+  CHECK_FALSE(fs::exists(out));
 }
 
 TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {
