@@ -48,61 +48,62 @@ constexpr SinkKind kSinkKinds[] = {
     {"frames", "-o,--output",
      "HDR frames, numbered by the sensor's sequence: out/%06d.exr; a video: out.mp4 (.mov, .mkv); or -, the "
      "standard output",
-     SinkPace::Complete, open_frames, SinkTarget::Files, ".exr"},
-    {"video", "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete, open_video},
-    {"preview", "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest,
-     [](const SinkRequest& request) { return create_preview(request.storage, request.path); },
-     SinkTarget::Files, ".png"},
-    {"sheet", "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest,
+     SinkPace::Complete, SinkTarget::Files, open_frames, ".exr"},
+    {"video", "--video", "a video beside the frames: out.mp4 (.mov, .mkv)", SinkPace::Complete,
+     SinkTarget::Files, open_video},
+    {"preview", "--preview", "tone-mapped pictures: out/%06d.png", SinkPace::Latest, SinkTarget::Files,
+     [](const SinkRequest& request) { return create_preview(request.storage, request.path); }, ".png"},
+    {"sheet", "--sheet", "contact sheet of the run: sheet.png", SinkPace::Latest, SinkTarget::Files,
      [](const SinkRequest& request) { return create_contact_sheet(request.storage, request.path); }},
     {"stats", "--stats", "time, losses and provenance per frame: stats.json", SinkPace::Light,
+     SinkTarget::Files,
      [](const SinkRequest& request) { return create_stats(request.storage, request.path); }},
     {"flow_forward", "--flow-forward", "motion to the next frame, for flow tools: out/%06d.flo",
-     SinkPace::Complete,
+     SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-forward", request.path, &HdrFrame::flow_forward);
      },
-     SinkTarget::Files, ".flo"},
+     ".flo"},
     {"flow_backward", "--flow-backward", "motion to the previous frame: back/%06d.flo", SinkPace::Complete,
+     SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--flow-backward", request.path, &HdrFrame::flow);
      },
-     SinkTarget::Files, ".flo"},
+     ".flo"},
     {"field_flow_forward", "--field-flow-forward", "the field's motion to the next frame: field/%06d.flo",
-     SinkPace::Complete,
+     SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-forward", request.path,
                                 &HdrFrame::field_flow_forward);
      },
-     SinkTarget::Files, ".flo"},
+     ".flo"},
     {"field_flow_backward", "--field-flow-backward",
-     "the field's motion to the previous frame: field_back/%06d.flo", SinkPace::Complete,
+     "the field's motion to the previous frame: field_back/%06d.flo", SinkPace::Complete, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_flow_files(request.storage, "--field-flow-backward", request.path,
                                 &HdrFrame::field_flow);
      },
-     SinkTarget::Files, ".flo"},
+     ".flo"},
     {"depth", "--depth",
      "depth in 16-bit pictures: depth/%06d.png, millimetres where poses are given, else thousandths of the "
      "tracked poses' unit",
-     SinkPace::Complete,
-     [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); },
-     SinkTarget::Files, ".png"},
+     SinkPace::Complete, SinkTarget::Files,
+     [](const SinkRequest& request) { return create_depth_pictures(request.storage, request.path); }, ".png"},
     {"transforms", "--transforms",
      "poses of the pictures for nerfstudio and instant-ngp, given or tracked: transforms.json",
-     SinkPace::Light,
+     SinkPace::Light, SinkTarget::Files,
      [](const SinkRequest& request) {
        return create_transforms(request.storage, request.path, request.patterns);
      }},
     {"colmap", "--colmap", "poses and points as a COLMAP text model, in this folder: colmap", SinkPace::Light,
+     SinkTarget::Model,
      [](const SinkRequest& request) {
        return create_colmap(request.storage, request.path, request.patterns);
-     },
-     SinkTarget::Model},
-    {"report", "--report", "all of that on one page: report.html", SinkPace::Latest,
+     }},
+    {"report", "--report", "all of that on one page: report.html", SinkPace::Latest, SinkTarget::Files,
      [](const SinkRequest& request) { return create_report(request.storage, request.path); }},
     {"http", "--http", "the run in a browser, on this address: 127.0.0.1:8080", SinkPace::Light,
-     open_live_view, SinkTarget::Address},
+     SinkTarget::Address, open_live_view},
 };
 
 }  // namespace

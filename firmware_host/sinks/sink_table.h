@@ -50,9 +50,9 @@ struct SinkKind {
   const char* flag;   // "-o,--output"
   const char* about;  // a clause with an example
   SinkPace pace;
+  SinkTarget target;
   // Errors: Invalid for an unusable path, and those of the disk.
   Result<std::unique_ptr<FrameSink>> (*open)(const SinkRequest& request);
-  SinkTarget target = SinkTarget::Files;
   const char* extension = nullptr;  // of one file per frame, ".png"; null where it writes none such
 };
 

@@ -233,9 +233,11 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
 // The slot of each frame as it follows from the exposures alone.
 std::vector<int> slots_of(const std::vector<ClipFrame>& frames) {
   std::vector<FrameFacts> facts;
+  facts.reserve(frames.size());
   for (const ClipFrame& frame : frames) facts.push_back(frame.facts), facts.back().slot = -1;
   const ExposureCycle cycle = find_exposure_cycle(facts);
   std::vector<int> slots;
+  slots.reserve(facts.size());
   for (const FrameFacts& frame : facts) slots.push_back(slot_of(cycle, facts.front(), frame));
   return slots;
 }

@@ -6,6 +6,7 @@
 
 #include <array>
 
+#include "hal/core/check.h"
 #include "render/views/keyframe.h"
 #include "render/views/warp_mesh.h"
 
@@ -20,7 +21,9 @@ struct Moment {
 
   // The keyframe nearer in time.
   const Keyframe& nearest() const {
-    return after == nullptr || (before != nullptr && share < 0.5) ? *before : *after;
+    const Keyframe* key = after == nullptr || (before != nullptr && share < 0.5) ? before : after;
+    CHECK(key != nullptr);
+    return *key;
   }
   double time_s() const;
   // The recorded camera at the moment.

@@ -93,7 +93,7 @@ class KeepingSink : public FrameSink {
     return {};
   }
 };
-constexpr SinkKind kKinds[] = {{"kept", "--kept", "keeps the frames", SinkPace::Light,
+constexpr SinkKind kKinds[] = {{"kept", "--kept", "keeps the frames", SinkPace::Light, SinkTarget::Files,
                                 [](const SinkRequest&) -> Result<std::unique_ptr<FrameSink>> {
                                   return std::unique_ptr<FrameSink>(std::make_unique<KeepingSink>());
                                 }}};

@@ -11,12 +11,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json matrix_of(const RigidTransform& T_world_camera) {
-  Eigen::Matrix4d M = Eigen::Matrix4d::Identity();
-  M.topLeftCorner<3, 3>() = T_world_camera.R * Eigen::Vector3d(1, -1, -1).asDiagonal();
-  M.topRightCorner<3, 1>() = T_world_camera.t;
-  M.array() += 0.0;  // no -0
+  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
+  matrix.topLeftCorner<3, 3>() = T_world_camera.R * Eigen::Vector3d(1, -1, -1).asDiagonal();
+  matrix.topRightCorner<3, 1>() = T_world_camera.t;
+  matrix.array() += 0.0;  // no -0
   Json rows = Json::array();
-  for (int r = 0; r < 4; ++r) rows.push_back({M(r, 0), M(r, 1), M(r, 2), M(r, 3)});
+  for (int r = 0; r < 4; ++r) rows.push_back({matrix(r, 0), matrix(r, 1), matrix(r, 2), matrix(r, 3)});
   return rows;
 }
 

@@ -64,6 +64,7 @@ class SeeingSink : public FrameSink {
 };
 
 constexpr SinkKind kKinds[] = {{"seen", "--seen", "what this test sees", SinkPace::Complete,
+                                SinkTarget::Files,
                                 [](const SinkRequest&) -> Result<std::unique_ptr<FrameSink>> {
                                   return std::unique_ptr<FrameSink>(std::make_unique<SeeingSink>());
                                 }}};

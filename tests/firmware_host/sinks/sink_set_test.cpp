@@ -36,8 +36,9 @@ Result<std::unique_ptr<FrameSink>> open_tally(const SinkRequest& request) {
 }
 
 const SinkKind kKinds[] = {
-    {"tally", "--tally", "number of frames", SinkPace::Complete, open_tally},
-    {"light", "--light", "the same, in the thread that emits", SinkPace::Light, open_tally},
+    {"tally", "--tally", "number of frames", SinkPace::Complete, SinkTarget::Files, open_tally},
+    {"light", "--light", "the same, in the thread that emits", SinkPace::Light, SinkTarget::Files,
+     open_tally},
 };
 
 }  // namespace
