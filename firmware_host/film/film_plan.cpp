@@ -8,6 +8,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/film/steady_path.h"
+#include "firmware_host/settings/field_setting.h"
 #include "hal/core/parse_number.h"
 #include "hal/recording/recording.h"
 
@@ -112,13 +113,12 @@ Result<void> plan_geometry(Storage& storage, const FilmWish& wish, const Setting
   const bool tracked = pose != fit.knobs.end() && pose->second != "given";
   TRY(check_unit("--view", plan.move.in_metres(), recording, tracked));
   TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
-  const auto field = fit.knobs.find("field");
   const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || wish.stabilize;
-  const bool without_field = field != fit.knobs.end() && field->second == "none";
-  if (needs_depth && (without_field || fit.emit == EmitLayer::State))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("another view needs the depth that the field knows; leave out {}",
-                             without_field ? "--set field=none" : "--emit state")};
+  const std::string_view without_field = what_leaves_out_field(fit);
+  if (needs_depth && !without_field.empty())
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("another view needs the depth that the field knows; leave out {}", without_field)};
   return {};
 }
 

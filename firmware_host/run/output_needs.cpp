@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "firmware_host/settings/field_setting.h"
+
 namespace hdrcam {
 namespace {
 
@@ -32,13 +34,6 @@ std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kin
     if (output.layers.*one.layer) return fmt::format("--layers {}", one.word);
   }
   return "";
-}
-
-// The setting that leaves out the field; "" where none does.
-const char* what_leaves_out_field(const Settings::Fit& fit) {
-  if (fit.emit == EmitLayer::State) return "--emit state";
-  const auto field = fit.knobs.find("field");
-  return field != fit.knobs.end() && field->second == "none" ? "--set field=none" : "";
 }
 
 }  // namespace
