@@ -35,15 +35,14 @@ std::optional<double> take_number(std::string_view& text) {
 std::optional<double> seconds_in(std::string_view text) {
   auto number = take_number(text);
   if (!number) return std::nullopt;
-  const bool fraction = text.starts_with('/');
-  if (fraction) {
+  if (text.starts_with('/')) {
     text.remove_prefix(1);
     const auto divisor = take_number(text);
     if (!divisor || *divisor == 0) return std::nullopt;
     *number /= *divisor;
   }
   text = trimmed(text);
-  if (text == "s" || (text.empty() && fraction)) return number;
+  if (text.empty() || text == "s") return number;
   if (text == "ms") return *number * 1e-3;
   if (text == "us") return *number * 1e-6;
   return std::nullopt;

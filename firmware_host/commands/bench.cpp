@@ -69,7 +69,7 @@ Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
   const bool interrupted = !walked && walked.error().code == ErrorCode::Interrupted;
   if (interrupted && costs.empty())
     return Error{ErrorCode::Interrupted, "stopped before a point was measured; nothing was written"};
-  if (!interrupted) TRY(Result<void>(walked));
+  if (!walked && !interrupted) return walked.error();
 
   std::string command = "hdrcam bench pareto";
   for (const std::string& clip : plan.clips) command += " " + shell_word(clip);

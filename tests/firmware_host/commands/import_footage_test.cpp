@@ -151,6 +151,16 @@ TEST_CASE("stills come at the times that EXIF states, brackets close together an
   for (std::size_t i = 0; i < 9; ++i) CHECK(named[i] == Approx(0.1 * static_cast<double>(i)).margin(1e-9));
 }
 
+// What `import --list` says of the footage in a folder.
+std::string listed(const std::string& folder) {
+  const std::atomic<bool> stop = false;
+  FootageRequest request;
+  request.files = footage_in(folder).value();
+  const auto plan = plan_footage(posix_storage(), request, stop);
+  REQUIRE(plan.ok());
+  return described(plan.value());
+}
+
 TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and the list says why") {
   const std::string t = "2026:11:22 17:00:0";
   const std::string folder = write_bracket(
@@ -160,13 +170,7 @@ TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and t
   REQUIRE(import_verb(folder + " -o " + out).ok());
   const std::vector<double> times = times_in(out);
   for (std::size_t i = 0; i < 9; ++i) CHECK(times[i] == Approx(static_cast<double>(i) / 30).margin(1e-8));
-  const std::atomic<bool> stop = false;
-  FootageRequest request;
-  request.files = footage_in(folder).value();
-  const auto plan = plan_footage(posix_storage(), request, stop);
-  REQUIRE(plan.ok());
-  CHECK_THAT(described(plan.value()),
-             Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
+  CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
 }
 
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
@@ -212,12 +216,7 @@ TEST_CASE("the first file that does not say its exposure is named, not the first
 TEST_CASE("stills without any time come at the frame rate, and the list says so") {
   const std::string folder =
       write_bracket("import_no_times", std::vector<std::string>(9), std::vector<std::string>(9));
-  const std::atomic<bool> stop = false;
-  FootageRequest request;
-  request.files = footage_in(folder).value();
-  const auto plan = plan_footage(posix_storage(), request, stop);
-  REQUIRE(plan.ok());
-  CHECK_THAT(described(plan.value()),
+  CHECK_THAT(listed(folder),
              Contains("times: at 30 frames per second, for none of them says in EXIF when it was taken"));
 }
 
