@@ -96,9 +96,11 @@ FrameMatcherOptions CaptureStage::matching() const {
   return matching;
 }
 
-// The black level that the user states, else that of the sensor table, which holds for raw codes.
+// The black level that the user states, else the camera's, else that of the sensor table, which holds for raw
+// codes.
 std::optional<BlackLevel> CaptureStage::stated_black() const {
   if (options_.black_level) return options_.black_level;
+  if (const auto stated = camera_.capabilities().black_level) return stated;
   if (sensor_ && codes_.linear) return sensor_->black_level;
   return std::nullopt;
 }
@@ -134,6 +136,11 @@ void CaptureStage::collect_warnings() {
         fmt::format("'{}' does not report exposures and its control delay is unknown; frames are labelled by "
                     "their pictures alone; run 'hdrcam calibrate delay' once",
                     offers.id));
+  if (codes_.linear && !stated_black())
+    warnings_.push_back(fmt::format(
+        "the black level of '{}' is unknown and taken for 0; if it is higher, short exposures show "
+        "the shadows too bright; give --black-level, in codes of 255",
+        offers.id));
 }
 
 void CaptureStage::restart_matching() {
@@ -284,6 +291,11 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
   facts.black_level = stated_black();
+  if (buffer.exposure_source == ExposureSource::Estimated && frame.proof.trusted()) {
+    // a recording's exposures that came from its pictures are not proved by them
+    facts.exposure_source = ExposureSource::Estimated;
+    frame.proof.verdict = Verdict::Estimated;
+  }
   facts.verdict = frame.proof.verdict;
   if (std::isfinite(frame.proof.within_ev) && frame.proof.within_ev > 0)
     facts.exposure_within_ev = frame.proof.within_ev;

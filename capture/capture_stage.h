@@ -59,8 +59,8 @@ class CaptureStage {
   const StreamMode& mode() const { return mode_; }
   const ExposureSchedule& schedule() const { return schedule_; }
   const CaptureCounters& counters() const { return counters_; }
-  // Warnings for the user at the start; empty if there are none: an exposure that flickers under lamps, an
-  // unknown sensor, a camera whose exposures only the pictures can determine.
+  // Warnings for the user at the start; empty if there are none: an exposure that flickers under lamps, a raw
+  // sensor of unknown black level, a camera whose exposures only the pictures can determine.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   // Makes later requests follow another cycle.

@@ -41,6 +41,10 @@ void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& 
   }
   last_picture_ = picture;
   last_index_ = index;
+  observe_unreadable(index, asked);
+}
+
+void DelayCalibration::observe_unreadable(std::uint64_t index, const Exposure& asked) {
   // A lost frame does not use up its request: the next frame takes it.
   const std::uint64_t during = index + 1;
   for (std::uint64_t lost = newest_ + 1; lost < during && lost <= newest_ + kHistory; ++lost)
@@ -120,17 +124,23 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
     for (int i = 0; i < buffers && TRY(queue_next()); ++i) continue;
     for (int i = 0; i < frames && index < last_index; ++i) {
       if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
-      std::optional<std::uint64_t> completed;
+      bool readable = false;
+      std::uint64_t completed = 0;
       {
         const CapturedBuffer buffer = TRY(camera.wait(kPatience));
         if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
         sequence = buffer.sequence;
-        if (!buffer.damaged && unpack_pixels(buffer, unpack, codes).ok()) completed = buffer.cookie;
+        completed = buffer.cookie;
+        readable = !buffer.damaged && unpack_pixels(buffer, unpack, codes).ok();
       }  // the buffer goes back before the next request needs it
       TRY(queue_next());
-      if (!completed) continue;
+      const Exposure& after = asked[(completed + 1) % kAsked];
+      if (!readable) {
+        calibration.observe_unreadable(index, after);
+        continue;
+      }
       calibration.photometer().observe(codes, kind.layout, kind.bits, picture);
-      calibration.observe(index, picture, asked[(*completed + 1) % kAsked]);
+      calibration.observe(index, picture, after);
     }
     return {};
   };

@@ -180,6 +180,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     const auto slot = std::find_if(
         cycle_.begin(), cycle_.begin() + cycle_count_,
         [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSame; });
+    CHECK(slot != cycle_.begin() + cycle_count_);
     judgement.label = {*slot, 1, ExposureSource::Photometric};
     judgement.relabelled = evidence.claim_count > 0;
   }

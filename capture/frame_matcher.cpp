@@ -75,7 +75,8 @@ int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<
 }
 
 // The camera's real frame duration is the median of the last intervals per sequence number, once there are a
-// few: one long interval is a lost frame, many are a slow camera.
+// few: one long interval is a lost frame, many are a slow camera. The agreed duration stays where the median
+// differs from it by no more than time stamps do.
 void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
   if (buffer.sequence <= sequence_ || buffer.timestamp <= timestamp_) return;
   const auto steps = static_cast<Duration::rep>(buffer.sequence - sequence_);
@@ -85,7 +86,7 @@ void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
   const auto end = sorted.begin() + static_cast<int>(std::min<std::uint64_t>(interval_count_, kIntervals));
   const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
   std::nth_element(sorted.begin(), middle, end);
-  constexpr double kJitter = 0.3;
+  constexpr double kJitter = 0.02;
   const auto agreed = static_cast<double>(options_.frame_duration.count());
   const bool kept = std::abs(static_cast<double>(middle->count()) - agreed) <= kJitter * agreed;
   interval_ = kept ? options_.frame_duration : *middle;
@@ -149,9 +150,8 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
   }
   const double digital = buffer.digital_gain.value_or(1);
   if (!(*gain > 0) || !(digital > 0)) return std::nullopt;
-  return ExposureClaim{{*buffer.exposure, *gain},
-                       digital,
-                       buffer.exposure_embedded ? ExposureSource::Embedded : ExposureSource::Reported};
+  return ExposureClaim{
+      {*buffer.exposure, *gain}, digital, buffer.exposure_source.value_or(ExposureSource::Reported)};
 }
 
 // The number of the pulse, counted from the first, whose rising edge is within a quarter of a frame of the

@@ -6,7 +6,7 @@ namespace hdrcam {
 
 Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule) {
   const bool exposes = options.mode == TriggerMode::PulseWidth;
-  const Duration longest = rounded_down(options.interval - options.gap);
+  const Duration longest = options.interval - options.gap;
   if (longest <= Duration(0))
     return Error{ErrorCode::BadExposure,
                  fmt::format("a gap of {} between trigger pulses does not fit a frame of {}; lower "
@@ -26,8 +26,8 @@ Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSche
           ErrorCode::BadExposure,
           fmt::format("a trigger pulse of {} does not fit a frame of {} with a gap of {}; shorten it to "
                       "{} ({}), or lower --framerate or --trigger-gap",
-                      describe(width), describe(options.interval), describe(options.gap), describe(longest),
-                      exposes ? "--shutter" : "--trigger-width")};
+                      describe(width), describe(options.interval), describe(options.gap),
+                      describe(rounded_down(longest)), exposes ? "--shutter" : "--trigger-width")};
   }
   return {};
 }

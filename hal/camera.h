@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "hal/core/black_level.h"
+#include "hal/core/frame.h"
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
 
@@ -90,7 +92,8 @@ struct CameraCapabilities {
   std::vector<ExposureRequest> cycle;  // exposures of its frames, where it sets none and they are known
   bool reports_exposure = false;       // completed buffers report their exposure
   bool exposure_per_request = false;   // a request sets the exposure of its own frame (request API, metadata)
-  std::optional<ControlDelays> delays;  // of a known sensor
+  std::optional<ControlDelays> delays;    // of a known sensor
+  std::optional<BlackLevel> black_level;  // of its codes, where the camera states it
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
 };
 
@@ -131,9 +134,9 @@ struct CapturedBuffer {
   bool damaged = false;              // the driver reports incomplete pixels
   std::optional<Duration> exposure;  // as reported with the frame; none where it is not
   std::optional<double> analogue_gain, digital_gain;
-  // The report comes from the sensor's embedded data, not from a prediction. Neither V4L2 nor libcamera
-  // distinguishes the two, so real cameras never set it.
-  bool exposure_embedded = false;
+  // Where the report comes from, if not from the driver: the sensor's embedded data, which neither V4L2 nor
+  // libcamera tells from a prediction, so that real cameras never set it; or what a recording states.
+  std::optional<ExposureSource> exposure_source;
   // For controls that act immediately: this request's exposure was written late or never. The frame may show
   // an earlier request's exposure instead of the one that the control delay predicts.
   bool control_late = false;

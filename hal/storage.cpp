@@ -44,18 +44,23 @@ FileInMaking::~FileInMaking() {
   if (ours_) (void)storage_->remove(path_);
 }
 
-Result<void> FileInMaking::commit() {
+Result<void> FileInMaking::commit(Durability durability) {
+  if (durability == Durability::AtOnce) {
+    const auto file = TRY(as_asked(storage_->open(path_)));
+    TRY(as_asked(file->sync()));
+  }
   TRY(storage_->rename(path_, final_path_));
   ours_ = false;
   return {};
 }
 
-Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
+Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,
+                         Durability durability) {
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return TRY(storage.create(path))->write_at(0, bytes);
   FileInMaking making = TRY(FileInMaking::beside(storage, path));
   TRY(making.as_asked(write_new(storage, making.path(), bytes)));
-  return making.commit();
+  return making.commit(durability);
 }
 
 Result<std::string> read_whole(Storage& storage, const std::string& path) {

@@ -59,6 +59,10 @@ class Storage {
 // The file system of this machine.
 Storage& posix_storage();
 
+// Whether a file that is complete survives a power cut at once, or only when the system has written it back,
+// in some seconds: until then its name may stand for nothing.
+enum class Durability { AtOnce, WrittenBack };
+
 // A file that gets its name only once it is complete. Until then it is beside `path` under an
 // unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link.
 // Thread-bound.
@@ -70,9 +74,9 @@ class FileInMaking {
   FileInMaking& operator=(FileInMaking&&) = delete;
   ~FileInMaking();  // removes what was not committed
 
-  // To be created with Creation::New and closed before commit().
+  // To be created with Creation::New.
   const std::string& path() const { return path_; }
-  Result<void> commit();
+  Result<void> commit(Durability durability = Durability::AtOnce);
 
   // The outcome of work on path(). Nobody asked for that file: an error names the one that was asked for.
   template <class T>
@@ -97,8 +101,10 @@ class FileInMaking {
   bool ours_ = true;
 };
 
-// Writes the whole file or nothing (FileInMaking). A device or a FIFO is written to directly.
-Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes);
+// Writes the whole file or nothing (FileInMaking). A device or a FIFO is written to directly. Pictures of a
+// stream are too many to wait for the disk with each.
+Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,
+                         Durability durability = Durability::AtOnce);
 Result<std::string> read_whole(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

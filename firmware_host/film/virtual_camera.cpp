@@ -5,6 +5,7 @@
 
 #include "online/mu_law.h"
 #include "render/views/re_exposure.h"
+#include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
@@ -30,8 +31,9 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
 
 }  // namespace
 
-VirtualCamera::VirtualCamera(const FilmPlan& plan, WorkerPool& pool)
-    : plan_(plan), pool_(pool), edges_(pool), motion_(pool), renderer_(pool) {}
+VirtualCamera::VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance,
+                             WorkerPool& pool)
+    : plan_(plan), balance_(balance), pool_(pool), edges_(pool), motion_(pool), renderer_(pool) {}
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
                                  const Response& response, const Show& show) {
@@ -183,6 +185,7 @@ void VirtualCamera::label(int frame) {
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
   state_camera(moment, plan_.playback_s(frame));
+  if (balance_) apply_white_balance(*balance_, frame_);
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
   expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);

@@ -24,8 +24,8 @@ class VirtualCamera {
   // A film frame with the newest input at that time. Valid during the call.
   using Show = std::function<Result<void>(HdrFrame&, const ExposedFrame&, const FrameRecord&)>;
 
-  // The pool outlives the camera.
-  VirtualCamera(const FilmPlan& plan, WorkerPool& pool);
+  // balance: of its frames, before a response makes codes of their light. The pool outlives the camera.
+  VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance, WorkerPool& pool);
 
   // Errors: those of show.
   Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const Response& response,
@@ -57,6 +57,7 @@ class VirtualCamera {
   void drop_old();
 
   const FilmPlan plan_;
+  const std::optional<ChannelGains> balance_;
   WorkerPool& pool_;
   DepthEdges edges_;
   KeyframeMotion motion_;

@@ -142,6 +142,7 @@ FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<
     if (taken.frame) {
       const std::lock_guard lock(mutex_);
       count_shed(taken.shed);
+      ++counters_.taken;
       arrivals_[arrival_count_++ % arrivals_.size()] = {taken.frame->captured.raw.facts.sequence,
                                                         taken.frame->arrived};
     }
@@ -247,16 +248,20 @@ Result<void> LiveSession::stop_recording() {
 }
 
 Result<void> LiveSession::change_cycle(std::vector<Exposure> cycle) {
-  constexpr auto kPatience = std::chrono::seconds(2);
+  constexpr int kFrames = 3;  // the camera takes it between two of them
+  const Duration patience =
+      std::max<Duration>(std::chrono::seconds(2), kFrames * capture_.mode().frame_duration);
   std::future<Result<void>> done;
   {
     const std::lock_guard lock(mutex_);
     wanted_cycle_.emplace(WantedCycle{std::move(cycle), {}});
     done = wanted_cycle_->done.get_future();
   }
-  if (done.wait_for(kPatience) == std::future_status::ready) return done.get();
-  const std::lock_guard lock(mutex_);
-  wanted_cycle_.reset();
+  if (done.wait_for(patience) == std::future_status::ready) return done.get();
+  {
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(wanted_cycle_, std::nullopt)) return done.get();  // taken at the last moment
+  }
   return Error{ErrorCode::Timeout, "the camera delivers no frames; its cycle is as it was"};
 }
 

@@ -47,6 +47,7 @@ struct LiveCounters {
   std::uint64_t unfinished = 0;  // dropped: the run ended with an error before the frame was emitted
   std::uint64_t emitted = 0;     // became an HDR frame
   std::uint64_t under_way = 0;   // queued for the fit, or in it
+  std::uint64_t taken = 0;       // by the fit, in all
   std::uint64_t recorded = 0, to_record = 0;
   std::uint64_t unwritten = 0;  // not recorded: the recording had failed
   std::uint64_t unasked = 0;    // came while nobody wanted a recording
@@ -55,6 +56,8 @@ struct LiveCounters {
   Duration first_frame{0};  // from the arrival of the first captured frame to the first emission
 
   std::uint64_t captured() const { return camera.captured; }
+  // Frames that wait until the fit takes them.
+  std::uint64_t waiting() const { return under_way + emitted + left_out + unfinished - taken; }
   std::uint64_t dropped() const {
     return camera.dropped() + no_room + shed + unproved + left_out + unfinished;
   }

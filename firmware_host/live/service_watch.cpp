@@ -15,7 +15,7 @@ constexpr int kLooksPerPatience = 10;  // so that a late thread does not look li
 
 bool SignOfLife::seen(const LiveCounters& now) {
   const bool captures = now.captured() != last_.captured();
-  const bool fits = now.under_way == 0 || now.emitted != last_.emitted;
+  const bool fits = now.waiting() == 0 || now.taken != last_.taken;
   const bool records = now.to_record == 0 || now.recorded != last_.recorded;
   if (!captures || !fits || !records) return false;
   last_ = now;

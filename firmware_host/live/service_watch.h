@@ -19,7 +19,7 @@ namespace hdrcam {
 class SignOfLife {
  public:
   // Whether capture, recorder and fit each got on since the last time the answer was yes; one without work
-  // does not have to.
+  // does not have to. The fit gets on by taking frames: it may keep some until later ones come.
   bool seen(const LiveCounters& now);
 
  private:

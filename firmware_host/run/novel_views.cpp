@@ -49,7 +49,8 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
                                 ExrSample::Half});
   const auto bytes = TRY(encode_exr(picture));
   TRY(storage_->make_directories(folder_));
-  return write_whole(*storage_, fmt::format("{}/{:06d}.exr", folder_, found->first), bytes);
+  return write_whole(*storage_, fmt::format("{}/{:06d}.exr", folder_, found->first), bytes,
+                     Durability::WrittenBack);
 }
 
 }  // namespace hdrcam

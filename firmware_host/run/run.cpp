@@ -178,7 +178,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       responses_told_(camera_.linear ? 1 : 0) {
   pipeline_.set_trace(plan.trace);
   pipeline_.set_left_out([this] { ++record_.left_out, source_.left_out(); });
-  if (plan.film != nullptr) film_.emplace(*plan.film, pool_);
+  if (plan.film != nullptr) film_.emplace(*plan.film, balance, pool_);
 }
 
 Result<void> Run::to_end(std::string& where) {
@@ -290,7 +290,6 @@ void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
 }
 
 Result<void> Run::show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
-  if (balance_) apply_white_balance(*balance_, hdr);
   TRY(sinks_.emit({hdr, input, made}));
   progress_.frame_done(between_shows_.lap_ms(), std::nullopt);
   return stopped_film();

@@ -157,7 +157,7 @@ class ExrSequence : public FrameSink {
     if (!start_) start_ = frame.facts.timestamp;
     const std::vector<std::byte> bytes = TRY(encoded(frame, options_, *start_, planes_));
     const std::string path = pattern_.path(frame.facts.sequence);
-    TRY(write_whole(storage_, path, bytes));
+    TRY(write_whole(storage_, path, bytes, Durability::WrittenBack));
     return ledger_.append(frame.facts, path.substr(path.rfind('/') + 1));
   }
 

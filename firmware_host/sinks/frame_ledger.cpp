@@ -3,16 +3,20 @@
 #include <fmt/format.h>
 
 #include <span>
+#include <utility>
 
 namespace hdrcam {
 
 Result<FrameLedger> FrameLedger::create(Storage& storage, const std::string& folder) {
-  FrameLedger ledger(TRY(storage.create(folder + "/" + kFile, Creation::Replace)));
+  FileInMaking making = TRY(FileInMaking::beside(storage, folder + "/" + kFile));
+  auto file = TRY(making.as_asked(storage.create(making.path(), Creation::New)));
+  FrameLedger ledger(std::move(making), std::move(file));
   TRY(ledger.write("number,time_s,exposure_s,analogue_gain,digital_gain,exposure_source,verdict,file\n"));
   return ledger;
 }
 
 Result<void> FrameLedger::append(const FrameFacts& facts, const std::string& file) {
+  if (!std::exchange(named_, true)) TRY(making_.commit(Durability::WrittenBack));
   return write(fmt::format("{},{:.9f},{:.9g},{:.6g},{:.6g},{},{},{}\n", facts.sequence,
                            facts.timestamp.seconds(), facts.exposure_s, facts.analogue_gain,
                            facts.digital_gain, name(facts.exposure_source),
@@ -20,7 +24,7 @@ Result<void> FrameLedger::append(const FrameFacts& facts, const std::string& fil
 }
 
 Result<void> FrameLedger::write(const std::string& line) {
-  TRY(file_->write_at(bytes_, std::as_bytes(std::span(line))));
+  TRY(making_.as_asked(file_->write_at(bytes_, std::as_bytes(std::span(line)))));
   bytes_ += line.size();
   return {};
 }

@@ -1,6 +1,6 @@
 // frames.csv, the list of the frames that left: number, time, exposure and its verdict, file. A live run
-// sheds frames, and the names of the files alone do not say when they were taken. A line is on the disk once
-// its frame is. Thread-bound.
+// sheds frames, and the names of the files alone do not say when they were taken. A line is written once its
+// frame is; a power cut may lose both, as long as the system has not written them back. Thread-bound.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,21 @@ class FrameLedger {
  public:
   static constexpr const char* kFile = "frames.csv";
 
-  // folder: of the frames; it exists. A ledger of an earlier run is replaced. Errors: those of the disk.
+  // folder: of the frames; it exists. A ledger of an earlier run is replaced with the first line, so that a
+  // run that never had a frame leaves it. Errors: those of the disk.
   static Result<FrameLedger> create(Storage& storage, const std::string& folder);
 
   // file: of the frame, without its folder. Errors: NoSpace, Io.
   Result<void> append(const FrameFacts& facts, const std::string& file);
 
  private:
-  explicit FrameLedger(std::unique_ptr<StorageFile> file) : file_(std::move(file)) {}
+  FrameLedger(FileInMaking making, std::unique_ptr<StorageFile> file)
+      : making_(std::move(making)), file_(std::move(file)) {}
   Result<void> write(const std::string& line);
 
+  FileInMaking making_;
   std::unique_ptr<StorageFile> file_;
+  bool named_ = false;  // the file has its name
   std::uint64_t bytes_ = 0;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 Result<void> write_picture(const EmittedFrame& frame, Storage& storage, const std::string& path) {
   const auto png = TRY(encode_png(codes_of_light(frame.hdr.radiance)));
-  return write_whole(storage, path, png);
+  return write_whole(storage, path, png, Durability::WrittenBack);
 }
 
 Result<std::unique_ptr<FrameSink>> open_frames(const SinkRequest& request) {

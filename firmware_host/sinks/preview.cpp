@@ -11,7 +11,7 @@ Result<std::unique_ptr<FrameSink>> create_preview(Storage& storage, std::string_
                                                const std::string& path) mutable -> Result<void> {
     const Image<float>& radiance = frame.hdr.radiance;
     const auto png = TRY(encode_png(tone_mapped(radiance, tone.follow(radiance))));
-    return write_whole(disk, path, png);
+    return write_whole(disk, path, png, Durability::WrittenBack);
   };
   return create_numbered_files(storage, "--preview", pattern, ".png", write);
 }

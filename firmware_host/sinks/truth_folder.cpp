@@ -30,7 +30,7 @@ Result<void> write_exr(Storage& storage, const std::string& path, const Image<fl
   int channel = 0;
   for (const char* name_text : names)
     picture.channels.push_back({name_text, {image.plane(channel++), image.plane_size()}, stored});
-  return write_whole(storage, path, TRY(encode_exr(picture)));
+  return write_whole(storage, path, TRY(encode_exr(picture)), Durability::WrittenBack);
 }
 
 // Relative code at kCurveSamples even steps of relative exposure, one line a channel.
@@ -88,7 +88,7 @@ Result<void> TruthFolder::write_pictures(const SceneTruth& truth) {
   TRY(write_exr(*storage_, path("hdr", "exr"), truth.radiance, {"R", "G", "B"}, ExrSample::Half));
   TRY(write_exr(*storage_, path("depth", "exr"), truth.depth, {"Z"}, ExrSample::Float));
   TRY(write_exr(*storage_, path("flow", "exr"), truth.flow, {"R", "G", "B"}, ExrSample::Float));
-  return write_whole(*storage_, path("id", "png"), TRY(encode_png(truth.ids)));
+  return write_whole(*storage_, path("id", "png"), TRY(encode_png(truth.ids)), Durability::WrittenBack);
 }
 
 Result<void> TruthFolder::append(const SceneTruth& truth, const FrameFacts& facts) {

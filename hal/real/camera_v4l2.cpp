@@ -94,7 +94,10 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     capabilities_.modes = modes_of(nodes_.video, nodes_.identity.queue_type);
     control_.describe(capabilities_);
   }
-  ~V4l2Camera() override { (void)V4l2Camera::stop(); }
+  ~V4l2Camera() override {
+    (void)V4l2Camera::stop();
+    control_.give_back();
+  }
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
 

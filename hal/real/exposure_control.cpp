@@ -57,19 +57,37 @@ ExposureControl ExposureControl::of_private(const DeviceNode& video, const Priva
   return control;
 }
 
-Result<void> ExposureControl::take_over() const {
+Result<void> ExposureControl::take_over() {
   constexpr std::pair<std::uint32_t, std::int32_t> kManual[] = {
       {V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL},
       {V4L2_CID_EXPOSURE_AUTO_PRIORITY, 0},
       {V4L2_CID_AUTOGAIN, 0},
       {V4L2_CID_AUTO_WHITE_BALANCE, 0},
   };
+  if (found_.empty()) {
+    const auto remember = [&](std::uint32_t id) {
+      if (query(id).id == 0) return;
+      if (const auto now = value(id)) found_.push_back({id, static_cast<std::int32_t>(*now)});
+    };
+    // exposure and gain first: automatic ones would not take them
+    for (const std::uint32_t id : {exposure_.id, gain_.id})
+      if (id != 0) remember(id);
+    for (const auto& [id, manual] : kManual) remember(id);
+  }
   for (const auto& [id, manual] : kManual) {
     if (query(id).id == 0) continue;
     v4l2_control control{id, manual};
     TRY(node_->demand(VIDIOC_S_CTRL, &control, "switch its automatic exposure off"));
   }
   return {};
+}
+
+void ExposureControl::give_back() {
+  for (const Found& found : found_) {
+    v4l2_control control{found.id, found.value};
+    (void)node_->ask(VIDIOC_S_CTRL, &control);
+  }
+  found_.clear();
 }
 
 Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, int height, Duration wanted) {

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "hal/camera.h"
 #include "hal/real/device_node.h"
@@ -30,7 +31,10 @@ class ExposureControl {
 
   bool exists() const { return exposure_.id != 0; }
   // Switches automatic exposure, gain, white balance and frame rate off.
-  Result<void> take_over() const;
+  Result<void> take_over();
+  // Puts back what it found at the first take_over(), as far as the device takes it: a USB camera keeps its
+  // controls when it is closed, and the next program expects them as they were.
+  void give_back();
   // Sets a constant frame duration on a sensor; the picture is `width` x `height` pixels. Returns the
   // resulting duration.
   Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
@@ -54,9 +58,15 @@ class ExposureControl {
   Control query(std::uint32_t id) const;
   std::optional<std::int64_t> value(std::uint32_t id) const;
 
+  struct Found {
+    std::uint32_t id;
+    std::int32_t value;
+  };
+
   const DeviceNode* node_;
   Control exposure_, gain_;
-  double unit_ns_ = 1;  // of one step of the exposure control
+  std::vector<Found> found_;  // before take_over(), in the order in which they are put back
+  double unit_ns_ = 1;        // of one step of the exposure control
   GainCodes gain_codes_;
   bool sensor_ = false;
 };

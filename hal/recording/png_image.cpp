@@ -212,7 +212,7 @@ Result<std::vector<std::byte>> png_file(const PngImage& image, PngEase ease) {
 }
 
 Result<void> write_png(Storage& storage, const std::string& path, const PngImage& image) {
-  return write_whole(storage, path, TRY(png_file(image)));
+  return write_whole(storage, path, TRY(png_file(image)), Durability::WrittenBack);
 }
 
 }  // namespace hdrcam

@@ -10,8 +10,9 @@ constexpr double kMostPictures = 10;     // between the principal point and the 
 constexpr double kMostDistance_m = 1e7;  // from the world's origin
 constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotation from 0 or 1
 constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
-constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;  // of a white balance
-constexpr Duration kLatest{4'000'000'000'000'000'000};   // differences of two still fit 64 bits
+constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
+constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
+constexpr Duration kLatest{4'000'000'000'000'000'000};    // differences of two still fit 64 bits
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
 
@@ -71,6 +72,12 @@ std::optional<std::string> objection_to(const CameraFacts& camera) {
 }
 
 std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before) {
+  // one that is not known, or none, is judged by the pictures (capture/recorded_labels.h)
+  if (facts.exposure_s > kLongest_s)
+    return fmt::format("its exposure is {:g} s; at most {:g} s are possible", facts.exposure_s, kLongest_s);
+  for (const double gain : {facts.analogue_gain, facts.digital_gain})
+    if (gain > kMostFactor)
+      return fmt::format("its gain is {:g}; at most {:g} is possible", gain, kMostFactor);
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);

@@ -14,8 +14,8 @@ namespace {
 
 Instant begin_of(const FrameFacts& facts) { return facts.timestamp + from_seconds(-facts.exposure_s / 2); }
 
-// The cycle of exposures, found from the first frames; empty where nothing repeats.
-Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
+// What a camera's capabilities state and a recording states with its frames, of the first ones.
+Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader) {
   constexpr std::size_t kFrames = 24;
   std::vector<FrameFacts> frames;
   while (frames.size() < kFrames) {
@@ -25,6 +25,11 @@ Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
     if (!frame) break;
     frames.push_back(*frame);
   }
+  return frames;
+}
+
+// The cycle of exposures; empty where nothing repeats.
+std::vector<ExposureRequest> recorded_cycle(const std::vector<FrameFacts>& frames) {
   const ExposureCycle found = find_exposure_cycle(frames);
   std::vector<ExposureRequest> cycle(static_cast<std::size_t>(found.period));
   for (const FrameFacts& frame : frames)
@@ -37,7 +42,7 @@ Result<std::vector<ExposureRequest>> recorded_cycle(RecordingReader& reader) {
 class ReplayedCamera : public Camera, private BufferLease::Owner {
  public:
   ReplayedCamera(Storage& storage, std::string path, const CameraFacts& facts, PixelFormat format,
-                 std::vector<ExposureRequest> cycle, ReplayPace pace, Clock& clock)
+                 const std::vector<FrameFacts>& first, ReplayPace pace, Clock& clock)
       : storage_(storage), path_(std::move(path)), pace_(pace), clock_(clock) {
     mode_ = {format, facts.width, facts.height,
              Duration(static_cast<Duration::rep>(1e9 / facts.framerate_hz + 0.5))};
@@ -47,7 +52,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     capabilities_.modes = {mode_};
     capabilities_.usual_frame_duration = mode_.frame_duration;
     capabilities_.reports_exposure = true;
-    capabilities_.cycle = std::move(cycle);
+    capabilities_.cycle = recorded_cycle(first);
+    if (!first.empty()) capabilities_.black_level = first.front().black_level;
   }
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
@@ -165,7 +171,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
       buffer.exposure = from_seconds(facts.exposure_s);
       buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
     }
-    buffer.exposure_embedded = facts.exposure_source == ExposureSource::Embedded;
+    buffer.exposure_source = facts.exposure_source;
     buffer.mode = mode_;
     buffer.stride = packed_stride(mode_.format, mode_.width);
     buffer.pixels = bytes;
@@ -208,7 +214,7 @@ Result<std::unique_ptr<Camera>> open_replayed_camera(Storage& storage, const std
             "'{}' holds {} of {} bits, for which there is no pixel format of a camera; use 'hdrcam replay'",
             path, name(facts.layout), facts.bits)};
   return std::unique_ptr<Camera>(std::make_unique<ReplayedCamera>(storage, path, facts, *format,
-                                                                  TRY(recorded_cycle(*reader)), pace, clock));
+                                                                  TRY(first_facts(*reader)), pace, clock));
 }
 
 }  // namespace hdrcam

@@ -274,7 +274,7 @@ CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
   if (frame.reported) {
     buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain,
     buffer.digital_gain = 1;
-    buffer.exposure_embedded = true;
+    buffer.exposure_source = ExposureSource::Embedded;
   }
   buffer.mode = mode_;
   buffer.stride = packed_stride(mode_.format, mode_.width);

@@ -233,7 +233,7 @@ Result<CapturedBuffer> SensorModel::wait(Duration) {
     const Controls& told = before_ && happens(faults_.report_late) ? *before_ : controls;
     buffer.exposure = told.time;
     buffer.analogue_gain = told.gain;
-    buffer.exposure_embedded = settings_.embedded;
+    if (settings_.embedded) buffer.exposure_source = ExposureSource::Embedded;
   }
   before_ = controls;
   buffer.mode = mode_;

@@ -104,6 +104,9 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
                                          Contains("gap of 1 ms") && Contains("15 ms") &&
                                          Contains("--shutter"));
   CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 17ms), schedule).ok());
+  // what the camera's room allows to the nanosecond, though a message names fewer digits
+  const Exposure whole[] = {{1ms, 1}, {32'333'333ns, 1}};
+  CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 33'333'333ns), schedule_of(whole)).ok());
   TriggerOptions wide = options_of(TriggerMode::FrameStart);
   wide.width = 19500us;
   const auto wider = PulseTrain::check(wide, schedule);

@@ -1,11 +1,13 @@
 // The kernel's virtual camera: it takes a control with each frame (request API) and has every pixel format.
 #include <linux/v4l2-controls.h>
+#include <linux/videodev2.h>
 
 #include <array>
 #include <optional>
 
 #include "capture/capture_stage.h"
 #include "hal/real/camera_v4l2.h"
+#include "hal/real/device_node.h"
 #include "tests/contracts/camera_contract.h"
 #include "tests/contracts/expect.h"
 #include "tests/hil/bed.h"
@@ -112,6 +114,24 @@ TEST_CASE("vivid's frames are labelled with the control of their own request") {
   CHECK(reported == kFrames);
   CHECK(*mean[0] < *mean[1] - 5);
   CHECK(*mean[1] < *mean[2] - 5);
+}
+
+TEST_CASE("a camera that was driven has its controls as they were before") {
+  const DeviceNode node = value_of(DeviceNode::open(video_node("vivid-000-vid-cap")));
+  v4l2_control brightness{V4L2_CID_BRIGHTNESS, 77}, automatic{V4L2_CID_AUTOGAIN, 1};
+  for (v4l2_control* control : {&brightness, &automatic}) REQUIRE(node.ask(VIDIOC_S_CTRL, control) == 0);
+  {
+    const auto camera = vivid(kBrightnessIsExposure);
+    value_of(camera->configure(kMode, 4));
+    require_done(camera->start());
+    require_done(camera->queue({.cookie = 0, .exposure = milliseconds(20)}));
+    value_of(camera->wait(std::chrono::seconds(5)));
+    REQUIRE(node.ask(VIDIOC_G_CTRL, &automatic) == 0);
+    CHECK(automatic.value == 0);
+  }
+  for (v4l2_control* control : {&brightness, &automatic}) REQUIRE(node.ask(VIDIOC_G_CTRL, control) == 0);
+  CHECK(brightness.value == 77);
+  CHECK(automatic.value == 1);
 }
 
 TEST_CASE("a camera says where in a frame its driver takes the timestamp") {

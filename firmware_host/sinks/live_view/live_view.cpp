@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -16,7 +17,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kStalled_s = 5;  // without a frame
 constexpr std::size_t kFewestTokenCharacters = 8;
 
 template <class T>
@@ -222,11 +222,16 @@ HttpAnswer LiveView::scale(const HttpRequest&) {
   return json_answer(json_text(json));
 }
 
+bool is_stalled(double newest_frame_age_s, double framerate_hz) {
+  constexpr double kLongest_s = 5, kFrames = 3;  // without a frame, for longer than both
+  return newest_frame_age_s > std::max(kLongest_s, kFrames / framerate_hz);
+}
+
 HttpAnswer LiveView::health(const HttpRequest&) {
   const EmissionFigures emission = tally_.figures();
   if (emission.frames == 0) return no_frame();
   const std::chrono::duration<double> age = EmissionFigures::Clock::now() - emission.newest;
-  if (age.count() > kStalled_s)
+  if (is_stalled(age.count(), options_.framerate_hz))
     return http_error(503, fmt::format("the newest frame is {:.1f} s old", age.count()));
   return json_answer(json_text(nlohmann::json{{"newest_frame_age_s", age.count()}}));
 }

@@ -29,6 +29,9 @@ struct LiveViewOptions {
   VideoOptions video = {};                         // how bright HDR pictures are
 };
 
+// Whether a run whose newest frame is so old stands still.
+bool is_stalled(double newest_frame_age_s, double framerate_hz);
+
 class LiveView : public FrameSink {
  public:
   // address: "127.0.0.1:8080" (web/http_address.h). control: of a run on a camera, else null; it outlives the

@@ -32,7 +32,8 @@ Result<std::unique_ptr<FrameSink>> create_flow_files(Storage& storage, std::stri
       storage, flag, pattern, ".flo",
       [layer](const EmittedFrame& frame, Storage& disk, const std::string& path) {
         const Image<float>& radiance = frame.hdr.radiance;
-        return write_whole(disk, path, encode_flo(frame.hdr.*layer, radiance.rows(), radiance.cols()));
+        return write_whole(disk, path, encode_flo(frame.hdr.*layer, radiance.rows(), radiance.cols()),
+                           Durability::WrittenBack);
       });
 }
 

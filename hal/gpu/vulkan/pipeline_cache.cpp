@@ -46,7 +46,7 @@ Result<void> write_pipeline_cache(Storage& storage, const std::string& path,
   std::vector<std::byte> file(sizeof seal + compiled.size());
   std::memcpy(file.data(), &seal, sizeof seal);
   std::copy(compiled.begin(), compiled.end(), file.begin() + sizeof seal);
-  return write_whole(storage, path, file);
+  return write_whole(storage, path, file, Durability::WrittenBack);
 }
 
 }  // namespace hdrcam::vulkan

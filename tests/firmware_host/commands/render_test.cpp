@@ -189,6 +189,25 @@ TEST_CASE("an exposure of its own shows what the camera recorded at that exposur
   CHECK(sum / static_cast<double>(taken.codes.size()) < 6);
 }
 
+TEST_CASE("the white balance of a film is of its light: twice the gain shows what twice the exposure does",
+          "[film]") {
+  const auto shown = [](const std::string& name, const std::vector<std::string>& flags) {
+    std::vector<std::string> all{"--time", "0.2333333", "--set", "steps=1"};
+    all.insert(all.end(), flags.begin(), flags.end());
+    return read_png(posix_storage(), files_of(name, all, ".png").at(0), 64, 48).value().samples;
+  };
+  const auto balanced = shown("balanced", {"--exposure", "2ms", "--white-balance", "2,2,2"});
+  const auto longer = shown("longer", {"--exposure", "4ms"});
+  const auto plain = shown("plain", {"--exposure", "2ms"});
+  double difference = 0, effect = 0;
+  for (std::size_t i = 0; i < longer.size(); ++i) {
+    const auto code = static_cast<double>(longer.samples()[i]);
+    difference += std::abs(static_cast<double>(balanced.samples()[i]) - code);
+    effect += std::abs(static_cast<double>(plain.samples()[i]) - code);
+  }
+  CHECK(difference < 0.02 * effect);
+}
+
 TEST_CASE("a stereo film has both eyes side by side, each from its own place", "[film]") {
   const std::vector<ExrImage> frames =
       film("stereo", {"--time", "0.2", "--stereo", "0.2", "--size", "96x48", "--set", "steps=1"});

@@ -11,11 +11,15 @@ using std::chrono::milliseconds;
 
 namespace {
 
-LiveCounters counted(std::uint64_t captured, std::uint64_t emitted, std::uint64_t under_way,
-                     std::uint64_t recorded = 0, std::uint64_t to_record = 0) {
+struct FitCounts {
+  std::uint64_t taken = 0, emitted = 0, waiting = 0;
+};
+LiveCounters counted(std::uint64_t captured, FitCounts fit = {}, std::uint64_t recorded = 0,
+                     std::uint64_t to_record = 0) {
   LiveCounters counters;
   counters.camera.captured = captured;
-  counters.emitted = emitted, counters.under_way = under_way;
+  counters.taken = fit.taken, counters.emitted = fit.emitted;
+  counters.under_way = fit.waiting + fit.taken - fit.emitted;
   counters.recorded = recorded, counters.to_record = to_record;
   return counters;
 }
@@ -32,23 +36,27 @@ std::string until(NotifySocket& socket, const std::string& word) {
 
 TEST_CASE("a run is alive while capture, fit and recorder get on") {
   SignOfLife life;
-  CHECK(life.seen(counted(1, 0, 0)));
-  CHECK(life.seen(counted(2, 0, 0)));
+  CHECK(life.seen(counted(1)));
+  CHECK(life.seen(counted(2)));
   SECTION("a camera that delivers nothing is no sign of life") {
-    CHECK_FALSE(life.seen(counted(2, 0, 0)));
-    CHECK(life.seen(counted(3, 0, 0)));
+    CHECK_FALSE(life.seen(counted(2)));
+    CHECK(life.seen(counted(3)));
   }
-  SECTION("a fit that hangs is none, however many frames the camera delivers; one without frames is well") {
-    CHECK(life.seen(counted(3, 1, 2)));
-    CHECK_FALSE(life.seen(counted(4, 1, 3)));
-    CHECK_FALSE(life.seen(counted(90, 1, 3)));
-    CHECK(life.seen(counted(91, 2, 3)));
-    CHECK(life.seen(counted(92, 2, 0)));
+  SECTION("a fit that hangs is none, however many frames wait for it; one without frames is well") {
+    CHECK(life.seen(counted(3, {.taken = 2, .emitted = 1, .waiting = 1})));
+    CHECK_FALSE(life.seen(counted(4, {.taken = 2, .emitted = 1, .waiting = 2})));
+    CHECK_FALSE(life.seen(counted(90, {.taken = 2, .emitted = 1, .waiting = 30})));
+    CHECK(life.seen(counted(91, {.taken = 3, .emitted = 2, .waiting = 29})));
+    CHECK(life.seen(counted(92, {.taken = 32, .emitted = 31, .waiting = 0})));
+  }
+  SECTION("a fit may keep frames until later ones come, though all later ones are kept from it") {
+    CHECK(life.seen(counted(3, {.taken = 3, .emitted = 2})));
+    CHECK(life.seen(counted(900, {.taken = 3, .emitted = 2})));
   }
   SECTION("a disk that hangs is none") {
-    CHECK(life.seen(counted(3, 0, 0, 1, 2)));
-    CHECK_FALSE(life.seen(counted(4, 0, 0, 1, 3)));
-    CHECK(life.seen(counted(5, 0, 0, 2, 3)));
+    CHECK(life.seen(counted(3, {}, 1, 2)));
+    CHECK_FALSE(life.seen(counted(4, {}, 1, 3)));
+    CHECK(life.seen(counted(5, {}, 2, 3)));
   }
 }
 
@@ -56,7 +64,7 @@ TEST_CASE("a service is ready with its first frame, gives signs of life, and say
   NotifySocket socket(NotifySocket::Where::Path);
   std::atomic<std::uint64_t> captured{0};
   ServiceWatch watch(
-      Supervisor(socket.name(), milliseconds(100)), [&] { return counted(captured, 0, 0); },
+      Supervisor(socket.name(), milliseconds(100)), [&] { return counted(captured); },
       [](const LiveCounters& now) { return "captured " + std::to_string(now.captured()); });
   CHECK(socket.next() == "STATUS=captured 0\n");
   captured = 1;

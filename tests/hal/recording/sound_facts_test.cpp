@@ -62,6 +62,18 @@ TEST_CASE("a time is one of a clock, so that the difference of two fits 64 bits"
   CHECK_FALSE(objection_to(facts, nullptr));
 }
 
+TEST_CASE("an exposure lasts a day at most, and its gains are factors that a camera can have") {
+  for (const double far : {86'401., 9.3e9, 1e300, HUGE_VAL}) {
+    FrameFacts longer, brighter;
+    longer.exposure_s = brighter.analogue_gain = far * 100;
+    CHECK(objection_to(longer, nullptr)->find("exposure") != std::string::npos);
+    CHECK(objection_to(brighter, nullptr)->find("gain") != std::string::npos);
+  }
+  FrameFacts night;
+  night.exposure_s = 3600, night.analogue_gain = 640;
+  CHECK_FALSE(objection_to(night, nullptr));
+}
+
 TEST_CASE("a black level is below the largest code, and a number") {
   FrameFacts facts;
   for (const double black : {kNan, HUGE_VAL, -0.5, 255., 4000.}) {

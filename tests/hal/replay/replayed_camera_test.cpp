@@ -69,7 +69,7 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
       REQUIRE(buffer.sequence == truth.facts.sequence);
       REQUIRE(buffer.exposure == from_seconds(truth.facts.exposure_s));
       REQUIRE(buffer.analogue_gain == truth.facts.analogue_gain);
-      REQUIRE(buffer.exposure_embedded);
+      REQUIRE(buffer.exposure_source == ExposureSource::Embedded);
       REQUIRE(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
     }
     require_done(camera->queue({0, milliseconds(1), 1}));

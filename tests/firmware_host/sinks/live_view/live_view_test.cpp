@@ -299,6 +299,13 @@ TEST_CASE("a replay's metrics count the frames that were emitted") {
   CHECK_FALSE(values.contains("hdrcam_frames_captured_total"));
 }
 
+TEST_CASE("a run stands still after five seconds without a frame, a slow camera's after three frames") {
+  CHECK_FALSE(is_stalled(4.9, 30));
+  CHECK(is_stalled(5.1, 30));
+  CHECK_FALSE(is_stalled(29, 0.1));
+  CHECK(is_stalled(31, 0.1));
+}
+
 TEST_CASE("the live view is healthy while frames come") {
   const auto view = open_view();
   REQUIRE(emit(*view, example_frame(0)).ok());
