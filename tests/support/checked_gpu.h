@@ -18,14 +18,14 @@ struct CheckedGpu {
 
   CheckedGpu() {
     if (open_test_gpu() == nullptr) {
-      WARN("not tested: no graphics device here");
+      LACKS_GPU("no graphics device here");
       return;
     }
     GpuOptions options = gpu_options();
     options.complaints = &complaints;
     auto opened = open_gpu(options);
     if (!opened && opened.error().code == ErrorCode::Unsupported) {
-      WARN("not tested: " << opened.error().message);
+      LACKS_GPU(opened.error().message);
       return;
     }
     REQUIRE(opened.ok());

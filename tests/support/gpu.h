@@ -1,6 +1,7 @@
 // The graphics device of the tests: the one that HDRCAM_TEST_GPU names, else the best there is, which on a
 // build machine is Mesa's software one (./run installs it). Without any, a test says so and ends: under the
-// sanitizers, which load no driver. Include before Catch2.
+// sanitizers, which load no driver. Where HDRCAM_REQUIRE_GPU is set, as by `./run test`, it fails. Include
+// before Catch2.
 #pragma once
 
 #include <cstdlib>
@@ -21,10 +22,16 @@ inline std::unique_ptr<GpuDevice> open_test_gpu(GpuOptions options = gpu_options
   return gpu ? std::move(*gpu) : nullptr;
 }
 
+inline bool gpu_is_required() { return std::getenv("HDRCAM_REQUIRE_GPU") != nullptr; }
+
 }  // namespace hdrcam::test
 
-#define NEEDS_GPU(gpu)                                                                \
-  if ((gpu) == nullptr) {                                                             \
-    WARN("not tested: no graphics device here; install mesa-vulkan-drivers for one"); \
-    return;                                                                           \
+#define LACKS_GPU(reason)                                              \
+  if (hdrcam::test::gpu_is_required()) FAIL("not tested: " << reason); \
+  WARN("not tested: " << reason)
+
+#define NEEDS_GPU(gpu)                                                         \
+  if ((gpu) == nullptr) {                                                      \
+    LACKS_GPU("no graphics device here; install mesa-vulkan-drivers for one"); \
+    return;                                                                    \
   }
