@@ -114,11 +114,12 @@ void bridge(const BridgedRow& r) {
 }
 
 void bridge_ahead(const BridgedAheadRow& r) {
-  in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
-    const Lanes clipped = hidden(around);
-    if (!any_negative(clipped > 0)) return;
+  for (int x = 0; x < r.at.cols; x += kLanes) {
+    const int count = least(r.at.cols - x, kLanes);
     const Vectors whole = own_vectors(r.path.state_to_after, r.at, x, count);
     Vectors ahead{r.path.share * whole.x, r.path.share * whole.y};
+    const Lanes clipped = hidden(value_at(r.clipped, r.at, places_of(r.at, x, ahead)));
+    if (!any_negative(clipped > 0)) continue;
     if (r.path.last != nullptr) {
       const Lanes measured =
           load_some(r.path.measured + static_cast<std::ptrdiff_t>(r.at.y) * r.at.cols + x, count);
@@ -127,7 +128,7 @@ void bridge_ahead(const BridgedAheadRow& r) {
     }
     const Lanes share = clipped * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, whole)));
     take_over(r.u + x, r.v + x, count, share, ahead);
-  });
+  }
 }
 
 void predict(const PredictedRow& r) {

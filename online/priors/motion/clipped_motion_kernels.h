@@ -53,8 +53,9 @@ struct BridgedRow {
 // The same from the state, at its own pixels.
 struct BridgedAheadRow {
   RowOfPictures at;
-  const float* clipped;  // [cols] in the frame in between, where constant velocity takes the state's pixels
-  const float* clipped_after;
+  // [rows, cols] share of the pixels around each; of the frame in between it is read where constant velocity
+  // takes the state's pixels
+  const float *clipped, *clipped_after;
   PathAhead path;  // whose after_to_state is not read
   float *u, *v;    // [cols] motion from the state to the frame in between
 };

@@ -194,32 +194,22 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                        .share = r,
                        .before = r / context.before_ratio};
   pool_.for_rows(rows_, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      clipped_motion_kernels().bridge({.at = {rows_, cols_, y},
+    for (int y = y0; y < y1; ++y) {
+      const RowOfPictures at{rows_, cols_, y};
+      clipped_motion_kernels().bridge({.at = at,
                                        .clipped = clipped_.row(0, y),
                                        .clipped_after = clipped_after_.plane(0),
                                        .path = path,
                                        .u = to.row(0, y),
                                        .v = to.row(1, y),
                                        .measured = measured_.row(0, y)});
-  });
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&ahead_, 2}});
-  pool_.for_rows(rows_, [&](int y0, int y1) {
-    for (int d = 0; d < 2; ++d)
-      for (int y = y0; y < y1; ++y) {
-        const float* whole = state_to_after_.row(d, y);
-        float* ahead = ahead_.row(d, y);
-        for (int x = 0; x < cols_; ++x) ahead[x] = r * whole[x];
-      }
-    picture_kernels().warp_linear(
-        {clipped_.plane(0), mask_.plane(0), ahead_.plane(0), ahead_.plane(1), 1, rows_, cols_, y0, y1, 0});
-    for (int y = y0; y < y1; ++y)
-      clipped_motion_kernels().bridge_ahead({.at = {rows_, cols_, y},
-                                             .clipped = mask_.row(0, y),
+      clipped_motion_kernels().bridge_ahead({.at = at,
+                                             .clipped = clipped_.plane(0),
                                              .clipped_after = clipped_after_.plane(0),
                                              .path = path,
                                              .u = from.row(0, y),
                                              .v = from.row(1, y)});
+    }
   });
 }
 

@@ -40,7 +40,7 @@ class MotionEstimator final : public MotionPrior {
   Image<float> predicted_;        // the motion of the next step, if it takes as long as the last one
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
-  Image<float> mask_, clipped_, clipped_after_, after_to_state_, state_to_after_, ahead_;
+  Image<float> mask_, clipped_, clipped_after_, after_to_state_, state_to_after_;
 };
 
 }  // namespace hdrcam
