@@ -168,7 +168,7 @@ TEST_CASE("huge and tiny densities stay finite", "[isa][stability]") {
   double sum = 0, d_density[2][kMaxSamples];
   for (int k = 0; k < 5; ++k) sum += ray.weight[k];
   CHECK(sum == Approx(1));
-  pull_composite(spacing, ray, d_weight, d_share, d_density);
+  composite_backward(spacing, ray, d_weight, d_share, d_density);
   for (int b = 0; b < 2; ++b)
     for (int k = 0; k < 5; ++k) CHECK(std::isfinite(d_density[b][k]));
 }

@@ -37,8 +37,8 @@ void composite_ray(const T* spacing, Composite<T>& ray) {
 
 // d_density[2][count] from the gradients with respect to weights and shares.
 template <class T>
-void pull_composite(const T* spacing, const Composite<T>& ray, const T* d_weight, const T* d_share,
-                    T (*d_density)[kMaxSamples]) {
+void composite_backward(const T* spacing, const Composite<T>& ray, const T* d_weight, const T* d_share,
+                        T (*d_density)[kMaxSamples]) {
   constexpr T kEmpty = T(1e-6);
   T behind = 0;  // sum over the samples behind k of w d_weight
   for (int k = ray.count - 1; k >= 0; --k) {

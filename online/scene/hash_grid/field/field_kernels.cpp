@@ -93,8 +93,8 @@ void scatter(const HashLevel& level, float* d_table, const GridQuery& at, const 
   }
 }
 
-void pull_back(const HashLevel& level, const float* table, const GridQuery& at, const float* d_feature0,
-               const float* d_feature1, float* const d_position[3]) {
+void position_backward(const HashLevel& level, const float* table, const GridQuery& at,
+                       const float* d_feature0, const float* d_feature1, float* const d_position[3]) {
   Corners corners;
   alignas(64) float q[8][kBlock];
   for (int first = 0; first < at.n; first += kBlock) {
@@ -237,6 +237,7 @@ void adam(const AdamStep& step, std::size_t n, float* parameter, float* gradient
 }  // namespace
 
 extern const FieldKernels kFieldKernels;
-const FieldKernels kFieldKernels = {encode, scatter, pull_back, affine, affine_transposed, outer, adam};
+const FieldKernels kFieldKernels = {encode, scatter, position_backward, affine, affine_transposed,
+                                    outer,  adam};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -43,8 +43,8 @@ struct FieldKernels {
   void (*scatter)(const HashLevel&, float* d_table, const GridQuery&, const float* d_feature0,
                   const float* d_feature1);
   // d_position[3][n] += d features / d position
-  void (*pull_back)(const HashLevel&, const float* table, const GridQuery&, const float* d_feature0,
-                    const float* d_feature1, float* const d_position[3]);
+  void (*position_backward)(const HashLevel&, const float* table, const GridQuery&, const float* d_feature0,
+                            const float* d_feature1, float* const d_position[3]);
   // y[out, n] = W[out, in] x[in, n] + b, negative values set to 0 if relu
   void (*affine)(const float* w, const float* b, const float* x, int ld, int n, int in, int out, bool relu,
                  float* y);

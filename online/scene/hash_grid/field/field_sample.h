@@ -93,8 +93,8 @@ FieldSample<T> decode_dynamic(const Image<T>& raw, int s, const T* base, T prior
 
 // The gradient of decode_density; returns d_prior.
 template <class T>
-T pull_density(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample, const FieldSample<T>& d,
-               Image<T>& d_raw) {
+T decode_density_backward(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample,
+                          const FieldSample<T>& d, Image<T>& d_raw) {
   if (std::abs(raw.plane(0)[s] + prior) >= T(kDensityBound)) return 0;
   const T d_log = d.density * sample.density;
   d_raw.plane(0)[s] += d_log;
@@ -103,8 +103,8 @@ T pull_density(const Image<T>& raw, int s, T prior, const FieldSample<T>& sample
 
 // The gradient of decode_radiance; d_base, where the position is learned, receives the base's share.
 template <class T>
-void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample,
-                   const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {
+void decode_radiance_backward(const Image<T>& raw, int s, const T* base, const FieldSample<T>& sample,
+                              const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {
   for (int c = 0; c < 3; ++c) {
     const T residual = raw.plane(1 + c)[s], gate = base[kBaseGate + c];
     if (std::abs(base[kBaseLogRadiance + c] + gate * residual) >= T(kRadianceBound)) continue;
@@ -117,18 +117,18 @@ void pull_radiance(const Image<T>& raw, int s, const T* base, const FieldSample<
 }
 
 template <class T>
-void pull_static(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
-                 const FieldSample<T>& d, Image<T>& d_raw) {
-  pull_density(raw, s, prior, sample, d, d_raw);
-  pull_radiance(raw, s, base, sample, d, d_raw, static_cast<T*>(nullptr));
+void decode_static_backward(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
+                            const FieldSample<T>& d, Image<T>& d_raw) {
+  decode_density_backward(raw, s, prior, sample, d, d_raw);
+  decode_radiance_backward(raw, s, base, sample, d, d_raw, static_cast<T*>(nullptr));
   d_raw.plane(StaticHead::kBlend)[s] += d.blend * sample.blend * (1 - sample.blend);
 }
 
 // Returns d_prior.
 template <class T>
-T pull_dynamic(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
-               const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {
-  pull_radiance(raw, s, base, sample, d, d_raw, d_base);
+T decode_dynamic_backward(const Image<T>& raw, int s, const T* base, T prior, const FieldSample<T>& sample,
+                          const FieldSample<T>& d, Image<T>& d_raw, T* d_base) {
+  decode_radiance_backward(raw, s, base, sample, d, d_raw, d_base);
   for (int k = 0; k < 2; ++k) {
     for (int a = 0; a < 3; ++a) {
       d_raw.plane(DynamicHead::kFlow + 3 * k + a)[s] += d.flow[k][a] + d.flow_residual[k][a];
@@ -137,7 +137,7 @@ T pull_dynamic(const Image<T>& raw, int s, const T* base, T prior, const FieldSa
     d_raw.plane(DynamicHead::kOcclusion + k)[s] +=
         d.occlusion[k] * sample.occlusion[k] * (1 - sample.occlusion[k]);
   }
-  return pull_density(raw, s, prior, sample, d, d_raw);
+  return decode_density_backward(raw, s, prior, sample, d, d_raw);
 }
 
 }  // namespace hdrcam

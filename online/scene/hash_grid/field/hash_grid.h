@@ -103,9 +103,9 @@ class HashGrid {
   // gradient of table l += d_features; samples in order
   void scatter(int l, const GridSamples<T>& at, const Image<T>& d_features);
   // d_position [3, 1, ld] += gradient with respect to the position
-  void pull_back(const GridSamples<T>& at, const Image<T>& d_features, Image<T>& d_position) const {
+  void position_backward(const GridSamples<T>& at, const Image<T>& d_features, Image<T>& d_position) const {
     for (int l = 0; l < shape_.levels; ++l)
-      pull_back_level(l, at, d_features.plane(2 * l), d_features.plane(2 * l + 1), d_position);
+      position_backward_level(l, at, d_features.plane(2 * l), d_features.plane(2 * l + 1), d_position);
   }
   // slot `to` becomes a copy of slot `from` on every level
   void copy_slot(int from, int to, Image<T>& values) const {
@@ -121,8 +121,8 @@ class HashGrid {
     return {{at.position.plane(0), at.position.plane(1), at.position.plane(2)}, at.slot.data(), at.n};
   }
   void encode_level(int l, const GridSamples<T>& at, T* feature0, T* feature1) const;
-  void pull_back_level(int l, const GridSamples<T>& at, const T* d_feature0, const T* d_feature1,
-                       Image<T>& d_position) const;
+  void position_backward_level(int l, const GridSamples<T>& at, const T* d_feature0, const T* d_feature1,
+                               Image<T>& d_position) const;
 
   HashGridShape shape_;
   std::vector<HashLevel> levels_;
@@ -160,8 +160,8 @@ void scatter(const HashLevel& level, T* d_table, const GridSamples<T>& at, const
 }
 
 template <class T>
-void pull_back(const HashLevel& level, const T* table, const GridSamples<T>& at, const T* d_feature0,
-               const T* d_feature1, Image<T>& d_position) {
+void position_backward(const HashLevel& level, const T* table, const GridSamples<T>& at, const T* d_feature0,
+                       const T* d_feature1, Image<T>& d_position) {
   for (int s = 0; s < at.n; ++s) {
     const T position[3] = {at.position.plane(0)[s], at.position.plane(1)[s], at.position.plane(2)[s]};
     const auto corners = grid_corners(level, position, at.slot[static_cast<std::size_t>(s)]);
@@ -201,13 +201,13 @@ void HashGrid<T>::scatter(int l, const GridSamples<T>& at, const Image<T>& d_fea
 }
 
 template <class T>
-void HashGrid<T>::pull_back_level(int l, const GridSamples<T>& at, const T* d0, const T* d1,
-                                  Image<T>& d_position) const {
+void HashGrid<T>::position_backward_level(int l, const GridSamples<T>& at, const T* d0, const T* d1,
+                                          Image<T>& d_position) const {
   if constexpr (kFast) {
     float* const rows[3] = {d_position.plane(0), d_position.plane(1), d_position.plane(2)};
-    field_kernels().pull_back(level(l), table_.plane(l), query(at), d0, d1, rows);
+    field_kernels().position_backward(level(l), table_.plane(l), query(at), d0, d1, rows);
   } else {
-    plain::pull_back(level(l), table_.plane(l), at, d0, d1, d_position);
+    plain::position_backward(level(l), table_.plane(l), at, d0, d1, d_position);
   }
 }
 

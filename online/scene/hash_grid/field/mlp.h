@@ -97,9 +97,9 @@ class Mlp {
   // Adds to d_parameters and writes d_x, from d_y and the trace of forward(x).
   void backward(const Image<T>& x, const Image<T>& d_y, int n, MlpTrace<T>& trace, std::span<T> d_parameters,
                 Image<T>& d_x) const {
-    pull(2, trace.hidden[1], d_y, n, true, d_parameters, trace.d_hidden[1]);
-    pull(1, trace.hidden[0], trace.d_hidden[1], n, true, d_parameters, trace.d_hidden[0]);
-    pull(0, x, trace.d_hidden[0], n, false, d_parameters, d_x);
+    layer_backward(2, trace.hidden[1], d_y, n, true, d_parameters, trace.d_hidden[1]);
+    layer_backward(1, trace.hidden[0], trace.d_hidden[1], n, true, d_parameters, trace.d_hidden[0]);
+    layer_backward(0, x, trace.d_hidden[0], n, false, d_parameters, d_x);
   }
 
  private:
@@ -123,8 +123,8 @@ class Mlp {
       plain::affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
   }
 
-  void pull(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified,
-            std::span<T> d_parameters, Image<T>& d_x) const {
+  void layer_backward(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified,
+                      std::span<T> d_parameters, Image<T>& d_x) const {
     const T* w = parameters_.data() + offset(layer);
     T *d_w = d_parameters.data() + offset(layer), *d_b = d_parameters.data() + bias_offset(layer);
     const int in = width_[layer], out = width_[layer + 1], ld = x.cols();

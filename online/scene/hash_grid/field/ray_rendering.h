@@ -82,9 +82,9 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
 
 // The gradient of set_densities; `dynamic` names the samples whose density was added to the static one's.
 template <class T>
-void pull_densities(const RaySamples<T>& ray, Blend blend,
-                    FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples], const T (*d_density)[kMaxSamples],
-                    RaySamples<T>& d) {
+void set_densities_backward(const RaySamples<T>& ray, Blend blend,
+                            FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples],
+                            const T (*d_density)[kMaxSamples], RaySamples<T>& d) {
   const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
   for (int k = 0; k < ray.count; ++k) {
     const T v = ray.still[k].blend;
@@ -99,8 +99,9 @@ void pull_densities(const RaySamples<T>& ray, Blend blend,
 // Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves,
 // d_weight[count]. flow_unit[3]: window units per unit of flow.
 template <class T>
-void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, const RayPicture<T>& d_picture,
-              const T* d_ray_weight, const T* flow_unit, RaySamples<T>& d) {
+void render_ray_backward(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace,
+                         const RayPicture<T>& d_picture, const T* d_ray_weight, const T* flow_unit,
+                         RaySamples<T>& d) {
   const Composite<T>& c = trace.combined;
   const auto n = static_cast<std::size_t>(ray.toward);
   T d_weight[kMaxSamples] = {}, d_share[kMaxSamples] = {}, d_density[2][kMaxSamples];
@@ -128,8 +129,8 @@ void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, c
     d_weight[k] = d_ray_weight[k] + (1 - s) * of_still + s * of_moving;
     d_share[k] = w * (of_moving - of_still);
   }
-  pull_composite(ray.spacing, c, d_weight, d_share, d_density);
-  pull_densities(ray, blend, &RaySamples<T>::moving, d_density, d);
+  composite_backward(ray.spacing, c, d_weight, d_share, d_density);
+  set_densities_backward(ray, blend, &RaySamples<T>::moving, d_density, d);
   if (!ray.warps) return;
   const Composite<T>& there = trace.warped;
   for (int k = 0; k < ray.count; ++k) {
@@ -144,8 +145,8 @@ void pull_ray(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace, c
     d_weight[k] = (1 - s) * of_still + s * of_moving;
     d_share[k] = w * (of_moving - of_still);
   }
-  pull_composite(ray.spacing, there, d_weight, d_share, d_density);
-  pull_densities(ray, blend, &RaySamples<T>::warped, d_density, d);
+  composite_backward(ray.spacing, there, d_weight, d_share, d_density);
+  set_densities_backward(ray, blend, &RaySamples<T>::warped, d_density, d);
 }
 
 }  // namespace hdrcam

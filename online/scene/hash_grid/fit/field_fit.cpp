@@ -390,7 +390,7 @@ void FieldFit::apply_here(const AdamStep& table_step, const AdamStep& network_st
 
 void FieldFit::apply_response(float gradient_scale) {
   std::array<std::array<float, LearnedResponse<float>::kSegments>, 3> d_increment{};
-  state_.response.pull(d_response_, d_increment);
+  state_.response.backward(d_response_, d_increment);
   const AdamStep step = adam_step(options_.adam, options_.response_rate, gradient_scale, state_.taken);
   for (std::size_t c = 0; c < 3; ++c)
     apply_adam(step, state_.response.increments()[c], d_increment[c],

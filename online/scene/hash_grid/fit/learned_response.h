@@ -56,7 +56,7 @@ class LearnedResponse {
 
   // d increment [3][kSegments] from d point: point_j = sum_{i<j} softplus(increment_i) / sum_i
   // softplus(increment_i)
-  void pull(const Gradient& d_point, std::array<std::array<T, kSegments>, 3>& d_increment) const {
+  void backward(const Gradient& d_point, std::array<std::array<T, kSegments>, 3>& d_increment) const {
     for (std::size_t c = 0; c < 3; ++c) {
       T total = 0, mean = 0, suffix = 0;
       for (T v : increment_[c]) total += softplus(v);

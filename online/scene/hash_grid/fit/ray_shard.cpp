@@ -42,7 +42,7 @@ void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> r
   for (std::size_t r = 0; r < rays.size(); ++r) ray_gradient(step, rays[r], static_cast<int>(r));
   if (step.has_dynamic) {
     warped_.backward(step.networks.moving, d_dynamic_);
-    return_warp(step, rays);
+    warp_backward(step, rays);
     moving_.backward(step.networks.moving, d_dynamic_);
   }
   if (step.has_static) still_.backward(step.networks.still, d_static_);
@@ -131,34 +131,34 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
       static_cast<float>(losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share);
   T unit[3];
   flow_units(step.window.frustum(), unit);
-  pull_ray(ray, step.networks.blend, trace, d_picture, d_ray_weight, unit, d_);
-  pull_samples(step, target, r, d_);
+  render_ray_backward(ray, step.networks.blend, trace, d_picture, d_ray_weight, unit, d_);
+  samples_backward(step, target, r, d_);
 }
 
 template <class T>
-void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& target, int r,
-                               const RaySamples<T>& d) {
+void RayShard<T>::samples_backward(const StepSetting<T>& step, const TrainingRay& target, int r,
+                                   const RaySamples<T>& d) {
   const RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count; ++k) {
     const int s = r * ray.count + k;
     if (ray.has_static)
-      pull_static(still_.raw, s, base, own_prior(r, k), ray.still[k], d.still[k], still_.d_raw);
+      decode_static_backward(still_.raw, s, base, own_prior(r, k), ray.still[k], d.still[k], still_.d_raw);
     if (ray.has_dynamic)
-      pull_dynamic(moving_.raw, s, base, own_prior(r, k), ray.moving[k], d.moving[k], moving_.d_raw,
-                   static_cast<T*>(nullptr));
+      decode_dynamic_backward(moving_.raw, s, base, own_prior(r, k), ray.moving[k], d.moving[k],
+                              moving_.d_raw, static_cast<T*>(nullptr));
     if (!ray.warps) continue;
     const Image<BasePixel>& there = neighbour(step.window, target).base;
     T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
     if (ray.has_static) {
       fetch_base(there, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
-      pull_radiance(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw,
-                    static_cast<T*>(nullptr));
+      decode_radiance_backward(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw,
+                               static_cast<T*>(nullptr));
     }
     fetch_base(there, ray.landing_moving[k], base_there, d_x, d_y);
     const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
-    const T d_prior = pull_dynamic(warped_.raw, s, base_there, prior.log_density, ray.warped[k], d.warped[k],
-                                   warped_.d_raw, d_base);
+    const T d_prior = decode_dynamic_backward(warped_.raw, s, base_there, prior.log_density, ray.warped[k],
+                                              d.warped[k], warped_.d_raw, d_base);
     d_base[kBaseSurface] += d_prior * prior.by_surface;
     T d_landing[3] = {0, 0, d_prior * prior.by_depth};
     for (int i = 0; i < kBaseChannels; ++i)
@@ -172,8 +172,8 @@ void RayShard<T>::pull_samples(const StepSetting<T>& step, const TrainingRay& ta
 // The warped samples' gradient with respect to their positions is the gradient of the scene flow that
 // displaced them.
 template <class T>
-void RayShard<T>::return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
-  step.networks.moving.grid.pull_back(warped_.samples(), warped_.d_features, warped_.d_position);
+void RayShard<T>::warp_backward(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
+  step.networks.moving.grid.position_backward(warped_.samples(), warped_.d_features, warped_.d_position);
   T unit[3];
   flow_units(step.window.frustum(), unit);
   for (std::size_t r = 0; r < rays.size(); ++r) {

@@ -38,8 +38,8 @@ class RayShard {
   void place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random);
   void follow_flow(const StepSetting<T>& step, std::span<const TrainingRay> rays);
   void ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r);
-  void pull_samples(const StepSetting<T>& step, const TrainingRay& target, int r, const RaySamples<T>& d);
-  void return_warp(const StepSetting<T>& step, std::span<const TrainingRay> rays);
+  void samples_backward(const StepSetting<T>& step, const TrainingRay& target, int r, const RaySamples<T>& d);
+  void warp_backward(const StepSetting<T>& step, std::span<const TrainingRay> rays);
   void zero(BranchPass<T>& pass);
   T own_prior(int r, int k) const {
     const auto at = static_cast<std::size_t>(r);

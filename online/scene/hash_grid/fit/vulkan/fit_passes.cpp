@@ -7,14 +7,14 @@
 #include "online/scene/hash_grid/fit/vulkan/adam_network.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/adam_table.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/backward.comp.h"
+#include "online/scene/hash_grid/fit/vulkan/composite_backward.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/follow.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/measure.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/outer.comp.h"
-#include "online/scene/hash_grid/fit/vulkan/pull.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/render.comp.h"
-#include "online/scene/hash_grid/fit/vulkan/return_warp.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/scatter.comp.h"
 #include "online/scene/hash_grid/fit/vulkan/sum.comp.h"
+#include "online/scene/hash_grid/fit/vulkan/warp_backward.comp.h"
 
 namespace hdrcam {
 namespace {
@@ -67,9 +67,9 @@ Result<FitPasses> FitPasses::make(GpuDevice& device) {
                                                 {"field network", k_network, 3},
                                                 {"fit follow", k_follow, 5},
                                                 {"fit render", k_render, 6},
-                                                {"fit pull", k_pull, 7},
+                                                {"fit composite backward", k_composite_backward, 7},
                                                 {"fit backward", k_backward, 6},
-                                                {"fit return warp", k_return_warp, 6},
+                                                {"fit warp backward", k_warp_backward, 6},
                                                 {"fit outer", k_outer, 3},
                                                 {"fit sum", k_sum, 2},
                                                 {"fit measure", k_measure, 3},
@@ -103,22 +103,22 @@ void FitPasses::render(const GpuRays& rays) const {
                       RayConstants(rays), {rays.rays(), 1, 1});
 }
 
-void FitPasses::pull(const GpuRays& rays) const {
+void FitPasses::composite_backward(const GpuRays& rays) const {
   device_->work().clear(**rays.d_raw);  // the kernel leaves out what has no gradient
   device_->work().run(
-      *kernels_[kPull],
-      {*rays.told, *rays.placed, *rays.raw, *rays.views, *rays.bases, *rays.wanted, *rays.d_raw},
+      *kernels_[kCompositeBackward],
+      {*rays.told, *rays.placed, *rays.raw, *rays.views, *rays.bases, *rays.d_seen, *rays.d_raw},
       RayConstants(rays), {rays.rays(), 1, 1});
 }
 
 void FitPasses::backward(const GpuBranch& branch, const GpuRays& rays, SampleRange samples) const {
-  device_->work().run(
-      *kernels_[kBackward],
-      {*branch.features, *rays.d_raw, *branch.network, *branch.trace, *branch.pulls, *branch.d_features},
-      NetworkConstants(branch, rays.ld(), samples), {samples.count, 1, 1});
+  device_->work().run(*kernels_[kBackward],
+                      {*branch.features, *rays.d_raw, *branch.network, *branch.trace,
+                       *branch.d_pre_activation, *branch.d_features},
+                      NetworkConstants(branch, rays.ld(), samples), {samples.count, 1, 1});
 }
 
-void FitPasses::return_warp(const GpuBranch& moving, const GpuRays& rays) const {
+void FitPasses::warp_backward(const GpuBranch& moving, const GpuRays& rays) const {
   struct {
     float unit[3];
     int count, samples, ld, levels, level_size, d_place, plane_of_flow;
@@ -132,7 +132,7 @@ void FitPasses::return_warp(const GpuBranch& moving, const GpuRays& rays) const 
               moving.plane_of_raw + DynamicHead::kFlow};
   flow_units(rays.frustum(), constants.unit);
   device_->work().run(
-      *kernels_[kReturnWarp],
+      *kernels_[kWarpBackward],
       {*rays.told, *rays.placed, *moving.tables, *moving.d_features, *rays.d_raw, *moving.lattice}, constants,
       {rays.count(), 1, 1});
 }
@@ -145,7 +145,8 @@ void FitPasses::add_up(const GpuBranch& branch, int ld, int count) const {
     int count, per_chunk, inputs, hidden, outputs, parameters;
   } outer{count, per_chunk, in, hidden, out, branch.parameters / 4};
   const int tiles = hidden * (1 + in) + hidden * (1 + hidden) + out * (1 + hidden);
-  work.run(*kernels_[kOuter], {*branch.trace, *branch.pulls, *branch.sums}, outer, {tiles, chunks, 1});
+  work.run(*kernels_[kOuter], {*branch.trace, *branch.d_pre_activation, *branch.sums}, outer,
+           {tiles, chunks, 1});
   const struct { int parameters, chunks; } sum{branch.parameters / 4, chunks};
   work.run(*kernels_[kSum], {*branch.sums, *branch.d_network}, sum, {sum.parameters, 1, 1});
   const struct { int count, per_chunk, chunks, ld; } measure{count, per_chunk, chunks, ld};

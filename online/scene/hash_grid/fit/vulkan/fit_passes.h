@@ -23,12 +23,12 @@ class FitPasses {
   void follow(const GpuRays& rays) const;
   // seen from raw
   void render(const GpuRays& rays) const;
-  // d_raw from wanted
-  void pull(const GpuRays& rays) const;
+  // d_raw from d_seen, the gradient of render()
+  void composite_backward(const GpuRays& rays) const;
   // d_features from d_raw, and the parts of the parameters' gradient
   void backward(const GpuBranch& branch, const GpuRays& rays, SampleRange samples) const;
-  // d_raw of the scene flow += that of the displaced samples
-  void return_warp(const GpuBranch& moving, const GpuRays& rays) const;
+  // d_raw of the scene flow += that of the displaced samples: the gradient of follow()
+  void warp_backward(const GpuBranch& moving, const GpuRays& rays) const;
   // d_network, energy and peaks over samples 0 .. count - 1
   void add_up(const GpuBranch& branch, int ld, int count) const;
   // the tables' gradient from d_features and peaks
@@ -43,9 +43,9 @@ class FitPasses {
     kNetwork,
     kFollow,
     kRender,
-    kPull,
+    kCompositeBackward,
     kBackward,
-    kReturnWarp,
+    kWarpBackward,
     kOuter,
     kSum,
     kMeasure,

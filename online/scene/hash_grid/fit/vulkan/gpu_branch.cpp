@@ -52,7 +52,7 @@ Result<void> GpuBranch::reserve(GpuDevice& device, int ld) {
   TRY(features.reserve(device, rows(inputs)));
   TRY(d_features.reserve(device, rows(inputs)));
   TRY(trace.reserve(device, rows(inputs + 2 * hidden)));
-  return pulls.reserve(device, rows(2 * hidden + outputs));
+  return d_pre_activation.reserve(device, rows(2 * hidden + outputs));
 }
 
 void GpuBranch::upload(GpuWork& work, const OptimisedBranch& from) const {

@@ -22,7 +22,7 @@ struct GpuBranch {
   GpuRoom network, network_mean, network_variance;          // in tiles, as the gradient and the sums
   GpuRoom d_tables;              // in whole numbers (fixed_point.glsl); 0 between steps
   GpuRoom features, d_features;  // [inputs][ld]
-  GpuRoom trace, pulls, sums, d_network, energy, peaks;  // backward.comp, outer.comp, measure.comp
+  GpuRoom trace, d_pre_activation, sums, d_network, energy, peaks;  // backward.comp, outer.comp, measure.comp
 
   static constexpr int kMostChunks = 256, kLeastChunk = 64;  // of samples: they are added up chunk by chunk
   static int per_chunk(int samples);

@@ -31,7 +31,7 @@ Result<void> GpuRays::reserve(GpuDevice& device, const WindowFrames& window, int
   TRY(raw.reserve(device, floats(kRawPlanes, 2 * most)));
   TRY(d_raw.reserve(device, floats(kGradientPlanes, 2 * most)));
   TRY(seen.reserve(device, floats(kSeenPlanes, rays + most)));
-  return wanted.reserve(device, floats(kSeenPlanes, rays + most));
+  return d_seen.reserve(device, floats(kSeenPlanes, rays + most));
 }
 
 void GpuRays::upload_window(GpuWork& work, const WindowFrames& window) {
@@ -54,7 +54,7 @@ void GpuRays::begin(const StepSetting<float>& step, std::size_t rays) {
   told_.assign(rays * kToldFloats, 0);
   placed_.assign(place_in(kPlacedPlanes, ld(), 0), 0);
   seen_.resize(place_in(kSeenPlanes, rays_ + count(), 0));
-  wanted_.resize(seen_.size());
+  d_seen_.resize(seen_.size());
 }
 
 void GpuRays::place(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
@@ -89,7 +89,7 @@ void GpuRays::download_seen(GpuWork& work) {
   work.download(**seen, std::as_writable_bytes(std::span(seen_)));
 }
 
-void GpuRays::upload_wanted(GpuWork& work) const { work.upload(bytes_of(wanted_), **wanted); }
+void GpuRays::upload_d_seen(GpuWork& work) const { work.upload(bytes_of(d_seen_), **d_seen); }
 
 void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, std::size_t r,
                      RaySamples<float>& ray, RayPicture<float>& picture, RayTrace<float>& trace) {
@@ -128,28 +128,28 @@ void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, 
 void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayPicture<float>& d_picture,
                    const RaySamples<float>& d_ray, const float* d_ray_weight) {
   for (int c = 0; c < 3; ++c) {
-    seen_of_ray(wanted_, kRadiance + c, r) = d_picture.radiance[c];
-    seen_of_ray(wanted_, kWarped + c, r) = d_picture.warped_radiance[c];
+    seen_of_ray(d_seen_, kRadiance + c, r) = d_picture.radiance[c];
+    seen_of_ray(d_seen_, kWarped + c, r) = d_picture.warped_radiance[c];
   }
-  for (int a = 0; a < 2; ++a) seen_of_ray(wanted_, kLanding + a, r) = d_picture.landing[a];
-  seen_of_ray(wanted_, kDepth, r) = d_picture.inverse_depth;
-  seen_of_ray(wanted_, kShare, r) = d_picture.share;
-  seen_of_ray(wanted_, kVisible, r) = d_picture.visible;
+  for (int a = 0; a < 2; ++a) seen_of_ray(d_seen_, kLanding + a, r) = d_picture.landing[a];
+  seen_of_ray(d_seen_, kDepth, r) = d_picture.inverse_depth;
+  seen_of_ray(d_seen_, kShare, r) = d_picture.share;
+  seen_of_ray(d_seen_, kVisible, r) = d_picture.visible;
   const auto there = static_cast<std::size_t>(ray.toward), back = 1 - there;
   for (int k = 0; k < samples_; ++k) {
     const std::size_t s = r * static_cast<std::size_t>(samples_) + static_cast<std::size_t>(k);
     const FieldSample<float>& moving = d_ray.moving[k];
-    seen_of_sample(wanted_, kWeight, s) = d_ray_weight[k];
+    seen_of_sample(d_seen_, kWeight, s) = d_ray_weight[k];
     for (int n = 0; n < 2; ++n)
       for (int a = 0; a < 3; ++a)
-        seen_of_sample(wanted_, kFlow + 3 * n + a, s) = moving.flow[n][a] + moving.flow_residual[n][a];
-    seen_of_sample(wanted_, kOcclusion, s) = moving.occlusion[there];
-    for (int a = 0; a < 3; ++a) seen_of_sample(wanted_, kFlowBack + a, s) = d_ray.warped[k].flow[back][a];
+        seen_of_sample(d_seen_, kFlow + 3 * n + a, s) = moving.flow[n][a] + moving.flow_residual[n][a];
+    seen_of_sample(d_seen_, kOcclusion, s) = moving.occlusion[there];
+    for (int a = 0; a < 3; ++a) seen_of_sample(d_seen_, kFlowBack + a, s) = d_ray.warped[k].flow[back][a];
   }
 }
 
-void GpuRays::judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
-                    RayVerdict& verdict, std::span<float> misfit) {
+void GpuRays::losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
+                     ShardLosses& sums, std::span<float> misfit) {
   RaySamples<float> ray, d_ray;
   RayTrace<float> trace;
   RayPicture<float> picture;
@@ -162,8 +162,8 @@ void GpuRays::judge(const StepSetting<float>& step, std::span<const TrainingRay>
     LossValues<float> losses{};
     ray_losses(rays[i], step.ray_share, step.weights, step.response,
                step.window.frame(rays[i].frame).exposure, ray, trace, picture, losses, d_picture, d_ray,
-               d_ray_weight, step.fits_response ? &verdict.d_response : nullptr);
-    for (std::size_t term = 0; term < losses.size(); ++term) verdict.losses[term] += losses[term];
+               d_ray_weight, step.fits_response ? &sums.d_response : nullptr);
+    for (std::size_t term = 0; term < losses.size(); ++term) sums.losses[term] += losses[term];
     misfit[i] = losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share;
     pack(first + i, ray, d_picture, d_ray, d_ray_weight);
   }

@@ -1,6 +1,7 @@
-// The rays of one step on their way between processor and graphics device (ray.glsl, render.comp): placed
-// here, seen there, judged by the losses here, and their gradient taken back there. Thread-bound; distinct
-// shards of a step may be placed and judged on distinct threads.
+// The rays of one step on their way between processor and graphics device (ray.glsl, render.comp): the CPU
+// places them, the device renders them, the CPU computes their losses, and the device propagates the gradient
+// backward. Thread-bound; distinct shards of a step may be placed, and have their losses computed, on
+// distinct threads.
 #pragma once
 
 #include "online/scene/hash_grid/fit/step_setting.h"
@@ -8,8 +9,8 @@
 
 namespace hdrcam {
 
-// What the losses say of some of the rays.
-struct RayVerdict {
+// Losses of one shard of the rays, and their gradient with respect to the response.
+struct ShardLosses {
   LossValues<float> losses{};
   LearnedResponse<float>::Gradient d_response{};
 };
@@ -37,10 +38,11 @@ class GpuRays {
              Pcg32 random);
   void upload_placed(GpuWork& work) const;
   void download_seen(GpuWork& work);
-  // Their losses, from what was seen of them; misfit: photometric, of each.
-  void judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
-             RayVerdict& verdict, std::span<float> misfit);
-  void upload_wanted(GpuWork& work) const;
+  // Adds the losses of rays first .. first + rays.size() - 1, from `seen`, to `sums`, and writes their
+  // d_seen; misfit: photometric, of each.
+  void losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
+              ShardLosses& sums, std::span<float> misfit);
+  void upload_d_seen(GpuWork& work) const;
 
   int rays() const { return rays_; }
   int samples() const { return samples_; }  // per ray
@@ -51,7 +53,7 @@ class GpuRays {
   bool blends_by_weight() const { return weighted_; }
   const WindowFrustum& frustum() const { return *frustum_; }
 
-  GpuRoom told, placed, raw, d_raw, views, bases, seen, wanted;
+  GpuRoom told, placed, raw, d_raw, views, bases, seen, d_seen;
 
  private:
   // Of value i of a plane, in planes of `row` values.
@@ -72,7 +74,7 @@ class GpuRays {
   int rays_ = 0, samples_ = 0;
   bool has_dynamic_ = false, weighted_ = false;
   const WindowFrustum* frustum_ = nullptr;
-  std::vector<float> told_, placed_, seen_, wanted_;
+  std::vector<float> told_, placed_, seen_, d_seen_;
   std::vector<BasePixel> bases_;
 };
 

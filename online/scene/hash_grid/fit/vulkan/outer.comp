@@ -1,15 +1,15 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // The gradient of a network's parameters over some of the samples, in their order: the product of each layer's
-// pulls and inputs (backward.comp). One invocation per tile of four outputs by four inputs, or their four
-// biases, and chunk of samples.
+// d_pre_activation and inputs (backward.comp). One invocation per tile of four outputs by four inputs, or
+// their four biases, and chunk of samples.
 //   sums  [chunks][parameters], in tiles as network.comp has them
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int count, per_chunk, inputs, hidden, outputs, parameters;  // vectors: of four neurons, of parameters
 };
 layout(std430, set = 0, binding = 0) readonly buffer Trace { vec4 trace[]; };
-layout(std430, set = 0, binding = 1) readonly buffer Pulls { vec4 pulls[]; };
+layout(std430, set = 0, binding = 1) readonly buffer PreActivationGradient { vec4 d_pre_activation[]; };
 layout(std430, set = 0, binding = 2) writeonly buffer Sums { vec4 sums[]; };
 
 void main() {
@@ -28,12 +28,12 @@ void main() {
   const int to = chunk * parameters + first + o * (1 + 4 * in_width);
   if (i < 0) {
     vec4 sum = vec4(0);
-    for (int s = begin; s < end; ++s) sum += pulls[s * out_stride + out_at + o];
+    for (int s = begin; s < end; ++s) sum += d_pre_activation[s * out_stride + out_at + o];
     sums[to] = sum;
     return;
   }
   mat4 sum = mat4(0);
   for (int s = begin; s < end; ++s)
-    sum += outerProduct(pulls[s * out_stride + out_at + o], trace[s * in_stride + in_at + i]);
+    sum += outerProduct(d_pre_activation[s * out_stride + out_at + o], trace[s * in_stride + in_at + i]);
   for (int k = 0; k < 4; ++k) sums[to + 1 + 4 * i + k] = sum[k];
 }

@@ -53,13 +53,13 @@ Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<cons
     rays_.place(step, rays.subspan(first, kRaysPerShard), first,
                 Pcg32(seed, first_stream + static_cast<std::uint64_t>(i)));
   });
-  TRY(look(step));
-  judge(step, rays, pool, sums);
-  return turn_back(still, moving, sums);
+  TRY(forward(step));
+  losses(step, rays, pool, sums);
+  return backward(still, moving, sums);
 }
 
 // From the rays to what is seen along them.
-Result<void> VulkanFit::look(const StepSetting<float>& step) {
+Result<void> VulkanFit::forward(const StepSetting<float>& step) {
   const std::lock_guard turn(device_.turn());
   GpuWork& work = device_.work();
   record_due();
@@ -76,40 +76,40 @@ Result<void> VulkanFit::look(const StepSetting<float>& step) {
   return work.finish();
 }
 
-void VulkanFit::judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
-                      StepSums& sums) {
+void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
+                       StepSums& sums) {
   const std::size_t shards = rays.size() / kRaysPerShard;
-  verdicts_.resize(shards);
+  shard_losses_.resize(shards);
   sums.misfits.resize(rays.size());
   pool.for_each(static_cast<int>(shards), [&](int i) {
     const auto shard = static_cast<std::size_t>(i), first = shard * kRaysPerShard;
-    verdicts_[shard] = {};
-    rays_.judge(step, rays.subspan(first, kRaysPerShard), first, verdicts_[shard],
-                std::span(sums.misfits).subspan(first, kRaysPerShard));
+    shard_losses_[shard] = {};
+    rays_.losses(step, rays.subspan(first, kRaysPerShard), first, shard_losses_[shard],
+                 std::span(sums.misfits).subspan(first, kRaysPerShard));
   });
   sums.losses.fill(0);
   for (auto& channel : sums.d_response) channel.fill(0);
-  for (const RayVerdict& verdict : verdicts_) {
+  for (const ShardLosses& shard : shard_losses_) {
     for (std::size_t i = 0; i < sums.losses.size(); ++i)
-      sums.losses[i] += static_cast<double>(verdict.losses[i]);
+      sums.losses[i] += static_cast<double>(shard.losses[i]);
     if (!step.fits_response) continue;
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t j = 0; j < sums.d_response[c].size(); ++j)
-        sums.d_response[c][j] += verdict.d_response[c][j];
+        sums.d_response[c][j] += shard.d_response[c][j];
   }
 }
 
 // From the losses' gradient to that of the parameters. The displaced samples come first: what they say of
 // their places is a part of the gradient of those that displaced them.
-Result<void> VulkanFit::turn_back(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
+Result<void> VulkanFit::backward(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
   const std::lock_guard turn(device_.turn());
   GpuWork& work = device_.work();
   const int n = rays_.count();
-  rays_.upload_wanted(work);
-  passes_.pull(rays_);
+  rays_.upload_d_seen(work);
+  passes_.composite_backward(rays_);
   if (rays_.has_dynamic()) {
     passes_.backward(moving_, rays_, {n, n});
-    passes_.return_warp(moving_, rays_);
+    passes_.warp_backward(moving_, rays_);
     passes_.backward(moving_, rays_, {0, n});
     passes_.add_up(moving_, rays_.ld(), 2 * n);
     fetch(moving_, 2 * n, fetched_moving_);

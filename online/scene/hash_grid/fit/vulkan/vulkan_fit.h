@@ -31,7 +31,8 @@ struct StepSize {
 
 class VulkanFit {
  public:
-  static constexpr int kRaysPerShard = 32;  // that share random numbers, and are judged together
+  static constexpr int kRaysPerShard =
+      32;  // that share random numbers, and whose losses are added up together
 
   static Result<std::unique_ptr<VulkanFit>> make(GpuDevice& device, const FieldNetworks<float>& networks);
 
@@ -64,10 +65,10 @@ class VulkanFit {
 
   VulkanFit(GpuDevice& device, FitPasses passes, GpuBranch still, GpuBranch moving)
       : device_(device), passes_(passes), still_(std::move(still)), moving_(std::move(moving)) {}
-  Result<void> look(const StepSetting<float>& step);
-  Result<void> turn_back(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
-  void judge(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
-             StepSums& sums);
+  Result<void> forward(const StepSetting<float>& step);
+  Result<void> backward(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
+  void losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
+              StepSums& sums);
   void record_due();
   void fetch(const GpuBranch& branch, int count, Fetched& fetched);
 
@@ -76,7 +77,7 @@ class VulkanFit {
   GpuBranch still_, moving_;
   GpuRays rays_;
   std::optional<Due> due_;
-  std::vector<RayVerdict> verdicts_;  // by shard
+  std::vector<ShardLosses> shard_losses_;  // by shard
   Fetched fetched_still_, fetched_moving_;
   GpuBranch::Arrival arrived_still_, arrived_moving_;
 };

@@ -67,8 +67,8 @@ TEST_CASE("a grid level encodes, scatters and differentiates like its readable t
 
     Image<float> p_fast(3, 1, kSamples), p_slow(3, 1, kSamples);
     float* const rows[3] = {p_fast.plane(0), p_fast.plane(1), p_fast.plane(2)};
-    field_kernels().pull_back(it.grid.level(l), table, query, d0, d1, rows);
-    plain::pull_back(it.grid.level(l), table, it.samples(), d0, d1, p_slow);
+    field_kernels().position_backward(it.grid.level(l), table, query, d0, d1, rows);
+    plain::position_backward(it.grid.level(l), table, it.samples(), d0, d1, p_slow);
     require_same(p_fast.samples(), p_slow.samples(), 2e-2f);
   }
 }

@@ -164,7 +164,7 @@ TEST_CASE("the response has the gradient that finite differences find", "[isa][f
   auto d_point = bench.shard.d_response();
   response_smoothness_loss(static_cast<double>(smoothness), bench.response, d_point);
   std::array<std::array<double, LearnedResponse<double>::kSegments>, 3> d_increment{};
-  bench.response.pull(d_point, d_increment);
+  bench.response.backward(d_point, d_increment);
   Pcg32 chance(2);
   for (int trial = 0; trial < 12; ++trial) {
     const auto c = static_cast<std::size_t>(chance.below(3)), j = static_cast<std::size_t>(chance.below(255));

@@ -1,7 +1,8 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// The gradient of the displaced samples' places, by their features (pull_back() of ../../field/hash_grid.h) and
-// as pull.comp has found it, is that of the scene flow that displaced them. One invocation per sample.
+// The gradient of the displaced samples' places, by their features (position_backward() of
+// ../../field/hash_grid.h) and as composite_backward.comp has found it, is that of the scene flow that
+// displaced them. One invocation per sample.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   vec3 unit;  // window units per unit of flow

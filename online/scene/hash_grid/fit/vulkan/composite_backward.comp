@@ -1,9 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
-// The gradient of render.comp: from that of what it gives (`wanted`, laid out as its `seen`) to the networks'
-// raw outputs and the places of the displaced samples. Twins: pull_ray() in ../../field/ray_rendering.h,
-// pull_samples() in ../ray_shard.cpp. What has no gradient is left as it is, zero.
+// The gradient of render.comp: from that of what it gives (`d_seen`, laid out as its `seen`) to the networks'
+// raw outputs and the places of the displaced samples. Twins: render_ray_backward() in
+// ../../field/ray_rendering.h, samples_backward() in ../ray_shard.cpp. What has no gradient is left as it is,
+// zero.
 //   d_raw  [static outputs, dynamic outputs, displaced place(3)][ld]; a displaced sample's place stands where
 //          the sample that it was is
 // One invocation per ray.
@@ -14,7 +15,7 @@ READS(1, Placed, placed)
 READS(2, Raw, raw)
 layout(std140, set = 0, binding = 3) uniform Views { vec4 views[84]; };
 layout(std430, set = 0, binding = 4) readonly buffer BasePixels { vec4 base[]; };
-READS(5, Wanted, wanted)
+READS(5, SeenGradient, d_seen)
 WRITES(6, RawGradient, d_raw)
 #include "online/scene/hash_grid/fit/vulkan/ray.glsl"
 
@@ -23,9 +24,9 @@ const int kPlace = 20;
 vec4 density_of[kMostSamples];
 float transmittance[kMostSamples], transmittance_there[kMostSamples];
 
-float d_ray(int plane, int r) { return wanted[plane * rays + r]; }
+float d_ray(int plane, int r) { return d_seen[plane * rays + r]; }
 vec3 d_ray3(int plane, int r) { return vec3(d_ray(plane, r), d_ray(plane + 1, r), d_ray(plane + 2, r)); }
-float d_sample(int plane, int s) { return wanted[11 * rays + plane * rays * samples + s]; }
+float d_sample(int plane, int s) { return d_seen[11 * rays + plane * rays * samples + s]; }
 vec3 d_sample3(int plane, int s) {
   return vec3(d_sample(plane, s), d_sample(plane + 1, s), d_sample(plane + 2, s));
 }
@@ -33,10 +34,10 @@ void put3(int plane, int s, vec3 value) {
   for (int c = 0; c < 3; ++c) d_raw[(plane + c) * ld + s] = value[c];
 }
 
-// d density: static, dynamic, of one sample of a composite (pull_composite()). behind: sum of w d_w of the
-// samples behind it, which this one joins.
-vec2 pull_composite(float still, float moving, float spacing, float transmitted, bool last, float d_weight,
-                    float d_moving_share, inout float behind) {
+// d density: static, dynamic, of one sample of a composite (composite_backward() of
+// ../../field/compositing.h). behind: sum of w d_w of the samples behind it, which this one joins.
+vec2 composite_backward(float still, float moving, float spacing, float transmitted, bool last,
+                        float d_weight, float d_moving_share, inout float behind) {
   const float total = still + moving + kEmpty, passed = last ? 0 : exp(-total * spacing);
   const float share = moving / total, weight = transmitted * (1 - passed);
   const float d_total = last ? 0 : spacing * (transmitted * passed * d_weight - behind);
@@ -45,16 +46,16 @@ vec2 pull_composite(float still, float moving, float spacing, float transmitted,
 }
 
 // d exponent of a bounded radiance.
-vec3 pull_radiance(vec3 exponent, vec3 d_radiance) {
+vec3 radiance_backward(vec3 exponent, vec3 d_radiance) {
   return mix(vec3(0), d_radiance * radiance_of(exponent), lessThan(abs(exponent), vec3(kRadianceBound)));
 }
 // d exponent of a bounded density, whatever it was multiplied with.
-float pull_density(float exponent, float density, float d_density) {
+float density_backward(float exponent, float density, float d_density) {
   return abs(exponent) < kDensityBound ? d_density * density : 0;
 }
 
 // d seen / d window point, transposed: rows u, v, d (ViewGeometry::project).
-void pull_projection(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3 d_d) {
+void projection_jacobian(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3 d_d) {
   const vec2 direction = (((x.xy - 0.5) * margin + 0.5) * size - centre) / focal;
   const float q = (x.z - kDepthOffset) / kDepthScale;
   const vec4 p4 = vec4(direction, 1, q);
@@ -72,11 +73,11 @@ void pull_projection(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3 d_d
 }
 
 // The displaced sample, `moved`: its raw outputs, and the place that they were read at.
-void pull_displaced(Ray ray, View neighbour, int s, int moved, vec3 point, vec3 landing, Spot at, Base there,
-                    vec3 exponent, vec3 d_radiance, float density, float d_density) {
-  const vec3 d_exponent = pull_radiance(exponent, d_radiance);
+void displaced_backward(Ray ray, View neighbour, int s, int moved, vec3 point, vec3 landing, Spot at,
+                        Base there, vec3 exponent, vec3 d_radiance, float density, float d_density) {
+  const vec3 d_exponent = radiance_backward(exponent, d_radiance);
   const vec3 d_gate = d_exponent * triple(kMoving + 1, moved), prior = surface_prior(landing.z, surface(there));
-  const float d_prior = pull_density(raw[kMoving * ld + moved] + prior.x, density, d_density);
+  const float d_prior = density_backward(raw[kMoving * ld + moved] + prior.x, density, d_density);
   const vec3 d_back = d_sample3(8, s);
   const int back = 1 - ray.toward;
   d_raw[kMoving * ld + moved] = d_prior;
@@ -94,14 +95,15 @@ void pull_displaced(Ray ray, View neighbour, int s, int moved, vec3 point, vec3 
     d_landing.y += at.inside.y * dot(d_base.of[k], mix(c - a, d - b, at.fraction.x));
   }
   vec3 d_u, d_v, d_d;
-  pull_projection(neighbour, point, d_u, d_v, d_d);
+  projection_jacobian(neighbour, point, d_u, d_v, d_d);
   put3(kPlace, s, vec3(dot(d_landing, d_u), dot(d_landing, d_v), dot(d_landing, d_d)));
 }
 
 // What the neighbour's picture of sample k says of it: adds to d_density (static, dynamic, displaced, as they
 // add up) and to the gradient of the static residual.
-void pull_there(Ray ray, View neighbour, int s, int moved, int k, bool last, vec3 d_warped, vec3 landing_still,
-                inout float behind, inout vec3 d_density, inout vec3 d_residual) {
+void neighbour_backward(Ray ray, View neighbour, int s, int moved, int k, bool last, vec3 d_warped,
+                        vec3 landing_still, inout float behind, inout vec3 d_density,
+                        inout vec3 d_residual) {
   const vec4 density = density_of[k];
   const float spacing = placed[5 * ld + s], total = density.x + density.z + kEmpty, share = density.z / total;
   const float weight = transmittance_there[k] * (last ? 1 : 1 - exp(-total * spacing));
@@ -113,13 +115,13 @@ void pull_there(Ray ray, View neighbour, int s, int moved, int k, bool last, vec
   const vec3 moving_exponent = exponent_of(moving_there, kMoving, moved);
   const float of_still = dot(d_warped, radiance_of(still_exponent));
   const float of_moving = dot(d_warped, radiance_of(moving_exponent));
-  const vec2 d = pull_composite(density.x, density.z, spacing, transmittance_there[k], last,
-                                (1 - share) * of_still + share * of_moving, weight * (of_moving - of_still),
-                                behind);
+  const vec2 d = composite_backward(density.x, density.z, spacing, transmittance_there[k], last,
+                                    (1 - share) * of_still + share * of_moving,
+                                    weight * (of_moving - of_still), behind);
   d_density += vec3(d.x, 0, d.y);
-  d_residual += pull_radiance(still_exponent, weight * (1 - share) * d_warped) * gate(still_there);
-  pull_displaced(ray, neighbour, s, moved, point, landing, at, moving_there, moving_exponent,
-                 weight * share * d_warped, density.z, d.y);
+  d_residual += radiance_backward(still_exponent, weight * (1 - share) * d_warped) * gate(still_there);
+  displaced_backward(ray, neighbour, s, moved, point, landing, at, moving_there, moving_exponent,
+                     weight * share * d_warped, density.z, d.y);
 }
 
 // The gradient of where a sample lands in the neighbour's picture, and of how far it is visible there: by the
@@ -129,10 +131,10 @@ struct Landing {
   float of_still, of_moving;
   vec3 per_share_flow;  // d flow per weight of the dynamic part
 };
-Landing pull_landing(View neighbour, int s, int moved, float occlusion, vec2 d_landing, float d_visible) {
+Landing landing_backward(View neighbour, int s, int moved, float occlusion, vec2 d_landing, float d_visible) {
   vec3 d_u, d_v, d_d;
   const vec3 point = point_of(moved);
-  pull_projection(neighbour, point, d_u, d_v, d_d);
+  projection_jacobian(neighbour, point, d_u, d_v, d_d);
   Landing at;
   at.still = project(neighbour, point_of(s));
   at.of_still = d_visible + dot(d_landing, at.still.xy);
@@ -160,7 +162,7 @@ void light_up(Ray ray, View neighbour, int r) {
 void put_still(int s, float prior, vec4 density, vec3 d_density, vec3 d_residual) {
   const bool blends = weighted != 0 && has_dynamic != 0;
   const float v = density.w;
-  d_raw[s] = pull_density(raw[s] + prior, density.x, d_density.x);
+  d_raw[s] = density_backward(raw[s] + prior, density.x, d_density.x);
   put3(1, s, d_residual);
   d_raw[4 * ld + s] = blends ? d_density.x * density.x * (1 - v) - dot(d_density.yz, density.yz) * v : 0;
 }
@@ -193,22 +195,22 @@ void main() {
     Landing landing = Landing(vec3(0), 0, 0, vec3(0));
     if (ray.warps) {
       occlusion = sigmoid(raw[plane_of_occlusion * ld + s]);
-      landing = pull_landing(neighbour, s, moved, occlusion, vec2(d_ray(3, r), d_ray(4, r)), d_ray(7, r));
+      landing = landing_backward(neighbour, s, moved, occlusion, vec2(d_ray(3, r), d_ray(4, r)), d_ray(7, r));
       of_still += landing.of_still, of_moving += landing.of_moving;
     }
     vec3 d_density = vec3(0);
-    vec3 d_residual = pull_radiance(still_exponent, weight * (1 - share) * d_radiance) * gate(ray.own);
-    d_density.xy = pull_composite(density.x, density.y, spacing, transmittance[k], last,
-                                  d_sample(0, s) + (1 - share) * of_still + share * of_moving,
-                                  weight * (of_moving - of_still), behind);
+    vec3 d_residual = radiance_backward(still_exponent, weight * (1 - share) * d_radiance) * gate(ray.own);
+    d_density.xy = composite_backward(density.x, density.y, spacing, transmittance[k], last,
+                                      d_sample(0, s) + (1 - share) * of_still + share * of_moving,
+                                      weight * (of_moving - of_still), behind);
     if (ray.warps)
-      pull_there(ray, neighbour, s, moved, k, last, d_warped, landing.still, behind_there, d_density,
-                 d_residual);
+      neighbour_backward(ray, neighbour, s, moved, k, last, d_warped, landing.still, behind_there, d_density,
+                         d_residual);
     const float prior = surface_prior(q, surface(ray.own)).x;
     put_still(s, prior, density, d_density, d_residual);
     if (has_dynamic == 0) continue;
-    d_raw[kMoving * ld + s] = pull_density(raw[kMoving * ld + s] + prior, density.y, d_density.y);
-    put3(kMoving + 1, s, pull_radiance(moving_exponent, weight * share * d_radiance) * gate(ray.own));
+    d_raw[kMoving * ld + s] = density_backward(raw[kMoving * ld + s] + prior, density.y, d_density.y);
+    put3(kMoving + 1, s, radiance_backward(moving_exponent, weight * share * d_radiance) * gate(ray.own));
     const vec3 d_flow = weight * share * landing.per_share_flow;
     [[dont_unroll]] for (int i = 0; i < 2; ++i)
       put3(kMoving + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (i == ray.toward ? d_flow : vec3(0)));
