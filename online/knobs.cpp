@@ -176,7 +176,7 @@ void add_priors_and_scene(std::vector<Knob>& table) {
       "depth_step", kAtStart, 1, 8,
       {"px", "1 costs five times as much as 2",
        "2 is as accurate as 1; where field_step is auto and nobody looks, at least twice that"}));
-  table.push_back(real<&K::moving_depth, &MovingDepthOptions::nearer>(
+  table.push_back(real<&K::dynamic_depth, &DynamicDepthOptions::nearer>(
       "moving_nearer", kAtStart, 0, 10,
       {"", "1 % of the time; 0 saves it",
        "how much nearer a moving region is taken to be than what is around it, unless it stands on ground; "

@@ -11,7 +11,7 @@
 
 #include "hal/core/result.h"
 #include "online/frame_budget.h"
-#include "online/priors/depth/moving_depth.h"
+#include "online/priors/depth/dynamic_depth.h"
 #include "online/response/response_estimator.h"
 #include "online/scene/scene_fields.h"
 #include "online/state/state_filter.h"
@@ -42,7 +42,7 @@ struct Knobs {
   StateOptions state;
   PoseKind pose = PoseKind::Given;
   DepthOptions depth;
-  MovingDepthOptions moving_depth;
+  DynamicDepthOptions dynamic_depth;
   FieldKind field = FieldKind::HashGrid;
   FieldStep field_step = FieldStep::Auto;
   FieldOptions hash_grid;

@@ -246,8 +246,8 @@ void OnlineStage::start_second_layer(const ExposedFrame& first) {
   // no finer than the field's blocks can use, and half as fine where nobody looks at it
   const bool seen = knobs_.field_step != FieldStep::Auto;
   depth.step_px = std::max(depth.step_px, seen ? field_step_ / 2 : 2 * field_step_);
-  depth_ =
-      std::make_unique<MovingDepth>(depth, knobs_.moving_depth, lens_, camera_.height, camera_.width, pool_);
+  depth_ = std::make_unique<DynamicDepth>(depth, knobs_.dynamic_depth, lens_, camera_.height, camera_.width,
+                                          pool_);
   if (field_) return field_->restart();
   FieldOptions options = knobs_.hash_grid;
   options.step_px = field_step_;

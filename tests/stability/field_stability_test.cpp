@@ -38,7 +38,7 @@ struct Stream {
       }
       check(seen.time_s);
       const FieldNetworks<float>& networks = fit.field().networks;
-      for (const Branch<float>* branch : {&networks.still, &networks.moving}) {
+      for (const Branch<float>* branch : {&networks.static_, &networks.dynamic}) {
         for (float p : branch->grid.tables().samples()) REQUIRE(std::isfinite(p));
         for (float p : branch->mlp.parameters()) REQUIRE(std::isfinite(p));
       }

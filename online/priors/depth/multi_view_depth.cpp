@@ -49,7 +49,7 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
   learnt_ = Image<float>(2, rows_, cols_);
   prior_.inverse_depth = Image<float>(1, rows_, cols_);
   prior_.weight = Image<float>(1, rows_, cols_);
-  moving_ = Image<float>(1, rows_, cols_);
+  dynamic_ = Image<float>(1, rows_, cols_);
 }
 
 const DepthMap& MultiViewDepth::next(const CameraPose& pose, const FlowField& to_previous) {
@@ -79,7 +79,7 @@ void MultiViewDepth::restart(const RigidTransform& T_world_camera) {
   learnt_.fill(0);
   prior_.inverse_depth.fill(0);
   prior_.weight.fill(0);
-  moving_.fill(0);
+  dynamic_.fill(0);
 }
 
 void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_camera) {
@@ -174,7 +174,7 @@ MultiViewDepth::Seen MultiViewDepth::measure(const Keyframe& keyframe, const Rel
   const float sigma_d = sigma * z / std::sqrt(bb);
   const float across = (ax * by - ay * bx) / (std::sqrt(bb) * z);
   if (std::abs(across) > options_.epipolar_sigmas * sigma || d < -options_.epipolar_sigmas * sigma_d)
-    return Seen::Moving;
+    return Seen::Dynamic;
   estimate = {std::max(d, 0.f), 1 / (sigma_d * sigma_d)};
   return Seen::Static;
 }
@@ -191,7 +191,7 @@ void MultiViewDepth::fuse() {
         for (std::size_t k = 0; k < 2; ++k) {
           Estimate seen;
           const Seen found = measure(keyframes_[k], relative[k], y, x, seen);
-          moves |= found == Seen::Moving;
+          moves |= found == Seen::Dynamic;
           if (found != Seen::Static) continue;
           sum += seen.inverse_depth * seen.information, information += seen.information;
         }
@@ -204,7 +204,7 @@ void MultiViewDepth::fuse() {
           }
           sum += learnt * known * trust, information += known * trust;
         }
-        moving_.at(0, y, x) = moves && !(information > 0) ? 1.f : 0.f;
+        dynamic_.at(0, y, x) = moves && !(information > 0) ? 1.f : 0.f;
         const float d = information > 0 ? sum / information : 0;
         const float best = options_.best_relative * d;
         const float squared = d * d;

@@ -41,7 +41,7 @@ class MultiViewDepth final : public DepthPrior {
 
   // Of the same frame and grid, [1, rows, cols]: 1 where a point is known to have moved against the static
   // scene, 0 where it is static or nothing is known.
-  const Image<float>& moving() const { return moving_; }
+  const Image<float>& dynamic() const { return dynamic_; }
 
   const DepthMap& estimate(const SeenFrame& seen, const CameraPose& pose) override {
     return next(pose, seen.motion.to_previous);
@@ -57,7 +57,7 @@ class MultiViewDepth final : public DepthPrior {
   struct Estimate {
     float inverse_depth = 0, information = 0;  // information: 1 / variance, 0 unknown
   };
-  enum class Seen { Nothing, Static, Moving };
+  enum class Seen { Nothing, Static, Dynamic };
   struct Relative;  // the pose between two views, prepared for a pixel loop
 
   void restart(const RigidTransform& T_world_camera);
@@ -81,7 +81,7 @@ class MultiViewDepth final : public DepthPrior {
   std::vector<float> parallaxes_;
   bool started_ = false;
   DepthMap prior_;
-  Image<float> moving_;
+  Image<float> dynamic_;
 };
 
 }  // namespace hdrcam

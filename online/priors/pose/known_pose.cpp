@@ -8,7 +8,7 @@ constexpr double kSame = 1e-6;
 
 CameraMotion motion_between(const RigidTransform& before, const RigidTransform& after) {
   if ((before.t - after.t).norm() > kSame) return CameraMotion::General;
-  return (before.R - after.R).norm() > kSame ? CameraMotion::Rotation : CameraMotion::Still;
+  return (before.R - after.R).norm() > kSame ? CameraMotion::Rotation : CameraMotion::Static;
 }
 
 }  // namespace
@@ -17,7 +17,7 @@ const CameraPose& GivenPose::next(const FrameFacts& facts) {
   const RigidTransform given = facts.T_world_camera ? from_matrix(*facts.T_world_camera) : RigidTransform{};
   pose_.lost = !facts.T_world_camera || !given.finite();
   pose_.inlier_share = pose_.lost ? 0.0f : 1.0f;
-  pose_.motion = CameraMotion::Still;
+  pose_.motion = CameraMotion::Static;
   if (pose_.lost) return pose_;
   if (!started_) T_first_world_ = given.inverse(), started_ = true;
   const RigidTransform T_first_camera = T_first_world_ * given;

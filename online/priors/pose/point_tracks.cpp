@@ -78,11 +78,11 @@ void PointTracks::follow(const FlowField& from_previous) {
   }
 }
 
-double PointTracks::still_share(double px) const {
-  int still = 0, all = 0;
+double PointTracks::static_share(double px) const {
+  int static_points = 0, all = 0;
   for (std::size_t i = 0; i < points_.size(); ++i)
-    if (points_[i].seen) ++all, still += histories_[i].moved_px < px;
-  return all > 0 ? static_cast<double>(still) / all : 0;
+    if (points_[i].seen) ++all, static_points += histories_[i].moved_px < px;
+  return all > 0 ? static_cast<double>(static_points) / all : 0;
 }
 
 int PointTracks::seen() const {

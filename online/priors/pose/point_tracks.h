@@ -35,7 +35,7 @@ class PointTracks {
   // Moves all points along the flow previous -> frame; lost points become unseen.
   void follow(const FlowField& from_previous);
   // Share of the seen points that the last follow() moved by less than this, 0..1.
-  double still_share(double px) const;
+  double static_share(double px) const;
 
   // For a static camera: pulls each point towards its predicted position, so that noise cannot add up.
   void settle(const Intrinsics& lens, const RigidTransform& T_camera_world);

@@ -17,7 +17,7 @@ constexpr double kAssumedFieldOfView_deg = 55;
 
 const char* name(CameraMotion motion) {
   switch (motion) {
-    case CameraMotion::Still:
+    case CameraMotion::Static:
       return "still";
     case CameraMotion::Rotation:
       return "rotation";

@@ -17,9 +17,9 @@
 
 namespace hdrcam {
 
-// The camera's motion since the previous frame. Still and Rotation are exact: the pose or its translation is
+// The camera's motion since the previous frame. Static and Rotation are exact: the pose or its translation is
 // kept.
-enum class CameraMotion { Still, Rotation, General };
+enum class CameraMotion { Static, Rotation, General };
 const char* name(CameraMotion motion);
 
 // A tracked point of the scene as this frame sees it.
@@ -31,7 +31,7 @@ struct DepthSample {
 
 struct CameraPose {
   RigidTransform T_world_camera;
-  CameraMotion motion = CameraMotion::Still;
+  CameraMotion motion = CameraMotion::Static;
   float inlier_share = 1;                  // share of the tracked points that agree with the pose, 0..1
   bool lost = false;                       // the pose only continues the previous motion
   std::vector<DepthSample> depth_samples;  // empty unless tracked

@@ -111,9 +111,9 @@ void TrackedPose::track(const FlowField& from_previous) {
   trial_depths_ = depths_;
   const PoseFit turned = fitter_.fit(tracks_.points(), lens_, T_camera_world_,
                                      {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
-  if (stands_still(turned)) {
+  if (is_static(turned)) {
     tracks_.settle(lens_, T_camera_world_);
-    return accept(T_camera_world_, CameraMotion::Still, tracks_.still_share(options_.still_px));
+    return accept(T_camera_world_, CameraMotion::Static, tracks_.static_share(options_.static_px));
   }
   if (depth_known_)
     follow_translation(turned);
@@ -174,13 +174,13 @@ void TrackedPose::choose_unit(Heading& first) {
   depth_known_ = true;
 }
 
-bool TrackedPose::stands_still(const PoseFit& turned) const {
-  if (tracks_.still_share(options_.still_px) < options_.still_share) return false;
+bool TrackedPose::is_static(const PoseFit& turned) const {
+  if (tracks_.static_share(options_.static_px) < options_.static_share) return false;
   const Eigen::AngleAxisd turn(turned.T_camera_world.R * T_camera_world_.R.transpose());
   const Eigen::Vector3d angle = turn.angle() * turn.axis();
   const double drift_px =
       std::max(lens_.fx_px * std::hypot(angle.x(), angle.y()), 0.5 * lens_.cx_px * std::abs(angle.z()));
-  return drift_px < options_.still_drift_px;
+  return drift_px < options_.static_drift_px;
 }
 
 void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share) {

@@ -14,9 +14,9 @@ namespace hdrcam {
 
 struct TrackerOptions {
   TrackOptions tracks;
-  double still_px = 0.15;           // flow below this is no motion
-  double still_share = 0.5;         // of the points, for a static camera
-  double still_drift_px = 0.3;      // accumulated small motion that counts as real motion
+  double static_px = 0.15;          // flow below this is no motion
+  double static_share = 0.5;        // of the points, for a static camera
+  double static_drift_px = 0.3;     // accumulated small motion that counts as real motion
   double translation_gain = 60;     // squared sigmas that a translation must explain to be accepted..
   double translation_gain_on = 15;  // ..and while the camera is moving already
   double parallax_share =
@@ -44,7 +44,7 @@ class TrackedPose final : public PosePrior {
   void find_translation(const PoseFit& turned);
   void follow_translation(const PoseFit& turned);
   void choose_unit(Heading& first);
-  bool stands_still(const PoseFit& turned) const;
+  bool is_static(const PoseFit& turned) const;
   void accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share);
   void lose();
 

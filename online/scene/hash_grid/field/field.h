@@ -56,19 +56,19 @@ struct Branch {
 
 template <class T>
 struct FieldNetworks {
-  Branch<T> still, moving;
+  Branch<T> static_, dynamic;
   Blend blend;
 
   FieldNetworks(const FieldShape& shape, Pcg32& random)
-      : still(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
-        moving(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
+      : static_(shape.static_grid, shape.hidden, StaticHead::kCount, kHeadGain, random),
+        dynamic(shape.dynamic_grid, shape.hidden, DynamicHead::kCount, kHeadGain, random),
         blend(shape.blend) {
-    for (int k = 0; k < 2; ++k) moving.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
-    if (shape.branches == Branches::Dynamic) still.mlp.head_bias(StaticHead::kDensity) = T(kNowhere);
+    for (int k = 0; k < 2; ++k) dynamic.mlp.head_bias(DynamicHead::kOcclusion + k) = T(3);  // visible
+    if (shape.branches == Branches::Dynamic) static_.mlp.head_bias(StaticHead::kDensity) = T(kNowhere);
   }
   void copy_parameters(const FieldNetworks& from) {
-    still.copy_parameters(from.still);
-    moving.copy_parameters(from.moving);
+    static_.copy_parameters(from.static_);
+    dynamic.copy_parameters(from.dynamic);
   }
   static constexpr float kHeadGain = 0.1f;
   static constexpr float kNowhere = -60;  // log density, far below its bound: neither seen nor fitted

@@ -25,8 +25,8 @@ float base_at(const View& frame_view, const WindowFrame& frame, const float* poi
 
 FieldProbe::FieldProbe(const FieldNetworks<float>& networks, int most_samples) {
   const int ld = (kRays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  still_.reserve(networks.still, ld);
-  moving_.reserve(networks.moving, ld);
+  static_.reserve(networks.static_, ld);
+  dynamic_.reserve(networks.dynamic, ld);
   ray_.resize(kRays);
 }
 
@@ -34,12 +34,12 @@ void FieldProbe::look(const RadianceField& field, const ProbeView& view, std::sp
                       std::span<ProbeAnswer> answers) {
   CHECK(rays.size() <= kRays && answers.size() == rays.size());
   place(field, view, rays);
-  still_.forward(field.networks.still);
+  static_.forward(field.networks.static_);
   if (field.has_dynamic) {
-    moving_.forward(field.networks.moving);
+    dynamic_.forward(field.networks.dynamic);
     if (view.offset != 0) {
       move_to_frame(field, view, static_cast<int>(rays.size()));
-      moving_.forward(field.networks.moving);
+      dynamic_.forward(field.networks.dynamic);
     }
   }
   for (std::size_t r = 0; r < rays.size(); ++r)
@@ -50,8 +50,8 @@ void FieldProbe::place(const RadianceField& field, const ProbeView& view, std::s
   const View camera(field.window.frustum(), view.T_anchor_camera);
   const int count = field.samples_per_ray, slot = field.window.frame(view.frame).slot;
   const int used = static_cast<int>(rays.size()) * count;
-  still_.n = moving_.n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  std::fill(moving_.slot.begin(), moving_.slot.end(), slot);
+  static_.n = dynamic_.n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
+  std::fill(dynamic_.slot.begin(), dynamic_.slot.end(), slot);
   for (std::size_t r = 0; r < rays.size(); ++r) {
     RaySamples<float>& ray = ray_[r];
     ray.count = count;
@@ -62,7 +62,7 @@ void FieldProbe::place(const RadianceField& field, const ProbeView& view, std::s
       const int s = static_cast<int>(r) * count + k;
       camera.place(rays[r].pixel, ray.inverse_depth[k], ray.position[k]);
       for (int a = 0; a < 3; ++a)
-        still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
+        static_.position.plane(a)[s] = dynamic_.position.plane(a)[s] = ray.position[k][a];
     }
   }
 }
@@ -81,9 +81,9 @@ void FieldProbe::move_to_frame(const RadianceField& field, const ProbeView& view
       const float* point = ray_[static_cast<std::size_t>(r)].position[k];
       float base[kBaseChannels];
       const float prior = base_at(frame_view, frame, point, base);
-      const auto sample = decode_dynamic(moving_.raw, s, base, prior);
+      const auto sample = decode_dynamic(dynamic_.raw, s, base, prior);
       for (int a = 0; a < 3; ++a)
-        moving_.position.plane(a)[s] = point[a] - std::abs(view.offset) * sample.flow[n][a] * unit[a];
+        dynamic_.position.plane(a)[s] = point[a] - std::abs(view.offset) * sample.flow[n][a] * unit[a];
     }
 }
 
@@ -105,15 +105,15 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
     const int s = r * ray.count + k;
     float base[kBaseChannels];
     float prior = base_at(frame_view, frame, ray.position[k], base);
-    ray.still[k] = decode_static(still_.raw, s, base, prior);
+    ray.static_[k] = decode_static(static_.raw, s, base, prior);
     known[0][k] = 1 - (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
     if (!ray.has_dynamic) continue;
     if (view.offset != 0) {
-      const float point[3] = {moving_.position.plane(0)[s], moving_.position.plane(1)[s],
-                              moving_.position.plane(2)[s]};
+      const float point[3] = {dynamic_.position.plane(0)[s], dynamic_.position.plane(1)[s],
+                              dynamic_.position.plane(2)[s]};
       prior = base_at(frame_view, frame, point, base);
     }
-    ray.moving[k] = decode_dynamic(moving_.raw, s, base, prior);
+    ray.dynamic[k] = decode_dynamic(dynamic_.raw, s, base, prior);
     known[1][k] = 1 - (base[kBaseGate] + base[kBaseGate + 1] + base[kBaseGate + 2]) / 3;
   }
   RayTrace<float> trace;
@@ -124,20 +124,20 @@ ProbeAnswer FieldProbe::answer(const RadianceField& field, const ProbeView& view
                      0,
                      {{0, 0}, {0, 0}}};
   for (int k = 0; k < ray.count; ++k) {
-    const float moving = trace.combined.weight[k] * trace.combined.share[k];
-    const float still = trace.combined.weight[k] - moving;
-    answer.confidence += still * known[0][k] + (ray.has_dynamic ? moving * known[1][k] : 0);
+    const float dynamic_weight = trace.combined.weight[k] * trace.combined.share[k];
+    const float static_weight = trace.combined.weight[k] - dynamic_weight;
+    answer.confidence += static_weight * known[0][k] + (ray.has_dynamic ? dynamic_weight * known[1][k] : 0);
     for (int n = 0; n < 2; ++n) {
       float landing[3];
       neighbour_view[n].project(ray.position[k], landing, nullptr);
-      for (int a = 0; a < 2; ++a) answer.flow[n][a] += still * (landing[a] - probe.pixel[a]);
+      for (int a = 0; a < 2; ++a) answer.flow[n][a] += static_weight * (landing[a] - probe.pixel[a]);
       if (!ray.has_dynamic) continue;
       const int s = r * ray.count + k;
       float point[3];
       for (int a = 0; a < 3; ++a)
-        point[a] = moving_.position.plane(a)[s] + ray.moving[k].flow[n][a] * unit[a];
+        point[a] = dynamic_.position.plane(a)[s] + ray.dynamic[k].flow[n][a] * unit[a];
       neighbour_view[n].project(point, landing, nullptr);
-      for (int a = 0; a < 2; ++a) answer.flow[n][a] += moving * (landing[a] - probe.pixel[a]);
+      for (int a = 0; a < 2; ++a) answer.flow[n][a] += dynamic_weight * (landing[a] - probe.pixel[a]);
     }
   }
   return answer;

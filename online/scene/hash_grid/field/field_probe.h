@@ -45,7 +45,7 @@ class FieldProbe {
   void move_to_frame(const RadianceField& field, const ProbeView& view, int rays);
   ProbeAnswer answer(const RadianceField& field, const ProbeView& view, const ProbeRay& ray, int r);
 
-  BranchPass<float> still_, moving_;
+  BranchPass<float> static_, dynamic_;
   std::vector<RaySamples<float>> ray_;
 };
 

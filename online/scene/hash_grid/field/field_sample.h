@@ -57,10 +57,10 @@ void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& 
                                      T(kRadianceBound));
 }
 
-// The prior of the static density: a moving base is not static. 1 where the base does not move, falling to
-// e^-6 between a quarter of a pixel and two pixels of flow.
+// The prior of the static density: a base that moves is not static. 1 where the base does not move, falling
+// to e^-6 between a quarter of a pixel and two pixels of flow.
 template <class T>
-T stillness(const T* base) {
+T static_prior(const T* base) {
   T fastest = 0;
   for (int i = kBaseFlow; i < kBaseFlow + 4; ++i) fastest = std::max(fastest, std::abs(base[i]));
   return std::exp(-std::clamp(4 * (fastest - T(0.25)), T(0), T(6)));
@@ -71,7 +71,7 @@ FieldSample<T> decode_static(const Image<T>& raw, int s, const T* base, T prior)
   FieldSample<T> sample;
   decode_density(raw, s, prior, sample);
   decode_radiance(raw, s, base, sample);
-  sample.density *= stillness(base);
+  sample.density *= static_prior(base);
   sample.blend = sigmoid(raw.plane(StaticHead::kBlend)[s]);
   return sample;
 }

@@ -15,12 +15,12 @@ struct RaySamples {
   Neighbour toward = Neighbour::Next;
   T inverse_depth[kMaxSamples], spacing[kMaxSamples];
   T position[kMaxSamples][3];
-  FieldSample<T> still[kMaxSamples], moving[kMaxSamples];
-  FieldSample<T> still_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
-  FieldSample<T> warped[kMaxSamples];       // the neighbour's dynamic branch at the displaced position
+  FieldSample<T> static_[kMaxSamples], dynamic[kMaxSamples];
+  FieldSample<T> static_there[kMaxSamples];  // the static sample with the neighbour's base: radiance only
+  FieldSample<T> warped[kMaxSamples];        // the neighbour's dynamic branch at the displaced position
   // the sample in the neighbour's camera (pixel, inverse depth): static, and displaced by the scene flow,
   // with d seen / d window point
-  T landing_still[kMaxSamples][3], landing_moving[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
+  T landing_static[kMaxSamples][3], landing_dynamic[kMaxSamples][3], landing_jacobian[kMaxSamples][3][3];
 };
 
 template <class T>
@@ -43,9 +43,9 @@ void set_densities(const RaySamples<T>& ray, Blend blend, Composite<T>& combined
   combined.count = warped.count = ray.count;
   for (int k = 0; k < ray.count; ++k) {
     const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
-    const T v = ray.still[k].blend;
-    combined.density[0][k] = ray.has_static ? (weighted ? v : T(1)) * ray.still[k].density : T(0);
-    combined.density[1][k] = ray.has_dynamic ? (weighted ? 1 - v : T(1)) * ray.moving[k].density : T(0);
+    const T v = ray.static_[k].blend;
+    combined.density[0][k] = ray.has_static ? (weighted ? v : T(1)) * ray.static_[k].density : T(0);
+    combined.density[1][k] = ray.has_dynamic ? (weighted ? 1 - v : T(1)) * ray.dynamic[k].density : T(0);
     warped.density[0][k] = combined.density[0][k];
     warped.density[1][k] = (weighted ? 1 - v : T(1)) * ray.warped[k].density;
   }
@@ -58,24 +58,27 @@ RayPicture<T> render_ray(const RaySamples<T>& ray, Blend blend, RayTrace<T>& tra
   RayPicture<T> picture;
   const int n = static_cast<int>(ray.toward);
   for (int k = 0; k < ray.count; ++k) {
-    const T moving = trace.combined.weight[k] * trace.combined.share[k],
-            still = trace.combined.weight[k] - moving;
+    const T dynamic_weight = trace.combined.weight[k] * trace.combined.share[k],
+            static_weight = trace.combined.weight[k] - dynamic_weight;
     for (int c = 0; c < 3; ++c)
-      picture.radiance[c] += still * ray.still[k].radiance[c] + moving * ray.moving[k].radiance[c];
-    picture.inverse_depth += (still + moving) * ray.inverse_depth[k];
-    picture.share += moving;
+      picture.radiance[c] +=
+          static_weight * ray.static_[k].radiance[c] + dynamic_weight * ray.dynamic[k].radiance[c];
+    picture.inverse_depth += (static_weight + dynamic_weight) * ray.inverse_depth[k];
+    picture.share += dynamic_weight;
     if (!ray.warps) continue;
     for (int a = 0; a < 2; ++a)
-      picture.landing[a] += still * ray.landing_still[k][a] + moving * ray.landing_moving[k][a];
-    picture.visible += still + moving * ray.moving[k].occlusion[n];
+      picture.landing[a] +=
+          static_weight * ray.landing_static[k][a] + dynamic_weight * ray.landing_dynamic[k][a];
+    picture.visible += static_weight + dynamic_weight * ray.dynamic[k].occlusion[n];
   }
   if (!ray.warps) return picture;
   composite_ray(ray.spacing, trace.warped);
   for (int k = 0; k < ray.count; ++k) {
-    const T moving = trace.warped.weight[k] * trace.warped.share[k], still = trace.warped.weight[k] - moving;
+    const T dynamic_weight = trace.warped.weight[k] * trace.warped.share[k],
+            static_weight = trace.warped.weight[k] - dynamic_weight;
     for (int c = 0; c < 3; ++c)
       picture.warped_radiance[c] +=
-          still * ray.still_there[k].radiance[c] + moving * ray.warped[k].radiance[c];
+          static_weight * ray.static_there[k].radiance[c] + dynamic_weight * ray.warped[k].radiance[c];
   }
   return picture;
 }
@@ -87,17 +90,17 @@ void set_densities_backward(const RaySamples<T>& ray, Blend blend,
                             const T (*d_density)[kMaxSamples], RaySamples<T>& d) {
   const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
   for (int k = 0; k < ray.count; ++k) {
-    const T v = ray.still[k].blend;
-    if (ray.has_static) d.still[k].density += (weighted ? v : T(1)) * d_density[0][k];
+    const T v = ray.static_[k].blend;
+    if (ray.has_static) d.static_[k].density += (weighted ? v : T(1)) * d_density[0][k];
     if (ray.has_dynamic) (d.*dynamic)[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
     if (weighted)
-      d.still[k].blend +=
-          d_density[0][k] * ray.still[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
+      d.static_[k].blend +=
+          d_density[0][k] * ray.static_[k].density - d_density[1][k] * (ray.*dynamic)[k].density;
   }
 }
 
-// Adds to `d` (still, still_there, moving, warped) from d_picture and, for losses on the weights themselves,
-// d_weight[count]. flow_unit[3]: window units per unit of flow.
+// Adds to `d` (static_, static_there, dynamic, warped) from d_picture and, for losses on the weights
+// themselves, d_weight[count]. flow_unit[3]: window units per unit of flow.
 template <class T>
 void render_ray_backward(const RaySamples<T>& ray, Blend blend, const RayTrace<T>& trace,
                          const RayPicture<T>& d_picture, const T* d_ray_weight, const T* flow_unit,
@@ -106,44 +109,44 @@ void render_ray_backward(const RaySamples<T>& ray, Blend blend, const RayTrace<T
   const auto n = static_cast<std::size_t>(ray.toward);
   T d_weight[kMaxSamples] = {}, d_share[kMaxSamples] = {}, d_density[2][kMaxSamples];
   for (int k = 0; k < ray.count; ++k) {
-    const FieldSample<T>&still = ray.still[k], &moving = ray.moving[k];
+    const FieldSample<T>&static_sample = ray.static_[k], &dynamic_sample = ray.dynamic[k];
     const T s = c.share[k], w = c.weight[k];
-    T of_still = d_picture.inverse_depth * ray.inverse_depth[k], of_moving = of_still + d_picture.share;
+    T of_static = d_picture.inverse_depth * ray.inverse_depth[k], of_dynamic = of_static + d_picture.share;
     for (int j = 0; j < 3; ++j) {
-      of_still += d_picture.radiance[j] * still.radiance[j];
-      of_moving += d_picture.radiance[j] * moving.radiance[j];
-      d.still[k].radiance[j] += w * (1 - s) * d_picture.radiance[j];
-      d.moving[k].radiance[j] += w * s * d_picture.radiance[j];
+      of_static += d_picture.radiance[j] * static_sample.radiance[j];
+      of_dynamic += d_picture.radiance[j] * dynamic_sample.radiance[j];
+      d.static_[k].radiance[j] += w * (1 - s) * d_picture.radiance[j];
+      d.dynamic[k].radiance[j] += w * s * d_picture.radiance[j];
     }
     if (ray.warps) {
-      of_still += d_picture.visible, of_moving += d_picture.visible * moving.occlusion[n];
-      d.moving[k].occlusion[n] += w * s * d_picture.visible;
+      of_static += d_picture.visible, of_dynamic += d_picture.visible * dynamic_sample.occlusion[n];
+      d.dynamic[k].occlusion[n] += w * s * d_picture.visible;
       for (int a = 0; a < 2; ++a) {
-        of_still += d_picture.landing[a] * ray.landing_still[k][a];
-        of_moving += d_picture.landing[a] * ray.landing_moving[k][a];
+        of_static += d_picture.landing[a] * ray.landing_static[k][a];
+        of_dynamic += d_picture.landing[a] * ray.landing_dynamic[k][a];
         for (int j = 0; j < 3; ++j)
-          d.moving[k].flow[n][j] +=
+          d.dynamic[k].flow[n][j] +=
               w * s * d_picture.landing[a] * ray.landing_jacobian[k][a][j] * flow_unit[j];
       }
     }
-    d_weight[k] = d_ray_weight[k] + (1 - s) * of_still + s * of_moving;
-    d_share[k] = w * (of_moving - of_still);
+    d_weight[k] = d_ray_weight[k] + (1 - s) * of_static + s * of_dynamic;
+    d_share[k] = w * (of_dynamic - of_static);
   }
   composite_backward(ray.spacing, c, d_weight, d_share, d_density);
-  set_densities_backward(ray, blend, &RaySamples<T>::moving, d_density, d);
+  set_densities_backward(ray, blend, &RaySamples<T>::dynamic, d_density, d);
   if (!ray.warps) return;
   const Composite<T>& there = trace.warped;
   for (int k = 0; k < ray.count; ++k) {
     const T s = there.share[k], w = there.weight[k];
-    T of_still = 0, of_moving = 0;
+    T of_static = 0, of_dynamic = 0;
     for (int j = 0; j < 3; ++j) {
-      of_still += d_picture.warped_radiance[j] * ray.still_there[k].radiance[j];
-      of_moving += d_picture.warped_radiance[j] * ray.warped[k].radiance[j];
-      d.still_there[k].radiance[j] += w * (1 - s) * d_picture.warped_radiance[j];
+      of_static += d_picture.warped_radiance[j] * ray.static_there[k].radiance[j];
+      of_dynamic += d_picture.warped_radiance[j] * ray.warped[k].radiance[j];
+      d.static_there[k].radiance[j] += w * (1 - s) * d_picture.warped_radiance[j];
       d.warped[k].radiance[j] += w * s * d_picture.warped_radiance[j];
     }
-    d_weight[k] = (1 - s) * of_still + s * of_moving;
-    d_share[k] = w * (of_moving - of_still);
+    d_weight[k] = (1 - s) * of_static + s * of_dynamic;
+    d_share[k] = w * (of_dynamic - of_static);
   }
   composite_backward(ray.spacing, there, d_weight, d_share, d_density);
   set_densities_backward(ray, blend, &RaySamples<T>::warped, d_density, d);

@@ -10,7 +10,7 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kMaxFlow_px = 512, kStill_px = 0.25f;  // of the stream
+constexpr float kMaxFlow_px = 512, kStatic_px = 0.25f;  // of the stream
 constexpr float kClippedCode = clip_policy::kLossOfOne.brightest * kMaxCode;
 constexpr int kBlock = kMostBlocks;  // pixels of a row that a kernel takes at once
 
@@ -60,7 +60,7 @@ void WindowFrame::copy_from(const WindowFrame& other) {
   prior_guides.copy_from(other.prior_guides);
   depth_prior.copy_from(other.depth_prior);
   for (int k = 0; k < 2; ++k) has_flow[k] = other.has_flow[k];
-  moving_share = other.moving_share;
+  dynamic_share = other.dynamic_share;
 }
 
 int WindowFrames::nearest(double time_s) const {
@@ -195,7 +195,7 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
     }
   });
   frame.has_flow[0] = frame.has_flow[1] = false;
-  frame.moving_share = 0;
+  frame.dynamic_share = 0;
   frame.depth_prior.reshape(0, 0, 0);
   if (seen.inverse_depth != nullptr && seen.inverse_depth->same_shape(frame.base))
     frame.depth_prior.copy_from(*seen.inverse_depth);
@@ -209,8 +209,8 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   const ViewGeometry<float> here(frustum_, from.T_anchor_camera), there(frustum_, to.T_anchor_camera);
   const auto k = static_cast<std::size_t>(which), other = 1 - k;
   const int step = frustum_.step_px;
-  const float still = kStill_px / static_cast<float>(step);
-  std::atomic<int> moving = 0;
+  const float static_limit = kStatic_px / static_cast<float>(step);
+  std::atomic<int> dynamic = 0;
   for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &from.base.at(0, y, x);
     alignas(64) float surface[kBlock], dx[kBlock], dy[kBlock], u[kBlock], v[kBlock], sure[kBlock];
@@ -236,18 +236,18 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
                         v,
                         sure};
     window_kernels().lift(row, n);
-    int moving_here = 0;
+    int dynamic_here = 0;
     for (int i = 0; i < n; ++i) {
       base[i][kBaseFlow + 2 * k] = u[i], base[i][kBaseFlow + 2 * k + 1] = v[i];
       if (!from.has_flow[other])
         base[i][kBaseFlow + 2 * other] = -u[i], base[i][kBaseFlow + 2 * other + 1] = -v[i];
       base[i][kBaseConfidence + k] = sure[i];
-      moving_here += std::abs(u[i]) > still || std::abs(v[i]) > still;
+      dynamic_here += std::abs(u[i]) > static_limit || std::abs(v[i]) > static_limit;
     }
-    moving.fetch_add(moving_here, std::memory_order_relaxed);
+    dynamic.fetch_add(dynamic_here, std::memory_order_relaxed);
   });
-  from.moving_share =
-      std::max(from.moving_share, static_cast<float>(moving.load()) / static_cast<float>(from.base.size()));
+  from.dynamic_share =
+      std::max(from.dynamic_share, static_cast<float>(dynamic.load()) / static_cast<float>(from.base.size()));
   from.has_flow[k] = true;
 }
 
@@ -360,7 +360,7 @@ bool WindowFrames::has_parallax() const {
 
 bool WindowFrames::has_motion() const {
   return std::any_of(order_.begin(), order_.end(),
-                     [](const WindowFrame* frame) { return frame->moving_share > 1e-3f; });
+                     [](const WindowFrame* frame) { return frame->dynamic_share > 1e-3f; });
 }
 
 }  // namespace hdrcam

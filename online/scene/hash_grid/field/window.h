@@ -63,7 +63,7 @@ struct WindowFrame {
   Image<std::uint8_t> prior_guides;   // as guide: 1 where the depth prior gives the tile's
   Image<float> depth_prior;           // [1, rows, cols], empty without one
   bool has_flow[2] = {false, false};  // by Neighbour
-  float moving_share = 0;             // of the pixels whose flow prior exceeds a quarter of a pixel
+  float dynamic_share = 0;            // of the pixels whose flow prior exceeds a quarter of a pixel
   int holders = 0;                    // snapshots that hold it; counted by the thread that writes the window
 
   void copy_from(const WindowFrame& other);  // everything except the holders

@@ -82,12 +82,12 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
              .health = {}},
       window_(frustum_of(options, camera, rows, cols), options.window),
       networks_(shape_of(options, rows, cols), state_.random),
-      still_(networks_.still),
-      moving_(networks_.moving),
+      static_(networks_.static_),
+      dynamic_(networks_.dynamic),
       probe_(networks_, kMaxSamples) {
   for (int i = 0; i < window_.slots(); ++i)
     state_.pickers.emplace_back(window_.frustum().rows, window_.frustum().cols);
-  for (HashGrid<float>* grid : {&networks_.still.grid, &networks_.moving.grid})
+  for (HashGrid<float>* grid : {&networks_.static_.grid, &networks_.dynamic.grid})
     for (int l = 0; l < grid->shape().levels; ++l)
       table_before_.reserve(std::max(table_before_.capacity(), grid->table(l).size()));
   if (gpu != nullptr) {
@@ -129,8 +129,8 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
 
   const int slot = window.newest().slot;
   if (previous_slot >= 0) {  // a new frame starts from its predecessor's parameters
-    HashGrid<float>& grid = networks_.moving.grid;
-    for (Image<float>* values : {&grid.tables(), &moving_.table_mean, &moving_.table_variance})
+    HashGrid<float>& grid = networks_.dynamic.grid;
+    for (Image<float>* values : {&grid.tables(), &dynamic_.table_mean, &dynamic_.table_variance})
       grid.copy_slot(previous_slot, slot, *values);
     state_.pickers[static_cast<std::size_t>(slot)] = state_.pickers[static_cast<std::size_t>(previous_slot)];
   }
@@ -148,8 +148,8 @@ void FieldFit::make_ready() {
   if (ready_) return;
   for (int i = 0; i < window_.size(); ++i)
     state_.pickers[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
-  still_.keep();
-  moving_.keep();
+  static_.keep();
+  dynamic_.keep();
   ready_ = true;
 }
 
@@ -194,8 +194,8 @@ StepReport FieldFit::step() {
         start_networks();
         state_.health.restart();
       } else {
-        still_.restore();
-        moving_.restore();
+        static_.restore();
+        dynamic_.restore();
       }
       begun_.is_open = false;  // what is on a device is given up, too
       break;
@@ -228,10 +228,10 @@ void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& rep
 
 Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepReport& report) {
   if (begun_.steps == 0)
-    TRY(device_->begin(window_, still_, moving_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
+    TRY(device_->begin(window_, static_, dynamic_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
   const auto first_stream =
       static_cast<std::uint64_t>(state_.health.counts().steps) * (rays_.size() / kRaysPerShard);
-  TRY(device_->gradients(setting, rays_, options_.seed, first_stream, pool_, still_, moving_, *sums_));
+  TRY(device_->gradients(setting, rays_, options_.seed, first_stream, pool_, static_, dynamic_, *sums_));
   report.losses = sums_->losses;
   d_response_ = sums_->d_response;
   misfits_ = sums_->misfits;
@@ -248,7 +248,7 @@ void FieldFit::begin_there() {
 
 void FieldFit::settle() {
   if (!begun_.is_open) return;
-  if (const Result<void> done = device_->collect(still_, moving_); !done) return go_on_here(done.error());
+  if (const Result<void> done = device_->collect(static_, dynamic_); !done) return go_on_here(done.error());
   begun_.is_open = false;
 }
 
@@ -329,13 +329,13 @@ void FieldFit::aim_at_neighbour(TrainingRay& ray) {
 double FieldFit::reduce(StepReport& report) {
   double energy = 0;
   for (auto& channel : d_response_) channel.fill(0);
-  for (OptimisedBranch* part : {&still_, &moving_})
+  for (OptimisedBranch* part : {&static_, &dynamic_})
     std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
   for (RayShard<float>& shard : shards()) {
     for (std::size_t i = 0; i < report.losses.size(); ++i)
       report.losses[i] += static_cast<double>(shard.losses()[i]);
-    for (std::size_t i = 0; i < still_.d_network.size(); ++i) still_.d_network[i] += shard.d_static()[i];
-    for (std::size_t i = 0; i < moving_.d_network.size(); ++i) moving_.d_network[i] += shard.d_dynamic()[i];
+    for (std::size_t i = 0; i < static_.d_network.size(); ++i) static_.d_network[i] += shard.d_static()[i];
+    for (std::size_t i = 0; i < dynamic_.d_network.size(); ++i) dynamic_.d_network[i] += shard.d_dynamic()[i];
     energy += shard.feature_energy();
     if (!options_.fits_response) continue;
     for (std::size_t c = 0; c < 3; ++c)
@@ -352,7 +352,7 @@ double FieldFit::total_up(double feature_energy, StepReport& report) {
         response_smoothness_loss(options_.losses[static_cast<std::size_t>(LossTerm::ResponseSmoothness)],
                                  state_.response, d_response_));
   report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
-  for (const OptimisedBranch* part : {&still_, &moving_})
+  for (const OptimisedBranch* part : {&static_, &dynamic_})
     for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
   return std::sqrt(energy);
 }
@@ -371,19 +371,19 @@ void FieldFit::apply(float gradient_scale) {
 }
 
 void FieldFit::apply_here(const AdamStep& table_step, const AdamStep& network_step) {
-  const int still_levels = still_.branch.grid.shape().levels;
-  const int moving_levels = has_dynamic_ ? moving_.branch.grid.shape().levels : 0;
-  pool_.for_each(still_levels + moving_levels, [&](int i) {
-    const bool is_still = i < still_levels;
-    OptimisedBranch& part = is_still ? still_ : moving_;
-    const int level = is_still ? i : i - still_levels;
+  const int static_levels = static_.branch.grid.shape().levels;
+  const int dynamic_levels = has_dynamic_ ? dynamic_.branch.grid.shape().levels : 0;
+  pool_.for_each(static_levels + dynamic_levels, [&](int i) {
+    const bool is_static = i < static_levels;
+    OptimisedBranch& part = is_static ? static_ : dynamic_;
+    const int level = is_static ? i : i - static_levels;
     HashGrid<float>& grid = part.branch.grid;
     for (const RayShard<float>& shard : shards())
-      is_still ? shard.scatter_static(level, grid) : shard.scatter_dynamic(level, grid);
+      is_static ? shard.scatter_static(level, grid) : shard.scatter_dynamic(level, grid);
     apply_adam(table_step, grid.table(level), grid.d_table(level), part.table_mean.plane(level),
                part.table_variance.plane(level));
   });
-  for (OptimisedBranch* part : {&still_, &moving_})
+  for (OptimisedBranch* part : {&static_, &dynamic_})
     apply_adam(network_step, part->branch.mlp.parameters(), part->d_network, part->network.mean.data(),
                part->network.variance.data());
 }
@@ -435,7 +435,7 @@ void FieldFit::reanchor() {
   const RigidTransform T_old_new = window_.move_anchor().inverse();
   const ViewGeometry<double> old_anchor(window_.frustum(), RigidTransform()),
       moved(window_.frustum(), T_old_new);
-  for (OptimisedBranch* part : {&still_, &moving_})
+  for (OptimisedBranch* part : {&static_, &dynamic_})
     carry_over(part->branch.grid, old_anchor, moved, table_before_);
   ++state_.health.counts().anchors_moved;
 }
@@ -447,7 +447,7 @@ FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
 
 void FieldFit::start_networks() {
   networks_.copy_parameters(fresh_networks(state_.random.next()));
-  for (OptimisedBranch* part : {&still_, &moving_}) {
+  for (OptimisedBranch* part : {&static_, &dynamic_}) {
     part->keep();
     part->restore();
   }

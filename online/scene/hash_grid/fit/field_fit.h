@@ -110,7 +110,7 @@ class FieldFit {
   FitBudget budget_;
   int samples_per_ray_ = 0;
   bool has_dynamic_ = true;  // false where nothing in the window moves
-  OptimisedBranch still_, moving_;
+  OptimisedBranch static_, dynamic_;
   std::vector<RayShard<float>> shards_;  // as many as the largest budget so far needed; shards() are in use
   int most_samples_ = 0;                 // capacity of a shard
   std::vector<TrainingRay> rays_;

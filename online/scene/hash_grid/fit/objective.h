@@ -47,8 +47,8 @@ void flow_regularisers(const LossWeights& weights, T share, const RaySamples<T>&
   };
   const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
   for (int k = 0; k < ray.count; ++k) {
-    const FieldSample<T>& here = ray.moving[k];
-    FieldSample<T>& d_here = d_ray.moving[k];
+    const FieldSample<T>& here = ray.dynamic[k];
+    FieldSample<T>& d_here = d_ray.dynamic[k];
     value(LossTerm::TemporalSmoothness) += temporal_smoothness_loss(
         weight(LossTerm::TemporalSmoothness), here.flow[0], here.flow[1], d_here.flow[0], d_here.flow[1]);
     for (int n = 0; n < 2; ++n)
@@ -63,7 +63,7 @@ void flow_regularisers(const LossWeights& weights, T share, const RaySamples<T>&
     for (int n = 0; n < 2; ++n)
       value(LossTerm::SpatialSmoothness) +=
           spatial_smoothness_loss(weight(LossTerm::SpatialSmoothness) / 2, std::sqrt(squared), here.flow[n],
-                                  ray.moving[k + 1].flow[n], d_here.flow[n], d_ray.moving[k + 1].flow[n]);
+                                  ray.dynamic[k + 1].flow[n], d_here.flow[n], d_ray.dynamic[k + 1].flow[n]);
   }
 }
 
@@ -115,9 +115,9 @@ void ray_losses(const TrainingRay& target, T share, const LossWeights& weights,
   const int there = static_cast<int>(ray.toward), back = 1 - there;
   for (int k = 0; k < ray.count; ++k)
     value(LossTerm::Cycle) +=
-        cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.moving[k].flow[there],
-                   ray.warped[k].flow[back], ray.moving[k].occlusion[there], d_ray.moving[k].flow[there],
-                   d_ray.warped[k].flow[back], d_ray.moving[k].occlusion[there]);
+        cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.dynamic[k].flow[there],
+                   ray.warped[k].flow[back], ray.dynamic[k].occlusion[there], d_ray.dynamic[k].flow[there],
+                   d_ray.warped[k].flow[back], d_ray.dynamic[k].occlusion[there]);
 }
 
 }  // namespace hdrcam

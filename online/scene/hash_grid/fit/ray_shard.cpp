@@ -6,11 +6,12 @@ template <class T>
 RayShard<T>::RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples) {
   CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
   const int ld = (most_rays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  for (auto [pass, branch] :
-       {std::pair(&still_, &networks.still), {&moving_, &networks.moving}, {&warped_, &networks.moving}})
+  for (auto [pass, branch] : {std::pair(&static_, &networks.static_),
+                              {&dynamic_, &networks.dynamic},
+                              {&warped_, &networks.dynamic}})
     pass->reserve(*branch, ld), pass->reserve_gradient(*branch, ld);
-  d_static_.resize(networks.still.mlp.parameters().size());
-  d_dynamic_.resize(networks.moving.mlp.parameters().size());
+  d_static_.resize(networks.static_.mlp.parameters().size());
+  d_dynamic_.resize(networks.dynamic.mlp.parameters().size());
   ray_.resize(static_cast<std::size_t>(most_rays));
   base_.resize(ray_.size());
   misfit_.resize(ray_.size());
@@ -30,30 +31,30 @@ void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> r
   for (auto& channel : d_response_) channel.fill(0);
   std::fill(d_static_.begin(), d_static_.end(), T(0));
   std::fill(d_dynamic_.begin(), d_dynamic_.end(), T(0));
-  for (BranchPass<T>* pass : {&still_, &moving_, &warped_}) zero(*pass);
+  for (BranchPass<T>* pass : {&static_, &dynamic_, &warped_}) zero(*pass);
 
   place_rays(step, rays, random);
-  if (step.has_static) still_.forward(step.networks.still);
+  if (step.has_static) static_.forward(step.networks.static_);
   if (step.has_dynamic) {
-    moving_.forward(step.networks.moving);
+    dynamic_.forward(step.networks.dynamic);
     follow_flow(step, rays);
-    warped_.forward(step.networks.moving);
+    warped_.forward(step.networks.dynamic);
   }
   for (std::size_t r = 0; r < rays.size(); ++r) ray_gradient(step, rays[r], static_cast<int>(r));
   if (step.has_dynamic) {
-    warped_.backward(step.networks.moving, d_dynamic_);
+    warped_.backward(step.networks.dynamic, d_dynamic_);
     warp_backward(step, rays);
-    moving_.backward(step.networks.moving, d_dynamic_);
+    dynamic_.backward(step.networks.dynamic, d_dynamic_);
   }
-  if (step.has_static) still_.backward(step.networks.still, d_static_);
+  if (step.has_static) static_.backward(step.networks.static_, d_static_);
 }
 
 template <class T>
 void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random) {
   const int count = step.samples_per_ray, used = static_cast<int>(rays.size()) * count;
   const int n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  still_.n = step.has_static ? n : 0;
-  moving_.n = warped_.n = step.has_dynamic ? n : 0;
+  static_.n = step.has_static ? n : 0;
+  dynamic_.n = warped_.n = step.has_dynamic ? n : 0;
   for (std::size_t r = 0; r < rays.size(); ++r) {
     RaySamples<T>& ray = ray_[r];
     place_ray(step, rays[r], random, ray, base_[r].data());
@@ -61,8 +62,8 @@ void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const Trainin
     for (int k = 0; k < count; ++k) {
       const int s = static_cast<int>(r) * count + k;
       for (int a = 0; a < 3; ++a)
-        still_.position.plane(a)[s] = moving_.position.plane(a)[s] = ray.position[k][a];
-      moving_.slot[static_cast<std::size_t>(s)] = slot;
+        static_.position.plane(a)[s] = dynamic_.position.plane(a)[s] = ray.position[k][a];
+      dynamic_.slot[static_cast<std::size_t>(s)] = slot;
     }
   }
 }
@@ -77,12 +78,12 @@ void RayShard<T>::follow_flow(const StepSetting<T>& step, std::span<const Traini
     RaySamples<T>& ray = ray_[r];
     for (int k = 0; k < ray.count; ++k) {
       const int s = static_cast<int>(r) * ray.count + k;
-      ray.moving[k] = decode_dynamic(moving_.raw, s, base_[r].data(), own_prior(static_cast<int>(r), k));
-      const T* flow = ray.moving[k].flow[static_cast<int>(ray.toward)];
+      ray.dynamic[k] = decode_dynamic(dynamic_.raw, s, base_[r].data(), own_prior(static_cast<int>(r), k));
+      const T* flow = ray.dynamic[k].flow[static_cast<int>(ray.toward)];
       for (int a = 0; a < 3; ++a)
         warped_.position.plane(a)[s] = ray.position[k][a] + (ray.warps ? flow[a] * unit[a] : T(0));
       warped_.slot[static_cast<std::size_t>(s)] =
-          ray.warps ? neighbour(step.window, rays[r]).slot : moving_.slot[static_cast<std::size_t>(s)];
+          ray.warps ? neighbour(step.window, rays[r]).slot : dynamic_.slot[static_cast<std::size_t>(s)];
     }
   }
 }
@@ -92,7 +93,7 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
   RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count && step.has_static; ++k)
-    ray.still[k] = decode_static(still_.raw, r * ray.count + k, base, own_prior(r, k));
+    ray.static_[k] = decode_static(static_.raw, r * ray.count + k, base, own_prior(r, k));
   if (ray.warps) {
     const WindowFrame& there = neighbour(step.window, target);
     const ViewGeometry<T> view(step.window.frustum(), there.T_anchor_camera);
@@ -100,26 +101,26 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
       const int s = r * ray.count + k;
       const T point[3] = {warped_.position.plane(0)[s], warped_.position.plane(1)[s],
                           warped_.position.plane(2)[s]};
-      view.project(ray.position[k], ray.landing_still[k], nullptr);
-      view.project(point, ray.landing_moving[k], ray.landing_jacobian[k]);
+      view.project(ray.position[k], ray.landing_static[k], nullptr);
+      view.project(point, ray.landing_dynamic[k], ray.landing_jacobian[k]);
       T base_there[kBaseChannels];
-      fetch_base(there.base, ray.landing_moving[k], base_there, static_cast<T*>(nullptr),
+      fetch_base(there.base, ray.landing_dynamic[k], base_there, static_cast<T*>(nullptr),
                  static_cast<T*>(nullptr));
-      const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+      const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
       ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
       if (!step.has_static) continue;
-      fetch_base(there.base, ray.landing_still[k], base_there, static_cast<T*>(nullptr),
+      fetch_base(there.base, ray.landing_static[k], base_there, static_cast<T*>(nullptr),
                  static_cast<T*>(nullptr));
-      decode_radiance(still_.raw, s, base_there, ray.still_there[k]);
+      decode_radiance(static_.raw, s, base_there, ray.static_there[k]);
     }
   }
   RayTrace<T> trace;
   const RayPicture<T> picture = render_ray(ray, step.networks.blend, trace);
 
   const FieldSample<T> none;
-  std::fill_n(d_.still, ray.count, none), std::fill_n(d_.moving, ray.count, none),
+  std::fill_n(d_.static_, ray.count, none), std::fill_n(d_.dynamic, ray.count, none),
       std::fill_n(d_.warped, ray.count, none);
-  std::fill_n(d_.still_there, ray.count, none);
+  std::fill_n(d_.static_there, ray.count, none);
   RayPicture<T> d_picture;
   T d_ray_weight[kMaxSamples] = {};
   LossValues<T> losses{};
@@ -143,20 +144,22 @@ void RayShard<T>::samples_backward(const StepSetting<T>& step, const TrainingRay
   for (int k = 0; k < ray.count; ++k) {
     const int s = r * ray.count + k;
     if (ray.has_static)
-      decode_static_backward(still_.raw, s, base, own_prior(r, k), ray.still[k], d.still[k], still_.d_raw);
+      decode_static_backward(static_.raw, s, base, own_prior(r, k), ray.static_[k], d.static_[k],
+                             static_.d_raw);
     if (ray.has_dynamic)
-      decode_dynamic_backward(moving_.raw, s, base, own_prior(r, k), ray.moving[k], d.moving[k],
-                              moving_.d_raw, static_cast<T*>(nullptr));
+      decode_dynamic_backward(dynamic_.raw, s, base, own_prior(r, k), ray.dynamic[k], d.dynamic[k],
+                              dynamic_.d_raw, static_cast<T*>(nullptr));
     if (!ray.warps) continue;
     const Image<BasePixel>& there = neighbour(step.window, target).base;
     T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
     if (ray.has_static) {
-      fetch_base(there, ray.landing_still[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
-      decode_radiance_backward(still_.raw, s, base_there, ray.still_there[k], d.still_there[k], still_.d_raw,
-                               static_cast<T*>(nullptr));
+      fetch_base(there, ray.landing_static[k], base_there, static_cast<T*>(nullptr),
+                 static_cast<T*>(nullptr));
+      decode_radiance_backward(static_.raw, s, base_there, ray.static_there[k], d.static_there[k],
+                               static_.d_raw, static_cast<T*>(nullptr));
     }
-    fetch_base(there, ray.landing_moving[k], base_there, d_x, d_y);
-    const auto prior = surface_prior(ray.landing_moving[k][2], base_there[kBaseSurface]);
+    fetch_base(there, ray.landing_dynamic[k], base_there, d_x, d_y);
+    const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
     const T d_prior = decode_dynamic_backward(warped_.raw, s, base_there, prior.log_density, ray.warped[k],
                                               d.warped[k], warped_.d_raw, d_base);
     d_base[kBaseSurface] += d_prior * prior.by_surface;
@@ -173,7 +176,7 @@ void RayShard<T>::samples_backward(const StepSetting<T>& step, const TrainingRay
 // displaced them.
 template <class T>
 void RayShard<T>::warp_backward(const StepSetting<T>& step, std::span<const TrainingRay> rays) {
-  step.networks.moving.grid.position_backward(warped_.samples(), warped_.d_features, warped_.d_position);
+  step.networks.dynamic.grid.position_backward(warped_.samples(), warped_.d_features, warped_.d_position);
   T unit[3];
   flow_units(step.window.frustum(), unit);
   for (std::size_t r = 0; r < rays.size(); ++r) {
@@ -181,7 +184,7 @@ void RayShard<T>::warp_backward(const StepSetting<T>& step, std::span<const Trai
     for (int k = 0; k < ray_[r].count; ++k) {
       const int s = static_cast<int>(r) * ray_[r].count + k;
       for (int a = 0; a < 3; ++a)
-        moving_.d_raw.plane(DynamicHead::kFlow + 3 * static_cast<int>(ray_[r].toward) + a)[s] +=
+        dynamic_.d_raw.plane(DynamicHead::kFlow + 3 * static_cast<int>(ray_[r].toward) + a)[s] +=
             warped_.d_position.plane(a)[s] * unit[a];
     }
   }
@@ -190,7 +193,7 @@ void RayShard<T>::warp_backward(const StepSetting<T>& step, std::span<const Trai
 template <class T>
 double RayShard<T>::feature_energy() const {
   double sum = 0;
-  for (const BranchPass<T>* pass : {&still_, &moving_, &warped_})
+  for (const BranchPass<T>* pass : {&static_, &dynamic_, &warped_})
     for (int i = 0; i < pass->d_features.channels(); ++i)
       for (int s = 0; s < pass->n; ++s)
         sum += static_cast<double>(pass->d_features.plane(i)[s]) *

@@ -18,10 +18,10 @@ class RayShard {
   void run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random);
   // Adds the shard's share of the gradient of one level of a branch's tables.
   void scatter_static(int level, HashGrid<T>& grid) const {
-    grid.scatter(level, still_.samples(), still_.d_features);
+    grid.scatter(level, static_.samples(), static_.d_features);
   }
   void scatter_dynamic(int level, HashGrid<T>& grid) const {
-    grid.scatter(level, moving_.samples(), moving_.d_features);
+    grid.scatter(level, dynamic_.samples(), dynamic_.d_features);
     grid.scatter(level, warped_.samples(), warped_.d_features);
   }
 
@@ -49,7 +49,7 @@ class RayShard {
     return window.frame(neighbour_of(ray));
   }
 
-  BranchPass<T> still_, moving_, warped_;
+  BranchPass<T> static_, dynamic_, warped_;
   std::vector<T> d_static_, d_dynamic_;
   std::vector<RaySamples<T>> ray_;
   std::vector<std::array<T, kBaseChannels>> base_;  // of each ray, at its own pixel

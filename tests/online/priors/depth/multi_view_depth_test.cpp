@@ -33,20 +33,20 @@ DepthMap run(const SyntheticScene& scene, const std::vector<RigidTransform>& pat
 }
 
 struct Quality {
-  double dense = 0, relative_error = 0, moving_kept = 0;
+  double dense = 0, relative_error = 0, dynamic_kept = 0;
 };
 
 Quality judge(const SyntheticScene& scene, const RigidTransform& T_world_camera, double time,
-              const DepthMap& prior, int step_px, int moving_sphere = -1) {
-  int known = 0, all = 0, moving = 0, moving_kept = 0;
+              const DepthMap& prior, int step_px, int dynamic_sphere = -1) {
+  int known = 0, all = 0, dynamic = 0, dynamic_kept = 0;
   double error = 0;
   for (int y = 0; y < prior.weight.rows(); ++y)
     for (int x = 0; x < prior.weight.cols(); ++x) {
       const double u = x * step_px + step_px / 2 + 0.5, v = y * step_px + step_px / 2 + 0.5;
       const auto hit = scene.cast(T_world_camera, time, u, v);
       const bool believed = prior.weight.at(0, y, x) > 0.8f;
-      if (hit.sphere >= 0 && hit.sphere == moving_sphere) {
-        ++moving, moving_kept += believed;
+      if (hit.sphere >= 0 && hit.sphere == dynamic_sphere) {
+        ++dynamic, dynamic_kept += believed;
         continue;
       }
       ++all;
@@ -55,7 +55,7 @@ Quality judge(const SyntheticScene& scene, const RigidTransform& T_world_camera,
       error += std::min(1.0, std::abs(hit.depth * static_cast<double>(prior.inverse_depth.at(0, y, x)) - 1));
     }
   return {static_cast<double>(known) / all, known > 0 ? error / known : 0,
-          moving > 0 ? static_cast<double>(moving_kept) / moving : 0};
+          dynamic > 0 ? static_cast<double>(dynamic_kept) / dynamic : 0};
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ TEST_CASE("what moves across its epipolar line is not believed", "[depth]") {
   const auto path = straight_path(12, {0.05, 0, 0}, {0, 0, 0});
   const DepthMap prior = run(scene, path, film(scene, path, 0.05), {});
   const Quality quality = judge(scene, path.back(), 11, prior, 2, 1);
-  CHECK(quality.moving_kept < 0.1);
+  CHECK(quality.dynamic_kept < 0.1);
   CHECK(quality.dense > 0.6);
 }
 

@@ -23,7 +23,7 @@ TEST_CASE("a fixed camera is the identity, whatever the flow", "[pose]") {
   frame.facts = at({rotation({0, 1, 0}), {1, 2, 3}});
   const CameraPose& seen = pose.estimate({frame, {}, {}});
   CHECK(seen.T_world_camera == kIdentity);
-  CHECK(seen.motion == CameraMotion::Still);
+  CHECK(seen.motion == CameraMotion::Static);
 }
 
 TEST_CASE("given poses are relative to the first frame", "[pose]") {
@@ -42,7 +42,7 @@ TEST_CASE("given poses are relative to the first frame", "[pose]") {
 TEST_CASE("given poses tell what kind of motion they are", "[pose]") {
   GivenPose pose;
   pose.next(at({}));
-  CHECK(pose.next(at({})).motion == CameraMotion::Still);
+  CHECK(pose.next(at({})).motion == CameraMotion::Static);
   CHECK(pose.next(at({rotation({0, 0.01, 0}), {0, 0, 0}})).motion == CameraMotion::Rotation);
 }
 

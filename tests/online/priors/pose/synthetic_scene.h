@@ -82,14 +82,14 @@ struct SyntheticScene {
   }
 
   // share of dynamic pixels in the first view
-  double moving_share() const {
-    int moving = 0;
+  double dynamic_share() const {
+    int dynamic = 0;
     for (int y = 0; y < rows; ++y)
       for (int x = 0; x < cols; ++x) {
         const int sphere = cast({}, 0, x + 0.5, y + 0.5).sphere;
-        moving += sphere >= 0 && spheres[static_cast<std::size_t>(sphere)].velocity.norm() > 0;
+        dynamic += sphere >= 0 && spheres[static_cast<std::size_t>(sphere)].velocity.norm() > 0;
       }
-    return static_cast<double>(moving) / (rows * cols);
+    return static_cast<double>(dynamic) / (rows * cols);
   }
 };
 

@@ -78,7 +78,7 @@ TEST_CASE("a camera that does not move stays exactly where it was", "[pose]") {
   const auto poses = track(scene, film(scene, straight_path(12, {0, 0, 0}, {0, 0, 0}), 0.05));
   for (const CameraPose& pose : poses) {
     CHECK(pose.T_world_camera == RigidTransform());
-    CHECK(pose.motion == CameraMotion::Still);
+    CHECK(pose.motion == CameraMotion::Static);
     CHECK_FALSE(pose.lost);
   }
 }
@@ -120,7 +120,7 @@ TEST_CASE("objects that move by themselves over 30 percent of the picture do not
   SyntheticScene scene = room();
   scene.spheres.push_back({{-0.6, 0.1, 2.2}, 0.47, {0, 0.02, 0.01}});
   scene.spheres.push_back({{0.8, -0.3, 2.6}, 0.52, {0.01, -0.03, 0}});
-  REQUIRE(scene.moving_share() > 0.3);
+  REQUIRE(scene.dynamic_share() > 0.3);
   const auto truth = straight_path(15, {0.05, 0, 0.02}, {0, -0.004, 0});
   const auto poses = track(scene, film(scene, truth, 0.1));
   const PathErrors errors = compare(poses, truth);

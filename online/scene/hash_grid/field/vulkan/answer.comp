@@ -7,8 +7,8 @@
 #include "online/scene/hash_grid/field/vulkan/field_constants.glsl"
 READS(0, Rays, ray)
 READS(1, Placed, placed)
-READS(2, Still, still)
-READS(3, Moving, moving)
+READS(2, Static, static_raw)
+READS(3, Dynamic, dynamic_raw)
 READS(4, Moved, moved)
 layout(std140, set = 0, binding = 5) uniform Views { vec4 views[24]; };
 layout(std430, set = 0, binding = 6) readonly buffer BasePixels { vec4 base[]; };
@@ -40,44 +40,46 @@ void main() {
     // static
     const vec4 speed = abs(known.flow);
     const float fastest = max(max(speed.x, speed.y), max(speed.z, speed.w));
-    float still_density = bounded_exp(still[s] + known.log_density, kDensityBound) *
+    float static_density = bounded_exp(static_raw[s] + known.log_density, kDensityBound) *
                           exp(-clamp(4 * (fastest - 0.25), 0.0, 6.0));
-    const vec3 still_radiance = radiance_of(known, vec3(still[ld + s], still[2 * ld + s], still[3 * ld + s]));
-    const float still_known = known_share(known);
+    const vec3 static_radiance =
+        radiance_of(known, vec3(static_raw[ld + s], static_raw[2 * ld + s], static_raw[3 * ld + s]));
+    const float static_known = known_share(known);
     // dynamic
-    float moving_density = 0, moving_known = 0;
-    vec3 moving_radiance = vec3(0), place_there = point;
+    float dynamic_density = 0, dynamic_known = 0;
+    vec3 dynamic_radiance = vec3(0), place_there = point;
     vec3 scene_flow[2] = {vec3(0), vec3(0)};
     if (has_dynamic != 0) {
       if (offset != 0) {
         place_there = vec3(moved[s], moved[ld + s], moved[2 * ld + s]);
         known = base_at(frame, place_there);
       }
-      moving_density = bounded_exp(moving[s] + known.log_density, kDensityBound);
-      moving_radiance = radiance_of(known, vec3(moving[ld + s], moving[2 * ld + s], moving[3 * ld + s]));
+      dynamic_density = bounded_exp(dynamic_raw[s] + known.log_density, kDensityBound);
+      dynamic_radiance =
+          radiance_of(known, vec3(dynamic_raw[ld + s], dynamic_raw[2 * ld + s], dynamic_raw[3 * ld + s]));
       for (int n = 0; n < 2; ++n)
         for (int a = 0; a < 3; ++a)
-          scene_flow[n][a] = moving[(4 + 3 * n + a) * ld + s] + (a < 2 ? known.flow[2 * n + a] : 0);
-      moving_known = known_share(known);
+          scene_flow[n][a] = dynamic_raw[(4 + 3 * n + a) * ld + s] + (a < 2 ? known.flow[2 * n + a] : 0);
+      dynamic_known = known_share(known);
       if (weighted != 0) {
-        const float v = 1 / (1 + exp(-still[4 * ld + s]));
-        still_density *= v, moving_density *= 1 - v;
+        const float v = 1 / (1 + exp(-static_raw[4 * ld + s]));
+        static_density *= v, dynamic_density *= 1 - v;
       }
     }
     // compositing
-    const float total = still_density + moving_density + kEmpty;
+    const float total = static_density + dynamic_density + kEmpty;
     const float passed = k + 1 < samples ? exp(-total * placed[4 * ld + s]) : 0;
     const float weight = light * (1 - passed);
-    const float of_moving = weight * moving_density / total, of_still = weight - of_moving;
+    const float of_dynamic = weight * dynamic_density / total, of_static = weight - of_dynamic;
     light *= passed;
-    radiance += of_still * still_radiance + of_moving * moving_radiance;
+    radiance += of_static * static_radiance + of_dynamic * dynamic_radiance;
     depth += weight * placed[3 * ld + s];
-    share += of_moving;
-    confidence += of_still * still_known + of_moving * moving_known;
+    share += of_dynamic;
+    confidence += of_static * static_known + of_dynamic * dynamic_known;
     for (int n = 0; n < 2; ++n) {
-      flow[n] += of_still * (project(neighbour[n], point).xy - pixel);
+      flow[n] += of_static * (project(neighbour[n], point).xy - pixel);
       if (has_dynamic != 0)
-        flow[n] += of_moving * (project(neighbour[n], place_there + scene_flow[n] * unit).xy - pixel);
+        flow[n] += of_dynamic * (project(neighbour[n], place_there + scene_flow[n] * unit).xy - pixel);
     }
   }
   for (int c = 0; c < 3; ++c) answers[c * rays + r] = radiance[c];

@@ -5,7 +5,7 @@
 #include "hal/gpu/element.glsl"
 #include "online/scene/hash_grid/field/vulkan/field_constants.glsl"
 READS(0, Placed, placed)
-READS(1, Moving, moving)
+READS(1, Dynamic, dynamic_raw)
 layout(std140, set = 0, binding = 2) uniform Views { vec4 views[24]; };
 layout(std430, set = 0, binding = 3) readonly buffer BasePixels { vec4 base[]; };
 WRITES(4, Moved, moved)
@@ -17,7 +17,7 @@ void main() {
   const vec3 point = vec3(placed[s], placed[ld + s], placed[2 * ld + s]);
   const Base known = base_at(from_anchor(kFrame), point);
   for (int a = 0; a < 3; ++a) {
-    const float flow = moving[(4 + 3 * toward + a) * ld + s] + (a < 2 ? known.flow[2 * toward + a] : 0);
+    const float flow = dynamic_raw[(4 + 3 * toward + a) * ld + s] + (a < 2 ? known.flow[2 * toward + a] : 0);
     moved[a * ld + s] = point[a] - abs(offset) * flow * unit[a];
   }
 }

@@ -82,8 +82,8 @@ Result<void> VulkanProbe::reserve_for(const RadianceField& field, int ld) {
   TRY(reserve(answers_, kBatchRays * kAnswerPlanes * sizeof(float)));
   TRY(reserve(placed_, kPlacedPlanes * samples));
   TRY(reserve(moved_, 3 * samples));
-  TRY(reserve_for(field.networks.still, ld, still_));
-  return reserve_for(field.networks.moving, ld, moving_);
+  TRY(reserve_for(field.networks.static_, ld, static_));
+  return reserve_for(field.networks.dynamic, ld, dynamic_);
 }
 
 void VulkanProbe::upload(const Branch<float>& branch, const BranchRoom& room) {
@@ -106,8 +106,8 @@ void VulkanProbe::upload(const RadianceField& field, const ProbeView& view) {
     append_view(window.frustum(), *T_anchor_camera, views);
   device_.work().upload(bytes_of(std::span(views)), *views_.buffer);
   device_.work().upload(bytes_of(frame.base.samples()), *base_.buffer);
-  upload(field.networks.still, still_);
-  upload(field.networks.moving, moving_);
+  upload(field.networks.static_, static_);
+  upload(field.networks.dynamic, dynamic_);
 }
 
 void VulkanProbe::forward(const Branch<float>& branch, int slot, const Room& position, int count, int ld,
@@ -147,19 +147,19 @@ Result<void> VulkanProbe::look_at_batch(const RadianceField& field, const ProbeV
   static_assert(sizeof(ProbeRay) == 3 * sizeof(float));
   work.upload(bytes_of(rays), *rays_.buffer);
   work.run(*kernels_[kPlace], {*rays_, *views_, *base_, *placed_}, constants, {count, 1, 1});
-  forward(field.networks.still, 0, placed_, samples, samples, still_);
+  forward(field.networks.static_, 0, placed_, samples, samples, static_);
   const Room* position = &placed_;
   if (field.has_dynamic) {
-    forward(field.networks.moving, slot, placed_, samples, samples, moving_);
+    forward(field.networks.dynamic, slot, placed_, samples, samples, dynamic_);
     if (view.offset != 0) {
-      work.run(*kernels_[kMove], {*placed_, *moving_.raw, *views_, *base_, *moved_}, constants,
+      work.run(*kernels_[kMove], {*placed_, *dynamic_.raw, *views_, *base_, *moved_}, constants,
                {samples, 1, 1});
-      forward(field.networks.moving, slot, moved_, samples, samples, moving_);
+      forward(field.networks.dynamic, slot, moved_, samples, samples, dynamic_);
       position = &moved_;
     }
   }
   work.run(*kernels_[kAnswer],
-           {*rays_, *placed_, *still_.raw, *moving_.raw, **position, *views_, *base_, *answers_}, constants,
+           {*rays_, *placed_, *static_.raw, *dynamic_.raw, **position, *views_, *base_, *answers_}, constants,
            {count, 1, 1});
   fetched_.resize(kAnswerPlanes * rays.size());
   work.download(*answers_.buffer, std::as_writable_bytes(std::span(fetched_)));

@@ -46,7 +46,7 @@ class VulkanProbe {
 
   GpuDevice& device_;
   std::array<const GpuKernel*, kPasses> kernels_{};
-  BranchRoom still_, moving_;
+  BranchRoom static_, dynamic_;
   Room rays_, placed_, moved_, views_, base_, answers_;
   std::vector<float> fetched_;
 };

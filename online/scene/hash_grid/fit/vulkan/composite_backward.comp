@@ -36,13 +36,14 @@ void put3(int plane, int s, vec3 value) {
 
 // d density: static, dynamic, of one sample of a composite (composite_backward() of
 // ../../field/compositing.h). behind: sum of w d_w of the samples behind it, which this one joins.
-vec2 composite_backward(float still, float moving, float spacing, float transmitted, bool last,
-                        float d_weight, float d_moving_share, inout float behind) {
-  const float total = still + moving + kEmpty, passed = last ? 0 : exp(-total * spacing);
-  const float share = moving / total, weight = transmitted * (1 - passed);
+vec2 composite_backward(float static_density, float dynamic_density, float spacing, float transmitted,
+                        bool last, float d_weight, float d_dynamic_share, inout float behind) {
+  const float total = static_density + dynamic_density + kEmpty;
+  const float passed = last ? 0 : exp(-total * spacing);
+  const float share = dynamic_density / total, weight = transmitted * (1 - passed);
   const float d_total = last ? 0 : spacing * (transmitted * passed * d_weight - behind);
   behind += weight * d_weight;
-  return vec2(d_total - d_moving_share * share / total, d_total + d_moving_share * (1 - share) / total);
+  return vec2(d_total - d_dynamic_share * share / total, d_total + d_dynamic_share * (1 - share) / total);
 }
 
 // d exponent of a bounded radiance.
@@ -76,13 +77,13 @@ void projection_jacobian(View from, vec3 x, out vec3 d_u, out vec3 d_v, out vec3
 void displaced_backward(Ray ray, View neighbour, int s, int moved, vec3 point, vec3 landing, Spot at,
                         Base there, vec3 exponent, vec3 d_radiance, float density, float d_density) {
   const vec3 d_exponent = radiance_backward(exponent, d_radiance);
-  const vec3 d_gate = d_exponent * triple(kMoving + 1, moved), prior = surface_prior(landing.z, surface(there));
-  const float d_prior = density_backward(raw[kMoving * ld + moved] + prior.x, density, d_density);
+  const vec3 d_gate = d_exponent * triple(kDynamic + 1, moved), prior = surface_prior(landing.z, surface(there));
+  const float d_prior = density_backward(raw[kDynamic * ld + moved] + prior.x, density, d_density);
   const vec3 d_back = d_sample3(8, s);
   const int back = 1 - ray.toward;
-  d_raw[kMoving * ld + moved] = d_prior;
-  put3(kMoving + 1, moved, d_exponent * gate(there));
-  put3(kMoving + 4 + 3 * back, moved, d_back);
+  d_raw[kDynamic * ld + moved] = d_prior;
+  put3(kDynamic + 1, moved, d_exponent * gate(there));
+  put3(kDynamic + 4 + 3 * back, moved, d_back);
   Base d_base;  // of the same place
   d_base.of[0] = vec4(d_exponent, d_gate.x);
   d_base.of[1] = vec4(d_gate.yz, back == 0 ? d_back.xy : vec2(0));
@@ -102,33 +103,33 @@ void displaced_backward(Ray ray, View neighbour, int s, int moved, vec3 point, v
 // What the neighbour's picture of sample k says of it: adds to d_density (static, dynamic, displaced, as they
 // add up) and to the gradient of the static residual.
 void neighbour_backward(Ray ray, View neighbour, int s, int moved, int k, bool last, vec3 d_warped,
-                        vec3 landing_still, inout float behind, inout vec3 d_density,
+                        vec3 landing_static, inout float behind, inout vec3 d_density,
                         inout vec3 d_residual) {
   const vec4 density = density_of[k];
   const float spacing = placed[5 * ld + s], total = density.x + density.z + kEmpty, share = density.z / total;
   const float weight = transmittance_there[k] * (last ? 1 : 1 - exp(-total * spacing));
   const vec3 point = point_of(moved), landing = project(neighbour, point);
-  const Base still_there = found(spot_at(ray.there, landing_still.xy));
+  const Base static_there = found(spot_at(ray.there, landing_static.xy));
   const Spot at = spot_at(ray.there, landing.xy);
-  const Base moving_there = found(at);
-  const vec3 still_exponent = exponent_of(still_there, 0, s);
-  const vec3 moving_exponent = exponent_of(moving_there, kMoving, moved);
-  const float of_still = dot(d_warped, radiance_of(still_exponent));
-  const float of_moving = dot(d_warped, radiance_of(moving_exponent));
+  const Base dynamic_there = found(at);
+  const vec3 static_exponent = exponent_of(static_there, 0, s);
+  const vec3 dynamic_exponent = exponent_of(dynamic_there, kDynamic, moved);
+  const float of_static = dot(d_warped, radiance_of(static_exponent));
+  const float of_dynamic = dot(d_warped, radiance_of(dynamic_exponent));
   const vec2 d = composite_backward(density.x, density.z, spacing, transmittance_there[k], last,
-                                    (1 - share) * of_still + share * of_moving,
-                                    weight * (of_moving - of_still), behind);
+                                    (1 - share) * of_static + share * of_dynamic,
+                                    weight * (of_dynamic - of_static), behind);
   d_density += vec3(d.x, 0, d.y);
-  d_residual += radiance_backward(still_exponent, weight * (1 - share) * d_warped) * gate(still_there);
-  displaced_backward(ray, neighbour, s, moved, point, landing, at, moving_there, moving_exponent,
+  d_residual += radiance_backward(static_exponent, weight * (1 - share) * d_warped) * gate(static_there);
+  displaced_backward(ray, neighbour, s, moved, point, landing, at, dynamic_there, dynamic_exponent,
                      weight * share * d_warped, density.z, d.y);
 }
 
 // The gradient of where a sample lands in the neighbour's picture, and of how far it is visible there: by the
 // weights of static and dynamic, and by the scene flow.
 struct Landing {
-  vec3 still;
-  float of_still, of_moving;
+  vec3 at_static;
+  float of_static, of_dynamic;
   vec3 per_share_flow;  // d flow per weight of the dynamic part
 };
 Landing landing_backward(View neighbour, int s, int moved, float occlusion, vec2 d_landing, float d_visible) {
@@ -136,20 +137,20 @@ Landing landing_backward(View neighbour, int s, int moved, float occlusion, vec2
   const vec3 point = point_of(moved);
   projection_jacobian(neighbour, point, d_u, d_v, d_d);
   Landing at;
-  at.still = project(neighbour, point_of(s));
-  at.of_still = d_visible + dot(d_landing, at.still.xy);
-  at.of_moving = d_visible * occlusion + dot(d_landing, project(neighbour, point).xy);
+  at.at_static = project(neighbour, point_of(s));
+  at.of_static = d_visible + dot(d_landing, at.at_static.xy);
+  at.of_dynamic = d_visible * occlusion + dot(d_landing, project(neighbour, point).xy);
   at.per_share_flow = unit * vec3(dot(d_landing, d_u.xy), dot(d_landing, d_v.xy), dot(d_landing, d_d.xy));
   return at;
 }
 
 void light_up(Ray ray, View neighbour, int r) {
-  const float at_rest = stillness(ray.own);
+  const float static_scale = static_prior(ray.own);
   float light = 1, light_there = 1;
   for (int k = 0; k < samples; ++k) {
     const int s = r * samples + k;
     const float spacing = placed[5 * ld + s];
-    const vec4 density = densities(ray, at_rest, neighbour, s);
+    const vec4 density = densities(ray, static_scale, neighbour, s);
     density_of[k] = density;
     transmittance[k] = light, transmittance_there[k] = light_there;
     light *= exp(-(density.x + density.y + kEmpty) * spacing);
@@ -159,7 +160,7 @@ void light_up(Ray ray, View neighbour, int r) {
 
 // From the gradient of the densities as they add up, and of the static residual, to the raw outputs. A density
 // that adds up is its own times v or 1 - v; so is its gradient by the exponent.
-void put_still(int s, float prior, vec4 density, vec3 d_density, vec3 d_residual) {
+void put_static(int s, float prior, vec4 density, vec3 d_density, vec3 d_residual) {
   const bool blends = weighted != 0 && has_dynamic != 0;
   const float v = density.w;
   d_raw[s] = density_backward(raw[s] + prior, density.x, d_density.x);
@@ -182,38 +183,38 @@ void main() {
     const float q = placed[4 * ld + s], spacing = placed[5 * ld + s];
     const float total = density.x + density.y + kEmpty, share = density.y / total;
     const float weight = transmittance[k] * (last ? 1 : 1 - exp(-total * spacing));
-    const vec3 still_exponent = exponent_of(ray.own, 0, s);
-    float of_still = d_ray(5, r) * q + dot(d_radiance, radiance_of(still_exponent));
-    float of_moving = d_ray(5, r) * q + d_ray(6, r);
-    vec3 moving_exponent = vec3(0);
+    const vec3 static_exponent = exponent_of(ray.own, 0, s);
+    float of_static = d_ray(5, r) * q + dot(d_radiance, radiance_of(static_exponent));
+    float of_dynamic = d_ray(5, r) * q + d_ray(6, r);
+    vec3 dynamic_exponent = vec3(0);
     if (has_dynamic != 0) {
-      moving_exponent = exponent_of(ray.own, kMoving, s);
-      of_moving += dot(d_radiance, radiance_of(moving_exponent));
+      dynamic_exponent = exponent_of(ray.own, kDynamic, s);
+      of_dynamic += dot(d_radiance, radiance_of(dynamic_exponent));
     }
-    const int plane_of_occlusion = kMoving + 10 + ray.toward;
+    const int plane_of_occlusion = kDynamic + 10 + ray.toward;
     float occlusion = 0;
     Landing landing = Landing(vec3(0), 0, 0, vec3(0));
     if (ray.warps) {
       occlusion = sigmoid(raw[plane_of_occlusion * ld + s]);
       landing = landing_backward(neighbour, s, moved, occlusion, vec2(d_ray(3, r), d_ray(4, r)), d_ray(7, r));
-      of_still += landing.of_still, of_moving += landing.of_moving;
+      of_static += landing.of_static, of_dynamic += landing.of_dynamic;
     }
     vec3 d_density = vec3(0);
-    vec3 d_residual = radiance_backward(still_exponent, weight * (1 - share) * d_radiance) * gate(ray.own);
+    vec3 d_residual = radiance_backward(static_exponent, weight * (1 - share) * d_radiance) * gate(ray.own);
     d_density.xy = composite_backward(density.x, density.y, spacing, transmittance[k], last,
-                                      d_sample(0, s) + (1 - share) * of_still + share * of_moving,
-                                      weight * (of_moving - of_still), behind);
+                                      d_sample(0, s) + (1 - share) * of_static + share * of_dynamic,
+                                      weight * (of_dynamic - of_static), behind);
     if (ray.warps)
-      neighbour_backward(ray, neighbour, s, moved, k, last, d_warped, landing.still, behind_there, d_density,
-                         d_residual);
+      neighbour_backward(ray, neighbour, s, moved, k, last, d_warped, landing.at_static, behind_there,
+                         d_density, d_residual);
     const float prior = surface_prior(q, surface(ray.own)).x;
-    put_still(s, prior, density, d_density, d_residual);
+    put_static(s, prior, density, d_density, d_residual);
     if (has_dynamic == 0) continue;
-    d_raw[kMoving * ld + s] = density_backward(raw[kMoving * ld + s] + prior, density.y, d_density.y);
-    put3(kMoving + 1, s, radiance_backward(moving_exponent, weight * share * d_radiance) * gate(ray.own));
+    d_raw[kDynamic * ld + s] = density_backward(raw[kDynamic * ld + s] + prior, density.y, d_density.y);
+    put3(kDynamic + 1, s, radiance_backward(dynamic_exponent, weight * share * d_radiance) * gate(ray.own));
     const vec3 d_flow = weight * share * landing.per_share_flow;
     [[dont_unroll]] for (int i = 0; i < 2; ++i)
-      put3(kMoving + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (i == ray.toward ? d_flow : vec3(0)));
+      put3(kDynamic + 4 + 3 * i, s, d_sample3(1 + 3 * i, s) + (i == ray.toward ? d_flow : vec3(0)));
     if (!ray.warps) continue;
     const float d_occlusion = weight * share * d_ray(7, r) + d_sample(7, s);
     d_raw[plane_of_occlusion * ld + s] = d_occlusion * occlusion * (1 - occlusion);

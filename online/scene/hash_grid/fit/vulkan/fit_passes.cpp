@@ -118,7 +118,7 @@ void FitPasses::backward(const GpuBranch& branch, const GpuRays& rays, SampleRan
                       NetworkConstants(branch, rays.ld(), samples), {samples.count, 1, 1});
 }
 
-void FitPasses::warp_backward(const GpuBranch& moving, const GpuRays& rays) const {
+void FitPasses::warp_backward(const GpuBranch& dynamic, const GpuRays& rays) const {
   struct {
     float unit[3];
     int count, samples, ld, levels, level_size, d_place, plane_of_flow;
@@ -126,15 +126,15 @@ void FitPasses::warp_backward(const GpuBranch& moving, const GpuRays& rays) cons
               rays.count(),
               rays.samples(),
               rays.ld(),
-              moving.levels,
-              moving.level_size(),
+              dynamic.levels,
+              dynamic.level_size(),
               GpuRays::kPlacePlane,
-              moving.plane_of_raw + DynamicHead::kFlow};
+              dynamic.plane_of_raw + DynamicHead::kFlow};
   flow_units(rays.frustum(), constants.unit);
   device_->work().run(
       *kernels_[kWarpBackward],
-      {*rays.told, *rays.placed, *moving.tables, *moving.d_features, *rays.d_raw, *moving.lattice}, constants,
-      {rays.count(), 1, 1});
+      {*rays.told, *rays.placed, *dynamic.tables, *dynamic.d_features, *rays.d_raw, *dynamic.lattice},
+      constants, {rays.count(), 1, 1});
 }
 
 void FitPasses::add_up(const GpuBranch& branch, int ld, int count) const {

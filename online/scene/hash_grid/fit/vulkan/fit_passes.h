@@ -28,7 +28,7 @@ class FitPasses {
   // d_features from d_raw, and the parts of the parameters' gradient
   void backward(const GpuBranch& branch, const GpuRays& rays, SampleRange samples) const;
   // d_raw of the scene flow += that of the displaced samples: the gradient of follow()
-  void warp_backward(const GpuBranch& moving, const GpuRays& rays) const;
+  void warp_backward(const GpuBranch& dynamic, const GpuRays& rays) const;
   // d_network, energy and peaks over samples 0 .. count - 1
   void add_up(const GpuBranch& branch, int ld, int count) const;
   // the tables' gradient from d_features and peaks

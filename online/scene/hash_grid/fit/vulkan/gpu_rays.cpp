@@ -113,14 +113,14 @@ void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, 
     ray.inverse_depth[k] = placed_at(kInverseDepth);
     trace.combined.weight[k] = seen_of_sample(seen_, kWeight, s);
     if (!has_dynamic_) continue;
-    FieldSample<float>& moving = ray.moving[k];
+    FieldSample<float>& dynamic = ray.dynamic[k];
     for (int n = 0; n < 2; ++n)
       for (int a = 0; a < 3; ++a) {
-        moving.flow_residual[n][a] = seen_of_sample(seen_, kFlow + 3 * n + a, s);
-        moving.flow[n][a] = moving.flow_residual[n][a] + (a < 2 ? told_here[kBaseFlow + 2 * n + a] : 0);
+        dynamic.flow_residual[n][a] = seen_of_sample(seen_, kFlow + 3 * n + a, s);
+        dynamic.flow[n][a] = dynamic.flow_residual[n][a] + (a < 2 ? told_here[kBaseFlow + 2 * n + a] : 0);
       }
     if (!ray.warps) continue;
-    moving.occlusion[there] = seen_of_sample(seen_, kOcclusion, s);
+    dynamic.occlusion[there] = seen_of_sample(seen_, kOcclusion, s);
     for (int a = 0; a < 3; ++a) ray.warped[k].flow[back][a] = seen_of_sample(seen_, kFlowBack + a, s);
   }
 }
@@ -138,12 +138,12 @@ void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayPicture
   const auto there = static_cast<std::size_t>(ray.toward), back = 1 - there;
   for (int k = 0; k < samples_; ++k) {
     const std::size_t s = r * static_cast<std::size_t>(samples_) + static_cast<std::size_t>(k);
-    const FieldSample<float>& moving = d_ray.moving[k];
+    const FieldSample<float>& dynamic = d_ray.dynamic[k];
     seen_of_sample(d_seen_, kWeight, s) = d_ray_weight[k];
     for (int n = 0; n < 2; ++n)
       for (int a = 0; a < 3; ++a)
-        seen_of_sample(d_seen_, kFlow + 3 * n + a, s) = moving.flow[n][a] + moving.flow_residual[n][a];
-    seen_of_sample(d_seen_, kOcclusion, s) = moving.occlusion[there];
+        seen_of_sample(d_seen_, kFlow + 3 * n + a, s) = dynamic.flow[n][a] + dynamic.flow_residual[n][a];
+    seen_of_sample(d_seen_, kOcclusion, s) = dynamic.occlusion[there];
     for (int a = 0; a < 3; ++a) seen_of_sample(d_seen_, kFlowBack + a, s) = d_ray.warped[k].flow[back][a];
   }
 }
@@ -156,7 +156,7 @@ void GpuRays::losses(const StepSetting<float>& step, std::span<const TrainingRay
   const FieldSample<float> none;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     unpack(step, rays[i], first + i, ray, picture, trace);
-    std::fill_n(d_ray.moving, samples_, none), std::fill_n(d_ray.warped, samples_, none);
+    std::fill_n(d_ray.dynamic, samples_, none), std::fill_n(d_ray.warped, samples_, none);
     RayPicture<float> d_picture;
     float d_ray_weight[kMaxSamples] = {};
     LossValues<float> losses{};

@@ -9,7 +9,7 @@
 //   base    [frames of the window, rows, cols, 4 vectors]: BasePixel
 #include "online/scene/hash_grid/field/vulkan/camera.glsl"
 
-const int kMostSamples = 16, kMoving = 8;  // kMoving: the dynamic outputs' first plane
+const int kMostSamples = 16, kDynamic = 8;  // kDynamic: the dynamic outputs' first plane
 const float kDensityBound = 12, kRadianceBound = 20, kEmpty = 1e-6;
 
 struct Base {
@@ -80,28 +80,28 @@ vec3 exponent_of(Base known, int plane, int s) {
 }
 vec3 radiance_of(vec3 exponent) { return exp(clamp(exponent, -kRadianceBound, kRadianceBound)); }
 
-// A moving base is not static.
-float stillness(Base own) {
+// The prior of the static density: a base that moves is not static.
+float static_prior(Base own) {
   const vec4 speed = abs(vec4(own.of[1].zw, own.of[2].xy));
   return exp(-clamp(4 * (max(max(speed.x, speed.y), max(speed.z, speed.w)) - 0.25), 0.0, 6.0));
 }
 vec3 scene_flow(Ray ray, int s) {
   const int first = 2 * ray.toward;
   const vec4 known = vec4(ray.own.of[1].zw, ray.own.of[2].xy);
-  return triple(kMoving + 4 + 3 * ray.toward, s) + vec3(first == 0 ? known.xy : known.zw, 0);
+  return triple(kDynamic + 4 + 3 * ray.toward, s) + vec3(first == 0 ? known.xy : known.zw, 0);
 }
 
 // Densities of sample s, as they add up: static, dynamic, and dynamic where the neighbour sees it; v in w.
-vec4 densities(Ray ray, float still_at_rest, View neighbour, int s) {
+vec4 densities(Ray ray, float static_scale, View neighbour, int s) {
   const float prior = surface_prior(placed[4 * ld + s], surface(ray.own)).x;
   const float v = sigmoid(raw[4 * ld + s]);
-  vec3 density = vec3(bounded_exp(raw[s] + prior) * still_at_rest, 0, 0);
-  if (has_dynamic != 0) density.y = bounded_exp(raw[kMoving * ld + s] + prior);
+  vec3 density = vec3(bounded_exp(raw[s] + prior) * static_scale, 0, 0);
+  if (has_dynamic != 0) density.y = bounded_exp(raw[kDynamic * ld + s] + prior);
   if (ray.warps) {
     const int moved = rays * samples + s;
     const vec3 landing = project(neighbour, point_of(moved));
     const float there = found(spot_at(ray.there, landing.xy), 3).x;
-    density.z = bounded_exp(raw[kMoving * ld + moved] + surface_prior(landing.z, there).x);
+    density.z = bounded_exp(raw[kDynamic * ld + moved] + surface_prior(landing.z, there).x);
   }
   if (weighted != 0 && has_dynamic != 0) density *= vec3(v, 1 - v, 1 - v);
   return vec4(density, v);

@@ -25,7 +25,7 @@ void main() {
   if (r >= rays) return;
   const Ray ray = ray_at(r);
   const View neighbour = from_anchor(ray.there);
-  const float at_rest = stillness(ray.own);
+  const float static_scale = static_prior(ray.own);
   vec3 radiance = vec3(0), warped = vec3(0);
   vec2 landing = vec2(0);
   float light = 1, light_there = 1, depth = 0, share = 0, visible = 0;
@@ -33,36 +33,36 @@ void main() {
     const int s = r * samples + k, moved = n + s, of_samples = 11 * rays + s;
     const bool last = k + 1 == samples;
     const float spacing = placed[5 * ld + s];
-    const vec4 density = densities(ray, at_rest, neighbour, s);
+    const vec4 density = densities(ray, static_scale, neighbour, s);
     const float total = density.x + density.y + kEmpty, passed = last ? 0 : exp(-total * spacing);
     const float weight = light * (1 - passed);
-    const float moving = weight * density.y / total, still = weight - moving;
+    const float dynamic_weight = weight * density.y / total, static_weight = weight - dynamic_weight;
     light *= passed;
-    radiance += still * radiance_of(exponent_of(ray.own, 0, s));
-    if (has_dynamic != 0) radiance += moving * radiance_of(exponent_of(ray.own, kMoving, s));
-    depth += weight * placed[4 * ld + s], share += moving;
+    radiance += static_weight * radiance_of(exponent_of(ray.own, 0, s));
+    if (has_dynamic != 0) radiance += dynamic_weight * radiance_of(exponent_of(ray.own, kDynamic, s));
+    depth += weight * placed[4 * ld + s], share += dynamic_weight;
     seen[of_samples] = weight;
     if (has_dynamic != 0)
       [[dont_unroll]] for (int i = 0; i < 6; ++i)
-        seen[of_samples + (1 + i) * n] = raw[(kMoving + 4 + i) * ld + s];
+        seen[of_samples + (1 + i) * n] = raw[(kDynamic + 4 + i) * ld + s];
     if (!ray.warps) continue;
-    const float occlusion = sigmoid(raw[(kMoving + 10 + ray.toward) * ld + s]);
-    const vec3 at_still = project(neighbour, point_of(s)), at_moving = project(neighbour, point_of(moved));
-    landing += still * at_still.xy + moving * at_moving.xy;
-    visible += still + moving * occlusion;
-    const Base still_there = found(spot_at(ray.there, at_still.xy));
-    const Base moving_there = found(spot_at(ray.there, at_moving.xy));
+    const float occlusion = sigmoid(raw[(kDynamic + 10 + ray.toward) * ld + s]);
+    const vec3 at_static = project(neighbour, point_of(s)), at_dynamic = project(neighbour, point_of(moved));
+    landing += static_weight * at_static.xy + dynamic_weight * at_dynamic.xy;
+    visible += static_weight + dynamic_weight * occlusion;
+    const Base static_there = found(spot_at(ray.there, at_static.xy));
+    const Base dynamic_there = found(spot_at(ray.there, at_dynamic.xy));
     const float total_there = density.x + density.z + kEmpty;
     const float passed_there = last ? 0 : exp(-total_there * spacing);
     const float weight_there = light_there * (1 - passed_there);
-    const float warped_moving = weight_there * density.z / total_there;
+    const float warped_dynamic = weight_there * density.z / total_there;
     light_there *= passed_there;
-    warped += (weight_there - warped_moving) * radiance_of(exponent_of(still_there, 0, s)) +
-              warped_moving * radiance_of(exponent_of(moving_there, kMoving, moved));
+    warped += (weight_there - warped_dynamic) * radiance_of(exponent_of(static_there, 0, s)) +
+              warped_dynamic * radiance_of(exponent_of(dynamic_there, kDynamic, moved));
     seen[of_samples + 7 * n] = occlusion;
     const int back = 1 - ray.toward;
-    const vec4 known = vec4(moving_there.of[1].zw, moving_there.of[2].xy);
-    const vec3 flow = triple(kMoving + 4 + 3 * back, moved) + vec3(back == 0 ? known.xy : known.zw, 0);
+    const vec4 known = vec4(dynamic_there.of[1].zw, dynamic_there.of[2].xy);
+    const vec3 flow = triple(kDynamic + 4 + 3 * back, moved) + vec3(back == 0 ? known.xy : known.zw, 0);
     for (int a = 0; a < 3; ++a) seen[of_samples + (8 + a) * n] = flow[a];
   }
   put(r, 0, radiance), put(r, 3, landing.x), put(r, 4, landing.y), put(r, 5, depth), put(r, 6, share);

@@ -16,34 +16,36 @@ double sum_of(std::span<const float> values) {
 Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const FieldNetworks<float>& networks) {
   const std::lock_guard turn(device.turn());
   FitPasses passes = TRY(FitPasses::make(device));
-  GpuBranch still = TRY(GpuBranch::make(device, networks.still, 0));
-  GpuBranch moving = TRY(GpuBranch::make(device, networks.moving, GpuRays::kStillOutputs));
-  return std::unique_ptr<VulkanFit>(new VulkanFit(device, passes, std::move(still), std::move(moving)));
+  GpuBranch static_branch = TRY(GpuBranch::make(device, networks.static_, 0));
+  GpuBranch dynamic_branch = TRY(GpuBranch::make(device, networks.dynamic, GpuRays::kStaticOutputs));
+  return std::unique_ptr<VulkanFit>(
+      new VulkanFit(device, passes, std::move(static_branch), std::move(dynamic_branch)));
 }
 
 VulkanFit::~VulkanFit() {
   const std::lock_guard turn(device_.turn());
-  still_ = {}, moving_ = {}, rays_ = {};
+  static_ = {}, dynamic_ = {}, rays_ = {};
 }
 
-Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& still,
-                              const OptimisedBranch& moving, const StepSize& most) {
+Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& static_branch,
+                              const OptimisedBranch& dynamic_branch, const StepSize& most) {
   const std::lock_guard turn(device_.turn());
   due_.reset();
   const int ld = 2 * most.rays * most.samples_per_ray;
   TRY(rays_.reserve(device_, window, most.rays, most.samples_per_ray));
-  TRY(still_.reserve(device_, ld));
-  TRY(moving_.reserve(device_, ld));
+  TRY(static_.reserve(device_, ld));
+  TRY(dynamic_.reserve(device_, ld));
   GpuWork& work = device_.work();
   rays_.upload_window(work, window);
-  still_.upload(work, still);
-  if (most.has_dynamic) moving_.upload(work, moving);
+  static_.upload(work, static_branch);
+  if (most.has_dynamic) dynamic_.upload(work, dynamic_branch);
   return work.finish();
 }
 
 Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
                                   std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
-                                  OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
+                                  OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
+                                  StepSums& sums) {
   CHECK(rays.size() % kRaysPerShard == 0 && step.has_static);
   const std::size_t shards = rays.size() / kRaysPerShard;
   CHECK(!due_ || rays_.is_alike(step, rays.size()));
@@ -55,7 +57,7 @@ Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<cons
   });
   TRY(forward(step));
   losses(step, rays, pool, sums);
-  return backward(still, moving, sums);
+  return backward(static_branch, dynamic_branch, sums);
 }
 
 // From the rays to what is seen along them.
@@ -65,11 +67,11 @@ Result<void> VulkanFit::forward(const StepSetting<float>& step) {
   record_due();
   const int n = rays_.count();
   rays_.upload_placed(work);
-  passes_.forward(still_, rays_, {0, n});
+  passes_.forward(static_, rays_, {0, n});
   if (step.has_dynamic) {
-    passes_.forward(moving_, rays_, {0, n});
+    passes_.forward(dynamic_, rays_, {0, n});
     passes_.follow(rays_);
-    passes_.forward(moving_, rays_, {n, n});
+    passes_.forward(dynamic_, rays_, {n, n});
   }
   passes_.render(rays_);
   rays_.download_seen(work);
@@ -101,30 +103,31 @@ void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingR
 
 // From the losses' gradient to that of the parameters. The displaced samples come first: what they say of
 // their places is a part of the gradient of those that displaced them.
-Result<void> VulkanFit::backward(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums) {
+Result<void> VulkanFit::backward(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
+                                 StepSums& sums) {
   const std::lock_guard turn(device_.turn());
   GpuWork& work = device_.work();
   const int n = rays_.count();
   rays_.upload_d_seen(work);
   passes_.composite_backward(rays_);
   if (rays_.has_dynamic()) {
-    passes_.backward(moving_, rays_, {n, n});
-    passes_.warp_backward(moving_, rays_);
-    passes_.backward(moving_, rays_, {0, n});
-    passes_.add_up(moving_, rays_.ld(), 2 * n);
-    fetch(moving_, 2 * n, fetched_moving_);
+    passes_.backward(dynamic_, rays_, {n, n});
+    passes_.warp_backward(dynamic_, rays_);
+    passes_.backward(dynamic_, rays_, {0, n});
+    passes_.add_up(dynamic_, rays_.ld(), 2 * n);
+    fetch(dynamic_, 2 * n, fetched_dynamic_);
   }
-  passes_.backward(still_, rays_, {0, n});
-  passes_.add_up(still_, rays_.ld(), n);
-  fetch(still_, n, fetched_still_);
+  passes_.backward(static_, rays_, {0, n});
+  passes_.add_up(static_, rays_.ld(), n);
+  fetch(static_, n, fetched_static_);
   TRY(work.finish());
-  untile(still.branch.mlp, fetched_still_.d_network, still.d_network);
-  sums.feature_energy = sum_of(fetched_still_.energy);
+  untile(static_branch.branch.mlp, fetched_static_.d_network, static_branch.d_network);
+  sums.feature_energy = sum_of(fetched_static_.energy);
   if (rays_.has_dynamic()) {
-    untile(moving.branch.mlp, fetched_moving_.d_network, moving.d_network);
-    sums.feature_energy += sum_of(fetched_moving_.energy);
+    untile(dynamic_branch.branch.mlp, fetched_dynamic_.d_network, dynamic_branch.d_network);
+    sums.feature_energy += sum_of(fetched_dynamic_.energy);
   } else {
-    std::fill(moving.d_network.begin(), moving.d_network.end(), 0.f);
+    std::fill(dynamic_branch.d_network.begin(), dynamic_branch.d_network.end(), 0.f);
   }
   return {};
 }
@@ -143,20 +146,20 @@ void VulkanFit::record_due() {
     passes_.scatter(branch, rays_, count);
     passes_.adam(branch, due_->table_step, due_->network_step, count);
   };
-  apply(still_, rays_.count());
-  if (rays_.has_dynamic()) apply(moving_, 2 * rays_.count());
+  apply(static_, rays_.count());
+  if (rays_.has_dynamic()) apply(dynamic_, 2 * rays_.count());
   due_.reset();
 }
 
-Result<void> VulkanFit::collect(OptimisedBranch& still, OptimisedBranch& moving) {
+Result<void> VulkanFit::collect(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch) {
   const std::lock_guard turn(device_.turn());
   GpuWork& work = device_.work();
   record_due();
-  still_.download(work, still, arrived_still_);
-  if (rays_.has_dynamic()) moving_.download(work, moving, arrived_moving_);
+  static_.download(work, static_branch, arrived_static_);
+  if (rays_.has_dynamic()) dynamic_.download(work, dynamic_branch, arrived_dynamic_);
   TRY(work.finish());
-  GpuBranch::take(arrived_still_, still);
-  if (rays_.has_dynamic()) GpuBranch::take(arrived_moving_, moving);
+  GpuBranch::take(arrived_static_, static_branch);
+  if (rays_.has_dynamic()) GpuBranch::take(arrived_dynamic_, dynamic_branch);
   return {};
 }
 

@@ -26,7 +26,7 @@ struct StepSums {
 // What the steps between begin() and collect() have in common.
 struct StepSize {
   int rays, samples_per_ray;
-  bool has_dynamic;  // without it the moving branch stays here
+  bool has_dynamic;  // without it the dynamic branch stays on the CPU
 };
 
 class VulkanFit {
@@ -39,18 +39,18 @@ class VulkanFit {
   ~VulkanFit();
 
   // The parameters with their moments, and the window that they are fitted to. What was there is forgotten.
-  Result<void> begin(const WindowFrames& window, const OptimisedBranch& still, const OptimisedBranch& moving,
-                     const StepSize& most);
+  Result<void> begin(const WindowFrames& window, const OptimisedBranch& static_branch,
+                     const OptimisedBranch& dynamic_branch, const StepSize& most);
   // One step's losses and gradients, d_network of the branches among them; shard i of the rays has stream
   // first_stream + i of the seed's random numbers. Until collect(), steps have as many rays, samples and
   // branches as the one before them.
   Result<void> gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
                          std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
-                         OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
+                         OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch, StepSums& sums);
   // Takes the step of the last gradients(); it is on its way with the next call.
   void take(const AdamStep& table_step, const AdamStep& network_step) { due_ = {table_step, network_step}; }
   // The parameters with their moments as the steps have left them. On an error they stay as they were.
-  Result<void> collect(OptimisedBranch& still, OptimisedBranch& moving);
+  Result<void> collect(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch);
 
   const GpuFacts& device() const { return device_.facts(); }
 
@@ -63,10 +63,13 @@ class VulkanFit {
     std::vector<float> d_network, energy;
   };
 
-  VulkanFit(GpuDevice& device, FitPasses passes, GpuBranch still, GpuBranch moving)
-      : device_(device), passes_(passes), still_(std::move(still)), moving_(std::move(moving)) {}
+  VulkanFit(GpuDevice& device, FitPasses passes, GpuBranch static_branch, GpuBranch dynamic_branch)
+      : device_(device),
+        passes_(passes),
+        static_(std::move(static_branch)),
+        dynamic_(std::move(dynamic_branch)) {}
   Result<void> forward(const StepSetting<float>& step);
-  Result<void> backward(OptimisedBranch& still, OptimisedBranch& moving, StepSums& sums);
+  Result<void> backward(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch, StepSums& sums);
   void losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
               StepSums& sums);
   void record_due();
@@ -74,12 +77,12 @@ class VulkanFit {
 
   GpuDevice& device_;
   FitPasses passes_;
-  GpuBranch still_, moving_;
+  GpuBranch static_, dynamic_;
   GpuRays rays_;
   std::optional<Due> due_;
   std::vector<ShardLosses> shard_losses_;  // by shard
-  Fetched fetched_still_, fetched_moving_;
-  GpuBranch::Arrival arrived_still_, arrived_moving_;
+  Fetched fetched_static_, fetched_dynamic_;
+  GpuBranch::Arrival arrived_static_, arrived_dynamic_;
 };
 
 }  // namespace hdrcam

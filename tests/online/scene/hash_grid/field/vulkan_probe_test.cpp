@@ -35,7 +35,7 @@ struct Scene {
     return shape;
   }
   explicit Scene(Blend blend = Blend::DensitySum) : networks(shape(blend), random) {
-    for (auto* branch : {&networks.still, &networks.moving}) {
+    for (auto* branch : {&networks.static_, &networks.dynamic}) {
       for (float& value : branch->grid.tables().samples()) value *= 60;
       for (float& value : branch->mlp.parameters()) value = 2 * value + random.uniform(-0.1f, 0.1f);
     }

@@ -13,7 +13,7 @@ namespace {
 std::vector<float> parameters(const FieldFit& fit) {
   std::vector<float> all;
   const FieldNetworks<float>& networks = fit.field().networks;
-  for (const Branch<float>* branch : {&networks.still, &networks.moving}) {
+  for (const Branch<float>* branch : {&networks.static_, &networks.dynamic}) {
     const auto tables = branch->grid.tables().samples();
     const auto network = branch->mlp.parameters();
     all.insert(all.end(), tables.begin(), tables.end());
@@ -40,10 +40,10 @@ TEST_CASE("a step moves parameters of both branches", "[isa][field]") {
   const auto network_of = [](const Branch<float>& branch) {
     return std::vector<float>(branch.mlp.parameters().begin(), branch.mlp.parameters().end());
   };
-  const auto still = network_of(networks.still), moving = network_of(networks.moving);
+  const auto static_before = network_of(networks.static_), dynamic_before = network_of(networks.dynamic);
   REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
-  CHECK(network_of(networks.still) != still);
-  CHECK(network_of(networks.moving) != moving);
+  CHECK(network_of(networks.static_) != static_before);
+  CHECK(network_of(networks.dynamic) != dynamic_before);
 }
 
 TEST_CASE("a step that is not a number changes no parameter, and is counted", "[isa][field][stability]") {

@@ -35,7 +35,7 @@ struct Bench {
       : networks(small_shape(blend), random), shard(networks, kRays, kSamples) {
     // away from the start, where residuals are nearly zero, many gradients vanish, and a unit whose inputs
     // are all off sits exactly on the kink of its rectifier
-    for (auto* branch : {&networks.still, &networks.moving}) {
+    for (auto* branch : {&networks.static_, &networks.dynamic}) {
       for (double& value : branch->grid.tables().samples()) value *= 60;
       for (double& value : branch->mlp.parameters())
         value = 2 * value + static_cast<double>(random.uniform(-0.1f, 0.1f));
@@ -52,11 +52,12 @@ struct Bench {
   }
 
   void gradients() {
-    for (auto* branch : {&networks.still, &networks.moving}) branch->grid.reserve_gradient();
+    for (auto* branch : {&networks.static_, &networks.dynamic}) branch->grid.reserve_gradient();
     loss();
-    for (int l = 0; l < networks.still.grid.shape().levels; ++l) shard.scatter_static(l, networks.still.grid);
-    for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
-      shard.scatter_dynamic(l, networks.moving.grid);
+    for (int l = 0; l < networks.static_.grid.shape().levels; ++l)
+      shard.scatter_static(l, networks.static_.grid);
+    for (int l = 0; l < networks.dynamic.grid.shape().levels; ++l)
+      shard.scatter_dynamic(l, networks.dynamic.grid);
   }
 
   // Along the gradient and along two random directions.
@@ -91,15 +92,15 @@ struct Bench {
     gradients();
     const std::vector<double> d_static(shard.d_static().begin(), shard.d_static().end());
     const std::vector<double> d_dynamic(shard.d_dynamic().begin(), shard.d_dynamic().end());
-    SECTION("static network") { check(networks.still.mlp.parameters(), d_static); }
-    SECTION("dynamic network") { check(networks.moving.mlp.parameters(), d_dynamic); }
+    SECTION("static network") { check(networks.static_.mlp.parameters(), d_static); }
+    SECTION("dynamic network") { check(networks.dynamic.mlp.parameters(), d_dynamic); }
     SECTION("static tables") {
-      for (int l = 0; l < networks.still.grid.shape().levels; ++l)
-        check(networks.still.grid.table(l), networks.still.grid.d_table(l));
+      for (int l = 0; l < networks.static_.grid.shape().levels; ++l)
+        check(networks.static_.grid.table(l), networks.static_.grid.d_table(l));
     }
     SECTION("dynamic tables") {
-      for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
-        check(networks.moving.grid.table(l), networks.moving.grid.d_table(l));
+      for (int l = 0; l < networks.dynamic.grid.shape().levels; ++l)
+        check(networks.dynamic.grid.table(l), networks.dynamic.grid.d_table(l));
     }
   }
 };

@@ -45,7 +45,7 @@ struct Stream {
   }
   std::vector<float> parameters() const {
     std::vector<float> all;
-    for (const Branch<float>* branch : {&fit.field().networks.still, &fit.field().networks.moving}) {
+    for (const Branch<float>* branch : {&fit.field().networks.static_, &fit.field().networks.dynamic}) {
       const auto tables = branch->grid.tables().samples();
       all.insert(all.end(), tables.begin(), tables.end());
       all.insert(all.end(), branch->mlp.parameters().begin(), branch->mlp.parameters().end());

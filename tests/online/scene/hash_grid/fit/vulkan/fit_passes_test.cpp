@@ -22,11 +22,11 @@ struct Bench {
   WindowFixture scene{12, 16, 3, true};
   Pcg32 random{3};
   FieldNetworks<float> networks;
-  OptimisedBranch still{networks.still}, moving{networks.moving};
+  OptimisedBranch static_branch{networks.static_}, dynamic_branch{networks.dynamic};
   LearnedResponse<float> response{scene.response};
   LossWeights weights{};
   std::optional<FitPasses> passes;
-  GpuBranch still_there, moving_there;
+  GpuBranch static_gpu, dynamic_gpu;
   GpuRays rays;
   Image<float> position{4, 1, kRow};  // and slot
   std::vector<std::int32_t> slot = std::vector<std::int32_t>(kRow, 0);
@@ -40,25 +40,25 @@ struct Bench {
   }
   explicit Bench(std::unique_ptr<GpuDevice> device) : gpu(std::move(device)), networks(shape(), random) {
     if (gpu == nullptr) return;
-    for (auto* branch : {&networks.still, &networks.moving}) {
+    for (auto* branch : {&networks.static_, &networks.dynamic}) {
       for (float& value : branch->grid.tables().samples()) value = random.uniform(-1, 1);
       for (float& value : branch->mlp.parameters()) value = random.uniform(-0.5f, 0.5f);
     }
-    for (OptimisedBranch* part : {&still, &moving}) {
+    for (OptimisedBranch* part : {&static_branch, &dynamic_branch}) {
       for (float& v : part->table_mean.samples()) v = random.uniform(-0.1f, 0.1f);
       for (float& v : part->table_variance.samples()) v = random.uniform(0.1f, 0.2f);
       for (float& v : part->network.mean) v = random.uniform(-0.1f, 0.1f);
       for (float& v : part->network.variance) v = random.uniform(0.1f, 0.2f);
     }
     passes = value_of(FitPasses::make(*gpu));
-    still_there = value_of(GpuBranch::make(*gpu, networks.still, 0));
-    moving_there = value_of(GpuBranch::make(*gpu, networks.moving, GpuRays::kStillOutputs));
-    require_done(still_there.reserve(*gpu, kRow));
-    require_done(moving_there.reserve(*gpu, kRow));
+    static_gpu = value_of(GpuBranch::make(*gpu, networks.static_, 0));
+    dynamic_gpu = value_of(GpuBranch::make(*gpu, networks.dynamic, GpuRays::kStaticOutputs));
+    require_done(static_gpu.reserve(*gpu, kRow));
+    require_done(dynamic_gpu.reserve(*gpu, kRow));
     require_done(rays.reserve(*gpu, scene.window, kRays, kSamples));
     rays.begin({networks, scene.window, response, weights, kSamples, true, true, false, 1.f / kRays}, kRays);
-    still_there.upload(work(), still);
-    moving_there.upload(work(), moving);
+    static_gpu.upload(work(), static_branch);
+    dynamic_gpu.upload(work(), dynamic_branch);
     const float edges[] = {0, 1, 0.25f, 0.9999999f, -1e30f, 1e30f};
     for (int s = 0; s < kRow; ++s) {
       for (int axis = 0; axis < 3; ++axis)
@@ -87,22 +87,22 @@ struct Bench {
   GridSamples<float> samples(int count) const { return {position, slot, count}; }
   // Both branches' parameters as they are there.
   void collect() {
-    GpuBranch::Arrival of_still, of_moving;
-    still_there.download(work(), still, of_still);
-    moving_there.download(work(), moving, of_moving);
+    GpuBranch::Arrival of_static, of_dynamic;
+    static_gpu.download(work(), static_branch, of_static);
+    dynamic_gpu.download(work(), dynamic_branch, of_dynamic);
     require_done(work().finish());
-    GpuBranch::take(of_still, still);
-    GpuBranch::take(of_moving, moving);
+    GpuBranch::take(of_static, static_branch);
+    GpuBranch::take(of_dynamic, dynamic_branch);
   }
-  // The gradient that scatter() has left in the moving branch's tables: Adam's mean once its past counts for
+  // The gradient that scatter() has left in the dynamic branch's tables: Adam's mean once its past counts for
   // nothing.
   std::vector<float> table_gradient(int count) {
-    moving.table_mean.fill(0);
-    work().clear(**moving_there.table_mean);
+    dynamic_branch.table_mean.fill(0);
+    work().clear(**dynamic_gpu.table_mean);
     const AdamStep nothing_else{0, 1, 0, 0, 1};
-    passes->adam(moving_there, nothing_else, nothing_else, count);
+    passes->adam(dynamic_gpu, nothing_else, nothing_else, count);
     collect();
-    return {moving.table_mean.samples().begin(), moving.table_mean.samples().end()};
+    return {dynamic_branch.table_mean.samples().begin(), dynamic_branch.table_mean.samples().end()};
   }
 };
 
@@ -133,13 +133,13 @@ TEST_CASE("hash grids on the graphics device encode each sample in its own slot"
   Bench it(test::open_test_gpu());
   NEEDS_GPU(it.gpu);
   // in two runs, as placed and displaced samples are
-  it.passes->forward(it.moving_there, it.rays, {0, kCount});
-  it.passes->forward(it.moving_there, it.rays, {kCount, kCount});
-  const Image<float> there = it.get(it.moving_there.features, 4);
+  it.passes->forward(it.dynamic_gpu, it.rays, {0, kCount});
+  it.passes->forward(it.dynamic_gpu, it.rays, {kCount, kCount});
+  const Image<float> there = it.get(it.dynamic_gpu.features, 4);
   for (int l = 0; l < 2; ++l) {
     std::vector<float> here(2 * kRow);
-    plain::encode(it.networks.moving.grid.level(l), it.networks.moving.grid.table(l).data(), it.samples(kRow),
-                  here.data(), here.data() + kRow);
+    plain::encode(it.networks.dynamic.grid.level(l), it.networks.dynamic.grid.table(l).data(),
+                  it.samples(kRow), here.data(), here.data() + kRow);
     check_alike({there.plane(2 * l), 2 * kRow}, here, 1e-5f);
   }
 }
@@ -148,7 +148,7 @@ TEST_CASE("the networks on the graphics device and their gradients are those of 
   Bench it(test::open_test_gpu());
   NEEDS_GPU(it.gpu);
   for (const auto& [branch, there] :
-       {std::pair(&it.networks.still, &it.still_there), std::pair(&it.networks.moving, &it.moving_there)}) {
+       {std::pair(&it.networks.static_, &it.static_gpu), std::pair(&it.networks.dynamic, &it.dynamic_gpu)}) {
     INFO(branch->mlp.outputs() << " outputs");
     const Image<float> d_raw = it.rows(GpuRays::kGradientPlanes, -1, 1);
     it.put(d_raw, it.rays.d_raw);
@@ -197,16 +197,16 @@ TEST_CASE("gradients scattered on the graphics device are added up without loss,
           "[gpu]") {
   Bench it(test::open_test_gpu());
   NEEDS_GPU(it.gpu);
-  HashGrid<float>& grid = it.networks.moving.grid;
+  HashGrid<float>& grid = it.networks.dynamic.grid;
   // a level with gradients of 1 and of a ten-millionth, in slots of their own, and one with small ones only
   Image<float> d_features = it.rows(4, -1, 1);
   for (int f = 0; f < 4; ++f)
     for (int s = 0; s < kRow; ++s)
       if (f >= 2 || it.slot[static_cast<std::size_t>(s)] == 1) d_features.plane(f)[s] *= 1e-7f;
-  it.put(d_features, it.moving_there.d_features);
+  it.put(d_features, it.dynamic_gpu.d_features);
   const std::uint32_t no_peaks[2] = {std::bit_cast<std::uint32_t>(1.f), std::bit_cast<std::uint32_t>(1e-7f)};
-  it.work().upload(std::as_bytes(std::span(no_peaks)), **it.moving_there.peaks);
-  it.passes->scatter(it.moving_there, it.rays, kRow);
+  it.work().upload(std::as_bytes(std::span(no_peaks)), **it.dynamic_gpu.peaks);
+  it.passes->scatter(it.dynamic_gpu, it.rays, kRow);
   const std::vector<float> there = it.table_gradient(kRow);
   const Image<double> position = doubled(it.position), d = doubled(d_features);
   const GridSamples<double> samples{position, it.slot, kRow};
@@ -236,10 +236,10 @@ TEST_CASE("the sum of gradients on the graphics device does not depend on the or
         const int from = reversed ? kRow - 1 - s : s;
         position.plane(i)[s] = it.position.plane(i)[from], d.plane(i)[s] = d_features.plane(i)[from];
       }
-    it.put(position, it.rays.placed), it.put(d, it.moving_there.d_features);
+    it.put(position, it.rays.placed), it.put(d, it.dynamic_gpu.d_features);
     const std::uint32_t peaks[2] = {std::bit_cast<std::uint32_t>(1.f), std::bit_cast<std::uint32_t>(1.f)};
-    it.work().upload(std::as_bytes(std::span(peaks)), **it.moving_there.peaks);
-    it.passes->scatter(it.moving_there, it.rays, kRow);
+    it.work().upload(std::as_bytes(std::span(peaks)), **it.dynamic_gpu.peaks);
+    it.passes->scatter(it.dynamic_gpu, it.rays, kRow);
     return it.table_gradient(kRow);
   };
   const std::vector<float> forward = scattered(false), backward = scattered(true);
@@ -251,49 +251,49 @@ TEST_CASE("Adam on the graphics device moves what has a gradient, as the process
           "[gpu]") {
   Bench it(test::open_test_gpu());
   NEEDS_GPU(it.gpu);
-  HashGrid<float>& grid = it.networks.moving.grid;
-  const Mlp<float>& mlp = it.networks.moving.mlp;
+  HashGrid<float>& grid = it.networks.dynamic.grid;
+  const Mlp<float>& mlp = it.networks.dynamic.mlp;
   Image<float> d_features = it.rows(4, -1, 1);
-  it.put(d_features, it.moving_there.d_features);
+  it.put(d_features, it.dynamic_gpu.d_features);
   std::vector<float> d_network(mlp.parameters().size());
   for (std::size_t i = 0; i < d_network.size(); i += 3) d_network[i] = it.random.uniform(-1, 1);
   const std::uint32_t peaks[2] = {std::bit_cast<std::uint32_t>(1.f), std::bit_cast<std::uint32_t>(1.f)};
-  it.work().upload(std::as_bytes(std::span(peaks)), **it.moving_there.peaks);
-  it.work().upload(std::as_bytes(std::span<const float>(tiled(mlp, d_network))), **it.moving_there.d_network);
+  it.work().upload(std::as_bytes(std::span(peaks)), **it.dynamic_gpu.peaks);
+  it.work().upload(std::as_bytes(std::span<const float>(tiled(mlp, d_network))), **it.dynamic_gpu.d_network);
   // few samples, so that most entries have none; and inside of cells, as a weight of 1e-17 is none there
   constexpr int kFew = 8;
   for (int i = 0; i < 4; ++i) std::copy_n(it.position.plane(i) + 10, kFew, it.position.plane(i));
   std::copy_n(it.slot.begin() + 10, kFew, it.slot.begin());
   it.put(it.position, it.rays.placed);
-  it.passes->scatter(it.moving_there, it.rays, kFew);
+  it.passes->scatter(it.dynamic_gpu, it.rays, kFew);
   const AdamStep table_step = adam_step({}, 0.01f, 0.5f, 3), network_step = adam_step({}, 0.002f, 0.5f, 3);
-  it.passes->adam(it.moving_there, table_step, network_step, kFew);
+  it.passes->adam(it.dynamic_gpu, table_step, network_step, kFew);
 
   const std::size_t level_size = grid.table(0).size();
-  std::vector<float> table(it.moving.branch.grid.tables().samples().begin(),
-                           it.moving.branch.grid.tables().samples().end());
+  std::vector<float> table(it.dynamic_branch.branch.grid.tables().samples().begin(),
+                           it.dynamic_branch.branch.grid.tables().samples().end());
   std::vector<float> d_table(table.size()),
-      mean(it.moving.table_mean.samples().begin(), it.moving.table_mean.samples().end());
-  std::vector<float> variance(it.moving.table_variance.samples().begin(),
-                              it.moving.table_variance.samples().end());
+      mean(it.dynamic_branch.table_mean.samples().begin(), it.dynamic_branch.table_mean.samples().end());
+  std::vector<float> variance(it.dynamic_branch.table_variance.samples().begin(),
+                              it.dynamic_branch.table_variance.samples().end());
   for (int l = 0; l < 2; ++l)
     plain::scatter(grid.level(l), d_table.data() + static_cast<std::size_t>(l) * level_size, it.samples(kFew),
                    d_features.plane(2 * l), d_features.plane(2 * l + 1));
   std::vector<float> network(mlp.parameters().begin(), mlp.parameters().end()),
-      network_mean = it.moving.network.mean;
-  std::vector<float> network_variance = it.moving.network.variance;
+      network_mean = it.dynamic_branch.network.mean;
+  std::vector<float> network_variance = it.dynamic_branch.network.variance;
   const std::vector<float> before = table, touched = d_table;
   plain::adam(table_step, table.size(), table.data(), d_table.data(), mean.data(), variance.data());
   plain::adam(network_step, network.size(), network.data(), d_network.data(), network_mean.data(),
               network_variance.data());
   it.collect();
-  const auto moved = it.moving.branch.grid.tables().samples();
+  const auto moved = it.dynamic_branch.branch.grid.tables().samples();
   check_alike(moved, table, 1e-5f);
-  check_alike(it.moving.table_mean.samples(), mean, 1e-5f);
-  check_alike(it.moving.table_variance.samples(), variance, 1e-5f);
+  check_alike(it.dynamic_branch.table_mean.samples(), mean, 1e-5f);
+  check_alike(it.dynamic_branch.table_variance.samples(), variance, 1e-5f);
   check_alike(mlp.parameters(), network, 1e-5f);
-  check_alike(it.moving.network.mean, network_mean, 1e-5f);
-  check_alike(it.moving.network.variance, network_variance, 1e-5f);
+  check_alike(it.dynamic_branch.network.mean, network_mean, 1e-5f);
+  check_alike(it.dynamic_branch.network.variance, network_variance, 1e-5f);
   std::size_t left = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (touched[i] != 0) continue;

@@ -36,7 +36,7 @@ FieldShape small_shape(Blend blend, int frames) {
 struct Bench {
   WindowFixture scene{24, 33, kFrames, true};
   FieldNetworks<float> networks;
-  OptimisedBranch still{networks.still}, moving{networks.moving};
+  OptimisedBranch static_branch{networks.static_}, dynamic_branch{networks.dynamic};
   LearnedResponse<float> response{scene.response};
   LossWeights weights = default_loss_weights();
   int samples = 6;
@@ -55,7 +55,7 @@ struct Bench {
   static FieldNetworks<float> made(Blend blend) {
     Pcg32 random(3);
     FieldNetworks<float> networks(small_shape(blend, kFrames), random);
-    for (auto* branch : {&networks.still, &networks.moving}) {
+    for (auto* branch : {&networks.static_, &networks.dynamic}) {
       for (float& value : branch->grid.tables().samples()) value *= 60;
       for (float& value : branch->mlp.parameters()) value = 2 * value + random.uniform(-0.1f, 0.1f);
     }
@@ -66,15 +66,18 @@ struct Bench {
     return {of, scene.window, curve, weights, samples, true, has_dynamic, true, T(1) / T(kRays)};
   }
 
-  Result<void> begin() { return there->begin(scene.window, still, moving, {kRays, samples, has_dynamic}); }
+  Result<void> begin() {
+    return there->begin(scene.window, static_branch, dynamic_branch, {kRays, samples, has_dynamic});
+  }
   Result<void> gradients() {
-    return there->gradients(setting(networks, response), rays, kSeed, kStream, pool, still, moving, sums);
+    return there->gradients(setting(networks, response), rays, kSeed, kStream, pool, static_branch,
+                            dynamic_branch, sums);
   }
   // The tables' gradient, as Adam's mean once its past counts for nothing.
   void collect_gradients() {
     const AdamStep nothing_else{0, 1, 0, 0, 1};
     there->take(nothing_else, nothing_else);
-    require_done(there->collect(still, moving));
+    require_done(there->collect(static_branch, dynamic_branch));
   }
 };
 
@@ -84,13 +87,13 @@ struct Truth {
   FieldNetworks<double> networks;
   LossValues<double> losses{};
   LearnedResponse<double>::Gradient d_response{};
-  std::vector<double> d_still, d_moving;
+  std::vector<double> d_static, d_dynamic;
   double feature_energy = 0;
   std::vector<float> misfits;
 
   explicit Truth(const Bench& bench) : networks(small_shape(bench.networks.blend, kFrames), random) {
-    for (auto [to, from] :
-         {std::pair(&networks.still, &bench.networks.still), {&networks.moving, &bench.networks.moving}}) {
+    for (auto [to, from] : {std::pair(&networks.static_, &bench.networks.static_),
+                            {&networks.dynamic, &bench.networks.dynamic}}) {
       std::copy(from->grid.tables().samples().begin(), from->grid.tables().samples().end(),
                 to->grid.tables().samples().begin());
       std::copy(from->mlp.parameters().begin(), from->mlp.parameters().end(), to->mlp.parameters().begin());
@@ -98,24 +101,24 @@ struct Truth {
     }
     const LearnedResponse<double> response(bench.scene.response);
     const StepSetting<double> step = bench.setting(networks, response);
-    d_still.resize(networks.still.mlp.parameters().size());
-    d_moving.resize(networks.moving.mlp.parameters().size());
+    d_static.resize(networks.static_.mlp.parameters().size());
+    d_dynamic.resize(networks.dynamic.mlp.parameters().size());
     RayShard<double> shard(networks, VulkanFit::kRaysPerShard, kMaxSamples);
     for (std::size_t i = 0; i < kRays / VulkanFit::kRaysPerShard; ++i) {
       shard.run(step, std::span(bench.rays).subspan(i * VulkanFit::kRaysPerShard, VulkanFit::kRaysPerShard),
                 Pcg32(kSeed, kStream + i));
       for (std::size_t k = 0; k < losses.size(); ++k) losses[k] += shard.losses()[k];
-      for (std::size_t k = 0; k < d_still.size(); ++k) d_still[k] += shard.d_static()[k];
-      for (std::size_t k = 0; k < d_moving.size(); ++k) d_moving[k] += shard.d_dynamic()[k];
+      for (std::size_t k = 0; k < d_static.size(); ++k) d_static[k] += shard.d_static()[k];
+      for (std::size_t k = 0; k < d_dynamic.size(); ++k) d_dynamic[k] += shard.d_dynamic()[k];
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t k = 0; k < d_response[c].size(); ++k) d_response[c][k] += shard.d_response()[c][k];
       feature_energy += shard.feature_energy();
       misfits.insert(misfits.end(), shard.misfits().begin(), shard.misfits().end());
-      for (int l = 0; l < networks.still.grid.shape().levels; ++l)
-        shard.scatter_static(l, networks.still.grid);
+      for (int l = 0; l < networks.static_.grid.shape().levels; ++l)
+        shard.scatter_static(l, networks.static_.grid);
       if (!bench.has_dynamic) continue;
-      for (int l = 0; l < networks.moving.grid.shape().levels; ++l)
-        shard.scatter_dynamic(l, networks.moving.grid);
+      for (int l = 0; l < networks.dynamic.grid.shape().levels; ++l)
+        shard.scatter_dynamic(l, networks.dynamic.grid);
     }
   }
 };
@@ -161,11 +164,12 @@ void compare(Bench& bench) {
     CHECK(bench.sums.misfits[r] == Approx(truth.misfits[r]).epsilon(2e-3).margin(1e-5));
   CHECK(bench.sums.feature_energy == Approx(truth.feature_energy).epsilon(2e-3));
   for (std::size_t c = 0; c < 3; ++c) check_alike(bench.sums.d_response[c], truth.d_response[c], "response");
-  check_alike(bench.still.d_network, truth.d_still, "static network");
-  check_alike(bench.moving.d_network, truth.d_moving, "dynamic network");
+  check_alike(bench.static_branch.d_network, truth.d_static, "static network");
+  check_alike(bench.dynamic_branch.d_network, truth.d_dynamic, "dynamic network");
   bench.collect_gradients();
-  check_alike(bench.still.table_mean.samples(), table_gradient(truth.networks.still.grid), "static tables");
-  check_alike(bench.moving.table_mean.samples(), table_gradient(truth.networks.moving.grid),
+  check_alike(bench.static_branch.table_mean.samples(), table_gradient(truth.networks.static_.grid),
+              "static tables");
+  check_alike(bench.dynamic_branch.table_mean.samples(), table_gradient(truth.networks.dynamic.grid),
               "dynamic tables");
 }
 

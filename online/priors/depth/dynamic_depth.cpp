@@ -1,4 +1,4 @@
-#include "online/priors/depth/moving_depth.h"
+#include "online/priors/depth/dynamic_depth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,22 +17,22 @@ constexpr std::int32_t kStatic = 0, kUnlabelled = -1;
 
 }  // namespace
 
-MovingDepth::MovingDepth(const DepthOptions& depth, const MovingDepthOptions& options, const Intrinsics& lens,
-                         int rows, int cols, WorkerPool& pool)
+DynamicDepth::DynamicDepth(const DepthOptions& depth, const DynamicDepthOptions& options,
+                           const Intrinsics& lens, int rows, int cols, WorkerPool& pool)
     : options_(options), step_px_(depth.step_px), measured_(depth, lens, rows, cols, pool) {
-  const std::size_t points = measured_.moving().size();
+  const std::size_t points = measured_.dynamic().size();
   waiting_.reserve(points);
   values_.reserve(points);
   regions_.reserve(points / static_cast<std::size_t>(options.least_points) + 1);
 }
 
-const DepthMap& MovingDepth::estimate(const SeenFrame& seen, const CameraPose& pose) {
+const DepthMap& DynamicDepth::estimate(const SeenFrame& seen, const CameraPose& pose) {
   const DepthMap& measured = measured_.estimate(seen, pose);
-  return complete(measured, measured_.moving(), seen.motion.to_previous);
+  return complete(measured, measured_.dynamic(), seen.motion.to_previous);
 }
 
-const DepthMap& MovingDepth::complete(const DepthMap& measured, const Image<float>& moving,
-                                      const FlowField& to_previous) {
+const DepthMap& DynamicDepth::complete(const DepthMap& measured, const Image<float>& dynamic,
+                                       const FlowField& to_previous) {
   completed_.inverse_depth.copy_from(measured.inverse_depth);
   completed_.weight.copy_from(measured.weight);
   if (!guess_.same_shape(measured.weight)) {
@@ -40,7 +40,7 @@ const DepthMap& MovingDepth::complete(const DepthMap& measured, const Image<floa
     guess_.fill(0);
   }
   if (!(options_.nearer > 0)) return completed_;
-  find_regions(measured, moving);
+  find_regions(measured, dynamic);
   measure_reach();
   for (int label = 1; label <= static_cast<int>(regions_.size()); ++label) {
     Region& region = regions_[static_cast<std::size_t>(label - 1)];
@@ -62,13 +62,13 @@ const DepthMap& MovingDepth::complete(const DepthMap& measured, const Image<floa
 }
 
 // A point moves if more of its neighbours do than are measured as static.
-void MovingDepth::find_regions(const DepthMap& measured, const Image<float>& moving) {
-  const int rows = moving.rows(), cols = moving.cols();
+void DynamicDepth::find_regions(const DepthMap& measured, const Image<float>& dynamic) {
+  const int rows = dynamic.rows(), cols = dynamic.cols();
   nearest_.reshape(1, rows, cols);
   label_.reshape(1, rows, cols);
   for (int y = 0; y < rows; ++y) {  // sums along rows
     const auto vote = [&](int x) {
-      return x < 0 || x >= cols ? 0 : (moving.at(0, y, x) > 0) - (measured.weight.at(0, y, x) >= kBelieved);
+      return x < 0 || x >= cols ? 0 : (dynamic.at(0, y, x) > 0) - (measured.weight.at(0, y, x) >= kBelieved);
     };
     int sum = 0;
     for (int x = 0; x < kRadius; ++x) sum += vote(x);
@@ -94,7 +94,7 @@ void MovingDepth::find_regions(const DepthMap& measured, const Image<float>& mov
       }
 }
 
-void MovingDepth::grow(int y, int x, int label) {
+void DynamicDepth::grow(int y, int x, int label) {
   const int cols = label_.cols();
   Region& region = regions_.back();
   const auto take = [&](int v, int u) {
@@ -116,7 +116,7 @@ void MovingDepth::grow(int y, int x, int label) {
 }
 
 // The nearest region of each point, and how far it is (city blocks), in two passes.
-void MovingDepth::measure_reach() {
+void DynamicDepth::measure_reach() {
   const int rows = label_.rows(), cols = label_.cols();
   nearest_.copy_from(label_);
   reach_.reshape_like(label_);
@@ -134,7 +134,7 @@ void MovingDepth::measure_reach() {
 }
 
 // Median inverse depth of what is around a region; 0 where too little of it is measured.
-float MovingDepth::around(int label, const DepthMap& measured) {
+float DynamicDepth::around(int label, const DepthMap& measured) {
   const Region& region = regions_[static_cast<std::size_t>(label - 1)];
   values_.clear();
   for (int y = std::max(0, region.top - kFar); y <= std::min(label_.rows() - 1, region.bottom + kFar); ++y)
@@ -146,7 +146,7 @@ float MovingDepth::around(int label, const DepthMap& measured) {
 }
 
 // Median inverse depth of what is below a region's lowest row; 0 where too little of it is measured.
-float MovingDepth::below(int label, const DepthMap& measured) {
+float DynamicDepth::below(int label, const DepthMap& measured) {
   const int first = regions_[static_cast<std::size_t>(label - 1)].bottom + kNear;
   values_.clear();
   for (int y = first; y < std::min(first + kBelow, label_.rows()); ++y)
@@ -158,7 +158,7 @@ float MovingDepth::below(int label, const DepthMap& measured) {
 }
 
 // What the region was guessed at in the last frame: the median along the flow; 0 if it is new.
-float MovingDepth::last_guess(int label, const FlowField& to_previous) {
+float DynamicDepth::last_guess(int label, const FlowField& to_previous) {
   if (to_previous.empty()) return 0;
   const Region& region = regions_[static_cast<std::size_t>(label - 1)];
   values_.clear();

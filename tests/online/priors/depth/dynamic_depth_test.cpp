@@ -1,4 +1,4 @@
-#include "online/priors/depth/moving_depth.h"
+#include "online/priors/depth/dynamic_depth.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -22,13 +22,13 @@ struct Rect {
 // Measured everywhere but where something moves.
 struct Seen {
   DepthMap measured{Image<float>(1, kRows, kCols), Image<float>(1, kRows, kCols)};
-  Image<float> moving{1, kRows, kCols};
+  Image<float> dynamic{1, kRows, kCols};
 
   explicit Seen(const Rect& rect, const std::function<float(int)>& inverse_depth_of_row) {
     for (int y = 0; y < kRows; ++y)
       for (int x = 0; x < kCols; ++x) {
         const bool moves = rect.holds(y, x);
-        moving.at(0, y, x) = moves;
+        dynamic.at(0, y, x) = moves;
         measured.inverse_depth.at(0, y, x) = moves ? 0 : inverse_depth_of_row(y);
         measured.weight.at(0, y, x) = moves ? 0 : 0.95f;
       }
@@ -39,11 +39,11 @@ float wall(int) { return kWall; }
 
 struct Completed {
   WorkerPool pool{1};
-  MovingDepth depth;
-  explicit Completed(const MovingDepthOptions& options = {})
+  DynamicDepth depth;
+  explicit Completed(const DynamicDepthOptions& options = {})
       : depth({.step_px = kStep}, options, {160, 160, 80, 60}, kRows * kStep, kCols * kStep, pool) {}
   const DepthMap& operator()(const Seen& seen, const FlowField& to_previous = {}) {
-    return depth.complete(seen.measured, seen.moving, to_previous);
+    return depth.complete(seen.measured, seen.dynamic, to_previous);
   }
 };
 
@@ -79,7 +79,7 @@ TEST_CASE("a few points that move, and some among many that do not, are no regio
   Completed completed;
   Seen seen({20, 23, 30, 33}, wall);
   for (int y = 40; y < 60; y += 3)
-    for (int x = 40; x < 60; x += 3) seen.moving.at(0, y, x) = 1, seen.measured.weight.at(0, y, x) = 0;
+    for (int x = 40; x < 60; x += 3) seen.dynamic.at(0, y, x) = 1, seen.measured.weight.at(0, y, x) = 0;
   const DepthMap& map = completed(seen);
   CHECK(map.weight.at(0, 21, 31) == 0);
   CHECK(map.weight.at(0, 49, 49) == 0);
@@ -123,14 +123,14 @@ TEST_CASE("a ball that crosses a room before its walls is put in front of them",
   const auto path = straight_path(12, {0.05, 0, 0}, {0, 0, 0});
   const auto frames = film(scene, path, 0.05);
   WorkerPool pool(1);
-  MovingDepth depth({}, {}, scene.lens, scene.rows, scene.cols, pool);
+  DynamicDepth depth({}, {}, scene.lens, scene.rows, scene.cols, pool);
   MultiViewDepth measured({}, scene.lens, scene.rows, scene.cols, pool);
   const DepthMap* map = nullptr;
   for (std::size_t i = 0; i < path.size(); ++i) {
     CameraPose pose;
     pose.T_world_camera = path[i];
     const DepthMap& of_static = measured.next(pose, frames[i].to_previous);
-    map = &depth.complete(of_static, measured.moving(), frames[i].to_previous);
+    map = &depth.complete(of_static, measured.dynamic(), frames[i].to_previous);
   }
   int of_ball = 0, guessed = 0;
   std::vector<double> relative;
