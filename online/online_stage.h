@@ -43,8 +43,10 @@ class OnlineStage {
   const SensorModel& sensor() const { return sensor_; }
   // Why the state, or the fit of the field, no longer runs on the graphics device; "" while it does, or was
   // not asked to.
-  std::string trouble() const { return state_->trouble(); }
-  std::string field_trouble() const { return field_ != nullptr ? field_->trouble() : std::string(); }
+  std::string fallback_reason() const { return state_->fallback_reason(); }
+  std::string field_fallback_reason() const {
+    return field_ != nullptr ? field_->fallback_reason() : std::string();
+  }
 
  private:
   struct Step;  // one frame in progress

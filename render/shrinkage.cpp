@@ -33,12 +33,12 @@ Shrinkage::Shrinkage(WorkerPool& pool, GpuDevice* gpu) : pool_(pool) {
   if (made)
     gpu_ = std::move(*made);
   else
-    give_up(made.error());
+    fall_back_to_cpu(made.error());
 }
 
 Shrinkage::~Shrinkage() = default;
 
-void Shrinkage::give_up(const Error& why) {
+void Shrinkage::fall_back_to_cpu(const Error& why) {
   spdlog::warn("shrinkage goes on with the processor: {}", why.message);
   gpu_.reset();
 }
@@ -49,13 +49,13 @@ void Shrinkage::apply(Image<float>& radiance, const Image<float>& variance, cons
   if (gpu_ != nullptr) {
     const Result<void> done = gpu_->apply(radiance, variance, options);
     if (done) return;
-    give_up(done.error());
+    fall_back_to_cpu(done.error());
   }
-  apply_here(radiance, variance, options);
+  apply_cpu(radiance, variance, options);
 }
 
-void Shrinkage::apply_here(Image<float>& radiance, const Image<float>& variance,
-                           const ShrinkageOptions& options) {
+void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
+                          const ShrinkageOptions& options) {
   const ShrinkageKernels& kernels = shrinkage_kernels();
   const ShrinkageThresholds thresholds = thresholds_of(options.origin);
   const ShrinkageGrid grid = grid_of(options.effort);

@@ -52,8 +52,8 @@ class Shrinkage {
   void apply(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
 
  private:
-  void apply_here(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
-  void give_up(const Error& why);
+  void apply_cpu(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);
+  void fall_back_to_cpu(const Error& why);
 
   WorkerPool& pool_;
   std::unique_ptr<VulkanShrinkage> gpu_;

@@ -76,10 +76,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const BlackLevel& black = sensor.black_level();
   record.notes.push_back(
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
-  if (const std::string trouble = online.trouble(); !trouble.empty())
-    record.notes.push_back("the processor went on with the state: " + trouble);
-  if (const std::string trouble = online.field_trouble(); !trouble.empty())
-    record.notes.push_back("the processor went on with the fit of the field: " + trouble);
+  if (const std::string reason = online.fallback_reason(); !reason.empty())
+    record.notes.push_back("the processor went on with the state: " + reason);
+  if (const std::string reason = online.field_fallback_reason(); !reason.empty())
+    record.notes.push_back("the processor went on with the fit of the field: " + reason);
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));

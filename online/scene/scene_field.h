@@ -56,7 +56,7 @@ class SceneField {
   // A snapshot of the field now. Needs a frame.
   virtual SnapshotHold snapshot() = 0;
   // Why the fit no longer runs on the graphics device that it was given; "" while it does, or has none.
-  virtual std::string trouble() const { return {}; }
+  virtual std::string fallback_reason() const { return {}; }
 };
 
 // A field as it is now, for whoever may read it, or none. A snapshot copies the networks, and while it is

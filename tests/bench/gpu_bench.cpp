@@ -116,7 +116,7 @@ void fit_on_device(benchmark::State& state) {
     for (int s = 0; s < budget.steps; ++s) fit.step();
     fit.settle();
   }
-  if (!fit.trouble().empty()) state.SkipWithError(fit.trouble().c_str());
+  if (!fit.fallback_reason().empty()) state.SkipWithError(fit.fallback_reason().c_str());
   state.SetItemsProcessed(state.iterations() * budget.steps * budget.rays_per_step * state.range(1));
 }
 

@@ -58,9 +58,9 @@ Result<void> Work::open(std::uint32_t queue_family) {
 }
 
 bool Work::begin() {
-  if (!trouble_) return false;
+  if (!error_) return false;
   if (lost_) {
-    trouble_ = Error{ErrorCode::Unplugged, "the graphics device was lost before"};
+    error_ = Error{ErrorCode::Unplugged, "the graphics device was lost before"};
     return false;
   }
   if (recording_) return true;
@@ -68,7 +68,7 @@ bool Work::begin() {
   info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   if (const VkResult r = vk_.BeginCommandBuffer(commands_, &info); r != VK_SUCCESS) {
-    trouble_ = failed(r, "beginning work");
+    error_ = failed(r, "beginning work");
     return false;
   }
   recording_ = true;
@@ -89,7 +89,7 @@ void Work::upload(std::span<const std::byte> from, const GpuBuffer& to) {
   if (!begin()) return;
   auto staging = memory_.take(from.size(), MemoryUse::Staging);
   if (!staging) {
-    trouble_ = staging.error();
+    error_ = staging.error();
     return;
   }
   std::memcpy((*staging)->mapped(), from.data(), from.size());
@@ -121,7 +121,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
   if (!begin()) return;
   auto set = set_for(own);
   if (!set) {
-    trouble_ = set.error();
+    error_ = set.error();
     return;
   }
   std::array<VkDescriptorBufferInfo, kMostBuffers> places;
@@ -154,7 +154,7 @@ void Work::download(const GpuBuffer& from, std::span<std::byte> to) {
   if (!begin()) return;
   auto staging = memory_.take(to.size(), MemoryUse::Staging);
   if (!staging) {
-    trouble_ = staging.error();
+    error_ = staging.error();
     return;
   }
   copy(from, **staging);
@@ -202,7 +202,7 @@ Result<void> Work::submit() {
 }
 
 Result<void> Work::finish() {
-  Result<void> done = trouble_;
+  Result<void> done = error_;
   if (recording_) {
     if (done)
       done = submit();
@@ -221,7 +221,7 @@ Result<void> Work::finish() {
       if (pool != VK_NULL_HANDLE) (void)vk_.ResetDescriptorPool(device_, pool, 0);
   descriptors_used_ = 0;
   recording_ = false;
-  trouble_ = {};
+  error_ = {};
   return done;
 }
 

@@ -60,7 +60,7 @@ class Work final : public GpuWork {
   std::vector<VkDescriptorPool> descriptors_;
   std::size_t descriptors_used_ = 0;  // the pool that sets are taken from
   bool recording_ = false, lost_ = false;
-  Result<void> trouble_;
+  Result<void> error_;
   std::vector<std::unique_ptr<Memory::Range>> staged_;
   std::vector<Arrival> arrivals_;
 };

@@ -40,7 +40,7 @@ class HashGridField final : public SceneField {
   FitReport fit(const FitBudget& budget) override;
   void restart() override;
   SnapshotHold snapshot() override;
-  std::string trouble() const override { return fit_.trouble(); }
+  std::string fallback_reason() const override { return fit_.fallback_reason(); }
 
  private:
   void spread(const DepthMap& depth);

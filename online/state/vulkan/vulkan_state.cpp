@@ -58,12 +58,12 @@ VulkanState::VulkanState(const StateOptions& options, int rows, int cols, Worker
   if (room)
     room_.emplace(std::move(*room));
   else
-    give_up(room.error());
+    fall_back_to_cpu(room.error());
 }
 
-CpuState& VulkanState::give_up(const Error& why) {
-  trouble_ = fmt::format("{}: {}", device_.facts().name, why.message);
-  spdlog::warn("the state goes on with the processor: {}", trouble_);
+CpuState& VulkanState::fall_back_to_cpu(const Error& why) {
+  fallback_reason_ = fmt::format("{}: {}", device_.facts().name, why.message);
+  spdlog::warn("the state goes on with the processor: {}", fallback_reason_);
   {
     const std::lock_guard turn(device_.turn());
     room_.reset();
@@ -75,21 +75,21 @@ CpuState& VulkanState::give_up(const Error& why) {
 
 void VulkanState::restart(const StateInput& input) {
   if (processor_) return processor_->restart(input);
-  if (const Result<void> done = restart_there(input); !done) give_up(done.error()).restart(input);
+  if (const Result<void> done = restart_gpu(input); !done) fall_back_to_cpu(done.error()).restart(input);
 }
 
 void VulkanState::advance(const StateInput& input, const FlowField& to_previous) {
   if (processor_) return processor_->advance(input, to_previous);
-  if (const Result<void> done = advance_there(input, to_previous); !done)
-    give_up(done.error()).advance(input, to_previous);
+  if (const Result<void> done = advance_gpu(input, to_previous); !done)
+    fall_back_to_cpu(done.error()).advance(input, to_previous);
 }
 
 void VulkanState::join(const RadianceState& of, std::span<const LaterFrame> later, float white,
                        JoinedState& joined) {
   if (processor_) return processor_->join(of, later, white, joined);
-  if (const Result<void> done = join_there(of, later, white, joined); !done) {
+  if (const Result<void> done = join_gpu(of, later, white, joined); !done) {
     // `of` may be our own copy, which goes on living
-    give_up(done.error()).join(of, later, white, joined);
+    fall_back_to_cpu(done.error()).join(of, later, white, joined);
   }
 }
 
@@ -98,7 +98,7 @@ void VulkanState::upload_motion(const FlowField& motion) {
   upload(device_.work(), stacked_, room_->motion);
 }
 
-Result<void> VulkanState::restart_there(const StateInput& input) {
+Result<void> VulkanState::restart_gpu(const StateInput& input) {
   const std::lock_guard turn(device_.turn());
   residuals_ = SampleResiduals();
   Room& on = *room_;
@@ -128,7 +128,7 @@ void VulkanState::take_state() {
   known_.own_share.copy_from(fetched_share_);
 }
 
-Result<void> VulkanState::advance_there(const StateInput& input, const FlowField& to_previous) {
+Result<void> VulkanState::advance_gpu(const StateInput& input, const FlowField& to_previous) {
   const std::lock_guard turn(device_.turn());
   Room& on = *room_;
   const StatePasses& passes = on.passes;
@@ -164,8 +164,8 @@ void VulkanState::learn_residuals(float exposure) {
   residuals_.learn(exposure);
 }
 
-Result<void> VulkanState::join_there(const RadianceState& of, std::span<const LaterFrame> later, float white,
-                                     JoinedState& joined) {
+Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
+                                   JoinedState& joined) {
   const std::lock_guard turn(device_.turn());
   if (later.empty()) {
     joined.copy_from(of);

@@ -23,7 +23,7 @@ class VulkanState final : public StateLayer {
   const SampleResiduals& residuals() const override {
     return processor_ ? processor_->residuals() : residuals_;
   }
-  std::string trouble() const override { return trouble_; }
+  std::string fallback_reason() const override { return fallback_reason_; }
 
  private:
   // What lives on the device.
@@ -38,14 +38,14 @@ class VulkanState final : public StateLayer {
     static Result<Room> make(GpuDevice& device, const StateOptions& options, int rows, int cols);
   };
 
-  Result<void> restart_there(const StateInput& input);
-  Result<void> advance_there(const StateInput& input, const FlowField& to_previous);
-  Result<void> join_there(const RadianceState& of, std::span<const LaterFrame> later, float white,
-                          JoinedState& joined);
+  Result<void> restart_gpu(const StateInput& input);
+  Result<void> advance_gpu(const StateInput& input, const FlowField& to_previous);
+  Result<void> join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
+                        JoinedState& joined);
   void upload_motion(const FlowField& motion);
   void take_state();
   void learn_residuals(float exposure);
-  CpuState& give_up(const Error& why);
+  CpuState& fall_back_to_cpu(const Error& why);
 
   StateOptions options_;
   int rows_, cols_;
@@ -53,7 +53,7 @@ class VulkanState final : public StateLayer {
   GpuDevice& device_;
   std::optional<Room> room_;
   std::unique_ptr<CpuState> processor_;  // once the device has failed
-  std::string trouble_;
+  std::string fallback_reason_;
   RadianceState known_;
   SampleResiduals residuals_;
   Image<float> stacked_, fetched_, fetched_share_, found_;

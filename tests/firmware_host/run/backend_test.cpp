@@ -21,7 +21,7 @@ constexpr int kFrames = 12;
 struct Outcome {
   double mean_squared = 0;
   int frames = 0;
-  std::string trouble, field_trouble;
+  std::string fallback_reason, field_fallback_reason;
   int fit_steps = 0;
 
   double psnr_db() const { return -10 * std::log10(mean_squared / frames); }
@@ -56,8 +56,8 @@ Outcome run(GpuDevice* gpu, EmitLayer layer = EmitLayer::Merged) {
   };
   for (int i = 0; i < kFrames; ++i) REQUIRE(pipeline.take(scene.frame(i), deliver).ok());
   REQUIRE(pipeline.finish(deliver).ok());
-  outcome.trouble = pipeline.online().trouble();
-  outcome.field_trouble = pipeline.online().field_trouble();
+  outcome.fallback_reason = pipeline.online().fallback_reason();
+  outcome.field_fallback_reason = pipeline.online().field_fallback_reason();
   return outcome;
 }
 
@@ -69,7 +69,7 @@ TEST_CASE("a whole run on the graphics device is as near to the truth as the pro
   const Outcome here = run(nullptr), there = run(gpu.get());
   REQUIRE(here.frames == kFrames);
   REQUIRE(there.frames == kFrames);
-  CHECK(there.trouble.empty());
+  CHECK(there.fallback_reason.empty());
   INFO(here.psnr_db() << " dB on the processor");
   CHECK(here.psnr_db() > 20);
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
@@ -81,7 +81,7 @@ TEST_CASE("a field that the graphics device has fitted is as near to the truth a
   const Outcome here = run(nullptr, EmitLayer::Field), there = run(gpu.get(), EmitLayer::Field);
   REQUIRE(here.fit_steps > 0);
   CHECK(there.fit_steps == here.fit_steps);
-  CHECK(there.field_trouble.empty());
+  CHECK(there.field_fallback_reason.empty());
   INFO(here.psnr_db() << " dB on the processor");
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
 }
@@ -92,8 +92,8 @@ TEST_CASE("a run whose graphics device is lost in the middle emits every frame a
   FaultyGpu faulty(*gpu, {.finishes_until_lost = 9});
   const Outcome here = run(nullptr), there = run(&faulty);
   CHECK(there.frames == kFrames);
-  CHECK(there.trouble.find("was lost") != std::string::npos);
-  CHECK(there.field_trouble.find("was lost") != std::string::npos);
+  CHECK(there.fallback_reason.find("was lost") != std::string::npos);
+  CHECK(there.field_fallback_reason.find("was lost") != std::string::npos);
   CHECK(there.fit_steps == here.fit_steps);
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
 }

@@ -50,7 +50,7 @@ FieldRenderer::FieldRenderer(GpuDevice* gpu) {
   if (probe)
     gpu_probe_ = std::move(*probe);
   else
-    give_up(probe.error());
+    fall_back_to_cpu(probe.error());
 }
 
 FieldRenderer::~FieldRenderer() = default;
@@ -172,7 +172,7 @@ void FieldRenderer::look(const RadianceField& field, const ProbeView& from, Work
   if (gpu_probe_ != nullptr) {
     const Result<void> looked = gpu_probe_->look(field, from, rays_, answers_);
     if (looked) return;
-    give_up(looked.error());
+    fall_back_to_cpu(looked.error());
   }
   while (probes_.size() < kStripes) probes_.emplace_back(field.networks, kMaxSamples);
   const std::size_t batches = (rays_.size() + FieldProbe::kRays - 1) / FieldProbe::kRays;
@@ -186,7 +186,7 @@ void FieldRenderer::look(const RadianceField& field, const ProbeView& from, Work
   });
 }
 
-void FieldRenderer::give_up(const Error& why) {
+void FieldRenderer::fall_back_to_cpu(const Error& why) {
   spdlog::warn("views of the field go on with the processor: {}", why.message);
   gpu_probe_.reset();
 }

@@ -30,7 +30,7 @@ class FieldRenderer final : public LookRoom {
                       FieldPicture& picture);
   void splat_surface(const RadianceField& field, const ProbeView& from);
   void look(const RadianceField& field, const ProbeView& from, WorkerPool& pool);
-  void give_up(const Error& why);
+  void fall_back_to_cpu(const Error& why);
 
   std::vector<FieldProbe> probes_;
   std::unique_ptr<VulkanProbe> gpu_probe_;

@@ -96,7 +96,7 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
     if (device)
       device_ = std::move(*device);
     else
-      go_on_here(device.error());
+      fall_back_to_cpu(device.error());
   }
   prepare({});
 }
@@ -165,7 +165,7 @@ StepReport FieldFit::step() {
   StepReport report;
   if (window_.size() == 0) return report;
   make_ready();
-  if (device_ != nullptr && !begun_.is_open) begin_there();
+  if (device_ != nullptr && !begun_.is_open) begin_on_gpu();
   draw_rays();
   const StepSetting<float> setting{networks_,
                                    window_,
@@ -177,9 +177,9 @@ StepReport FieldFit::step() {
                                    options_.fits_response,
                                    1.f / static_cast<float>(rays_.size())};
   if (device_ == nullptr) {
-    gradients_here(setting, report);
-  } else if (const Result<void> done = gradients_there(setting, report); !done) {
-    go_on_here(done.error());
+    gradients_cpu(setting, report);
+  } else if (const Result<void> done = gradients_gpu(setting, report); !done) {
+    fall_back_to_cpu(done.error());
     return step();
   }
   report.verdict = state_.health.judge(report.total, report.gradient_norm);
@@ -211,7 +211,7 @@ StepReport FieldFit::step() {
   return report;
 }
 
-void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& report) {
+void FieldFit::gradients_cpu(const StepSetting<float>& setting, StepReport& report) {
   const std::span<RayShard<float>> used = shards();
   const long number = state_.health.counts().steps;
   pool_.for_each(static_cast<int>(used.size()), [&](int i) {
@@ -226,7 +226,7 @@ void FieldFit::gradients_here(const StepSetting<float>& setting, StepReport& rep
                 misfits_.begin() + static_cast<std::ptrdiff_t>(s * kRaysPerShard));
 }
 
-Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepReport& report) {
+Result<void> FieldFit::gradients_gpu(const StepSetting<float>& setting, StepReport& report) {
   if (begun_.steps == 0)
     TRY(device_->begin(window_, static_, dynamic_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
   const auto first_stream =
@@ -240,7 +240,7 @@ Result<void> FieldFit::gradients_there(const StepSetting<float>& setting, StepRe
 }
 
 // The steps that follow, up to settle(), leave the parameters here as they are.
-void FieldFit::begin_there() {
+void FieldFit::begin_on_gpu() {
   begun_.is_open = true;
   begun_.steps = 0;
   begun_.state = state_;
@@ -248,14 +248,15 @@ void FieldFit::begin_there() {
 
 void FieldFit::settle() {
   if (!begun_.is_open) return;
-  if (const Result<void> done = device_->collect(static_, dynamic_); !done) return go_on_here(done.error());
+  if (const Result<void> done = device_->collect(static_, dynamic_); !done)
+    return fall_back_to_cpu(done.error());
   begun_.is_open = false;
 }
 
 // The processor takes the steps that the device has not given back, the same ones again.
-void FieldFit::go_on_here(const Error& why) {
-  trouble_ = why.message;
-  spdlog::warn("the fit of the field goes on with the processor: {}", trouble_);
+void FieldFit::fall_back_to_cpu(const Error& why) {
+  fallback_reason_ = why.message;
+  spdlog::warn("the fit of the field goes on with the processor: {}", fallback_reason_);
   device_.reset();
   if (!begun_.is_open) return;
   state_ = *begun_.state;
@@ -366,11 +367,11 @@ void FieldFit::apply(float gradient_scale) {
   if (device_ != nullptr)
     device_->take(table_step, network_step);
   else
-    apply_here(table_step, network_step);
+    apply_cpu(table_step, network_step);
   if (options_.fits_response) apply_response(gradient_scale);
 }
 
-void FieldFit::apply_here(const AdamStep& table_step, const AdamStep& network_step) {
+void FieldFit::apply_cpu(const AdamStep& table_step, const AdamStep& network_step) {
   const int static_levels = static_.branch.grid.shape().levels;
   const int dynamic_levels = has_dynamic_ ? dynamic_.branch.grid.shape().levels : 0;
   pool_.for_each(static_levels + dynamic_levels, [&](int i) {

@@ -51,7 +51,7 @@ class FieldFit {
   // processor.
   void settle();
   // Why the steps no longer run on the graphics device; "" while they do, or were not asked to.
-  const std::string& trouble() const { return trouble_; }
+  const std::string& fallback_reason() const { return fallback_reason_; }
 
   // Needs settle() after steps on a device.
   RadianceField field() const {
@@ -89,14 +89,14 @@ class FieldFit {
   void draw_rays();
   TrainingRay ray_at(int frame, int x, int y);
   void aim_at_neighbour(TrainingRay& ray);
-  void begin_there();
-  void gradients_here(const StepSetting<float>& setting, StepReport& report);
-  Result<void> gradients_there(const StepSetting<float>& setting, StepReport& report);
-  void go_on_here(const Error& why);
+  void begin_on_gpu();
+  void gradients_cpu(const StepSetting<float>& setting, StepReport& report);
+  Result<void> gradients_gpu(const StepSetting<float>& setting, StepReport& report);
+  void fall_back_to_cpu(const Error& why);
   double reduce(StepReport& report);
   double total_up(double feature_energy, StepReport& report);
   void apply(float gradient_scale);
-  void apply_here(const AdamStep& table_step, const AdamStep& network_step);
+  void apply_cpu(const AdamStep& table_step, const AdamStep& network_step);
   void apply_response(float gradient_scale);
   void refresh_guide();
   void reanchor();
@@ -123,7 +123,7 @@ class FieldFit {
   std::unique_ptr<VulkanFit> device_;  // null: the processor takes the steps
   std::unique_ptr<StepSums> sums_;     // of the last step there
   Begun begun_;
-  std::string trouble_;
+  std::string fallback_reason_;
 };
 
 }  // namespace hdrcam

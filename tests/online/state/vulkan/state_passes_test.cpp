@@ -368,7 +368,7 @@ TEST_CASE("a state that runs on the graphics device knows what the processor's d
         const float here = both.here.residuals().excess(exposure).bins[c][k];
         CHECK(there == Approx(here).epsilon(0.05).margin(1e-6));
       }
-  CHECK(both.there.trouble().empty());
+  CHECK(both.there.fallback_reason().empty());
 }
 
 TEST_CASE("a graphics device without memory leaves the state to the processor, to the same bytes", "[gpu]") {
@@ -376,7 +376,7 @@ TEST_CASE("a graphics device without memory leaves the state to the processor, t
   NEEDS_GPU(gpu);
   FaultyGpu faulty(*gpu, {.buffers_until_full = 5});
   TwoLayers both(faulty);
-  CHECK(both.there.trouble().find("memory is full") != std::string::npos);
+  CHECK(both.there.fallback_reason().find("memory is full") != std::string::npos);
   for (int i = 0; i < 4; ++i) both.take(i);
   const auto a = both.here.state().radiance.samples(), b = both.there.state().radiance.samples();
   CHECK(std::equal(a.begin(), a.end(), b.begin()));
@@ -394,7 +394,7 @@ TEST_CASE("a graphics device lost at any moment loses no frame: the processor go
       both.compare();
       both.join_after(i, 1);
     }
-    CHECK(both.there.trouble().find("was lost") != std::string::npos);
+    CHECK(both.there.fallback_reason().find("was lost") != std::string::npos);
   }
 }
 
@@ -407,7 +407,7 @@ TEST_CASE("the checks of Vulkan find nothing wrong with the state's passes", "[g
       both.take(i);
       both.join_after(i, 2);
     }
-    CHECK(both.there.trouble().empty());
+    CHECK(both.there.fallback_reason().empty());
   }
   checked.expect_no_complaints();
 }
@@ -428,6 +428,6 @@ TEST_CASE("the state's kernels are compiled and have run once within three secon
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   ::unsetenv("MESA_SHADER_CACHE_DISABLE");
   INFO(seconds << " s");
-  CHECK(both.there.trouble().empty());
+  CHECK(both.there.fallback_reason().empty());
   CHECK(seconds < 3);
 }

@@ -93,7 +93,7 @@ TEST_CASE("a fit on the graphics device takes the processor's steps", "[gpu]") {
           // until the anchor has moved, where the camera does
           for (int i = 0; i < 9; ++i) stream->take(i, 6, parallax);
         }
-        CHECK(there.fit.trouble().empty());
+        CHECK(there.fit.fallback_reason().empty());
         CHECK(there.fit.counts().steps == here.fit.counts().steps);
         CHECK(there.fit.counts().without_dynamic == here.fit.counts().without_dynamic);
         CHECK(there.fit.counts().anchors_moved == (parallax ? here.fit.counts().anchors_moved : 0));
@@ -112,7 +112,7 @@ TEST_CASE("a fit on the graphics device gives the same bytes again, for any numb
   const auto learned = [&](int threads) {
     Stream stream(gpu.get(), MovingScene::small_options(), threads);
     for (int i = 0; i < 4; ++i) stream.take(i, 7);
-    CHECK(stream.fit.trouble().empty());
+    CHECK(stream.fit.fallback_reason().empty());
     return stream.parameters();
   };
   const std::vector<float> once = learned(1);
@@ -133,7 +133,7 @@ TEST_CASE("a step that goes wrong on the graphics device changes no parameter, a
     stream.fit.settle();
     CHECK(stream.fit.counts().skipped == 5);
     CHECK((stream.parameters() == before));
-    CHECK(stream.fit.trouble().empty());
+    CHECK(stream.fit.fallback_reason().empty());
   }
   SECTION("exploded") {
     options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
@@ -164,7 +164,7 @@ TEST_CASE("a step that goes wrong on the graphics device changes no parameter, a
     observe(8);
     for (int s = 0; s < 5; ++s) CHECK(stream.fit.step().verdict == StepVerdict::Taken);
     stream.fit.settle();
-    CHECK(stream.fit.trouble().empty());
+    CHECK(stream.fit.fallback_reason().empty());
   }
 }
 
@@ -178,7 +178,7 @@ TEST_CASE("a graphics device without memory leaves the fit to the processor, to 
     FaultyGpu faulty(*gpu, {.buffers_until_full = buffers});
     Stream there(&faulty);
     for (int i = 0; i < 3; ++i) there.take(i, 4);
-    CHECK(there.fit.trouble().find("memory is full") != std::string::npos);
+    CHECK(there.fit.fallback_reason().find("memory is full") != std::string::npos);
     CHECK((there.parameters() == here.parameters()));
   }
 }
@@ -195,7 +195,7 @@ TEST_CASE("a graphics device lost at any moment loses no step: the processor tak
     FaultyGpu faulty(*gpu, {.finishes_until_lost = lost});
     Stream there(&faulty);
     for (int i = 0; i < 3; ++i) there.take(i, kSteps);
-    CHECK(there.fit.trouble().find("was lost") != std::string::npos);
+    CHECK(there.fit.fallback_reason().find("was lost") != std::string::npos);
     CHECK(there.fit.counts().steps == here.fit.counts().steps);
     if (lost < kFinishes)
       CHECK((there.parameters() == here.parameters()));
@@ -210,7 +210,7 @@ TEST_CASE("the checks of Vulkan find nothing wrong with the fit", "[gpu]") {
   {
     Stream stream(checked.gpu.get());
     for (int i = 0; i < 4; ++i) stream.take(i, 3, true);
-    CHECK(stream.fit.trouble().empty());
+    CHECK(stream.fit.fallback_reason().empty());
   }
   checked.expect_no_complaints();
 }
@@ -226,6 +226,6 @@ TEST_CASE("the fit's kernels are compiled and have run once within three seconds
   for (int i = 0; i < 2; ++i) stream.take(i, 1);
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   INFO(seconds << " s");
-  CHECK(stream.fit.trouble().empty());
+  CHECK(stream.fit.fallback_reason().empty());
   CHECK(seconds < 3);
 }
