@@ -3,9 +3,9 @@
 // rendered after any number of steps, also none. Deterministic: the same frames and seed give the same bytes
 // for any number of threads. No allocation after the first frame. Thread-bound.
 //
-// With a graphics device the steps of a frame run there (vulkan/), from the parameters that are here, which
-// stay as they were until settle(). When the device fails, the processor takes all steps since then again and
-// goes on.
+// With a graphics device the steps of a frame run there (vulkan/), from a copy of the parameters; field()
+// keeps those of before the steps until settle(). When the device fails, the CPU takes all steps since then
+// again and goes on.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,9 @@
 #include "hal/gpu/gpu_device.h"
 #include "online/scene/fit_budget.h"
 #include "online/scene/hash_grid/field/field_probe.h"
+#include "online/scene/hash_grid/fit/cpu_fit.h"
 #include "online/scene/hash_grid/fit/field_options.h"
 #include "online/scene/hash_grid/fit/fit_health.h"
-#include "online/scene/hash_grid/fit/optimised_branch.h"
-#include "online/scene/hash_grid/fit/ray_shard.h"
 
 namespace hdrcam {
 
@@ -29,7 +28,6 @@ struct StepReport {
 };
 
 class VulkanFit;
-struct StepSums;
 
 class FieldFit {
  public:
@@ -41,7 +39,14 @@ class FieldFit {
   // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
   // (window.h); the field is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
-  // Forgets all frames and what was fitted to them; what is known of the response stays.
+  // Forgets all frames and what was fitted to them: the window; networks and tables, which are reinitialised,
+  // with their Adam moments and last good copies; the usual loss and gradient norm; and the number of steps
+  // taken, from which the learning rate's warm-up and Adam's bias correction count. Steps on a graphics
+  // device that settle() has not collected are dropped. What survives: the response as it was learned, with
+  // its Adam moments, and that it was started: a fit that refines it goes on ignoring the estimates of
+  // observe(); the misfit of each tile, by slot, from which pixels are chosen; the state of the random
+  // numbers, so that the new networks are other ones; counts(); the budget; and whether the CPU has replaced
+  // the device.
   void restart();
   // Sets the budget of the next steps and of rendering.
   void prepare(const FitBudget& budget);
@@ -55,7 +60,7 @@ class FieldFit {
 
   // Needs settle() after steps on a device.
   RadianceField field() const {
-    CHECK(!begun_.is_open);
+    CHECK(!uncollected_.is_open);
     return {window_, networks_, samples_per_ray_, has_dynamic_};
   }
   Window& window() { return window_; }
@@ -66,9 +71,7 @@ class FieldFit {
   const LearnedResponse<float>& response() const { return state_.response; }
 
  private:
-  static constexpr int kRaysPerShard = 32;
-
-  // What steps change on the processor, besides the field's parameters.
+  // What steps change on the CPU, besides the field's parameters.
   struct StepState {
     Pcg32 random;
     LearnedResponse<float> response;
@@ -77,28 +80,21 @@ class FieldFit {
     FitHealth health;
     long taken = 0;  // Adam steps
   };
-  // Steps on the graphics device that it has not given back.
-  struct Begun {
+  // Steps on the graphics device that settle() has not collected.
+  struct Uncollected {
     bool is_open = false;
     int steps = 0;
     std::optional<StepState> state;  // before them
   };
 
-  std::span<RayShard<float>> shards() { return {shards_.data(), rays_.size() / kRaysPerShard}; }
   void make_ready();
-  void draw_rays();
-  TrainingRay ray_at(int frame, int x, int y);
-  void aim_at_neighbour(TrainingRay& ray);
   void begin_on_gpu();
-  void gradients_cpu(const StepSetting<float>& setting, StepReport& report);
-  Result<void> gradients_gpu(const StepSetting<float>& setting, StepReport& report);
-  void fall_back_to_cpu(const Error& why);
-  double reduce(StepReport& report);
-  double total_up(double feature_energy, StepReport& report);
+  Result<void> gradients();
+  double total_up(StepReport& report);
   void apply(float gradient_scale);
-  void apply_cpu(const AdamStep& table_step, const AdamStep& network_step);
   void apply_response(float gradient_scale);
-  void refresh_guide();
+  void roll_back();
+  void fall_back_to_cpu(const Error& why);
   void reanchor();
   void start_networks();
 
@@ -111,18 +107,15 @@ class FieldFit {
   int samples_per_ray_ = 0;
   bool has_dynamic_ = true;  // false where nothing in the window moves
   OptimisedBranch static_, dynamic_;
-  std::vector<RayShard<float>> shards_;  // as many as the largest budget so far needed; shards() are in use
-  int most_samples_ = 0;                 // capacity of a shard
-  std::vector<TrainingRay> rays_;
-  std::vector<float> misfits_;       // of the step's rays
+  std::vector<TrainingRay> rays_;    // of the step
+  StepSums sums_;                    // of the step
   std::vector<float> table_before_;  // when the anchor moves
   FieldProbe probe_;
-  LearnedResponse<float>::Gradient d_response_{};
   bool response_started_ = false;
-  bool ready_ = false;                 // for steps on the newest frame
-  std::unique_ptr<VulkanFit> device_;  // null: the processor takes the steps
-  std::unique_ptr<StepSums> sums_;     // of the last step there
-  Begun begun_;
+  bool ready_ = false;  // for steps on the newest frame
+  CpuFit cpu_;
+  std::unique_ptr<VulkanFit> gpu_;  // null: the CPU takes the steps
+  Uncollected uncollected_;
   std::string fallback_reason_;
 };
 

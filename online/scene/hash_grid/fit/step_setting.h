@@ -7,6 +7,9 @@
 
 namespace hdrcam {
 
+// Rays of a step that share random numbers, and whose losses and gradients are added up together.
+constexpr int kRaysPerShard = 32;
+
 template <class T>
 struct StepSetting {
   const FieldNetworks<T>& networks;

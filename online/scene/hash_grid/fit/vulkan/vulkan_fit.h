@@ -11,17 +11,10 @@
 #include <optional>
 
 #include "hal/core/worker_pool.h"
+#include "online/scene/hash_grid/fit/step_sums.h"
 #include "online/scene/hash_grid/fit/vulkan/fit_passes.h"
 
 namespace hdrcam {
-
-// What a step makes of its rays, beside the gradient of the networks.
-struct StepSums {
-  LossValues<double> losses{};
-  LearnedResponse<float>::Gradient d_response{};
-  double feature_energy = 0;   // as RayShard::feature_energy(), of all
-  std::vector<float> misfits;  // photometric, by ray
-};
 
 // What the steps between begin() and collect() have in common.
 struct StepSize {
@@ -31,9 +24,6 @@ struct StepSize {
 
 class VulkanFit {
  public:
-  static constexpr int kRaysPerShard =
-      32;  // that share random numbers, and whose losses are added up together
-
   static Result<std::unique_ptr<VulkanFit>> make(GpuDevice& device, const FieldNetworks<float>& networks);
 
   ~VulkanFit();

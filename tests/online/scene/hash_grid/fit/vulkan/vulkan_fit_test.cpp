@@ -103,9 +103,9 @@ struct Truth {
     const StepSetting<double> step = bench.setting(networks, response);
     d_static.resize(networks.static_.mlp.parameters().size());
     d_dynamic.resize(networks.dynamic.mlp.parameters().size());
-    RayShard<double> shard(networks, VulkanFit::kRaysPerShard, kMaxSamples);
-    for (std::size_t i = 0; i < kRays / VulkanFit::kRaysPerShard; ++i) {
-      shard.run(step, std::span(bench.rays).subspan(i * VulkanFit::kRaysPerShard, VulkanFit::kRaysPerShard),
+    RayShard<double> shard(networks, kRaysPerShard, kMaxSamples);
+    for (std::size_t i = 0; i < kRays / kRaysPerShard; ++i) {
+      shard.run(step, std::span(bench.rays).subspan(i * kRaysPerShard, kRaysPerShard),
                 Pcg32(kSeed, kStream + i));
       for (std::size_t k = 0; k < losses.size(); ++k) losses[k] += shard.losses()[k];
       for (std::size_t k = 0; k < d_static.size(); ++k) d_static[k] += shard.d_static()[k];

@@ -1,0 +1,65 @@
+#include "online/scene/hash_grid/fit/cpu_fit.h"
+
+namespace hdrcam {
+
+void CpuFit::reserve(const FieldNetworks<float>& networks, int rays, int samples_per_ray) {
+  if (samples_per_ray > most_samples_) shards_.clear(), most_samples_ = samples_per_ray;
+  while (static_cast<int>(shards_.size()) * kRaysPerShard < rays)
+    shards_.emplace_back(networks, kRaysPerShard, most_samples_);
+}
+
+void CpuFit::gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::uint64_t seed,
+                       std::uint64_t first_stream, WorkerPool& pool, OptimisedBranch& static_branch,
+                       OptimisedBranch& dynamic_branch, StepSums& sums) {
+  used_ = rays.size() / kRaysPerShard;
+  has_dynamic_ = step.has_dynamic;
+  CHECK(used_ <= shards_.size());
+  pool.for_each(static_cast<int>(used_), [&](int i) {
+    const auto at = static_cast<std::size_t>(i);
+    shards_[at].run(step, rays.subspan(at * kRaysPerShard, kRaysPerShard), Pcg32(seed, first_stream + at));
+  });
+
+  // in the order of the shards
+  sums.losses.fill(0);
+  for (auto& channel : sums.d_response) channel.fill(0);
+  sums.feature_energy = 0;
+  sums.misfits.resize(rays.size());
+  for (OptimisedBranch* part : {&static_branch, &dynamic_branch})
+    std::fill(part->d_network.begin(), part->d_network.end(), 0.f);
+  auto misfit = sums.misfits.begin();
+  for (RayShard<float>& shard : used()) {
+    for (std::size_t i = 0; i < sums.losses.size(); ++i)
+      sums.losses[i] += static_cast<double>(shard.losses()[i]);
+    for (std::size_t i = 0; i < static_branch.d_network.size(); ++i)
+      static_branch.d_network[i] += shard.d_static()[i];
+    for (std::size_t i = 0; i < dynamic_branch.d_network.size(); ++i)
+      dynamic_branch.d_network[i] += shard.d_dynamic()[i];
+    sums.feature_energy += shard.feature_energy();
+    misfit = std::copy_n(shard.misfits().begin(), kRaysPerShard, misfit);
+    if (!step.fits_response) continue;
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t j = 0; j < sums.d_response[c].size(); ++j)
+        sums.d_response[c][j] += shard.d_response()[c][j];
+  }
+}
+
+void CpuFit::take(const AdamStep& table_step, const AdamStep& network_step, WorkerPool& pool,
+                  OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch) {
+  const int static_levels = static_branch.branch.grid.shape().levels;
+  const int dynamic_levels = has_dynamic_ ? dynamic_branch.branch.grid.shape().levels : 0;
+  pool.for_each(static_levels + dynamic_levels, [&](int i) {
+    const bool is_static = i < static_levels;
+    OptimisedBranch& part = is_static ? static_branch : dynamic_branch;
+    const int level = is_static ? i : i - static_levels;
+    HashGrid<float>& grid = part.branch.grid;
+    for (const RayShard<float>& shard : used())
+      is_static ? shard.scatter_static(level, grid) : shard.scatter_dynamic(level, grid);
+    apply_adam(table_step, grid.table(level), grid.d_table(level), part.table_mean.plane(level),
+               part.table_variance.plane(level));
+  });
+  for (OptimisedBranch* part : {&static_branch, &dynamic_branch})
+    apply_adam(network_step, part->branch.mlp.parameters(), part->d_network, part->network.mean.data(),
+               part->network.variance.data());
+}
+
+}  // namespace hdrcam
