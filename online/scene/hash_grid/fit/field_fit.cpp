@@ -119,7 +119,7 @@ void FieldFit::restart() {
   window_.clear();
   start_networks();
   state_.health.forget();
-  state_.taken = 0;
+  forget_steps();
 }
 
 StepReport FieldFit::step() {
@@ -220,7 +220,15 @@ void FieldFit::roll_back() {
     static_.restore();
     dynamic_.restore();
   }
+  forget_steps();
   uncollected_.is_open = false;  // what is on a device is given up, too
+}
+
+// Of branches that were restored Adam knows nothing, so it begins anew for all: the number of steps, by which
+// it corrects moments that start at zero, is one for branches and response.
+void FieldFit::forget_steps() {
+  state_.response_moments.forget();
+  state_.taken = 0;
 }
 
 // The steps that follow, up to settle(), leave the parameters of field() as they are.

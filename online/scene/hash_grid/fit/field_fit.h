@@ -40,13 +40,12 @@ class FieldFit {
   // (window.h); the field is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
   // Forgets all frames and what was fitted to them: the window; networks and tables, which are reinitialised,
-  // with their Adam moments and last good copies; the usual loss and gradient norm; and the number of steps
+  // with their last good copies; the usual loss and gradient norm; Adam's moments and the number of steps
   // taken, from which the learning rate's warm-up and Adam's bias correction count. Steps on a graphics
-  // device that settle() has not collected are dropped. What survives: the response as it was learned, with
-  // its Adam moments, and that it was started: a fit that refines it goes on ignoring the estimates of
-  // observe(); the misfit of each tile, by slot, from which pixels are chosen; the state of the random
-  // numbers, so that the new networks are other ones; counts(); the budget; and whether the CPU has replaced
-  // the device.
+  // device that settle() has not collected are dropped. What survives: the response as it was learned, and
+  // that it was started: a fit that refines it goes on ignoring the estimates of observe(); the misfit of
+  // each tile, by slot, from which pixels are chosen; the state of the random numbers, so that the new
+  // networks are other ones; counts(); the budget; and whether the CPU has replaced the device.
   void restart();
   // Sets the budget of the next steps and of rendering.
   void prepare(const FitBudget& budget);
@@ -78,7 +77,7 @@ class FieldFit {
     AdamMoments response_moments;
     std::vector<PixelPicker> pickers;  // by slot
     FitHealth health;
-    long taken = 0;  // Adam steps
+    long taken = 0;  // Adam steps since its moments were zero
   };
   // Steps on the graphics device that settle() has not collected.
   struct Uncollected {
@@ -94,6 +93,7 @@ class FieldFit {
   void apply(float gradient_scale);
   void apply_response(float gradient_scale);
   void roll_back();
+  void forget_steps();
   void fall_back_to_cpu(const Error& why);
   void reanchor();
   void start_networks();

@@ -22,6 +22,12 @@ std::vector<float> parameters(const FieldFit& fit) {
   return all;
 }
 
+float largest_change(const std::vector<float>& before, const std::vector<float>& after) {
+  float most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) most = std::max(most, std::abs(after[i] - before[i]));
+  return most;
+}
+
 struct Stream {
   WorkerPool pool{1};
   MovingScene scene;
@@ -109,13 +115,44 @@ TEST_CASE("a fit whose good copy explodes again and again starts its networks an
     REQUIRE(stream.fit.step().verdict == StepVerdict::RolledBack);
   CHECK(stream.fit.counts().restarted == 1);
   CHECK(parameters(stream.fit) != learned);
-  // what was usual is forgotten: steps are taken again, and stay numbers
+  // what was usual is forgotten: steps are taken again, small ones first, and stay numbers
   for (int i = 7; i < 16; ++i) {
     REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+    if (i == 7) {
+      constexpr float kWarmUp = 20;  // steps
+      const std::vector<float> before = parameters(stream.fit);
+      REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+      CHECK(largest_change(before, parameters(stream.fit)) < 1.01f * options.table_rate / kWarmUp);
+    }
     for (int s = 0; s < 10; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
   }
   for (const float p : parameters(stream.fit)) REQUIRE(std::isfinite(p));
   CHECK(stream.fit.counts().restarted == 1);
+}
+
+TEST_CASE("a fit that starts anew refines its response as in a first step", "[isa][field]") {
+  FieldOptions options = MovingScene::small_options();
+  options.fits_response = true;
+  Stream stream(options);
+  for (int i = 0; i < 4; ++i) {
+    REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
+    for (int s = 0; s < 10; ++s) REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  }
+  stream.fit.restart();
+  REQUIRE(stream.fit.observe(stream.scene.frame(4), stream.scene.response).ok());
+  LearnedResponse<float> before = stream.fit.response();
+  REQUIRE(stream.fit.step().verdict == StepVerdict::Taken);
+  LearnedResponse<float> after = stream.fit.response();
+  int moved = 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t j = 0; j < LearnedResponse<float>::kSegments; ++j) {
+      const float change = std::abs(after.increments()[c][j] - before.increments()[c][j]);
+      if (change == 0) continue;
+      CHECK(change ==
+            Approx(options.response_rate).epsilon(0.02));  // Adam's first step, whatever the gradient
+      ++moved;
+    }
+  CHECK(moved > 100);
 }
 
 TEST_CASE("the response stays monotone, from 0 to 1, after every refinement", "[isa][field][stability]") {
