@@ -1,6 +1,7 @@
 #include "online/sensor_model.h"
 
 #include "capture/amplified_noise.h"
+#include "capture/unpack.h"
 
 namespace hdrcam {
 namespace {

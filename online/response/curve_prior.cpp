@@ -1,0 +1,45 @@
+#include "online/response/curve_prior.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "online/response/curve_squares.h"
+
+namespace hdrcam {
+namespace {
+
+#include "online/response/dorf_prior.inc"
+
+CurvePrior made() {
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+  constexpr double kFreeSigma = 0.06;   // ln x
+  constexpr double kFreeWidth = 0.5;    // in ln z
+  constexpr double kCodeSigma = 0.004;  // ln x
+  CurvePrior prior{Vector::Zero(kKnots), {}};
+  Matrix covariance = Matrix::Zero(kKnots, kKnots);
+  for (int i = 0; i < kKnots; ++i) prior.mean[i] = static_cast<double>(kDorfMean[i]);
+  for (const auto& direction : kDorfDirection) {
+    Vector d(kKnots);
+    for (int i = 0; i < kKnots; ++i) d[i] = static_cast<double>(direction[i]);
+    covariance.noalias() += d * d.transpose();
+  }
+  for (int i = 0; i < kKnots; ++i) {
+    for (int j = 0; j < kKnots; ++j) {
+      const double d = (std::log(i + 6.0) - std::log(j + 6.0)) / kFreeWidth;
+      covariance(i, j) += kFreeSigma * kFreeSigma * std::exp(-d * d / 2);
+    }
+    covariance(i, i) += kCodeSigma * kCodeSigma;
+  }
+  prior.precision = covariance.llt().solve(Matrix::Identity(kKnots, kKnots));
+  return prior;
+}
+
+}  // namespace
+
+const CurvePrior& curve_prior() {
+  static const CurvePrior kPrior = made();
+  return kPrior;
+}
+
+}  // namespace hdrcam

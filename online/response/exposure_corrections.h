@@ -1,0 +1,21 @@
+// What stated exposures are off: cameras round shutter times to nominal ones. Value type, thread-compatible.
+#pragma once
+
+#include <map>
+
+namespace hdrcam {
+
+// By the stated exposure, relative to the clip's reference exposure.
+class ExposureCorrections {
+ public:
+  void set(float exposure, double log_ratio) { log_ratios_[key(exposure)] = log_ratio; }
+  // What the exposure really was; as stated where nothing is known of it.
+  float corrected(float exposure) const;
+  // In 1/64 stop: exposures that differ by less are one.
+  static int key(float exposure);
+
+ private:
+  std::map<int, double> log_ratios_;  // ln of true over stated
+};
+
+}  // namespace hdrcam

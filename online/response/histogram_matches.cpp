@@ -1,0 +1,121 @@
+#include "online/response/histogram_matches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "online/response/exposure_corrections.h"
+#include "online/response/float_order.h"
+#include "online/response/same_scene.h"
+#include "online/response/sampled_lines.h"
+
+namespace hdrcam {
+namespace {
+
+// A sorted channel that gives the place of its codes in the histogram.
+class Ranking {
+ public:
+  Ranking(const ExposedFrame& frame, int channel, std::vector<float>& scratch) {
+    const auto& codes = frame.codes;
+    const int step = line_step(codes);
+    codes_.reserve(codes.plane_size() / static_cast<std::size_t>(step) +
+                   static_cast<std::size_t>(codes.cols()));
+    for (int y = 0; y < codes.rows(); y += step)
+      codes_.insert(codes_.end(), codes.row(channel, y), codes.row(channel, y) + codes.cols());
+    sort_floats(codes_, scratch);
+  }
+
+  struct Boundary {
+    double code;   // midway between two neighbouring codes
+    double share;  // of the pixels that are darker
+  };
+  // The boundary between codes that is nearest to this share of the pixels.
+  Boundary boundary_near(double share) const {
+    const Plateau p = plateau(share);
+    const double below = static_cast<double>(p.begin) / size(), above = static_cast<double>(p.end) / size();
+    return share - below < above - share ? Boundary{p.lower, below} : Boundary{p.upper, above};
+  }
+  // The code below which this share of the pixels lies, linear within one code.
+  double code_at(double share) const {
+    const Plateau p = plateau(share);
+    const double within =
+        (share * size() - static_cast<double>(p.begin)) / static_cast<double>(p.end - p.begin);
+    return p.lower + (p.upper - p.lower) * std::clamp(within, 0.0, 1.0);
+  }
+  float quantile(double share) const { return codes_[index(share)]; }
+
+ private:
+  struct Plateau {
+    std::size_t begin, end;  // the pixels of one code
+    double lower, upper;     // its boundaries
+  };
+  Plateau plateau(double share) const {
+    const float code = codes_[index(share)];
+    const auto [first, last] = std::equal_range(codes_.begin(), codes_.end(), code);
+    const auto z = static_cast<double>(code);
+    const double lower = first == codes_.begin() ? z - 0.5 : (z + static_cast<double>(*std::prev(first))) / 2;
+    const double upper = last == codes_.end() ? z + 0.5 : (z + static_cast<double>(*last)) / 2;
+    return {static_cast<std::size_t>(first - codes_.begin()), static_cast<std::size_t>(last - codes_.begin()),
+            lower, upper};
+  }
+  std::size_t index(double share) const {
+    return std::min(codes_.size() - 1, static_cast<std::size_t>(share * size()));
+  }
+  double size() const { return static_cast<double>(codes_.size()); }
+
+  std::vector<float> codes_;
+};
+
+// Of a stream that goes on.
+void keep_newest(std::vector<CodeMatch>& matches) {
+  constexpr std::size_t kMost = 25 * std::size_t{HistogramMatches::kQuantiles};
+  if (matches.size() > kMost)
+    matches.erase(matches.begin(), matches.end() - static_cast<std::ptrdiff_t>(kMost));
+}
+
+}  // namespace
+
+bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
+  constexpr double kMinRatio = 1.15;     // of exposures: below it a pair does not constrain the curve
+  constexpr double kDarkShare = 0.0005;  // of the pixels
+  constexpr double kBelowBlack = 0.1;    // of the pixels, at most: by noise and compression
+  const ExposedFrame& shorter = a.exposure <= b.exposure ? a : b;
+  const ExposedFrame& longer = &shorter == &a ? b : a;
+  if (longer.exposure < static_cast<float>(kMinRatio) * shorter.exposure) return false;
+  if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
+  if (cuts == SceneCuts::Possible && !shows_one_scene(a, b)) return false;
+
+  const bool shortest = pairs_ == 0 || shorter.exposure < 0.9f * shortest_;
+  if (shortest) shortest_ = shorter.exposure;
+  const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
+  std::vector<float> scratch;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
+    if (shorter.exposure < 1.1f * shortest_) {
+      const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
+      darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
+      most_black_[c] = shortest ? most : std::min(most_black_[c], most);
+    }
+    CodeMatches& matches = matches_[c][key];
+    matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
+    for (int q = 1; q < kQuantiles; ++q) {
+      const auto [code, share] = dark.boundary_near(static_cast<double>(q) / kQuantiles);
+      if (share <= kDarkShare || share >= 1 - kDarkShare) continue;
+      const double other = light.code_at(share);
+      if (other >= code) matches.codes.push_back({static_cast<float>(code), static_cast<float>(other)});
+    }
+  }
+  for (auto& channel : matches_) keep_newest(channel[key].codes);
+  ++pairs_;
+  return true;
+}
+
+std::vector<int> HistogramMatches::exposure_keys() const {
+  std::vector<int> keys;
+  for (const auto& [pair, matches] : matches_[0]) keys.push_back(pair.first), keys.push_back(pair.second);
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  return keys;
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,61 @@
+// Which codes of two exposures are the same light, from the histograms of neighbouring frames. These show
+// about the same scene, so the share q of the pixels that is darker than code z1 in one, at exposure E1, is
+// darker than z2 in the other, at E2. The boundaries between codes are matched, whose place in a histogram is
+// exact, not codes, which are half a step wide at worst. No alignment, no flow: matches along the flow made
+// the response worse (docs/decisions.md). Thread-bound.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "capture/exposed_frame.h"
+
+namespace hdrcam {
+
+// Whether a pair may span a cut: then it counts only where both frames seem to show one scene (same_scene.h).
+enum class SceneCuts { Possible, None };
+
+struct CodeMatch {
+  float z1, z2;  // codes of the shorter and of the longer exposure
+};
+
+// The matches of one channel for one pair of exposures.
+struct CodeMatches {
+  double log_ratio = 0;  // ln E1/E2 < 0, as stated
+  std::vector<CodeMatch> codes;
+};
+
+class HistogramMatches {
+ public:
+  static constexpr int kQuantiles = 400;  // matches per pair and channel
+
+  // Of one channel, by the stated exposures, shorter and longer (ExposureCorrections::key).
+  using OfChannel = std::map<std::pair<int, int>, CodeMatches>;
+
+  // Adds the matches of two frames of different exposure, unpacked without a black level. It skips frames of
+  // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut); returns whether the
+  // pair counted.
+  bool add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts);
+
+  int pairs() const { return pairs_; }  // that counted
+  // channel: R G B.
+  const OfChannel& of(std::size_t channel) const { return matches_[channel]; }
+  // All exposures that occur, ascending (ExposureCorrections::key).
+  std::vector<int> exposure_keys() const;
+
+  // Codes of the shortest exposure, bounds of a black level: hardly a pixel is darker than the first; noise
+  // and compression may have put a tenth of the pixels below black, not more.
+  float darkest(std::size_t channel) const { return darkest_[channel]; }
+  float most_black(std::size_t channel) const { return most_black_[channel]; }
+
+ private:
+  int pairs_ = 0;
+  float shortest_ = 0;  // exposure
+  std::array<float, 3> darkest_{}, most_black_{};
+  std::array<OfChannel, 3> matches_;
+};
+
+}  // namespace hdrcam

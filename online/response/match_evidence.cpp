@@ -1,0 +1,65 @@
+#include "online/response/match_evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "capture/clip_policy.h"
+#include "capture/exposed_frame.h"
+#include "online/response/shared_unknowns.h"
+
+namespace hdrcam {
+
+double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
+                          const MatchNoise& noise, const Eigen::VectorXd& g, const std::vector<int>& keys,
+                          const Eigen::VectorXd& shared, CurveSquares& squares) {
+  // ln x: motion between the frames moves the quantiles, and so does compression
+  const double match_sigma = noise.is_own ? 0.03 : 0.06;
+  constexpr double kCauchy2 = 4;               // squared scale of the robust weight, in sigmas
+  constexpr double kMatchWeight = 0.2;         // because quantiles are not independent
+  constexpr double kWidened = 2;               // how far noise that widens a histogram moves its quantiles
+  constexpr double kMaxWeightPerRatio = 1000;  // matches of one exposure ratio count as at most this many
+  const auto [first, last] = clip_policy::kResponseMatch;
+  const float stretch = kMaxCode / (kMaxCode - black_level);
+  const double top = g[250];
+  const auto variance = [&](const Knots& k) {
+    const double slope = k.slope(g), x = std::exp(k.of(g) - top);
+    const double relative =
+        static_cast<double>(noise.model.exposure_variance(static_cast<float>(x))) / (x * x);
+    return slope * slope / 12 + 0.5 * relative + (noise.is_own ? kWidened * relative * relative : 0);
+  };
+
+  double misfit = 0;
+  for (const auto& [key, matches] : channel) {
+    if (matches.codes.empty()) continue;
+    const Eigen::Index shorter = shared_unknowns::place_of(key.first, keys),
+                       longer = shared_unknowns::place_of(key.second, keys);
+    const double log_ratio = matches.log_ratio + shared[shorter] - shared[longer];
+    const double scale =
+        kMatchWeight * std::min(1.0, kMaxWeightPerRatio / static_cast<double>(matches.codes.size()));
+    double sum = 0, used = 0, usable = 0;
+    for (const CodeMatch& match : matches.codes) {
+      const float z1 = (match.z1 - black_level) * stretch, z2 = (match.z2 - black_level) * stretch;
+      usable += match.z1 >= first && match.z2 <= last ? 1 : 0;
+      if (z1 < first || z2 > last) continue;
+      const Knots k1(static_cast<double>(z1)), k2(static_cast<double>(z2));
+      const double r = k1.of(g) - k2.of(g) - log_ratio;
+      const double s2 = match_sigma * match_sigma + variance(k1) + variance(k2);
+      const double w = scale / s2 / (1 + r * r / (s2 * kCauchy2));
+      sum += scale * kCauchy2 * std::log1p(r * r / (s2 * kCauchy2));
+      used += 1;
+      const std::array<Term, 4> of_curve{Term{k1.lo, 1 - k1.fraction},
+                                         {k1.lo + 1, k1.fraction},
+                                         {k2.lo, k2.fraction - 1},
+                                         {k2.lo + 1, -k2.fraction}};
+      const std::array<Term, 2> of_exposures{Term{shorter, -1}, {longer, 1}};
+      squares.add(w, matches.log_ratio, of_curve, of_exposures);
+    }
+    // matches that a higher black level drops count like the mean of the others, so that dropping gives no
+    // advantage
+    if (used > 0) misfit += sum * std::max(used, usable) / used;
+  }
+  return misfit;
+}
+
+}  // namespace hdrcam

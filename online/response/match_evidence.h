@@ -1,0 +1,26 @@
+// What matched codes say of the response: the same light at the exposures E1 and E2 gives the codes z1 and
+// z2, so g(z1) - g(z2) = ln E1/E2, with g = ln x. Each match is one equation, weighted by the noise of both
+// codes and robustly (Cauchy). Reentrant.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "capture/noise_model.h"
+#include "online/response/curve_squares.h"
+#include "online/response/histogram_matches.h"
+
+namespace hdrcam {
+
+struct MatchNoise {
+  NoiseModel model;
+  bool is_own = false;  // of the sensor: no compression or filter took it away, and it widens histograms
+};
+
+// Adds the matches of one channel, linear at the curve g and at what the channels share (shared_unknowns.h),
+// to its squares. black_level: codes. Returns the misfit: -2 ln of the likelihood.
+double add_match_evidence(const HistogramMatches::OfChannel& channel, float black_level,
+                          const MatchNoise& noise, const Eigen::VectorXd& g, const std::vector<int>& keys,
+                          const Eigen::VectorXd& shared, CurveSquares& squares);
+
+}  // namespace hdrcam

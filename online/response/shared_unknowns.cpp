@@ -1,0 +1,37 @@
+#include "online/response/shared_unknowns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "online/response/noise_evidence.h"
+
+namespace hdrcam::shared_unknowns {
+
+Eigen::Index count(const std::vector<int>& keys) {
+  return kExposures + static_cast<Eigen::Index>(keys.size());
+}
+
+Eigen::Index place_of(int key, const std::vector<int>& keys) {
+  return kExposures + (std::lower_bound(keys.begin(), keys.end(), key) - keys.begin());
+}
+
+// Nominal times are within a sixth of a stop of the true ones, mostly within a twentieth. All
+// exposures to a power, and the curve to the same, explain the same matches: which power it is only real
+// cameras tell, so exposures are not bent that way.
+Eigen::MatrixXd prior_precision(const std::vector<int>& keys) {
+  constexpr double kSigma = 0.06 * 0.69314718056;  // ln, of .06 stop
+  constexpr double kUnbent = 1e6;
+  const auto n = static_cast<Eigen::Index>(keys.size());
+  Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(kExposures + n, kExposures + n) / (kSigma * kSigma);
+  precision(kFullWell, kFullWell) = std::pow(SensorNoise::kFullWellSigma, -2);
+  precision(kReadNoise, kReadNoise) = std::pow(SensorNoise::kReadNoiseSigma, -2);
+  Eigen::VectorXd power(n);
+  for (Eigen::Index k = 0; k < n; ++k) power[k] = keys[static_cast<std::size_t>(k)];
+  if (n > 0) power.array() -= power.mean();
+  if (power.norm() > 0)
+    precision.bottomRightCorner(n, n) += kUnbent * power * power.transpose() / power.squaredNorm();
+  return precision;
+}
+
+}  // namespace hdrcam::shared_unknowns

@@ -1,0 +1,20 @@
+// What the curves of all channels share and what is fitted with them: the noise of the sensor, and what
+// stated exposures are off. One vector e: full well, read noise (as SensorNoise has them: ln of the factor of
+// usual ones), then ln of true over stated exposure for each exposure. Reentrant.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace hdrcam::shared_unknowns {
+
+inline constexpr Eigen::Index kFullWell = 0, kReadNoise = 1, kExposures = 2;  // places in e
+
+// keys: of the exposures, ascending (ExposureCorrections::key).
+Eigen::Index count(const std::vector<int>& keys);
+// Where e has the exposure of this key, which is one of them.
+Eigen::Index place_of(int key, const std::vector<int>& keys);
+// The inverse covariance of its prior, whose mean is 0: [count, count].
+Eigen::MatrixXd prior_precision(const std::vector<int>& keys);
+
+}  // namespace hdrcam::shared_unknowns
