@@ -11,12 +11,13 @@
 #include <string_view>
 #include <utility>
 
+#include "hal/footage/exif_exposure.h"
+
 namespace hdrcam {
 namespace {
 
 constexpr std::string_view kExtensions[] = {".arw", ".cr2", ".cr3", ".dng", ".nef",
                                             ".orf", ".pef", ".raf", ".rw2"};
-constexpr double kIsoOfUnitGain = 100;
 
 constexpr int kMostTextBytes = 64;  // of EXIF's times
 
@@ -115,11 +116,11 @@ class RawStill : public PictureFile {
     facts.exposure_source = ExposureSource::Unknown;
     const libraw_imgother_t& other = raw.imgdata.other;
     if (!(other.shutter > 0)) return;
-    facts.exposure_source = ExposureSource::Embedded;
-    facts.exposure_s = static_cast<double>(other.shutter);
-    if (other.iso_speed > 0) facts.analogue_gain = static_cast<double>(other.iso_speed) / kIsoOfUnitGain;
-    if (other.aperture > 0)
-      facts.digital_gain = 1 / (static_cast<double>(other.aperture) * static_cast<double>(other.aperture));
+    const auto stated = [](float value) {
+      return value > 0 ? std::optional(static_cast<double>(value)) : std::nullopt;
+    };
+    take_exif_exposure({static_cast<double>(other.shutter), stated(other.iso_speed), stated(other.aperture)},
+                       facts);
   }
 
   PictureFileFacts facts_;

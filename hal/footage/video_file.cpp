@@ -13,12 +13,12 @@ extern "C" {
 #include <string_view>
 
 #include "hal/core/parse_number.h"
+#include "hal/footage/exif_exposure.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr int kHighDefinition_px = 720;  // rows from which untagged video is BT.709, as players take it
-constexpr double kIsoOfUnitGain = 100;
 
 int rounded_up(int value, int shift) { return (value + (1 << shift) - 1) >> shift << shift; }
 
@@ -98,14 +98,10 @@ std::string_view exif_text(const AVFrame& frame, const char* tag) {
   return entry != nullptr ? entry->value : "";
 }
 
-// The exposure time; sensitivity and aperture are factors beside it, as far as the file says them.
 void add_exposure(const AVFrame& frame, FrameFacts& facts) {
   const auto time_s = exif_number(frame, "ExposureTime");
   if (!time_s) return;
-  facts.exposure_s = *time_s;
-  if (const auto iso = exif_number(frame, "ISOSpeedRatings")) facts.analogue_gain = *iso / kIsoOfUnitGain;
-  if (const auto number = exif_number(frame, "FNumber")) facts.digital_gain = 1 / (*number * *number);
-  facts.exposure_source = ExposureSource::Embedded;
+  take_exif_exposure({*time_s, exif_number(frame, "ISOSpeedRatings"), exif_number(frame, "FNumber")}, facts);
 }
 
 }  // namespace
