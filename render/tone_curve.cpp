@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
+#include "hal/core/quantile.h"
 #include "render/srgb.h"
 
 namespace hdrcam {
@@ -37,12 +39,10 @@ std::optional<ToneAnchors> tone_anchors(const Image<float>& radiance) {
     }
   }
   if (luminances.empty()) return std::nullopt;
-  const auto rank = static_cast<std::size_t>(kWhitePercentile * static_cast<double>(luminances.size() - 1));
-  const auto nth = luminances.begin() + static_cast<std::ptrdiff_t>(rank);
-  std::nth_element(luminances.begin(), nth, luminances.end());
+  const float high = quantile(std::span(luminances), kWhitePercentile);
   const auto mean = static_cast<float>(std::exp(log_sum / static_cast<double>(luminances.size())));
   const float mid = std::clamp(mean, 0x1p-20f, 0x1p20f);
-  return ToneAnchors{mid, std::clamp(*nth * kWhiteHeadroom, kLeastContrast * mid, 0x1p24f)};
+  return ToneAnchors{mid, std::clamp(high * kWhiteHeadroom, kLeastContrast * mid, 0x1p24f)};
 }
 
 ToneCurve::ToneCurve(ToneAnchors anchors) : anchors_(anchors) {

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "hal/core/check.h"
+#include "hal/core/median.h"
+#include "hal/core/quantile.h"
 
 namespace hdrcam {
 namespace {
@@ -20,6 +23,8 @@ constexpr double kRoomBesideQueue = 0.95;  // to return, where a queue absorbs w
 constexpr double kRoomToCatchUp = 0.8;     // under a backlog that lasts: the deadline itself
 
 constexpr double kMostStep = 1.4;  // a rung's time over that of the next cheaper one
+
+constexpr double kUpperQuartile = 0.75;
 
 constexpr int kSettling = 1;                                 // frames
 constexpr int kProven = 30;                                  // frames after which a return has held
@@ -88,10 +93,8 @@ void Governor::add(const FrameWork& work) {
 Governor::Sample Governor::upper(std::size_t newest) const {
   std::array<Sample, kWindow> sorted{};
   for (std::size_t i = 0; i < newest; ++i) sorted[i] = window_[(samples_ - 1 - i) % kWindow];
-  const auto rank = sorted.begin() + static_cast<std::ptrdiff_t>((newest - 1) * 3 / 4);
-  std::nth_element(sorted.begin(), rank, sorted.begin() + static_cast<std::ptrdiff_t>(newest),
-                   [](const Sample& a, const Sample& b) { return a.total_ms < b.total_ms; });
-  return *rank;
+  return quantile(std::span(sorted).first(newest), kUpperQuartile,
+                  [](const Sample& a, const Sample& b) { return a.total_ms < b.total_ms; });
 }
 
 // Of a whole window, in which the longest frame, perhaps an outlier, counts as the second longest.
@@ -110,9 +113,7 @@ double Governor::steady_ms() const {
   const std::size_t count = std::min(samples_, kWindow);
   std::array<double, kWindow> sorted{};
   for (std::size_t i = 0; i < count; ++i) sorted[i] = window_[i].steady_ms;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(count / 2);
-  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(count));
-  return *middle;
+  return median(std::span(sorted).first(count));
 }
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
@@ -199,9 +200,7 @@ void Governor::remember() {
   const std::size_t count = std::min(samples_, kWindow);
   std::array<double, kWindow> ratios{};
   for (std::size_t i = 0; i < count; ++i) ratios[i] = window_[i].ratio();
-  const auto rank = ratios.begin() + static_cast<std::ptrdiff_t>((count - 1) * 3 / 4);
-  std::nth_element(ratios.begin(), rank, ratios.begin() + static_cast<std::ptrdiff_t>(count));
-  ratios_[at_] = *rank;
+  ratios_[at_] = quantile(std::span(ratios).first(count), kUpperQuartile);
 }
 
 void Governor::shed_to(std::size_t rung) {

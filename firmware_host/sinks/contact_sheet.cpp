@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "hal/core/quantile.h"
 #include "render/png.h"
 
 namespace hdrcam {
@@ -18,7 +20,7 @@ constexpr std::size_t kRowsKept = 12;
 constexpr int kCellWidth_px = 320;
 constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
 constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224};
-constexpr float kBrightest = 0.98f;  // percentile of 1 / depth shown as the brightest
+constexpr float kBrightest = 0.98f;  // quantile of 1 / depth shown as the brightest
 
 int cell_rows(int rows, int cols) {
   return cols <= kCellWidth_px ? rows : std::max(1, rows * kCellWidth_px / cols);
@@ -74,13 +76,6 @@ Image<std::uint8_t> coloured(const Image<std::uint8_t>& provenance) {
     picture.plane(0)[i] = colour.r, picture.plane(1)[i] = colour.g, picture.plane(2)[i] = colour.b;
   }
   return picture;
-}
-
-float percentile(std::vector<float>& values, float fraction) {
-  if (values.empty()) return 0;
-  const auto rank = static_cast<std::size_t>(fraction * static_cast<float>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(rank), values.end());
-  return values[rank];
 }
 
 void draw_legend(Canvas& canvas, int baseline) {
@@ -142,7 +137,7 @@ Image<std::uint8_t> ContactSheet::composed() const {
   std::vector<float> nearness;
   for (const Row* row : rows)
     nearness.insert(nearness.end(), row->nearness.samples().begin(), row->nearness.samples().end());
-  const float brightest = percentile(nearness, kBrightest);
+  const float brightest = quantile(std::span(nearness), kBrightest);
   std::vector<std::string> titles{"input", "HDR, tone-mapped", "provenance"};
   if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
 
