@@ -1,18 +1,15 @@
 #include "firmware_host/sinks/half_pipe.h"
 
-#include <Imath/half.h>
-
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "render/half.h"
+
 namespace hdrcam {
 namespace {
-
-constexpr float kLargestHalf = 65504;
 
 class HalfPipe : public FrameSink {
  public:
@@ -25,8 +22,7 @@ class HalfPipe : public FrameSink {
     samples_.resize(3 * n);
     for (int c = 0; c < 3; ++c)
       for (std::size_t i = 0; i < n; ++i)
-        samples_[3 * i + static_cast<std::size_t>(c)] =
-            Imath::half(std::min(radiance.plane(c)[i], kLargestHalf)).bits();
+        samples_[3 * i + static_cast<std::size_t>(c)] = as_half(radiance.plane(c)[i]).bits();
     const auto bytes = std::as_bytes(std::span(samples_));
     TRY(pipe_->write_at(written_, bytes));
     written_ += bytes.size();

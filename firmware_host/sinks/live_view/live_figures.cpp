@@ -1,6 +1,5 @@
 #include "firmware_host/sinks/live_view/live_figures.h"
 
-#include <Imath/half.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "firmware_host/sinks/record_json.h"
 #include "firmware_host/version.h"
 #include "hal/core/json_text.h"
+#include "render/half.h"
 
 namespace hdrcam {
 namespace {
@@ -20,10 +20,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kDropped = "dropped.";
-constexpr float kLargestHalf = 65504;
 
 // As the file stores it.
-float stored(float radiance) { return static_cast<float>(Imath::half(std::min(radiance, kLargestHalf))); }
+float stored(float radiance) { return static_cast<float>(as_half(radiance)); }
 
 Json frame_json(const ShownFrame& frame) {
   const FrameFacts& facts = frame.hdr.facts;
