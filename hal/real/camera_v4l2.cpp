@@ -6,7 +6,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <mutex>
 #include <utility>
@@ -214,12 +213,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
       const std::lock_guard lock(mutex_);
       waits_for_frame = slots_.any_queued();
     }
-    std::array<pollfd, 2> fds{
-        {{wake_.fd(), POLLIN, 0}, {waits_for_frame ? nodes_.video.fd() : -1, POLLIN, 0}}};
-    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-    const timespec patience{seconds.count(), (left - seconds).count()};
-    (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
-    if ((fds[1].revents & (POLLERR | POLLHUP)) == 0 || (fds[0].revents & POLLIN) != 0) return {};
+    const auto [woken, device] = wake_.sleep(waits_for_frame ? nodes_.video.fd() : -1, left);
+    if ((device & (POLLERR | POLLHUP)) == 0 || (woken & POLLIN) != 0) return {};
     const std::lock_guard lock(mutex_);  // dequeue() reports the error, unless stop() came first
     if (!started_) return {};
     v4l2_capability any{};

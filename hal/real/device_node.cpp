@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <grp.h>
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -110,6 +113,14 @@ void WakeUp::set() {
 void WakeUp::clear() {
   std::uint64_t count = 0;
   (void)!::read(fd_, &count, sizeof count);
+}
+
+WakeUp::Ready WakeUp::sleep(int device, Duration at_most) const {
+  std::array<pollfd, 2> fds{{{fd_, POLLIN, 0}, {device, POLLIN, 0}}};
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(at_most);
+  const timespec patience{seconds.count(), (at_most - seconds).count()};
+  (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
+  return {fds[0].revents, fds[1].revents};
 }
 
 }  // namespace hdrcam

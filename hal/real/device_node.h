@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "hal/core/instant.h"
 #include "hal/core/result.h"
 
 namespace hdrcam {
@@ -46,7 +47,7 @@ std::string holder_of(const std::string& path);
 // Like "add this user to the group 'video' and log in again", from the owner and mode of the node.
 std::string how_to_get_permission(const std::string& path);
 
-// An event that one thread sets and another finds in a poll(). Thread-safe.
+// An event that one thread sets, and for which another sleeps together with a device. Thread-safe.
 class WakeUp {
  public:
   WakeUp();
@@ -56,7 +57,14 @@ class WakeUp {
 
   void set();
   void clear();
-  int fd() const { return fd_; }
+
+  // What poll() says of the two (`revents`); 0: nothing.
+  struct Ready {
+    short woken = 0, device = 0;
+  };
+  // Sleeps until the event is set, the device has something to read or fails, or the time is over; perhaps
+  // shorter, where a signal comes. device: its file descriptor; -1: only the event.
+  Ready sleep(int device, Duration at_most) const;
 
  private:
   int fd_;

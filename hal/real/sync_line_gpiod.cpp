@@ -1,8 +1,6 @@
 #include "hal/real/sync_line_gpiod.h"
 
-#include <poll.h>
-
-#include <array>
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <utility>
@@ -25,12 +23,9 @@ class GpioSyncLine : public SyncLine {
     for (;;) {
       if (closed_) return closed();
       const Duration left = std::max<Duration>(deadline - SteadyClock::now(), Duration::zero());
-      const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
-      const timespec patience{seconds.count(), (left - seconds).count()};
-      std::array<pollfd, 2> fds{{{wake_.fd(), POLLIN, 0}, {line_->event_fd(), POLLIN, 0}}};
-      (void)::ppoll(fds.data(), fds.size(), &patience, nullptr);
+      const bool edge = wake_.sleep(line_->event_fd(), left).device != 0;
       if (closed_) return closed();
-      if (fds[1].revents != 0) return next_edge();
+      if (edge) return next_edge();
       if (SteadyClock::now() >= deadline)
         return Error{ErrorCode::Timeout,
                      fmt::format("no edge on GPIO line '{}' within {} ms", settings_.line,
