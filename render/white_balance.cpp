@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "hal/core/parse_number.h"
-#include "hal/recording/sound_facts.h"
+#include "hal/core/sound_facts.h"
 
 namespace hdrcam {
 namespace {

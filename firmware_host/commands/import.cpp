@@ -15,9 +15,9 @@
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/sound_facts.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
-#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {

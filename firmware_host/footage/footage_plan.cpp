@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "capture/exposure_schedule.h"
+#include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
-#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {

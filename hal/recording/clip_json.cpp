@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "hal/core/json_text.h"
+#include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/recording.h"
-#include "hal/recording/sound_facts.h"
 
 namespace hdrcam {
 namespace {

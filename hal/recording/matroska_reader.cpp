@@ -7,12 +7,12 @@
 #include <climits>
 #include <cstring>
 
+#include "hal/core/sound_facts.h"
 #include "hal/recording/cluster_scan.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/matroska.h"
 #include "hal/recording/picture_codec.h"
 #include "hal/recording/recording.h"
-#include "hal/recording/sound_facts.h"
 #include "hal/recording/storage_stream.h"
 
 namespace hdrcam {

@@ -1,8 +1,8 @@
 // A clip.json: what is accepted is sound, and is accepted again once it was written.
 #include <string>
 
+#include "hal/core/sound_facts.h"
 #include "hal/recording/clip_json.h"
-#include "hal/recording/sound_facts.h"
 
 using namespace hdrcam;
 

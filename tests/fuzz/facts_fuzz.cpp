@@ -2,8 +2,8 @@
 // and parses again to the same.
 #include <string_view>
 
+#include "hal/core/sound_facts.h"
 #include "hal/recording/facts_json.h"
-#include "hal/recording/sound_facts.h"
 
 using namespace hdrcam;
 

@@ -1,6 +1,10 @@
-#include "hal/recording/sound_facts.h"
+#include "hal/core/sound_facts.h"
+
+#include <fmt/format.h>
 
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace hdrcam {
 namespace {

@@ -1,4 +1,4 @@
-#include "hal/recording/sound_facts.h"
+#include "hal/core/sound_facts.h"
 
 #include <cmath>
 #include <limits>

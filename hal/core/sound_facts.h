@@ -1,11 +1,11 @@
-// Checks whether facts from a file are possible for a camera. Each function returns nullopt, or a clause that
-// names the wrong value and what is wrong, to follow "frame 3: ". Reentrant.
+// Checks whether facts from a file or a setting are possible for a camera. Each function returns nullopt, or
+// a clause that names the wrong value and what is wrong, to follow "frame 3: ". Reentrant.
 #pragma once
 
 #include <optional>
 #include <string>
 
-#include "hal/recording/recording.h"
+#include "hal/core/frame.h"
 
 namespace hdrcam {
 
