@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "firmware_host/run_pace.h"
 #include "firmware_host/settings/settings.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/frame.h"
 
 namespace hdrcam {

@@ -9,9 +9,9 @@
 #include "capture/exposure_room.h"
 #include "firmware_host/run/backlog.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/run_pace.h"
 #include "firmware_host/sinks/run_control.h"
 #include "firmware_host/sinks/run_record.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
 

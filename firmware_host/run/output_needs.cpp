@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "firmware_host/settings/field_setting.h"
+#include "firmware_host/sinks/sink_set.h"
 
 namespace hdrcam {
 namespace {

@@ -3,9 +3,10 @@
 
 #include <string>
 
+#include "firmware_host/run_pace.h"
 #include "firmware_host/settings/settings.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/result.h"
+#include "render/exr.h"
 
 namespace hdrcam {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 
 #include "firmware_host/run/run.h"
+#include "firmware_host/run_pace.h"
 #include "firmware_host/sinks/run_record.h"
-#include "firmware_host/sinks/sink_set.h"
 #include "hal/core/frame.h"
 
 namespace hdrcam {

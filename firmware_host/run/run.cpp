@@ -17,6 +17,7 @@
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
+#include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"

@@ -9,6 +9,7 @@
 
 #include "firmware_host/run/frame_source.h"
 #include "firmware_host/settings/settings.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 

@@ -8,13 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware_host/run_pace.h"
 #include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
-
-// Pace of a run: a clip waits for every sink; a camera does not wait, so sinks that may leave out frames do,
-// and their threads have a lower priority than capture.
-enum class RunPace { Clip, Camera };
 
 // Where a run with these paths leaves its pictures: the HDR frames where they are pictures, else the
 // previews.
