@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/delay_calibration.h"
+#include "capture/control_delay.h"
 
 namespace hdrcam {
 namespace {
@@ -14,8 +14,6 @@ std::array<Exposure, ExposureSchedule::kMaxSlots> exposures_of(const ExposureSch
     exposures[static_cast<std::size_t>(i)] = schedule.slot(i).exposure;
   return exposures;
 }
-
-constexpr int kMostDelay = DelayCalibration::kMaxDelay;  // frames
 
 std::span<const Exposure> first(const std::array<Exposure, ExposureSchedule::kMaxSlots>& exposures,
                                 int count) {
@@ -40,10 +38,10 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
                     offers.id)};
   for (const auto& delays : {options.delays, offers.delays})
     if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
-                   std::max(delays->exposure, delays->gain) > kMostDelay))
+                   std::max(delays->exposure, delays->gain) > kMaxDelay))
       return Error{ErrorCode::Invalid,
                    fmt::format("control delays of {} and {} frames are out of range; give 0 to {}",
-                               delays->exposure, delays->gain, kMostDelay)};
+                               delays->exposure, delays->gain, kMaxDelay)};
   if (options.trigger != nullptr && !offers.sets_exposure)
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' cannot be triggered: its frames come as they were recorded; leave out "

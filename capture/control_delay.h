@@ -24,6 +24,9 @@
 
 namespace hdrcam {
 
+// The longest delay of a control, frames: sensors need 1..3; a driver with an internal queue adds its depth.
+inline constexpr int kMaxDelay = 15;
+
 // Frames from the one at whose start a control is written to the first that shows it.
 struct SensorDelays {
   int exposure = 2, gain = 1, vblank = 2;

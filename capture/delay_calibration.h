@@ -28,8 +28,7 @@ struct DelayEstimate {
 
 class DelayCalibration {
  public:
-  static constexpr int kMaxDelay = 15;  // sensors need 1..3; a driver with an internal queue adds its depth
-  static constexpr int kEnough = 16;    // comparisons
+  static constexpr int kEnough = 16;  // comparisons
 
   // Two exposures at least a stop apart; they differ in the control to be measured, time or gain.
   DelayCalibration(const Exposure& shorter, const Exposure& longer, const PhotometricResponse& response);
