@@ -1,0 +1,122 @@
+#include "firmware_host/bench/kernel_task_groups.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+
+#include "online/scene/hash_grid/field/field_kernels.h"
+#include "online/scene/hash_grid/field/hash_grid.h"
+#include "online/scene/hash_grid/field/view_geometry.h"
+#include "online/scene/hash_grid/field/window_kernels.h"
+
+namespace hdrcam {
+
+void add_window(KernelTasks& tasks, int rows, int cols) {
+  struct Room {
+    RandomPlanes in, flow, out;
+  };
+  const auto room = std::make_shared<Room>(Room{RandomPlanes(3, rows, cols, 0.01f, 1, 1),
+                                                RandomPlanes(2, rows, cols, -6, 6, 2),
+                                                RandomPlanes(3, rows, cols, 0, 0, 3)});
+  add_rows(tasks, "window: base", rows, cols, 30, 4, [room, cols](int y) {
+    window_kernels().base(
+        {room->in.row(0, y), room->in.row(1, y), 1e6f, 0.1f, room->out.row(0, y), room->out.row(1, y)}, cols);
+  });
+  // half as many blocks as a row has pixels: two rows each
+  add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, 16, 10, [room, cols](int y) {
+    const auto blocks = [&](int channel, int x, int n) {
+      return BlockRow{
+          {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x}, 2, 2 * n};
+    };
+    for (int x = 0; x < cols / 2; x += kMostBlocks) {
+      const int n = std::min(kMostBlocks, cols / 2 - x);
+      window_kernels().block_state(
+          {blocks(0, x, n), blocks(1, x, n), 1e6f, room->out.row(0, y) + x, room->out.row(1, y) + x}, n);
+    }
+  });
+  add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
+    const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
+    const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
+    window_kernels().lift({room->flow.row(0, y),
+                           room->flow.row(1, y),
+                           room->in.row(0, y),
+                           room->in.row(1, y),
+                           0.5f,
+                           static_cast<float>(y) + 0.5f,
+                           camera,
+                           camera,
+                           {2 * half_width, 2 * half_width},
+                           {half_width, half_height},
+                           ViewGeometry<float>::kNearest,
+                           512,
+                           room->out.row(0, y),
+                           room->out.row(1, y),
+                           room->out.row(2, y)},
+                          cols);
+  });
+}
+
+void add_field(KernelTasks& tasks) {
+  constexpr int kSamples = 256, kWidth = 32;
+  struct Room {
+    Pcg32 random{1};
+    HashGrid<float> grid{HashGridShape(), 1e-2f, random};
+    RandomPlanes position{3, 1, kSamples, 0, 1, 2}, x{kWidth, 1, kSamples, -1, 1, 3},
+        y{kWidth, 1, kSamples, -1, 1, 4};
+    RandomPlanes weights{1, kWidth, kWidth, -1, 1, 5}, d_weights{1, kWidth, kWidth, 0, 0, 6};
+    RandomPlanes bias{2, 1, kWidth, -1, 1, 7};
+    Image<std::int32_t> slot{1, 1, kSamples};
+    RandomPlanes moments{2, 1, 1 << 16, 0, 1e-3f, 8}, gradient{2, 1, 1 << 16, -1e-3f, 1e-3f, 9};
+  };
+  const auto room = std::make_shared<Room>();
+  room->grid.reserve_gradient();
+  const FieldKernels& kernels = field_kernels();
+  const auto query = [room] {
+    RandomPlanes& p = room->position;
+    return GridQuery{{p.plane(0), p.plane(1), p.plane(2)}, room->slot.plane(0), kSamples};
+  };
+  const auto add = [&](std::string name, const char* item, double items, double flops, double look_ups,
+                       auto run) {
+    KernelTask task;
+    task.name = std::move(name), task.item = item, task.items = items;
+    task.flops = flops, task.look_ups = look_ups, task.run = run;
+    tasks.push_back(std::move(task));
+  };
+  const int finest = room->grid.shape().levels - 1;
+  for (const int level : {0, finest}) {
+    const std::string kind = level == 0 ? ", dense level" : ", hashed level";
+    add("field: encode" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
+      kernels.encode(room->grid.level(level), room->grid.table(level).data(), query(), room->x.plane(0),
+                     room->x.plane(1));
+    });
+    add("field: scatter" + kind, "look-ups", 8.0 * kSamples, 0, 1, [room, &kernels, query, level] {
+      kernels.scatter(room->grid.level(level), room->grid.d_table(level).data(), query(), room->y.plane(0),
+                      room->y.plane(1));
+    });
+  }
+  const double layer = 2.0 * kWidth * kWidth * kSamples;
+  add("field: layer 32 to 32", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.affine(room->weights.plane(0), room->bias.plane(0), room->x.plane(0), kSamples, kSamples, kWidth,
+                   kWidth, true, room->y.plane(0));
+  });
+  add("field: layer 32 to 32, backward", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.affine_transposed(room->weights.plane(0), room->x.plane(0), kSamples, kSamples, kWidth, kWidth,
+                              room->x.plane(0), room->y.plane(0));
+  });
+  add("field: layer 32 to 32, its weights", "flop", layer, 1, 0, [room, &kernels] {
+    kernels.outer(room->x.plane(0), room->y.plane(0), kSamples, kSamples, kWidth, kWidth,
+                  room->d_weights.plane(0), room->bias.plane(1));
+  });
+  constexpr int kParameters = 1 << 16;
+  KernelTask adam;
+  adam.name = "field: Adam", adam.item = "parameters", adam.items = kParameters;
+  adam.flops = 13, adam.bytes = 40, adam.footprint = 5 * 4.0 * kParameters;
+  adam.run = [room, &kernels] {  // which clears the gradient
+    std::copy_n(room->gradient.plane(1), kParameters, room->gradient.plane(0));
+    kernels.adam({1e-3f, 1, 0.9f, 0.99f, 1e-8f}, kParameters, room->grid.table(0).data(),
+                 room->gradient.plane(0), room->moments.plane(0), room->moments.plane(1));
+  };
+  tasks.push_back(std::move(adam));
+}
+
+}  // namespace hdrcam

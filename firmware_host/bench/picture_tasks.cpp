@@ -1,0 +1,103 @@
+#include "firmware_host/bench/kernel_task_groups.h"
+
+#include <array>
+#include <memory>
+
+#include "online/pictures/local_statistics.h"
+#include "online/pictures/picture_kernels.h"
+#include "online/state/exposure_blur_kernels.h"
+#include "render/shrinkage_kernels.h"
+
+namespace hdrcam {
+
+void add_pictures(KernelTasks& tasks, int rows, int cols) {
+  struct Room {
+    RandomPlanes in, zoom, chaos, out;
+  };
+  const auto room = std::make_shared<Room>(
+      Room{RandomPlanes(3, rows, cols, 0.01f, 2, 1), RandomPlanes(2, rows, cols, -0.02f, 0.02f, 2),
+           RandomPlanes(2, rows, cols, -6, 6, 2), RandomPlanes(3, rows, cols, 0, 0, 3)});
+  for (int y = 0; y < rows; ++y)  // by one in a hundred, and what a measured flow is unsure of
+    for (int x = 0; x < cols; ++x) {
+      room->zoom.row(0, y)[x] += 0.01f * static_cast<float>(2 * x - cols) / 2;
+      room->zoom.row(1, y)[x] += 0.01f * static_cast<float>(2 * y - rows) / 2;
+    }
+  const PictureKernels& kernels = picture_kernels();
+  const auto warp = [&](const char* name, auto kernel, float limit, double flops, double look_ups) {
+    for (const bool together : {true, false}) {
+      RandomPlanes& flow = together ? room->zoom : room->chaos;
+      KernelTask task;
+      task.name = std::string(name) + (together ? "" : ", neighbours apart"), task.item = "px";
+      task.items = static_cast<double>(rows) * cols;
+      task.flops = flops, task.look_ups = together ? 0 : look_ups, task.bytes = 32;
+      task.footprint = task.items * task.bytes;
+      task.run = [room, &flow, kernel, limit, rows, cols] {
+        kernel({room->in.plane(0), room->out.plane(0), flow.plane(0), flow.plane(1), 3, rows, cols, 0, rows,
+                limit});
+      };
+      tasks.push_back(std::move(task));
+    }
+  };
+  // a place 10, its weights 20 where cubic; 6 a channel where bilinear, 47 where cubic and limited
+  warp("warp, bilinear, rgb", kernels.warp_linear, 0, 10 + 3 * 6, 3 * 2);
+  warp("warp, bicubic, rgb", kernels.warp_cubic, 0.25f, 10 + 20 + 3 * 47, 3 * 4);
+  add_rows(tasks, "mean and variance, 3x3", rows, cols, 16, 3, [room, &kernels, rows, cols](int y) {
+    kernels.window(window_at(room->in.plane(0), rows, cols, y, 1, room->out.row(0, y), room->out.row(1, y)));
+  });
+  // 5 instants, of 12 and 7 a channel; neighbours stay together
+  KernelTask blur;
+  blur.name = "exposure's blur, rgb", blur.item = "px";
+  blur.items = static_cast<double>(rows) * cols;
+  blur.flops = 5 * (12 + 3 * 7), blur.bytes = 32;
+  blur.footprint = blur.items * blur.bytes;
+  const auto motion = std::make_shared<RandomPlanes>(2, rows, cols, 5.98f, 6.02f, 4);
+  blur.run = [room, motion, rows, cols] {
+    exposure_blur_kernels().blur({room->in.plane(0), motion->plane(0), motion->plane(1), 0.45f,
+                                  room->out.plane(0), 3, rows, cols, 0, rows});
+  };
+  tasks.push_back(std::move(blur));
+}
+
+void add_shrinkage(KernelTasks& tasks, int rows, int cols) {
+  struct Room {
+    RandomPlanes in, opponent, sum, out;
+  };
+  const auto room = std::make_shared<Room>(
+      Room{RandomPlanes(6, rows, cols, 0.01f, 1, 1), RandomPlanes(6, rows, cols, 0, 0, 2),
+           RandomPlanes(6, rows, cols, 0, 0, 3), RandomPlanes(3, rows, cols, 0, 0, 4)});
+  const ShrinkageKernels& kernels = shrinkage_kernels();
+  add_rows(tasks, "shrinkage: to opponent colours", rows, cols, 90, 18, [room, &kernels, cols](int y) {
+    const auto rows_of = [y](RandomPlanes& planes, int first) {
+      return std::array<float*, 3>{planes.row(first, y), planes.row(first + 1, y), planes.row(first + 2, y)};
+    };
+    const auto radiance = rows_of(room->in, 0), variance = rows_of(room->in, 3);
+    const std::array<const float*, 3> r{radiance[0], radiance[1], radiance[2]};
+    const std::array<const float*, 3> v{variance[0], variance[1], variance[2]};
+    kernels.to_opponent(r.data(), v.data(), 0.01f, cols, rows_of(room->opponent, 0).data(),
+                        rows_of(room->opponent, 3).data(), rows_of(room->sum, 0).data(),
+                        rows_of(room->sum, 3).data());
+  });
+  std::array<float, kShrinkageTile * kShrinkageTile> thresholds;
+  thresholds.fill(1);
+  KernelTask tiles;
+  tiles.name = "shrinkage: tiles of 8x8", tiles.item = "px";
+  const int lines = (rows - kShrinkageTile) / kShrinkageStep;
+  tiles.items = static_cast<double>(lines) * kShrinkageStep * cols;
+  tiles.run = [room, &kernels, lines, cols, thresholds] {
+    for (int line = 0; line < lines; ++line) {
+      const int y = line * kShrinkageStep;
+      kernels.shrink(room->opponent.row(0, y), room->in.row(3, y), thresholds.data(), 0, cols,
+                     room->sum.row(0, y), room->sum.row(3, y));
+    }
+  };
+  tasks.push_back(std::move(tiles));
+  const auto weights = std::make_shared<RandomPlanes>(3, rows, cols, 1.f, 2.f, 5);
+  add_rows(tasks, "shrinkage: to radiance", rows, cols, 80, 9, [room, weights, &kernels, cols](int y) {
+    const float* const sum[3] = {room->in.row(0, y), room->in.row(1, y), room->in.row(2, y)};
+    const float* const weight[3] = {weights->row(0, y), weights->row(1, y), weights->row(2, y)};
+    float* const out[3] = {room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)};
+    kernels.to_radiance(sum, weight, 0.01f, cols, out);
+  });
+}
+
+}  // namespace hdrcam
