@@ -10,6 +10,7 @@
 
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/sinks/video_target.h"
 #include "hal/video/picture_converter.h"
 #include "render/display_light.h"
 #include "render/srgb.h"
@@ -60,28 +61,6 @@ Result<void> check(const VideoOptions& options) {
 
 // What the frames hold.
 enum class FrameLight { Radiance, Display };
-
-// Where a video goes. A file is made with the first frame: a run without any leaves none, and an earlier
-// video stays as it is.
-class VideoTarget {
- public:
-  explicit VideoTarget(std::unique_ptr<StorageFile> pipe) : pipe_(std::move(pipe)) {}
-  VideoTarget(Storage& storage, std::string path, StorageStream::Direction direction)
-      : storage_(&storage), path_(std::move(path)), direction_(direction) {}
-
-  Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format) {
-    auto file = storage_ == nullptr ? std::move(pipe_) : TRY(storage_->create(path_));
-    auto writer = VideoWriter::create(std::move(file), direction_, format);
-    if (!writer && direction_ == StorageStream::Direction::Write) (void)storage_->remove(path_);
-    return writer;
-  }
-
- private:
-  std::unique_ptr<StorageFile> pipe_;
-  Storage* storage_ = nullptr;  // null for a pipe that is open already
-  std::string path_;
-  StorageStream::Direction direction_ = StorageStream::Direction::Pipe;
-};
 
 // The frames as the planes of a video, whatever becomes of them.
 class HdrVideo : public FrameSink {
@@ -180,10 +159,6 @@ class HdrVideo : public FrameSink {
   PictureLight largest_;
   Instant start_;
 };
-
-}  // namespace
-
-namespace {
 
 Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::string& path,
                                                 double framerate_hz, const VideoOptions& options,
