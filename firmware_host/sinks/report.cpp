@@ -280,7 +280,6 @@ std::string run_section(const RunRecord& record) {
   rows += fact("preset", record.preset);
   rows += fact("seed", fmt::format("{}", record.seed));
   rows += fact("threads", fmt::format("{}", record.threads));
-  rows += fact("precision", record.precision);
   rows += fact("hdrcam", kVersion);
   rows += fact("processor", fmt::format("{}, {} kernels", cpu_model(), name(instruction_set())));
   rows += fact("camera", fmt::format("{}, {} x {} pixels, {:.4g} frames/s", record.camera, record.width,

@@ -77,7 +77,6 @@ struct RunRecord {
   std::string preset;
   std::uint64_t seed = 0;
   int threads = 1;
-  std::string precision;  // of the field's parameters, where there is a choice; "" hides it
 
   std::string camera;
   int width = 0, height = 0;

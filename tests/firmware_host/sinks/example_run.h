@@ -23,7 +23,6 @@ inline RunRecord example_run(int frames) {
   record.preset = "balanced";
   record.seed = 7;
   record.threads = 2;
-  record.precision = "bf16 with fp32 master";
   record.camera = "walk";
   record.width = 320, record.height = 240;
   record.framerate_hz = 30;
