@@ -1,16 +1,25 @@
 // Holds a run's deadline per frame: from the times of the frames so far it chooses the rung of the ladder
-// (budget_ladder.h) for the next one. It sheds when frames are late, at once under a sudden load, and returns
-// to better rungs as soon as they are predicted to fit. It predicts a rung from what it took when it was last
-// in use, in units of the work that no rung changes: a machine that is slowed by other work slows both alike.
-// A rung that was never in use is taken to lie between its neighbours when time is short, and tried where
-// there is ample time, several at once where there is much; one that turned out too slow is tried again after
-// a wait that doubles, or when the machine became faster. It starts at the cheapest rung that emits every
-// frame, so that the first frames come early. Where not even the last rung is in time, frames are lost before
-// they are worked on, and to leave out more gains nothing: it goes back to that rung, for a while. Where
-// frames queue, it knows better than times tell whether the run keeps up: none is left out for late frames
-// that the queue absorbs, none of quality returns while frames wait, and a backlog that does not shrink is
-// worked off within a smaller deadline. Deterministic: times in, budget out; it reads no clock. No allocation
-// after the constructor. Thread-bound.
+// (budget_ladder.h) for the next one. Its rules, and their constants here and in governor.cpp:
+//   start     the cheapest rung that emits every frame, so that the first frames come early
+//   predict   a rung takes what it took when it was last in use, in units of the work that no rung changes:
+//             a machine that is slowed by other work slows both alike. One that was never in use is taken to
+//             lie between its neighbours when time is short
+//   shed      when the last kWindow frames are late, or at once when kSudden in a row exceed kSuddenlyLate;
+//             to the best rung that is predicted to fit within kRoomToShedTo
+//   return    after kWindow frames to the best rung that is predicted to fit within kRoomToReturn; to the
+//             one of the start within kRoomToEmitAll
+//   try       after kTrial frames, where there is ample time, a rung that was never in use; several at once
+//             where all fit at kMostStep times the one below
+//   wait      a rung that turned out too slow before it held for kProven frames is tried again after
+//             kFirstWait_s, each time twice as long up to kLongestWait of these, or when the machine became
+//             faster (kFasterMachine)
+//   give up   where not even the last rung is in time, frames are lost before they are worked on, and to
+//             leave out more gains nothing: back to the rung of the start, for such a wait
+//   queue     where frames queue (backlog.h), it knows better than times tell whether the run keeps up: none
+//             is left out for late frames that the queue absorbs, none of quality returns while frames wait,
+//             it returns within kRoomBesideQueue while none does, and a backlog that does not shrink is
+//             worked off within kRoomToCatchUp
+// Deterministic: times in, budget out; it reads no clock. No allocation after the constructor. Thread-bound.
 #pragma once
 
 #include <array>

@@ -1,8 +1,7 @@
 // Runs a sink on its own thread behind a bounded queue, so that a slow one (an EXR of 640x480 takes 50 ms)
-// costs the pipeline only a copy. Order is kept; the sink gets the same frames, a little later. WhenFull
-// declares what happens when the queue is full. The queue is bounded in frames and in bytes, and reuses its
-// frames. Thread-bound; its thread alone
-// calls the sink until finish() has joined it.
+// costs the pipeline only a copy. Order is kept; the sink gets the same frames, a little later. The queue is
+// bounded in frames and in bytes, and reuses its frames; WhenFull declares what happens when it is full.
+// Thread-bound; its thread alone calls the sink until finish() has joined it.
 #pragma once
 
 #include <condition_variable>

@@ -2,15 +2,16 @@
 // temporary name and renamed when complete, so a reader that watches the folder never sees half a frame.
 // frames.csv in the same folder lists time and exposure of each frame (frame_ledger.h). An attribute of the
 // file states the unit of each layer.
-//   R G B             always: scene-linear radiance, half; 1 saturates the clip's reference exposure
-//   Z                 depth, float: metres where poses are given, else units of the tracked poses; 0 where
-//                     there is none
-//   backward.u/.v     motion to the previous frame, float, pixels; 0 for the first frame
-//   forward.u/.v      motion to the next frame, likewise; 0 for the last frame
-//   field.u/.v        the field's own motion to the previous frame, likewise
-//   field.forward.u/.v    and to the next one
-//   sigma confidence  standard deviation of ln radiance; exp(-sigma): the one-sigma lower bound over the
-//   value, 0..1 provenance        enum Provenance
+//   R G B               always: scene-linear radiance, half; 1 saturates the clip's reference exposure
+//   Z                   depth, float: metres where poses are given, else units of the tracked poses; 0 where
+//                       there is none
+//   backward.u/.v       motion to the previous frame, float, pixels; 0 for the first frame
+//   forward.u/.v        motion to the next frame, likewise; 0 for the last frame
+//   field.u/.v          the field's own motion to the previous frame, likewise
+//   field.forward.u/.v  and to the next one
+//   sigma               standard deviation of ln radiance, half
+//   confidence          exp(-sigma), half, 0..1: the one-sigma lower bound over the value
+//   provenance          enum Provenance, half
 #pragma once
 
 #include <memory>

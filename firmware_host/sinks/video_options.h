@@ -1,4 +1,4 @@
-// How a video of the HDR frames is made, whatever it is written to (hdr_video.h, frame_pipe.h). Plain values.
+// How a video of the HDR frames is made, whatever it is written to (hdr_video.h, half_pipe.h). Plain values.
 #pragma once
 
 namespace hdrcam {

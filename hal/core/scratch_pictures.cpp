@@ -10,8 +10,8 @@ void ScratchPictures::lend(Image<float>& picture, int channels, int rows, int co
   const std::size_t need =
       static_cast<std::size_t>(channels) * static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   if (need == 0) return picture.reshape(channels, rows, cols);
-  // The smallest that is large enough, but not much too large. If none is, the largest of the smaller ones
-  // makes way for a larger one, so that no memory stays behind that is too small for all.
+  // Best fit, at most twice too large. Where none fits, the largest idle one that is too small grows, so that
+  // no memory stays idle that is too small for every stage.
   constexpr std::size_t kMostWaste = 2;
   std::size_t best = 0, held = 0;
   for (std::size_t i = 0; i < idle_.size(); ++i) {

@@ -1,8 +1,9 @@
-// Learns the response of a stream: from its first frames, and again while it goes on where these showed
-// little of it (a covered lens, a dark room, a white wall). Now and then some frames in a row are added to
-// what is known already, and the fit is done again on a thread of its own. Its answer is taken only where it
-// is far more certain: the state must begin anew with it. When that is depends on the frames alone, not on
-// the machine. Thread-bound.
+// Learns the response of a stream from its first frames. While these showed little of it (a covered lens, a
+// dark room, a white wall), it goes on: at once and then after pauses of half of the stream so far, 6 to 300
+// frames, a window of 6 frames in a row is added to what is known, and the fit is done again in the
+// background, on a thread of its own. The answer is taken 18 frames after the window began, however early the
+// thread is ready, so that results do not depend on the machine; and only where its uncertainty is at most
+// half of that in use, because the state must begin anew with it. Thread-bound.
 #pragma once
 
 #include <future>
