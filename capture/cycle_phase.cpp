@@ -85,12 +85,6 @@ void count(std::span<const CycleStep> steps, int slots, CycleWalk& walk) {
   }
 }
 
-std::string described(std::span<const Exposure> cycle) {
-  std::string text;
-  for (const Exposure& exposure : cycle) text += (text.empty() ? "" : ", ") + describe(exposure);
-  return text;
-}
-
 // Under the stretch that fits best.
 Path best_path(std::span<const CycleStep> steps, std::span<const double> log_exposures) {
   constexpr double kLeast = 0.25, kMost = 2.5, kStep = 1.07;  // of the stretch: real cameras lie within
@@ -179,7 +173,7 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
         ErrorCode::BadExposure,
         fmt::format(
             "the pictures do not alternate as {} would; give the camera's own cycle, or --shutter auto",
-            described(cycle))};
+            describe(cycle))};
   return best.walk;
 }
 

@@ -109,6 +109,12 @@ std::string describe(const Exposure& exposure) {
   return fmt::format("{} x {:.4g}", describe(exposure.time), exposure.gain);
 }
 
+std::string describe(std::span<const Exposure> cycle) {
+  std::string text;
+  for (const Exposure& exposure : cycle) text += (text.empty() ? "" : ", ") + describe(exposure);
+  return text;
+}
+
 Result<Exposure> quantised(const Exposure& exposure, const CameraCapabilities& camera) {
   // A value up to half a step outside the range still rounds into it.
   const Duration half_line = camera.exposure_step / 2;

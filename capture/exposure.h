@@ -2,6 +2,8 @@
 // writes them. The picture depends on the product E = time x gain. Value type, reentrant.
 #pragma once
 
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -44,6 +46,8 @@ double usual_gain(const CameraCapabilities& camera);
 // Returns text like "4 ms x 2"; the gain is left out where it is 1.
 std::string describe(Duration duration);
 std::string describe(const Exposure& exposure);
+// Of a cycle: "1 ms, 4 ms, 16 ms".
+std::string describe(std::span<const Exposure> cycle);
 
 // The nearest exposure that the sensor can do: time in whole lines (exposure_step), gain in whole codes
 // (gain_step). BadExposure where it is outside the sensor's range, naming the range.

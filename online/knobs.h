@@ -13,6 +13,7 @@
 #include "online/frame_budget.h"
 #include "online/priors/depth/dynamic_depth.h"
 #include "online/response/response_estimator.h"
+#include "online/scene/hash_grid/fit/field_options.h"
 #include "online/scene/scene_fields.h"
 #include "online/state/state_filter.h"
 

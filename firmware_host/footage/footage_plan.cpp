@@ -134,12 +134,6 @@ class PlannedFootage : public RecordingReader {
   std::size_t next_ = 0;
 };
 
-std::string cycle_of(const FootagePlan& plan) {
-  std::string text;
-  for (const Exposure& exposure : plan.cycle) text += (text.empty() ? "" : ", ") + describe(exposure);
-  return text;
-}
-
 }  // namespace
 
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
@@ -201,14 +195,14 @@ std::string described(const FootagePlan& plan) {
   if (plan.origin == ExposureOrigin::Stated)
     text += plan.cycle.empty()
                 ? "exposures: stated by the files, no cycle\n"
-                : fmt::format("exposures: stated by the files, a cycle of {}\n", cycle_of(plan));
+                : fmt::format("exposures: stated by the files, a cycle of {}\n", describe(plan.cycle));
   if (plan.origin == ExposureOrigin::Cycle)
-    text +=
-        fmt::format("exposures: {}; the first frame is number {} of the cycle ({} of {} steps measured)\n",
-                    cycle_of(plan), plan.walk.slots.front() + 1, plan.walk.measured, plan.facts.size() - 1);
+    text += fmt::format(
+        "exposures: {}; the first frame is number {} of the cycle ({} of {} steps measured)\n",
+        describe(plan.cycle), plan.walk.slots.front() + 1, plan.walk.measured, plan.facts.size() - 1);
   if (plan.origin == ExposureOrigin::Estimated)
-    text += fmt::format("exposures: estimated, relative: {} ({} of {} steps measured)\n", cycle_of(plan),
-                        plan.walk.measured, plan.facts.size() - 1);
+    text += fmt::format("exposures: estimated, relative: {} ({} of {} steps measured)\n",
+                        describe(plan.cycle), plan.walk.measured, plan.facts.size() - 1);
   std::string places;
   int lost = 0, losses = 0;
   for (std::size_t i = 0; i < plan.walk.lost_before.size(); ++i)

@@ -1,12 +1,13 @@
-// The queue of frames for the fit, and the shedding when the fit is slower than the camera. Frames wait for
-// a fit that is late for a moment, at its start or because the machine did something else: up to `most`, and
-// until three times as many have come since it had caught up. A fit that has not by then is slower than the
-// camera. To skip single frames would starve a slot of the cycle: a fit at half the speed of a camera with
-// two exposures would get only one of them. So frames are shed in whole cycles: the fit gets the newest frame
-// of the slot that follows its last one, and everything older is shed. It gets runs of neighbouring frames,
-// exposures always alternate, and no frame is older than one cycle plus the fit's own work on one frame. A
-// frame outside the schedule (slot -1) is taken only as the oldest. That lasts until nothing was shed for as
-// long as frames would have waited. Bounded: when full, the oldest frame is shed. Thread-safe.
+// The queue of frames for the fit. When it is full the oldest frame is shed; it has one of two bounds:
+//   most              while the fit is late for a moment, at its start or because the machine did something
+//                     else: until three times as many frames have come since it had caught up
+//   two cycles and 1  when it has not caught up by then, and so is slower than the camera: until nothing was
+//                     shed for those three times as many frames
+// Under the second bound frames are shed in whole cycles: the fit gets the newest frame of the slot that
+// follows its last one, and everything older is shed. So it gets runs of neighbouring frames, exposures
+// always alternate, and no frame is older than one cycle plus the fit's own work on one frame. To skip single
+// frames would starve a slot: a fit at half the speed of a camera with two exposures would get only one of
+// them. A frame outside the schedule (slot -1) is taken only as the oldest. Thread-safe.
 #pragma once
 
 #include <condition_variable>

@@ -14,7 +14,7 @@
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/video_options.h"
 #include "hal/recording/recording.h"
-#include "hal/replay/replayed_camera.h"
+#include "hal/replay/replay_pace.h"
 #include "hal/trigger_line.h"
 #include "online/knobs.h"
 #include "render/render_stage.h"

@@ -9,14 +9,10 @@
 
 #include "hal/camera.h"
 #include "hal/clock.h"
+#include "hal/replay/replay_pace.h"
 #include "hal/storage.h"
 
 namespace hdrcam {
-
-enum class ReplayPace {
-  AsRecorded,     // a frame comes no earlier after start() than it did after the first frame
-  AsFastAsAsked,  // as soon as it is waited for
-};
 
 // Storage and clock outlive the camera. Errors: those of open_recording; Unsupported where no pixel format
 // holds the codes without loss (RGB above 8 bits, which `hdrcam replay` reads directly).

@@ -15,11 +15,8 @@ constexpr double kStop = std::numbers::ln2;
 }  // namespace
 
 std::string describe(const CycleWish& wish) {
-  std::vector<std::string> exposures;
-  for (const Exposure& exposure : wish.cycle) exposures.push_back(describe(exposure));
-  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %",
-                     fmt::join(exposures, ", "), 100 * (wish.error_after / wish.error_before - 1),
-                     100 * wish.blur_share);
+  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %", describe(wish.cycle),
+                     100 * (wish.error_after / wish.error_before - 1), 100 * wish.blur_share);
 }
 
 CycleChoice::CycleChoice(const ExposureRoom& room)

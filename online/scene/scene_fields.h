@@ -3,10 +3,11 @@
 #pragma once
 
 #include "hal/gpu/gpu_device.h"
-#include "online/scene/hash_grid/fit/field_options.h"
 #include "online/scene/scene_field.h"
 
 namespace hdrcam {
+
+struct FieldOptions;  // hash_grid/fit/field_options.h
 
 enum class FieldKind { None, HashGrid };
 

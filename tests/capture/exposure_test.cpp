@@ -1,5 +1,7 @@
 #include "capture/exposure.h"
 
+#include <vector>
+
 #include <catch2/catch.hpp>
 
 namespace hdrcam {
@@ -13,6 +15,12 @@ CameraCapabilities sensor() {
   camera.exposure_min = 20us, camera.exposure_max = 30ms, camera.exposure_step = 20us;
   camera.gain_min = 1, camera.gain_max = 10, camera.gain_step = 0.25;
   return camera;
+}
+
+TEST_CASE("a cycle is described by its exposures, one after the other", "[capture]") {
+  const std::vector<Exposure> cycle{{1ms, 1}, {4ms, 2}, {250us, 1}};
+  CHECK(describe(cycle) == "1 ms, 4 ms x 2, 250 us");
+  CHECK(describe(std::vector<Exposure>()).empty());
 }
 
 TEST_CASE("durations are read as photographers write them", "[capture]") {
