@@ -147,7 +147,7 @@ void CaptureStage::restart_matching() {
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   pending_.reset();
   if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
-  under_way_ = lost_since_emitted_ = 0;
+  queued_requests_ = lost_since_emitted_ = 0;
 }
 
 Result<void> CaptureStage::start() {
@@ -155,7 +155,7 @@ Result<void> CaptureStage::start() {
   TRY(camera_.start());
   depth_ = options_.buffers;
   TRY(top_up());
-  depth_ = under_way_;  // a device may have fewer buffers than requested
+  depth_ = queued_requests_;  // a device may have fewer buffers than requested
   counters_.requests_late = 0;
   if (options_.trigger == nullptr) return {};
   trigger_ledger_.start(options_.trigger->options());
@@ -178,7 +178,7 @@ void CaptureStage::settle_trigger() {
 // Queues requests until the camera's queue is full. A request that finds no free buffer waits for the next
 // frame.
 Result<void> CaptureStage::top_up() {
-  while (under_way_ < depth_) {
+  while (queued_requests_ < depth_) {
     if (!pending_) pending_ = matcher_->next_request();
     Result<void> queued = camera_.queue(*pending_);
     if (!queued && queued.error().code == ErrorCode::Busy) {
@@ -187,7 +187,7 @@ Result<void> CaptureStage::top_up() {
     }
     if (!queued) return queued;
     pending_.reset();
-    ++under_way_;
+    ++queued_requests_;
   }
   return {};
 }
@@ -232,7 +232,7 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
       const Result<CapturedBuffer> waited = camera_.wait(options_.patience);
       if (!waited) return no_answer(waited.error());
       const CapturedBuffer& buffer = waited.value();
-      --under_way_;
+      --queued_requests_;
       drain_trigger();
       TRY(drain_strobe());
       emitted = take(buffer, frame);

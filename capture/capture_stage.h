@@ -111,7 +111,7 @@ class CaptureStage {
   TriggerLedger trigger_ledger_;
   std::optional<ExposureAdaptation> adaptation_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
-  int under_way_ = 0, depth_ = 0;           // queued requests now, and at most
+  int queued_requests_ = 0, depth_ = 0;     // queued requests now, and at most
   int lost_since_emitted_ = 0;
   CaptureCounters counters_;
 };

@@ -14,10 +14,10 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kLoss = 8;            // what an unannounced loss costs, squared deviations
-constexpr double kWorst = 16;          // what one step can cost at most: a cut, a lamp switched on
-constexpr double kAcceptedMisfit = 5;  // mean, of a walk that the pictures support
-constexpr double kReference_s = 0.01;  // of an estimated cycle
+constexpr double kLoss = 8;              // what an unannounced loss costs, squared deviations
+constexpr double kWorst = 16;            // what one step can cost at most: a cut, a lamp switched on
+constexpr double kAcceptedResidual = 5;  // mean, of a walk that the pictures support
+constexpr double kReference_s = 0.01;    // of an estimated cycle
 
 // In expected errors, squared. No response stretches all ratios alike, so an error is a part of the ratio; of
 // how bright a picture is as a whole, little more than the sign and the order is sure.
@@ -167,8 +167,8 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
   for (const Exposure& exposure : cycle) log_exposures.push_back(log_product(exposure));
   Path best = best_path(steps, log_exposures);
   count(steps, static_cast<int>(cycle.size()), best.walk);
-  best.walk.misfit = steps.empty() ? 0 : best.cost / static_cast<double>(steps.size());
-  if (best.walk.misfit > kAcceptedMisfit || (cycle.size() > 1 && !explains(best, steps)))
+  best.walk.mean_residual = steps.empty() ? 0 : best.cost / static_cast<double>(steps.size());
+  if (best.walk.mean_residual > kAcceptedResidual || (cycle.size() > 1 && !explains(best, steps)))
     return Error{
         ErrorCode::BadExposure,
         fmt::format(

@@ -34,8 +34,8 @@ struct CycleWalk {
   std::vector<int> slots;        // of each frame
   std::vector<int> lost_before;  // frames missing before each, 0.. slots-1 and those that times tell
   double stretch = 1;            // of the pictures' ratios against the true ones
-  double misfit = 0;  // mean cost of a step, squared deviations in expected errors; below 1 is usual
-  int measured = 0;   // steps of that kind
+  double mean_residual = 0;  // mean cost of a step, squared deviations in expected errors; below 1 is usual
+  int measured = 0;          // steps of that kind
 };
 
 // steps: one less than frames. Errors: BadExposure where the pictures do not alternate as the cycle does,

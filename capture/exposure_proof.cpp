@@ -8,8 +8,8 @@
 namespace hdrcam {
 namespace {
 
-constexpr double kOdd =
-    std::numeric_limits<double>::quiet_NaN();  // the assignment of a frame that is left out
+// The assignment of a frame that is left out.
+constexpr double kOutlier = std::numeric_limits<double>::quiet_NaN();
 
 // A strobe pulse lasts as long as the exposure, except for the interrupt latency at its two edges.
 Duration strobe_slack(Duration exposure) { return Duration(60'000) + exposure / 16; }
@@ -39,7 +39,7 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + cycle_count_);
   cycle_count_ += earlier_count;
   proved_in_current_ = 0;
-  told_apart_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
+  exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) > kSame;
   });
 }
@@ -80,9 +80,10 @@ bool ExposureProof::fits(int age, double value, const std::array<double, kWindow
 
 // The least number of outliers among all explanations, given the assignment of the newer frames; kNever if it
 // is not below bound.
-int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kWindow>& assigned) const {
-  if (odd >= bound) return kNever;
-  if (age == count_) return odd;
+int ExposureProof::fewest_outliers(int age, int outliers, int bound,
+                                   std::array<double, kWindow>& assigned) const {
+  if (outliers >= bound) return kNever;
+  if (age == count_) return outliers;
   int fewest = kNever;
   const Frame& frame = back(age);
   const bool proved = frame.judgement.verdict == Verdict::Proved;
@@ -91,37 +92,39 @@ int ExposureProof::fewest_odd(int age, int odd, int bound, std::array<double, kW
     if (proved && std::abs(value - frame.judgement.label.log_value()) > kSame) continue;
     if (!fits(age, value, assigned)) continue;
     assigned[static_cast<std::size_t>(age)] = value;
-    fewest = std::min(fewest, fewest_odd(age + 1, odd, std::min(bound, fewest), assigned));
-    if (fewest == odd) return fewest;
+    fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), assigned));
+    if (fewest == outliers) return fewest;
   }
-  assigned[static_cast<std::size_t>(age)] = kOdd;
-  return std::min(fewest, fewest_odd(age + 1, odd + 1, std::min(bound, fewest), assigned));
+  assigned[static_cast<std::size_t>(age)] = kOutlier;
+  return std::min(fewest, fewest_outliers(age + 1, outliers + 1, std::min(bound, fewest), assigned));
 }
 
 ExposureProof::Explanations ExposureProof::explain() const {
-  constexpr int kMostOdd = 2, kMargin = 2,
-                kBound = kMostOdd + kMargin + 1;  // higher costs are all alike
+  constexpr int kMostOutliers = 2, kMargin = 2,
+                kBound = kMostOutliers + kMargin + 1;  // higher costs are all alike
   Explanations result;
   const Frame& newest = back(0);
   std::array<double, kWindow> assigned{};
   int best = -1, second = kNever;
-  const auto odd_if = [&](int i) { return i < 0 ? kNever : result.odd_if[static_cast<std::size_t>(i)]; };
+  const auto outliers_if = [&](int i) {
+    return i < 0 ? kNever : result.outliers_if[static_cast<std::size_t>(i)];
+  };
   for (int i = 0; i < newest.value_count; ++i) {
     assigned[0] = newest.values[static_cast<std::size_t>(i)];
-    result.odd_if[static_cast<std::size_t>(i)] = fewest_odd(1, 0, kBound, assigned);
-    if (odd_if(i) < odd_if(best)) {
-      second = odd_if(best);
+    result.outliers_if[static_cast<std::size_t>(i)] = fewest_outliers(1, 0, kBound, assigned);
+    if (outliers_if(i) < outliers_if(best)) {
+      second = outliers_if(best);
       best = i;
     } else {
-      second = std::min(second, odd_if(i));
+      second = std::min(second, outliers_if(i));
     }
   }
-  assigned[0] = kOdd;
-  result.odd_if_newest_is_odd = fewest_odd(1, 1, kBound, assigned);
-  result.fewest_odd = odd_if(best);
-  result.fits_nothing = result.odd_if_newest_is_odd < odd_if(best);
-  if (odd_if(best) <= kMostOdd && odd_if(best) + kMargin <= second &&
-      odd_if(best) < result.odd_if_newest_is_odd)
+  assigned[0] = kOutlier;
+  result.outliers_if_newest_is_one = fewest_outliers(1, 1, kBound, assigned);
+  result.fewest_outliers = outliers_if(best);
+  result.fits_nothing = result.outliers_if_newest_is_one < outliers_if(best);
+  if (outliers_if(best) <= kMostOutliers && outliers_if(best) + kMargin <= second &&
+      outliers_if(best) < result.outliers_if_newest_is_one)
     result.unique = best;
   return result;
 }
@@ -144,8 +147,8 @@ bool ExposureProof::another_explains_better(double claimed, const Explanations& 
   const Frame& newest = back(0);
   for (int i = 0; i < newest.value_count; ++i)
     if (std::abs(newest.values[static_cast<std::size_t>(i)] - claimed) <= kSame)
-      return explanations.odd_if[static_cast<std::size_t>(i)] > explanations.fewest_odd;
-  return explanations.fewest_odd < kNever;
+      return explanations.outliers_if[static_cast<std::size_t>(i)] > explanations.fewest_outliers;
+  return explanations.fewest_outliers < kNever;
 }
 
 // How far the truth may be from a label that the neighbours confirm: the width of the best ratio; through a
@@ -201,7 +204,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
 }
 
 Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations& explanations) const {
-  if (explanations.unique && (told_apart_ || evidence.strobe_width))
+  if (explanations.unique && (exposures_differ_ || evidence.strobe_width))
     return unique_judgement(evidence, back(0).values[static_cast<std::size_t>(*explanations.unique)]);
   Judgement judgement;
   if (evidence.claim_count == 0) return judgement;
@@ -218,7 +221,8 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   } else if (!claims_agree ||
              (judgement.label.source == ExposureSource::Predicted && evidence.prediction_doubtful)) {
     judgement.verdict = Verdict::Unknown;
-  } else if (!told_apart_ && judgement.label.source == ExposureSource::Embedded && votes.in_favour >= 2) {
+  } else if (!exposures_differ_ && judgement.label.source == ExposureSource::Embedded &&
+             votes.in_favour >= 2) {
     judgement.verdict = Verdict::Proved;  // the sensor's embedded data says so, and the light did not change
     judgement.within_ev = open_interval_ev(claimed);
   } else {

@@ -97,9 +97,9 @@ class ExposureProof {
   };
   // How many frames must be outliers if the newest has exposure `value`; kNever where that is impossible.
   struct Explanations {
-    std::array<int, kValues> odd_if{};
-    int odd_if_newest_is_odd = 0;
-    int fewest_odd = kNever;
+    std::array<int, kValues> outliers_if{};
+    int outliers_if_newest_is_one = 0;
+    int fewest_outliers = kNever;
     std::optional<int> unique;  // index into the newest frame's values
     bool fits_nothing = false;  // the newest frame is the outlier
   };
@@ -112,7 +112,7 @@ class ExposureProof {
 
   void gather_values(const FrameEvidence& evidence, Frame& frame) const;
   Explanations explain() const;
-  int fewest_odd(int age, int odd, int bound, std::array<double, kWindow>& assigned) const;
+  int fewest_outliers(int age, int outliers, int bound, std::array<double, kWindow>& assigned) const;
   bool fits(int age, double value, const std::array<double, kWindow>& assigned) const;
   struct Votes {
     int against = 0, in_favour = 0;
@@ -126,7 +126,7 @@ class ExposureProof {
 
   std::array<Exposure, kCandidates> cycle_{};  // the current one first, then the one before
   int current_count_ = 0, cycle_count_ = 0;
-  bool told_apart_ = false;  // the current cycle has two exposures that differ
+  bool exposures_differ_ = false;  // the current cycle has two exposures that differ
   int proved_in_current_ = 0;
   std::array<Frame, kWindow> ring_{};
   int newest_ = 0, count_ = 0;

@@ -21,19 +21,19 @@ FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSch
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
   const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
-  twin_.emplace(delays, ExposureRequest{0, first.time, first.gain}, options_.frame_duration);
+  delay_model_.emplace(delays, ExposureRequest{0, first.time, first.gain}, options_.frame_duration);
 }
 
 ExposureRequest FrameMatcher::next_request() {
   const std::uint64_t cookie = next_cookie_++;
   const Exposure& exposure = schedule_.exposure_of(cookie);
   ExposureRequest request{cookie, exposure.time, exposure.gain};
-  if (twin_) {
-    twin_->push(request, options_.frame_duration);
-    const ControlDelay::Writes writes = twin_->frame_started(cookie);
+  if (delay_model_) {
+    delay_model_->push(request, options_.frame_duration);
+    const ControlDelay::Writes writes = delay_model_->frame_started(cookie);
     request = {cookie, writes.exposure, writes.analogue_gain};
   }
-  asked_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true, false};
+  sent_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true, false};
   return request;
 }
 
@@ -101,21 +101,21 @@ void FrameMatcher::note_turns(std::uint64_t cookie, bool repeated, int advance) 
 }
 
 // The request whose controls were written when that frame began; null where it is unknown.
-const FrameMatcher::Asked* FrameMatcher::written_at(std::int64_t index) const {
+const FrameMatcher::SentRequest* FrameMatcher::written_at(std::int64_t index) const {
   const auto newest = static_cast<std::int64_t>(index_);
   if (index < 0 || newest - index >= kFrames) return nullptr;
   const auto& turn = turn_[static_cast<std::uint64_t>(std::min(index, newest)) % kFrames];
   if (!turn) return nullptr;
   const std::uint64_t cookie = *turn + static_cast<std::uint64_t>(std::max<std::int64_t>(0, index - newest));
-  const Asked& asked = asked_[cookie % kRequests];
-  return asked.valid && asked.request.cookie == cookie ? &asked : nullptr;
+  const SentRequest& sent = sent_[cookie % kRequests];
+  return sent.valid && sent.request.cookie == cookie ? &sent : nullptr;
 }
 
 std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, int shift) const {
   if (!options_.delays) return std::nullopt;
   const std::int64_t frame = static_cast<std::int64_t>(index) + shift;
-  const Asked* time = written_at(frame - options_.delays->exposure);
-  const Asked* gain = written_at(frame - options_.delays->gain);
+  const SentRequest* time = written_at(frame - options_.delays->exposure);
+  const SentRequest* gain = written_at(frame - options_.delays->gain);
   if (time == nullptr || gain == nullptr) return std::nullopt;
   return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
 }
@@ -124,16 +124,18 @@ std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, in
 bool FrameMatcher::may_show_earlier(std::uint64_t index) const {
   const auto changed_late = [&](int delay, auto&& value) {
     const std::int64_t frame = static_cast<std::int64_t>(index) + shift_ - delay;
-    const Asked* asked = written_at(frame);
-    for (int back = 1; asked != nullptr && asked->late && back <= kMaxShift; ++back) {
-      const Asked* before = written_at(frame - back);
-      if (before == nullptr || value(*before) != value(*asked)) return true;
-      asked = before;
+    const SentRequest* sent = written_at(frame);
+    for (int back = 1; sent != nullptr && sent->late && back <= kMaxShift; ++back) {
+      const SentRequest* before = written_at(frame - back);
+      if (before == nullptr || value(*before) != value(*sent)) return true;
+      sent = before;
     }
     return false;
   };
-  return changed_late(options_.delays->exposure, [](const Asked& asked) { return asked.request.exposure; }) ||
-         changed_late(options_.delays->gain, [](const Asked& asked) { return asked.request.analogue_gain; });
+  return changed_late(options_.delays->exposure,
+                      [](const SentRequest& sent) { return sent.request.exposure; }) ||
+         changed_late(options_.delays->gain,
+                      [](const SentRequest& sent) { return sent.request.analogue_gain; });
 }
 
 // The driver's report for this frame. A report without gain takes the gain from the prediction, or from a
@@ -226,8 +228,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   highest_cookie_ = started_ ? std::max(highest_cookie_, buffer.cookie) : buffer.cookie;
   started_ = true;
 
-  if (Asked& asked = asked_[buffer.cookie % kRequests]; asked.request.cookie == buffer.cookie)
-    asked.late = buffer.control_late;
+  if (SentRequest& sent = sent_[buffer.cookie % kRequests]; sent.request.cookie == buffer.cookie)
+    sent.late = buffer.control_late;
   note_turns(buffer.cookie, frame.cookie_repeated, advance);
   const auto predicted = predicted_for(index_, shift_);
   const auto reported = reported_in(buffer, predicted);
@@ -249,10 +251,10 @@ void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
   }
 }
 
-bool FrameMatcher::explains_lessons(int shift) const {
-  return std::all_of(lessons_.begin(), lessons_.end(), [&](const Lesson& lesson) {
-    const auto predicted = predicted_for(lesson.index, shift);
-    return predicted && same(predicted->log_value(), lesson.log_value);
+bool FrameMatcher::explains(int shift) const {
+  return std::all_of(observations_.begin(), observations_.end(), [&](const Observation& observation) {
+    const auto predicted = predicted_for(observation.index, shift);
+    return predicted && same(predicted->log_value(), observation.log_value);
   });
 }
 
@@ -260,15 +262,16 @@ bool FrameMatcher::explains_lessons(int shift) const {
 // early by the same number of frames. A single late frame does not shift it.
 void FrameMatcher::learn(double log_value) {
   if (!predicted_for(index_, shift_)) return;
-  std::rotate(lessons_.begin(), lessons_.begin() + 1, lessons_.end());
-  lessons_.back() = {index_, log_value};
-  lesson_count_ = std::min(lesson_count_ + 1, kLessons);
-  const bool various = std::any_of(lessons_.begin(), lessons_.end(),
-                                   [&](const Lesson& lesson) { return !same(lesson.log_value, log_value); });
-  if (lesson_count_ < kLessons || !various || explains_lessons(shift_)) return;
+  std::rotate(observations_.begin(), observations_.begin() + 1, observations_.end());
+  observations_.back() = {index_, log_value};
+  observation_count_ = std::min(observation_count_ + 1, kObservations);
+  const bool various =
+      std::any_of(observations_.begin(), observations_.end(),
+                  [&](const Observation& observation) { return !same(observation.log_value, log_value); });
+  if (observation_count_ < kObservations || !various || explains(shift_)) return;
   for (int distance = 1; distance <= kMaxShift; ++distance) {
     for (const int shift : {shift_ - distance, shift_ + distance}) {
-      if (std::abs(shift) > kMaxShift || !explains_lessons(shift)) continue;
+      if (std::abs(shift) > kMaxShift || !explains(shift)) continue;
       shift_ = shift;
       ++relocks_;
       return;
@@ -281,9 +284,9 @@ int FrameMatcher::slot_of(const ExposureClaim& label) const {
   if (triggered_ && last_trigger_->planned.slot < schedule_.slots() && same(triggered_->log_value(), value))
     return last_trigger_->late ? -1 : last_trigger_->planned.slot;
   const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
-  if (const Asked* asked = written_at(static_cast<std::int64_t>(index_) - delay); asked != nullptr)
-    if (asked->slot < schedule_.slots() && same(log_product(schedule_.slot(asked->slot).exposure), value))
-      return asked->slot;
+  if (const SentRequest* sent = written_at(static_cast<std::int64_t>(index_) - delay); sent != nullptr)
+    if (sent->slot < schedule_.slots() && same(log_product(schedule_.slot(sent->slot).exposure), value))
+      return sent->slot;
   int slot = -1;
   for (int i = 0; i < schedule_.slots(); ++i) {
     if (!same(log_product(schedule_.slot(i).exposure), value)) continue;

@@ -80,12 +80,12 @@ class FrameMatcher {
   int relocks() const { return relocks_; }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kLessons = 3,
+  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kObservations = 3,
                        kMaxShift = 4;
   static constexpr int kIntervals = 8,
                        kConfirmed = 3;  // intervals used, and needed to know the duration
 
-  struct Asked {
+  struct SentRequest {
     ExposureRequest request;  // as it was queued
     int slot = -1;            // its slot, though part of it may be held back
     bool valid = false;
@@ -95,7 +95,7 @@ class FrameMatcher {
     Instant rise;
     std::optional<Duration> width;
   };
-  struct Lesson {
+  struct Observation {
     std::uint64_t index = 0;
     double log_value = 0;
   };
@@ -107,19 +107,19 @@ class FrameMatcher {
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
   std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
-  const Asked* written_at(std::int64_t index) const;
+  const SentRequest* written_at(std::int64_t index) const;
   bool may_show_earlier(std::uint64_t index) const;
   std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
   void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
   std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;
   void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
-  bool explains_lessons(int shift) const;
+  bool explains(int shift) const;
 
   FrameMatcherOptions options_;
   ExposureSchedule schedule_;
-  std::optional<ControlDelay> twin_;
-  std::array<Asked, kRequests> asked_{};  // by cookie
+  std::optional<ControlDelay> delay_model_;
+  std::array<SentRequest, kRequests> sent_{};  // by cookie
   std::uint64_t next_cookie_ = 0;
 
   bool started_ = false;
@@ -141,8 +141,8 @@ class FrameMatcher {
   std::optional<TriggerPulse> last_trigger_;  // of the previous frame
   std::optional<ExposureClaim> triggered_;    // of the last matched frame, where its pulse set the exposure
 
-  std::array<Lesson, kLessons> lessons_{};
-  int lesson_count_ = 0, shift_ = 0, relocks_ = 0;
+  std::array<Observation, kObservations> observations_{};
+  int observation_count_ = 0, shift_ = 0, relocks_ = 0;
 };
 
 }  // namespace hdrcam

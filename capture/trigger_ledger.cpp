@@ -52,9 +52,9 @@ void TriggerLedger::pulse(const TriggerPulse& pulse) {
   counters_.edge_mean = errors_.mean();
   counters_.edge_p99 = errors_.p99();
   counters_.edge_most = errors_.most();
-  if (awaited_.full()) (void)settle_one(awaited_.front().until);
-  awaited_.push({pulse.planned.number, pulse.rise.at + -(kEarly + pulse.rise.within),
-                 pulse.rise.at + options_.interval / 2});
+  if (expected_.full()) (void)settle_one(expected_.front().until);
+  expected_.push({pulse.planned.number, pulse.rise.at + -(kEarly + pulse.rise.within),
+                  pulse.rise.at + options_.interval / 2});
 }
 
 void TriggerLedger::answer(const Edge& edge) {
@@ -63,29 +63,29 @@ void TriggerLedger::answer(const Edge& edge) {
   if (!answers_.full()) answers_.push(edge.at);
 }
 
-void TriggerLedger::count_silent(const Awaited& pulse) {
-  if (counters_.unanswered < counters_.silent.size()) counters_.silent[counters_.unanswered] = pulse.number;
+void TriggerLedger::count_missing(const Expected& pulse) {
+  if (counters_.unanswered < counters_.missing.size()) counters_.missing[counters_.unanswered] = pulse.number;
   ++counters_.unanswered;
 }
 
 // Settles the older of the oldest pulse and the oldest answer. False where neither is old enough.
 bool TriggerLedger::settle_one(Instant until) {
-  const bool asked = !awaited_.empty(), answered = !answers_.empty();
-  if (asked && answered && answers_.front() >= awaited_.front().from &&
-      answers_.front() <= awaited_.front().until) {
-    ++counters_.answered, ++awaited_.taken, ++answers_.taken;
+  const bool expected = !expected_.empty(), answered = !answers_.empty();
+  if (expected && answered && answers_.front() >= expected_.front().from &&
+      answers_.front() <= expected_.front().until) {
+    ++counters_.answered, ++expected_.taken, ++answers_.taken;
     return true;
   }
-  if (answered && (!asked || answers_.front() < awaited_.front().from)) {
+  if (answered && (!expected || answers_.front() < expected_.front().from)) {
     if (answers_.front() > until) return false;
-    if (counters_.unasked < counters_.unasked_at.size())
-      counters_.unasked_at[counters_.unasked] = answers_.front();
-    ++counters_.unasked, ++answers_.taken;
+    if (counters_.spurious < counters_.spurious_at.size())
+      counters_.spurious_at[counters_.spurious] = answers_.front();
+    ++counters_.spurious, ++answers_.taken;
     return true;
   }
-  if (!asked || (!answered && awaited_.front().until > until)) return false;
-  count_silent(awaited_.front());
-  ++awaited_.taken;
+  if (!expected || (!answered && expected_.front().until > until)) return false;
+  count_missing(expected_.front());
+  ++expected_.taken;
   return true;
 }
 
@@ -105,12 +105,13 @@ std::string sentence_of(const TriggerCounters& counters, const std::string& line
       us(counters.edge_most));
   if (!listens) return text;
   text += fmt::format("; {} answered, {} not", counters.answered, counters.unanswered);
-  const auto named = std::min<std::uint64_t>(counters.unanswered, counters.silent.size());
+  const auto named = std::min<std::uint64_t>(counters.unanswered, counters.missing.size());
   for (std::size_t i = 0; i < named; ++i)
-    text += fmt::format("{}{}", i == 0 ? " (pulse " : ", ", counters.silent[i]);
+    text += fmt::format("{}{}", i == 0 ? " (pulse " : ", ", counters.missing[i]);
   if (named > 0) text += counters.unanswered > named ? ", ..)" : ")";
-  text += fmt::format(", {} answers without a pulse", counters.unasked);
-  if (counters.unasked > 0) text += fmt::format(" (the first at {:.6f} s)", counters.unasked_at[0].seconds());
+  text += fmt::format(", {} answers without a pulse", counters.spurious);
+  if (counters.spurious > 0)
+    text += fmt::format(" (the first at {:.6f} s)", counters.spurious_at[0].seconds());
   return text;
 }
 

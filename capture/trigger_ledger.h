@@ -38,9 +38,9 @@ struct TriggerCounters {
   std::uint64_t left_out =
       0;  // instants without a pulse: its thread was so late that it would have met the next
   std::uint64_t answered = 0, unanswered = 0;
-  std::uint64_t unasked = 0;                         // answers without a pulse
-  std::array<std::uint64_t, kNamed> silent{};        // numbers of the first unanswered pulses
-  std::array<Instant, kNamed> unasked_at{};          // the first answers without a pulse
+  std::uint64_t spurious = 0;                        // answers without a pulse
+  std::array<std::uint64_t, kNamed> missing{};       // numbers of the first unanswered pulses
+  std::array<Instant, kNamed> spurious_at{};         // the first answers without a pulse
   Duration edge_mean{0}, edge_p99{0}, edge_most{0};  // distance of edges from where they were planned
 };
 
@@ -65,18 +65,18 @@ class TriggerLedger {
     T& front() { return items[taken % kOpen]; }
     void push(const T& item) { items[put++ % kOpen] = item; }
   };
-  struct Awaited {
+  struct Expected {
     std::uint64_t number = 0;
     Instant from, until;  // of the answer
   };
 
   bool settle_one(Instant until);
-  void count_silent(const Awaited& pulse);
+  void count_missing(const Expected& pulse);
 
   TriggerOptions options_;
   EdgeErrors errors_;
   std::uint64_t next_number_ = 0;
-  Ring<Awaited> awaited_;
+  Ring<Expected> expected_;
   Ring<Instant> answers_;
   TriggerCounters counters_;
 };

@@ -249,10 +249,10 @@ TEST_CASE("each pulse's answer is found, and what is missing or not asked for is
   CHECK(counters.left_out == 2);
   CHECK(counters.answered == 196);
   CHECK(counters.unanswered == 2);
-  CHECK(counters.silent[0] == 17);
-  CHECK(counters.silent[1] == 120);
-  CHECK(counters.unasked == 1);
-  CHECK(counters.unasked_at[0] == line.begin(29) + 7ms);
+  CHECK(counters.missing[0] == 17);
+  CHECK(counters.missing[1] == 120);
+  CHECK(counters.spurious == 1);
+  CHECK(counters.spurious_at[0] == line.begin(29) + 7ms);
   const std::string text = sentence_of(counters, "FSYNC", {.mode = TriggerMode::FrameStart}, true);
   CHECK_THAT(text,
              Contains("trigger 'FSYNC' (frame start): 198 pulses, 1 late (more than 500 us), 2 left out") &&
@@ -266,7 +266,7 @@ TEST_CASE("an answer may be stamped a little before the pulse that asked for it"
   line.answer(line.begin(0) + -200us);
   line.ledger.settle(line.begin(2));
   CHECK(line.ledger.counters().answered == 1);
-  CHECK(line.ledger.counters().unasked == 0);
+  CHECK(line.ledger.counters().spurious == 0);
 }
 
 TEST_CASE("the errors of edges are summed up as mean, 99th percentile and the worst") {

@@ -93,7 +93,7 @@ TEST_CASE("a triggered sensor gives a frame for each pulse, proved, with the exp
     CHECK(seen.late + seen.after_gap == 0);
     CHECK(counters.trigger.pulses == 120);
     CHECK(counters.trigger.answered >= 119);  // the last one is not settled
-    CHECK(counters.trigger.unanswered + counters.trigger.unasked == 0);
+    CHECK(counters.trigger.unanswered + counters.trigger.spurious == 0);
     CHECK(counters.lost_by_camera == 0);
   }
 }
@@ -131,9 +131,9 @@ TEST_CASE("a pulse that the sensor does not see is named, and the labels stay ri
     CHECK(counters.lost_by_camera == 2);
     CHECK(counters.trigger.pulses == 102);
     CHECK(counters.trigger.unanswered == 2);
-    CHECK(counters.trigger.silent[0] == 40);
-    CHECK(counters.trigger.silent[1] == 61);
-    CHECK(counters.trigger.unasked == 0);
+    CHECK(counters.trigger.missing[0] == 40);
+    CHECK(counters.trigger.missing[1] == 61);
+    CHECK(counters.trigger.spurious == 0);
   }
 }
 
@@ -180,7 +180,7 @@ TEST_CASE("an answer without a pulse is counted", "[capture]") {
   rig.clock.sleep_until(rig.clock.now() + 2ms);
   rig.strobe_wire.strobe(rig.clock.now(), 100us);
   for (int i = 0; i < 10; ++i) rig.next();
-  CHECK(rig.stage->counters().trigger.unasked == 1);
+  CHECK(rig.stage->counters().trigger.spurious == 1);
   CHECK(rig.stage->counters().trigger.unanswered == 0);
 }
 

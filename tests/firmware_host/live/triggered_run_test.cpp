@@ -67,7 +67,7 @@ TEST_CASE(
     const TriggerCounters& trigger = source->session().counters().camera.trigger;
     CHECK(trusted > 0);
     CHECK(trigger.pulses >= 45);
-    CHECK(trigger.unasked == 0);
+    CHECK(trigger.spurious == 0);
     CHECK(trigger.answered + trigger.unanswered + 2 >= trigger.pulses);  // the last ones are not settled
     CHECK(value(record.counters, "trigger.pulses") == static_cast<double>(trigger.pulses));
     CHECK(value(record.counters, "trigger.edge_us_p99") >= 0);
