@@ -82,7 +82,7 @@ Result<void> LiveSession::capture_one() {
     ++lost_here_;
     const std::lock_guard lock(mutex_);
     count_camera();
-    ++counters_.no_room;
+    ++counters_.pool_full;
     return {};
   }
   frame->arrived = posix_clock().now();
@@ -104,15 +104,15 @@ void LiveSession::hand_on(FrameShare frame) {
     count_camera();
     if (!first_arrival_) first_arrival_ = frame->arrived;
     if (fits)
-      ++counters_.under_way;
+      ++counters_.in_fit;
     else if (options_.fits)
       ++counters_.unproved;
     recorder = recorder_;
-    ++(recorder ? counters_.to_record : counters_.unasked);
+    ++(recorder ? counters_.to_record : counters_.not_requested);
   }
   if (recorder && !recorder->put(frame.another())) {  // it was closed meanwhile
     const std::lock_guard lock(mutex_);
-    --counters_.to_record, ++counters_.unasked;
+    --counters_.to_record, ++counters_.not_requested;
   }
   if (!fits) return;
   if (const int shed = inbox_.put(std::move(frame)); shed > 0) {
@@ -123,7 +123,7 @@ void LiveSession::hand_on(FrameShare frame) {
 
 void LiveSession::count_shed(int frames) {
   counters_.shed += static_cast<std::uint64_t>(frames);
-  counters_.under_way -= static_cast<std::uint64_t>(frames);
+  counters_.in_fit -= static_cast<std::uint64_t>(frames);
 }
 
 void LiveSession::take_feedback() {
@@ -166,7 +166,7 @@ Duration LiveSession::emitted(std::uint64_t sequence) {
   const Instant now = posix_clock().now();
   const std::lock_guard lock(mutex_);
   if (counters_.emitted == 0 && first_arrival_) counters_.first_frame = now - *first_arrival_;
-  ++counters_.emitted, --counters_.under_way;
+  ++counters_.emitted, --counters_.in_fit;
   for (const Arrival& arrival : arrivals_)
     if (arrival.sequence == sequence && arrival.at.since_boot > Duration::zero()) {
       counters_.latency = now - arrival.at;
@@ -178,7 +178,7 @@ Duration LiveSession::emitted(std::uint64_t sequence) {
 
 void LiveSession::left_out() {
   const std::lock_guard lock(mutex_);
-  ++counters_.left_out, --counters_.under_way;
+  ++counters_.left_out, --counters_.in_fit;
 }
 
 Result<void> LiveSession::finish_recordings() {
@@ -204,7 +204,7 @@ Result<LiveEnd> LiveSession::finish() {
     const Result<void> recorded = finish_recordings();
     const std::lock_guard lock(mutex_);
     count_camera();
-    counters_.unfinished += std::exchange(counters_.under_way, 0);
+    counters_.unfinished += std::exchange(counters_.in_fit, 0);
     counters_.unwritten += std::exchange(counters_.to_record, 0);
     if (!recorded) capture_result_ = recorded;
   }

@@ -36,32 +36,33 @@ struct LiveOptions {
   static constexpr int kFewestFrames = 12, kMostFrames = 4096;
 };
 
-// Frames by outcome. At every moment captured() = emitted + dropped() + under_way where the run fits,
-// and captured() = recorded + not_recorded() + to_record + unasked; under_way and to_record are 0 at the end.
+// Frames by outcome. At every moment captured() = emitted + dropped() + in_fit where the run fits,
+// and captured() = recorded + not_recorded() + to_record + not_requested; in_fit and to_record are 0 at the
+// end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
-  std::uint64_t no_room = 0;     // dropped: the pool was full
+  std::uint64_t pool_full = 0;   // dropped: the pool was full
   std::uint64_t shed = 0;        // dropped: the fit was slower than the camera
   std::uint64_t unproved = 0;    // dropped: kept out of the fit, because its exposure is not certain
   std::uint64_t left_out = 0;    // dropped: in the state, and not emitted, to hold the deadline
   std::uint64_t unfinished = 0;  // dropped: the run ended with an error before the frame was emitted
   std::uint64_t emitted = 0;     // became an HDR frame
-  std::uint64_t under_way = 0;   // queued for the fit, or in it
+  std::uint64_t in_fit = 0;      // queued for the fit, or in it
   std::uint64_t taken = 0;       // by the fit, in all
   std::uint64_t recorded = 0, to_record = 0;
-  std::uint64_t unwritten = 0;  // not recorded: the recording had failed
-  std::uint64_t unasked = 0;    // came while nobody wanted a recording
+  std::uint64_t unwritten = 0;      // not recorded: the recording had failed
+  std::uint64_t not_requested = 0;  // came while nobody wanted a recording
   Duration latency{0},
       longest_latency{0};   // from a frame's arrival to its emission: the last one, the longest
   Duration first_frame{0};  // from the arrival of the first captured frame to the first emission
 
   std::uint64_t captured() const { return camera.captured; }
   // Frames that wait until the fit takes them.
-  std::uint64_t waiting() const { return under_way + emitted + left_out + unfinished - taken; }
+  std::uint64_t waiting() const { return in_fit + emitted + left_out + unfinished - taken; }
   std::uint64_t dropped() const {
-    return camera.dropped() + no_room + shed + unproved + left_out + unfinished;
+    return camera.dropped() + pool_full + shed + unproved + left_out + unfinished;
   }
-  std::uint64_t not_recorded() const { return camera.dropped() + no_room + unwritten; }
+  std::uint64_t not_recorded() const { return camera.dropped() + pool_full + unwritten; }
 };
 
 // Why a run ended without an error: all frames, all the time, or the user stopped it.

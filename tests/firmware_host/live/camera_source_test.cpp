@@ -121,9 +121,9 @@ TEST_CASE(
     recorded += sequences.size();
   }
   CHECK(counters.recorded == recorded);
-  CHECK(counters.unasked >= 10);
+  CHECK(counters.not_requested >= 10);
   CHECK(counters.to_record == 0);
-  CHECK(counters.captured() == counters.recorded + counters.not_recorded() + counters.unasked);
+  CHECK(counters.captured() == counters.recorded + counters.not_recorded() + counters.not_requested);
 }
 
 TEST_CASE("a recording that is open when the run ends is completed") {

@@ -56,7 +56,7 @@ class Stand {
 };
 
 void check_sums(const LiveCounters& counters) {
-  CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.under_way);
+  CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.in_fit);
   CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
 }
 
@@ -70,8 +70,8 @@ TEST_CASE(
   std::thread watcher([&] {
     for (; watching; ++looks) {
       const LiveCounters now = session.counters();
-      wrong_sums += now.captured() != now.emitted + now.dropped() + now.under_way;
-      wrong_sums += now.captured() != now.recorded + now.no_room + now.to_record + now.camera.dropped();
+      wrong_sums += now.captured() != now.emitted + now.dropped() + now.in_fit;
+      wrong_sums += now.captured() != now.recorded + now.pool_full + now.to_record + now.camera.dropped();
       std::this_thread::sleep_for(milliseconds(1));
     }
   });
@@ -89,11 +89,11 @@ TEST_CASE(
   CHECK(wrong_sums == 0);
   const LiveCounters counters = session.counters();
   check_sums(counters);
-  CHECK(counters.under_way == 0);
+  CHECK(counters.in_fit == 0);
   CHECK(counters.to_record == 0);
   CHECK(counters.captured() == 800);
   CHECK(counters.shed >= 200);  // frames wait until there are 200 of them, a second's
-  CHECK(counters.no_room == 0);
+  CHECK(counters.pool_full == 0);
   CHECK(slots.size() == 2);
   CHECK(oldest < milliseconds(1500));  // with a queue that only grows, four seconds
   CHECK(counters.longest_latency == oldest);
@@ -145,7 +145,7 @@ TEST_CASE("a camera that is unplugged ends the run with all that it gave, fitted
   require_error(session.finish(), ErrorCode::Unplugged);
   const LiveCounters counters = session.counters();
   check_sums(counters);
-  CHECK(counters.under_way == 0);
+  CHECK(counters.in_fit == 0);
   CHECK(counters.recorded == counters.captured());
   CHECK(stand.recorded().size() == counters.recorded);
 }

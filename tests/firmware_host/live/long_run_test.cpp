@@ -49,7 +49,7 @@ class WatchedCamera : public FrameSource {
   Result<const RawFrame*> next() override {
     Result<const RawFrame*> frame = camera_.next();
     const LiveCounters counters = camera_.session().counters();
-    growth_.unbalanced += counters.captured() != counters.emitted + counters.dropped() + counters.under_way;
+    growth_.unbalanced += counters.captured() != counters.emitted + counters.dropped() + counters.in_fit;
     if (frame && frame.value() != nullptr) growth_.wrong_labels += !labelled_right(*frame.value());
     if (!growth_.measured && counters.captured() >= warm_ && counters.emitted >= kWarmFit) {
       growth_.measured = true;

@@ -19,7 +19,7 @@ LiveCounters counted(std::uint64_t captured, FitCounts fit = {}, std::uint64_t r
   LiveCounters counters;
   counters.camera.captured = captured;
   counters.taken = fit.taken, counters.emitted = fit.emitted;
-  counters.under_way = fit.waiting + fit.taken - fit.emitted;
+  counters.in_fit = fit.waiting + fit.taken - fit.emitted;
   counters.recorded = recorded, counters.to_record = to_record;
   return counters;
 }
