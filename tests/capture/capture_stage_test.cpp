@@ -7,14 +7,14 @@
 #include <numbers>
 
 #include "tests/allocation_checks.h"
-#include "tests/capture/sensor_model.h"
+#include "tests/capture/misbehaving_camera.h"
 
 namespace hdrcam {
 namespace {
 
+using test::MisbehavingCamera;
 using test::SensorFaults;
 using test::SensorKind;
-using test::SensorModel;
 using test::SensorSettings;
 using test::StrobeModel;
 using namespace std::chrono_literals;
@@ -78,7 +78,7 @@ void judge(const CapturedFrame& frame, double truth, std::span<const Exposure> c
 Tally run(const SensorSettings& settings, const SensorFaults& faults, int slots, int frames,
           const CaptureOptions& options = {}) {
   const std::span<const Exposure> cycle = cycle_of(slots);
-  SensorModel sensor(settings, faults);
+  MisbehavingCamera sensor(settings, faults);
   StrobeModel strobe(sensor);
   auto opened = CaptureStage::open(sensor, &strobe, cycle, Mains::Off, options);
   REQUIRE(opened.ok());
@@ -288,7 +288,7 @@ TEST_CASE("the strobe proves what pictures cannot: a cycle of one, and a scene i
 }
 
 TEST_CASE("lost frames are counted, and the frame after them says so", "[capture]") {
-  SensorModel sensor({}, {.drop = 0.1, .drop_run = 3, .damage = 0.05});
+  MisbehavingCamera sensor({}, {.drop = 0.1, .drop_run = 3, .damage = 0.05});
   auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
   REQUIRE(stage.ok());
   REQUIRE((*stage)->start().ok());
@@ -310,7 +310,7 @@ TEST_CASE("lost frames are counted, and the frame after them says so", "[capture
 
 TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
   constexpr Exposure kBrighter[] = {{2ms, 1}, {8ms, 1}, {30ms, 1}};
-  SensorModel sensor({.pan_px = 1}, {});
+  MisbehavingCamera sensor({.pan_px = 1}, {});
   auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
   REQUIRE((*stage)->start().ok());
   CapturedFrame frame;
@@ -327,7 +327,7 @@ TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
 }
 
 TEST_CASE("the response of the fit makes the proof exact", "[capture]") {
-  SensorModel sensor({.kind = SensorKind::Gamma8, .pan_px = 1}, {});
+  MisbehavingCamera sensor({.kind = SensorKind::Gamma8, .pan_px = 1}, {});
   auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
   REQUIRE((*stage)->start().ok());
   CapturedFrame frame;
@@ -378,7 +378,7 @@ class CountingCamera : public Camera {
 };
 
 TEST_CASE("capture does not allocate once it runs", "[capture]") {
-  SensorModel sensor({.reports = true}, {.drop = 0.05, .exposure_late = 0.05});
+  MisbehavingCamera sensor({.reports = true}, {.drop = 0.05, .exposure_late = 0.05});
   CountingCamera camera(sensor);
   StrobeModel strobe(sensor);
   auto stage = CaptureStage::open(camera, &strobe, kThree, Mains::Off, {});
@@ -393,14 +393,14 @@ TEST_CASE("capture does not allocate once it runs", "[capture]") {
 }
 
 TEST_CASE("what a camera cannot do is said before it starts", "[capture]") {
-  SensorModel sensor({}, {});
+  MisbehavingCamera sensor({}, {});
   constexpr Exposure kTooLong[] = {{1ms, 1}, {40ms, 1}};
   const auto late = CaptureStage::open(sensor, nullptr, kTooLong, Mains::Off, {});
   REQUIRE_FALSE(late.ok());
   CHECK(late.error().code == ErrorCode::BadExposure);
   CHECK(late.error().message.find("40 ms") != std::string::npos);
 
-  SensorModel unknown({.kind = SensorKind::Gamma8, .per_request = false}, {});
+  MisbehavingCamera unknown({.kind = SensorKind::Gamma8, .per_request = false}, {});
   auto stage = CaptureStage::open(unknown, nullptr, kThree, Mains::Hz50, {});
   REQUIRE(stage.ok());
   REQUIRE((*stage)->warnings().size() == 3);  // two short exposures, and an unknown delay

@@ -3,14 +3,14 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 
-#include "tests/capture/sensor_model.h"
+#include "tests/capture/misbehaving_camera.h"
 
 namespace hdrcam {
 namespace {
 
+using test::MisbehavingCamera;
 using test::SensorFaults;
 using test::SensorKind;
-using test::SensorModel;
 using test::SensorSettings;
 using namespace std::chrono_literals;
 
@@ -19,7 +19,7 @@ constexpr Exposure kShort{3ms, 1}, kLong{12ms, 1}, kLongByGain{3ms, 4};
 
 DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults,
                       const Exposure& longer = kLong) {
-  SensorModel camera(settings, faults);
+  MisbehavingCamera camera(settings, faults);
   const StreamMode mode = camera.configure({}, 8).value();
   const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {}, kGoOn);
   REQUIRE(estimate.ok());
@@ -81,7 +81,7 @@ TEST_CASE("pictures that cannot tell are said to be so", "[capture]") {
 }
 
 TEST_CASE("a camera that loses most frames is given up after twice the time of a calibration", "[capture]") {
-  SensorModel camera({.per_request = false}, {.drop = 1, .drop_run = 29});
+  MisbehavingCamera camera({.per_request = false}, {.drop = 1, .drop_run = 29});
   const StreamMode mode = camera.configure({}, 8).value();
   const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, kGoOn, 120);
   REQUIRE(estimate.ok());
@@ -91,7 +91,7 @@ TEST_CASE("a camera that loses most frames is given up after twice the time of a
 }
 
 TEST_CASE("a calibration that is told to stop ends at the next frame", "[capture]") {
-  SensorModel camera({.per_request = false}, {});
+  MisbehavingCamera camera({.per_request = false}, {});
   const StreamMode mode = camera.configure({}, 8).value();
   const std::atomic<bool> stop{true};
   const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, stop);

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "capture/capture_stage.h"
-#include "tests/capture/sensor_model.h"
+#include "tests/capture/misbehaving_camera.h"
 
 namespace hdrcam {
 namespace {
@@ -29,8 +29,8 @@ struct Followed {
 
 // key: how bright the scene is, see SensorSettings.
 Followed follow(double key, Adapt adapt, double gain = 1) {
-  test::SensorModel sensor({.kind = test::SensorKind::Gamma8, .pan_px = 1, .least_gain = gain, .key = key},
-                           {});
+  test::MisbehavingCamera sensor(
+      {.kind = test::SensorKind::Gamma8, .pan_px = 1, .least_gain = gain, .key = key}, {});
   CaptureOptions options;
   options.adapt = adapt;
   std::vector<Exposure> cycle(std::begin(kCycle), std::end(kCycle));

@@ -6,13 +6,13 @@
 #include <memory>
 
 #include "capture/pixel_unpack.h"
-#include "tests/capture/sensor_model.h"
+#include "tests/capture/misbehaving_camera.h"
 
 namespace hdrcam {
 namespace {
 
+using test::MisbehavingCamera;
 using test::SensorKind;
-using test::SensorModel;
 using test::SensorSettings;
 
 struct Seen {
@@ -23,7 +23,7 @@ struct Seen {
 // The frames of a scene under these exposures, in turn.
 std::vector<Seen> look(const SensorSettings& settings, const Photometer& photometer,
                        std::span<const double> times_ms, int frames) {
-  SensorModel sensor(settings, {});
+  MisbehavingCamera sensor(settings, {});
   REQUIRE(sensor.configure({}, 2).ok());
   REQUIRE(sensor.start().ok());
   std::vector<Seen> seen(static_cast<std::size_t>(frames));

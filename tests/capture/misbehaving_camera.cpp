@@ -1,4 +1,4 @@
-#include "tests/capture/sensor_model.h"
+#include "tests/capture/misbehaving_camera.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ std::vector<float> make_texture(std::mt19937& random) {
 
 }  // namespace
 
-SensorModel::SensorModel(const SensorSettings& settings, const SensorFaults& faults)
+MisbehavingCamera::MisbehavingCamera(const SensorSettings& settings, const SensorFaults& faults)
     : settings_(settings), faults_(faults), random_(settings.seed), texture_(make_texture(random_)) {
   std::normal_distribution<float> normal;
   noise_.resize(1 << 16);
@@ -56,11 +56,11 @@ SensorModel::SensorModel(const SensorSettings& settings, const SensorFaults& fau
   capabilities_.exposure_per_request = settings.per_request;
 }
 
-bool SensorModel::happens(double probability) {
+bool MisbehavingCamera::happens(double probability) {
   return probability > 0 && std::uniform_real_distribution<>()(random_) < probability;
 }
 
-Result<StreamMode> SensorModel::configure(const StreamMode&, int buffers) {
+Result<StreamMode> MisbehavingCamera::configure(const StreamMode&, int buffers) {
   buffers_ = buffers;
   mode_ = {settings_.kind == SensorKind::RawBayer10 ? PixelFormat::Rggb10 : PixelFormat::Grey8,
            settings_.width, settings_.height, kFrame};
@@ -70,7 +70,7 @@ Result<StreamMode> SensorModel::configure(const StreamMode&, int buffers) {
   return mode_;
 }
 
-Result<void> SensorModel::start() {
+Result<void> MisbehavingCamera::start() {
   running_ = true;
   queued_.clear();
   clock_ = Instant::from_seconds(100);
@@ -78,14 +78,14 @@ Result<void> SensorModel::start() {
   return {};
 }
 
-Result<void> SensorModel::stop() {
+Result<void> MisbehavingCamera::stop() {
   running_ = false;
   return {};
 }
 
-void SensorModel::give_back(int) { --leased_; }
+void MisbehavingCamera::give_back(int) { --leased_; }
 
-Result<void> SensorModel::queue(const ExposureRequest& request) {
+Result<void> MisbehavingCamera::queue(const ExposureRequest& request) {
   if (static_cast<int>(queued_.size()) + leased_ >= buffers_)
     return Error{ErrorCode::Busy, "all buffers of the model are queued"};
   queued_.push_back(request);
@@ -95,7 +95,7 @@ Result<void> SensorModel::queue(const ExposureRequest& request) {
 }
 
 // The request at the head of the queue has its turn as frame `frame_` begins, or is too late for it.
-void SensorModel::write_controls(const ExposureRequest& request, bool late) {
+void MisbehavingCamera::write_controls(const ExposureRequest& request, bool late) {
   const auto write = [&](int latency, auto&& set) {
     const std::size_t from = frame_ + static_cast<std::size_t>(latency) + (late ? 1 : 0);
     while (schedule_of_frame_.size() <= from) schedule_of_frame_.push_back(schedule_of_frame_.back());
@@ -106,7 +106,7 @@ void SensorModel::write_controls(const ExposureRequest& request, bool late) {
 }
 
 // What the sensor does in frame `frame_`, which completes request number `request`.
-SensorModel::Controls SensorModel::applied(std::size_t request) {
+MisbehavingCamera::Controls MisbehavingCamera::applied(std::size_t request) {
   const auto of_request = [&](std::int64_t number) {
     const auto index = std::clamp<std::int64_t>(number - static_cast<std::int64_t>(first_in_history_), 0,
                                                 static_cast<std::int64_t>(history_.size()) - 1);
@@ -130,7 +130,7 @@ SensorModel::Controls SensorModel::applied(std::size_t request) {
   return controls;
 }
 
-void SensorModel::expose_frame(const Controls& controls, Instant begin) {
+void MisbehavingCamera::expose_frame(const Controls& controls, Instant begin) {
   std::normal_distribution<> normal;
   light_ += settings_.light_walk * normal(random_);
   light_ *= 0.999;
@@ -150,7 +150,7 @@ void SensorModel::expose_frame(const Controls& controls, Instant begin) {
 }
 
 // Radiance of a row of the picture, without the light's own walk.
-void SensorModel::light_row(int y, std::vector<float>& row) const {
+void MisbehavingCamera::light_row(int y, std::vector<float>& row) const {
   const auto wrap = [](double v) {
     return static_cast<std::size_t>(static_cast<std::int64_t>(v) & (kTexture - 1));
   };
@@ -165,7 +165,7 @@ void SensorModel::light_row(int y, std::vector<float>& row) const {
     row[static_cast<std::size_t>(x)] = 4.5f;
 }
 
-float SensorModel::value_of(float x) const {
+float MisbehavingCamera::value_of(float x) const {
   switch (settings_.kind) {
     case SensorKind::RawBayer10:
       return x;
@@ -178,7 +178,7 @@ float SensorModel::value_of(float x) const {
   return u * 1.25f / (u + 0.25f);
 }
 
-void SensorModel::paint(double product) {
+void MisbehavingCamera::paint(double product) {
   const auto scale = static_cast<float>(settings_.key * std::exp(light_) * product / 4e-3 * 0.25);
   const bool raw = settings_.kind == SensorKind::RawBayer10;
   const float black = raw ? 64 : 0, most = raw ? 1023 : 255;
@@ -198,7 +198,7 @@ void SensorModel::paint(double product) {
   }
 }
 
-Result<CapturedBuffer> SensorModel::wait(Duration) {
+Result<CapturedBuffer> MisbehavingCamera::wait(Duration) {
   if (!running_) return Error{ErrorCode::Interrupted, "the model was stopped"};
   if (queued_.empty()) return Error{ErrorCode::Timeout, "no request is queued"};
   std::normal_distribution<> normal;

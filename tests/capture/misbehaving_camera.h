@@ -58,11 +58,11 @@ struct SensorSettings {
   unsigned seed = 1;
 };
 
-class SensorModel : public Camera, private BufferLease::Owner {
+class MisbehavingCamera : public Camera, private BufferLease::Owner {
  public:
   static constexpr Duration kFrame{33'333'333};
 
-  SensorModel(const SensorSettings& settings, const SensorFaults& faults);
+  MisbehavingCamera(const SensorSettings& settings, const SensorFaults& faults);
 
   const CameraCapabilities& capabilities() const override { return capabilities_; }
   Result<StreamMode> configure(const StreamMode& wanted, int buffers) override;
@@ -117,12 +117,12 @@ class SensorModel : public Camera, private BufferLease::Owner {
 // The strobe line of that sensor.
 class StrobeModel : public SyncLine {
  public:
-  explicit StrobeModel(SensorModel& sensor) : sensor_(sensor) {}
+  explicit StrobeModel(MisbehavingCamera& sensor) : sensor_(sensor) {}
   Result<Edge> wait_edge(Duration timeout) override;
   void close() override {}
 
  private:
-  SensorModel& sensor_;
+  MisbehavingCamera& sensor_;
 };
 
 }  // namespace hdrcam::test
