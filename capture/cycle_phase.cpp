@@ -178,13 +178,12 @@ Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Ex
 }
 
 Result<std::vector<Exposure>> estimate_cycle(const StepsByLag& steps) {
-  constexpr double kSame = 0.15;  // ln: what a moving scene does to frames of one exposure
-  constexpr int kRounds = 3;      // of refinement
+  constexpr int kRounds = 3;  // of refinement
   std::size_t period = 0;
   for (std::size_t lag = 1; lag <= steps.size() && period == 0; ++lag) {
     std::vector<double> sizes;
     for (const CycleStep& step : steps[lag - 1]) sizes.push_back(std::abs(step.log_ratio));
-    if (!sizes.empty() && median(sizes) < kSame) period = lag;
+    if (!sizes.empty() && median(sizes) < kSameInFootage) period = lag;
   }
   if (period == 0)
     return Error{

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/exposure.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
@@ -10,12 +11,11 @@ namespace {
 
 // Geometric mean of the exposures of one cycle: the frames until the first exposure repeats.
 double cycle_mean(const std::vector<RawFrame>& frames) {
-  constexpr double kSame = 0.2;  // in ln: schedules jitter by less
   double sum = 0;
   int count = 0;
   for (const RawFrame& frame : frames) {
     const double log_exposure = std::log(frame.facts.exposure());
-    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSame) break;
+    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSameInCycle) break;
     sum += log_exposure;
     ++count;
   }

@@ -24,8 +24,20 @@ struct Exposure {
 // ln E, the scale on which exposures are compared; a stop is ln 2.
 double log_product(const Exposure& exposure);
 
-// Exposures nearer than this on that scale are equal: rounding to lines and gain codes changes less.
-constexpr double kSameExposure = 0.05;
+// Up to which difference of ln E two exposures count as the same. All limits stand here; they differ because
+// their uses differ.
+// Claims, labels and slots, each set or stated: rounding to lines and gain codes changes less.
+inline constexpr double kSameExposure = 0.05;
+// A claim outside the cycle and an exposure of it, as far as pictures can tell: the interval of a measured
+// ratio reaches 0.1 to each side in a static scene, and more in others (photometry.h).
+inline constexpr double kSameToPictures = 0.15;
+// Frames of footage a whole cycle apart, by the median of their pictures' ratios: what a moving scene does to
+// frames of one exposure.
+inline constexpr double kSameInFootage = 0.15;
+// The first exposure of a stream when it comes again, which ends the first cycle: schedules jitter by less.
+inline constexpr double kSameInCycle = 0.2;
+// Exposures in use, listed for people: only rounding is left out, so that what an adaptation changed shows.
+inline constexpr double kSameInList = 0.01;
 
 // Whether an exposure is longer than its frame by more than rounding explains; its time is then
 // wrong.

@@ -21,8 +21,7 @@ bool strobe_allows(Duration width, Duration exposure) {
 // Index of the first claim that states `value`; -1 for none.
 int claim_saying(const FrameEvidence& evidence, double value) {
   for (int i = 0; i < evidence.claim_count; ++i)
-    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= ExposureProof::kSame)
-      return i;
+    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= kSameExposure) return i;
   return -1;
 }
 
@@ -40,14 +39,13 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   cycle_count_ += earlier_count;
   proved_in_current_ = 0;
   exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - log_product(cycle.front())) > kSame;
+    return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
   });
 }
 
 // The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure outside the
 // cycle, it is a candidate too, in place of a neighbour that no picture could distinguish from it.
 void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {
-  constexpr double kIndistinct = 0.15;
   frame.value_count = 0;
   const auto add = [&](const Exposure& exposure, double value, double distance) {
     if (evidence.strobe_width && !strobe_allows(*evidence.strobe_width, exposure.time)) return;
@@ -62,8 +60,8 @@ void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) c
   for (int i = 0; i < cycle_count_; ++i) {
     const Exposure& exposure = cycle_[static_cast<std::size_t>(i)];
     const double value = log_product(exposure);
-    if (beyond && std::abs(value - evidence.claims[0].log_value()) <= kIndistinct) continue;
-    add(exposure, value, kSame);
+    if (beyond && std::abs(value - evidence.claims[0].log_value()) <= kSameToPictures) continue;
+    add(exposure, value, kSameExposure);
   }
 }
 
@@ -89,7 +87,7 @@ int ExposureProof::fewest_outliers(int age, int outliers, int bound,
   const bool proved = frame.judgement.verdict == Verdict::Proved;
   for (int i = 0; i < frame.value_count; ++i) {
     const double value = frame.values[static_cast<std::size_t>(i)];
-    if (proved && std::abs(value - frame.judgement.label.log_value()) > kSame) continue;
+    if (proved && std::abs(value - frame.judgement.label.log_value()) > kSameExposure) continue;
     if (!fits(age, value, assigned)) continue;
     assigned[static_cast<std::size_t>(age)] = value;
     fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), assigned));
@@ -146,7 +144,7 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
 bool ExposureProof::another_explains_better(double claimed, const Explanations& explanations) const {
   const Frame& newest = back(0);
   for (int i = 0; i < newest.value_count; ++i)
-    if (std::abs(newest.values[static_cast<std::size_t>(i)] - claimed) <= kSame)
+    if (std::abs(newest.values[static_cast<std::size_t>(i)] - claimed) <= kSameExposure)
       return explanations.outliers_if[static_cast<std::size_t>(i)] > explanations.fewest_outliers;
   return explanations.fewest_outliers < kNever;
 }
@@ -162,7 +160,7 @@ double ExposureProof::open_interval_ev(double label) const {
     const double difference = label - other.label.log_value();
     if (!ratio->allows(difference)) continue;
     double width = std::max(ratio->high - difference, difference - ratio->low);
-    if (std::abs(difference) <= kSame) {
+    if (std::abs(difference) <= kSameExposure) {
       if (other.verdict != Verdict::Proved) continue;
       width = std::max(width, other.within_ev * std::numbers::ln2);
     }
@@ -182,7 +180,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
   } else {
     const auto slot = std::find_if(
         cycle_.begin(), cycle_.begin() + cycle_count_,
-        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSame; });
+        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
     CHECK(slot != cycle_.begin() + cycle_count_);
     judgement.label = {*slot, 1, ExposureSource::Photometric};
     judgement.relabelled = evidence.claim_count > 0;
@@ -213,7 +211,8 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   const Votes votes = neighbours_on(claimed);
   bool claims_agree = true;
   for (int i = 1; i < evidence.claim_count; ++i)
-    claims_agree &= std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - claimed) <= kSame;
+    claims_agree &=
+        std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - claimed) <= kSameExposure;
 
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
       another_explains_better(claimed, explanations)) {
@@ -235,9 +234,9 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
 void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
   if (cycle_count_ == current_count_ || judgement.verdict != Verdict::Proved) return;
   const double value = judgement.label.log_value();
-  const bool current =
-      std::any_of(cycle_.begin(), cycle_.begin() + current_count_,
-                  [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSame; });
+  const bool current = std::any_of(
+      cycle_.begin(), cycle_.begin() + current_count_,
+      [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
   proved_in_current_ = current ? proved_in_current_ + 1 : 0;
   if (proved_in_current_ >= 2 * kWindow) cycle_count_ = current_count_;
 }

@@ -74,7 +74,6 @@ class ExposureProof {
  public:
   static constexpr int kWindow = 8;      // frames: two rounds of the longest cycle
   static constexpr int kCandidates = 8;  // exposures: a cycle of four, and the cycle before it
-  static constexpr double kSame = kSameExposure;
 
   // Sets the exposures that frames can have. After a change of schedule the earlier ones stay candidates,
   // because queued requests still carry them, until enough frames are proved to have the new ones.

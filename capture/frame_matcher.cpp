@@ -7,7 +7,7 @@
 namespace hdrcam {
 namespace {
 
-bool same(double a, double b) { return std::abs(a - b) <= ExposureProof::kSame; }
+bool same(double a, double b) { return std::abs(a - b) <= kSameExposure; }
 
 }  // namespace
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/exposure.h"
+
 namespace hdrcam {
 namespace {
 
-bool same(double a, double b) {
-  constexpr double kRounding = 0.01;
-  return std::abs(a - b) <= kRounding * std::max(a, b);
-}
+// Relative exposures; so small a share of one is its difference in ln.
+bool same(double a, double b) { return std::abs(a - b) <= kSameInList * std::max(a, b); }
 
 }  // namespace
 
