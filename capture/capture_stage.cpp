@@ -64,8 +64,9 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       schedule_(schedule),
       mains_(mains),
       sensor_(known_sensor(camera.capabilities().model)),
-      photometer_(first_response()) {
-  if (codes_.linear && !stated_black()) most_black_ = PhotometricResponse::kMostBlack;
+      black_(options.black_level, camera.capabilities(), sensor_, codes_.linear),
+      photometer_(black_.first_response()),
+      trigger_(options.trigger) {
   collect_warnings();
 }
 
@@ -76,9 +77,9 @@ FrameMatcherOptions CaptureStage::matching() const {
   matching.strobe = strobe_ == nullptr ? StrobePulse::Absent : options_.strobe;
   matching.strobe_after_timestamp = options_.strobe_after_timestamp;
   matching.timestamp_mark = options_.timestamp_mark.value_or(offers.timestamp_mark);
-  if (options_.trigger != nullptr) {
-    matching.trigger = options_.trigger->options().mode;
-    matching.frame_duration = options_.trigger->options().interval;
+  if (const TriggerOptions* trigger = trigger_.options(); trigger != nullptr) {
+    matching.trigger = trigger->mode;
+    matching.frame_duration = trigger->interval;
   }
   if (matching.trigger == TriggerMode::PulseWidth) {
     // the exposure is the pulse's, whatever was requested
@@ -94,33 +95,6 @@ FrameMatcherOptions CaptureStage::matching() const {
   return matching;
 }
 
-// The black level that the user states, else the camera's, else that of the sensor table, which holds for raw
-// codes.
-std::optional<BlackLevel> CaptureStage::stated_black() const {
-  if (options_.black_level) return options_.black_level;
-  if (const auto stated = camera_.capabilities().black_level) return stated;
-  if (sensor_ && codes_.linear) return sensor_->black_level;
-  return std::nullopt;
-}
-
-PhotometricResponse CaptureStage::first_response() const {
-  if (!codes_.linear) return PhotometricResponse::unknown();
-  if (const auto black = stated_black()) return PhotometricResponse::linear(*black);
-  return PhotometricResponse::linear_unknown_black();
-}
-
-// No pixel is darker than black, so the darkest site so far bounds an unreported black level. Returns whether
-// the bound fell so far that earlier pictures must be discarded.
-bool CaptureStage::narrow_black() {
-  constexpr float kNoise = 0.5f, kLeast = 1;  // codes of 255
-  if (!most_black_ || *most_black_ <= kLeast) return false;
-  const float bound = std::max(kLeast, picture_.darkest_code + kNoise);
-  if (bound > *most_black_ / 2) return false;
-  most_black_ = bound;
-  photometer_.set_response(PhotometricResponse::linear_unknown_black(bound));
-  return true;
-}
-
 void CaptureStage::collect_warnings() {
   const CameraCapabilities& offers = camera_.capabilities();
   for (int i = 0; i < schedule_.slots(); ++i)
@@ -134,7 +108,7 @@ void CaptureStage::collect_warnings() {
         fmt::format("'{}' does not report exposures and its control delay is unknown; frames are labelled by "
                     "their pictures alone; run 'hdrcam calibrate delay' once",
                     offers.id));
-  if (codes_.linear && !stated_black())
+  if (black_.unreported())
     warnings_.push_back(fmt::format(
         "the black level of '{}' is unknown and taken for 0; if it is higher, short exposures show "
         "the shadows too bright; give --black-level, in codes of 255",
@@ -157,22 +131,20 @@ Result<void> CaptureStage::start() {
   TRY(top_up());
   depth_ = queued_requests_;  // a device may have fewer buffers than requested
   counters_.requests_late = 0;
-  if (options_.trigger == nullptr) return {};
-  trigger_ledger_.start(options_.trigger->options());
-  return options_.trigger->start(schedule_);
+  return trigger_.start(schedule_);
 }
 
 Result<void> CaptureStage::stop() {
-  if (options_.trigger != nullptr) options_.trigger->stop();
+  trigger_.stop();
   return camera_.stop();
 }
 
 void CaptureStage::settle_trigger() {
-  if (options_.trigger == nullptr) return;
-  drain_trigger();
+  if (trigger_.options() == nullptr) return;
+  trigger_.drain(*matcher_);
   (void)drain_strobe();
-  trigger_ledger_.settle(options_.trigger->now() + -options_.trigger->options().interval / 2);
-  counters_.trigger = trigger_ledger_.counters();
+  trigger_.settle();
+  counters_.trigger = trigger_.counters();
 }
 
 // Queues requests until the camera's queue is full. A request that finds no free buffer waits for the next
@@ -197,7 +169,7 @@ Result<void> CaptureStage::drain_strobe() {
     const Result<Edge> edge = strobe_->wait_edge(Duration(0));
     if (edge) {
       matcher_->strobe(edge.value());
-      if (options_.trigger != nullptr) trigger_ledger_.answer(edge.value());
+      trigger_.answer(edge.value());
     } else if (edge.error().code == ErrorCode::Timeout) {
       break;
     } else {
@@ -207,33 +179,15 @@ Result<void> CaptureStage::drain_strobe() {
   return {};
 }
 
-void CaptureStage::drain_trigger() {
-  if (options_.trigger == nullptr) return;
-  while (const auto pulse = options_.trigger->take()) {
-    matcher_->trigger(*pulse);
-    trigger_ledger_.pulse(*pulse);
-  }
-}
-
-// A camera that waits for pulses in vain looks like one that hangs.
-Error CaptureStage::no_answer(const Error& timeout) const {
-  if (options_.trigger == nullptr || timeout.code != ErrorCode::Timeout) return timeout;
-  if (const auto failure = options_.trigger->failure()) return *failure;
-  return {ErrorCode::Timeout,
-          fmt::format("{}, though {} pulses were driven on trigger line '{}'; check the wiring, and that the "
-                      "sensor is in its external trigger mode",
-                      timeout.message, options_.trigger->driven(), options_.trigger->line())};
-}
-
 Result<void> CaptureStage::next(CapturedFrame& frame) {
   for (;;) {
     bool emitted = false;
     {
       const Result<CapturedBuffer> waited = camera_.wait(options_.patience);
-      if (!waited) return no_answer(waited.error());
+      if (!waited) return trigger_.no_answer(waited.error());
       const CapturedBuffer& buffer = waited.value();
       --queued_requests_;
-      drain_trigger();
+      trigger_.drain(*matcher_);
       TRY(drain_strobe());
       emitted = take(buffer, frame);
     }  // the buffer goes back, so that the next request finds it
@@ -251,10 +205,8 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   counters_.strobed += matched.strobed;
   counters_.controls_late += buffer.control_late;
   lost_since_emitted_ += matched.lost_before + matched.left_out_before;
-  if (options_.trigger != nullptr) {
-    trigger_ledger_.settle(buffer.timestamp + -options_.trigger->options().interval / 2);
-    counters_.trigger = trigger_ledger_.counters();
-  }
+  trigger_.settle(buffer.timestamp);
+  counters_.trigger = trigger_.counters();
   const bool damaged = buffer.damaged;
   if (damaged || !unpack_pixels(buffer, options_.unpack, frame.raw.codes)) {
     ++(damaged ? counters_.damaged : counters_.undecodable);
@@ -270,7 +222,8 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
 
 void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
   photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
-  if (narrow_black()) {
+  if (const auto response = black_.narrow(picture_)) {
+    photometer_.set_response(*response);
     proof_.forget();
     photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
   }
@@ -288,7 +241,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.digital_gain = label.digital_gain;
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
-  facts.black_level = stated_black();
+  facts.black_level = black_.stated();
   if (buffer.exposure_source == ExposureSource::Estimated && frame.proof.trusted()) {
     // a recording's exposures that came from its pictures are not proved by them
     facts.exposure_source = ExposureSource::Estimated;
@@ -335,7 +288,7 @@ CameraFacts CaptureStage::facts() const {
 Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
   const auto schedule =
       TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
-  if (options_.trigger != nullptr) TRY(options_.trigger->follow(schedule));
+  TRY(trigger_.follow(schedule));
   schedule_ = schedule;
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   if (matcher_) matcher_->change_schedule(schedule_);
@@ -351,8 +304,7 @@ Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
 Duration CaptureStage::longest_exposure() const {
   const CameraCapabilities& offers = camera_.capabilities();
   Duration margin = ExposureSchedule::frame_margin(offers);
-  if (matching().trigger == TriggerMode::PulseWidth)
-    margin = std::max(margin, options_.trigger->options().gap);
+  if (trigger_.exposes()) margin = std::max(margin, trigger_.options()->gap);
   return std::min(offers.exposure_max, mode_.frame_duration - margin);
 }
 
@@ -360,7 +312,7 @@ std::optional<ExposureRoom> CaptureStage::room() const {
   const CameraCapabilities& offers = camera_.capabilities();
   if (!offers.sets_exposure) return std::nullopt;
   const auto cycle = exposures_of(schedule_);
-  const bool one_gain = matching().trigger == TriggerMode::PulseWidth;  // nothing ties a gain to a pulse
+  const bool one_gain = trigger_.exposes();  // nothing ties a gain to a pulse
   const double gain = schedule_.slot(0).exposure.gain;
   return ExposureRoom{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
                       .shortest = offers.exposure_min,
@@ -372,7 +324,7 @@ std::optional<ExposureRoom> CaptureStage::room() const {
 
 void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {
   photometer_.set_response(PhotometricResponse::known(inverse, black_level));
-  most_black_.reset();
+  black_.settle();
   proof_.forget();
 }
 

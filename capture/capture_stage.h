@@ -15,7 +15,8 @@
 #include "capture/exposure_room.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
-#include "capture/trigger.h"
+#include "capture/raw_black.h"
+#include "capture/trigger_link.h"
 
 namespace hdrcam {
 
@@ -78,15 +79,10 @@ class CaptureStage {
 
   FrameMatcherOptions matching() const;
   Duration longest_exposure() const;
-  PhotometricResponse first_response() const;
-  std::optional<BlackLevel> stated_black() const;
-  bool narrow_black();
   void collect_warnings();
   void restart_matching();
   Result<void> top_up();
   Result<void> drain_strobe();
-  void drain_trigger();
-  Error no_answer(const Error& timeout) const;
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
@@ -102,13 +98,13 @@ class CaptureStage {
   Mains mains_;
   std::optional<KnownSensor> sensor_;
   std::vector<std::string> warnings_;
-  std::optional<float> most_black_;  // codes of 255: upper bound of an unreported black level
 
+  RawBlack black_;
   Photometer photometer_;
   PhotometricSignature picture_;
   ExposureProof proof_;
   std::optional<FrameMatcher> matcher_;
-  TriggerLedger trigger_ledger_;
+  TriggerLink trigger_;
   std::optional<ExposureAdaptation> adaptation_;
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
   int queued_requests_ = 0, depth_ = 0;     // queued requests now, and at most

@@ -1,0 +1,46 @@
+#include "capture/trigger_link.h"
+
+#include <fmt/format.h>
+
+namespace hdrcam {
+
+Result<void> TriggerLink::start(const ExposureSchedule& schedule) {
+  if (trigger_ == nullptr) return {};
+  ledger_.start(trigger_->options());
+  return trigger_->start(schedule);
+}
+
+Result<void> TriggerLink::follow(const ExposureSchedule& schedule) {
+  return trigger_ == nullptr ? Result<void>() : trigger_->follow(schedule);
+}
+
+void TriggerLink::stop() {
+  if (trigger_ != nullptr) trigger_->stop();
+}
+
+void TriggerLink::drain(FrameMatcher& matcher) {
+  if (trigger_ == nullptr) return;
+  while (const auto pulse = trigger_->take()) {
+    matcher.trigger(*pulse);
+    ledger_.pulse(*pulse);
+  }
+}
+
+void TriggerLink::answer(const Edge& edge) {
+  if (trigger_ != nullptr) ledger_.answer(edge);
+}
+
+void TriggerLink::settle(Instant now) {
+  if (trigger_ != nullptr) ledger_.settle(now + -trigger_->options().interval / 2);
+}
+
+Error TriggerLink::no_answer(const Error& failed_wait) const {
+  if (trigger_ == nullptr || failed_wait.code != ErrorCode::Timeout) return failed_wait;
+  if (const auto failure = trigger_->failure()) return *failure;
+  return {ErrorCode::Timeout,
+          fmt::format("{}, though {} pulses were driven on trigger line '{}'; check the wiring, and that the "
+                      "sensor is in its external trigger mode",
+                      failed_wait.message, trigger_->driven(), trigger_->line())};
+}
+
+}  // namespace hdrcam

@@ -1,0 +1,47 @@
+// The trigger of a camera as the thread that captures sees it: starts and stops the pulses, hands those that
+// were driven to the matching of frames, and keeps the account of what the sensor answered
+// (trigger_ledger.h). Without a trigger it does nothing: the camera paces itself. Thread-bound; no
+// allocation per frame.
+#pragma once
+
+#include "capture/frame_matcher.h"
+#include "capture/trigger.h"
+#include "capture/trigger_ledger.h"
+
+namespace hdrcam {
+
+class TriggerLink {
+ public:
+  // trigger: null, or outlives the link.
+  explicit TriggerLink(Trigger* trigger) : trigger_(trigger) {}
+
+  // Null without a trigger.
+  const TriggerOptions* options() const { return trigger_ == nullptr ? nullptr : &trigger_->options(); }
+  // The pulses set the exposures.
+  bool exposes() const { return trigger_ != nullptr && trigger_->options().mode == TriggerMode::PulseWidth; }
+
+  // Errors: those of Trigger.
+  Result<void> start(const ExposureSchedule& schedule);
+  Result<void> follow(const ExposureSchedule& schedule);
+  void stop();
+
+  // Hands the pulses that were driven since the last call to the matcher.
+  void drain(FrameMatcher& matcher);
+  // An edge of the strobe line.
+  void answer(const Edge& edge);
+  // Counts pulses and answers that are half an interval older than this.
+  void settle(Instant now);
+  void settle() {
+    if (trigger_ != nullptr) settle(trigger_->now());
+  }
+  const TriggerCounters& counters() const { return ledger_.counters(); }
+
+  // Why no frame came: a camera that waits for pulses in vain looks like one that hangs.
+  Error no_answer(const Error& failed_wait) const;
+
+ private:
+  Trigger* trigger_;
+  TriggerLedger ledger_;
+};
+
+}  // namespace hdrcam
