@@ -30,7 +30,7 @@ struct FrameMatcherOptions {
   // Controls are written when the frame of their own request begins (hal/camera.h) and act this many frames
   // later; zero where a request sets the exposure of its own frame. nullopt: unknown, so nothing is
   // predicted.
-  std::optional<ControlDelays> delays;
+  std::optional<ControlDelays> delays{};
   StrobePulse strobe = StrobePulse::Absent;
   Duration strobe_after_timestamp{0};  // of the rising edge; depends on the wiring
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
