@@ -37,7 +37,7 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
   std::copy(cycle.begin(), cycle.end(), cycle_.begin());
   std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + cycle_count_);
   cycle_count_ += earlier_count;
-  proved_in_current_ = 0;
+  proved_in_current_ = undecided_ = 0;
   exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
   });
@@ -230,15 +230,22 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   return judgement;
 }
 
-// Once enough frames of the new cycle have been proved, the previous cycle is dropped.
+// Once enough frames of the new cycle have been proved, the previous cycle is dropped. Pictures do not tell
+// the two apart where all exposures changed by one factor: without a right claim all frames are undecided
+// then, and the previous cycle is dropped when more of them follow each other than requests can be left from
+// before.
 void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
-  if (cycle_count_ == current_count_ || judgement.verdict != Verdict::Proved) return;
-  const double value = judgement.label.log_value();
-  const bool current = std::any_of(
-      cycle_.begin(), cycle_.begin() + current_count_,
-      [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
-  proved_in_current_ = current ? proved_in_current_ + 1 : 0;
-  if (proved_in_current_ >= 2 * kWindow) cycle_count_ = current_count_;
+  constexpr int kMostQueued = 32 + 15;  // requests, and frames until their controls act
+  if (cycle_count_ == current_count_) return;
+  undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
+  if (judgement.verdict == Verdict::Proved) {
+    const double value = judgement.label.log_value();
+    const bool current = std::any_of(
+        cycle_.begin(), cycle_.begin() + current_count_,
+        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
+    proved_in_current_ = current ? proved_in_current_ + 1 : 0;
+  }
+  if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostQueued) cycle_count_ = current_count_;
 }
 
 Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricSignature& picture,

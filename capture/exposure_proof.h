@@ -76,7 +76,8 @@ class ExposureProof {
   static constexpr int kCandidates = 8;  // exposures: a cycle of four, and the cycle before it
 
   // Sets the exposures that frames can have. After a change of schedule the earlier ones stay candidates,
-  // because queued requests still carry them, until enough frames are proved to have the new ones.
+  // because queued requests still carry them, until enough frames are proved to have the new ones, or so
+  // many in a row are undecided that no request can carry the earlier ones any more.
   void set_cycle(std::span<const Exposure> cycle);
   // Discards the evidence of earlier frames: after a new response or a restart of the camera.
   void forget() { count_ = 0; }
@@ -127,6 +128,7 @@ class ExposureProof {
   int current_count_ = 0, cycle_count_ = 0;
   bool exposures_differ_ = false;  // the current cycle has two exposures that differ
   int proved_in_current_ = 0;
+  int undecided_ = 0;  // frames in a row, while the earlier cycle is a candidate
   std::array<Frame, kWindow> ring_{};
   int newest_ = 0, count_ = 0;
 };

@@ -326,6 +326,28 @@ TEST_CASE("a change of cycle is followed without a wrong proof", "[capture]") {
   CHECK(tally.proved >= 105);
 }
 
+TEST_CASE("a camera that is labelled by its pictures alone is labelled again after its cycle became brighter",
+          "[capture]") {
+  constexpr Exposure kTwice[] = {{2ms, 1}, {8ms, 1}, {32ms, 1}};
+  MisbehavingCamera sensor(
+      {.kind = SensorKind::Gamma8, .per_request = false, .latency = 2, .gain_latency = 2, .pan_px = 1}, {});
+  auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
+  REQUIRE((*stage)->start().ok());
+  CapturedFrame frame;
+  int unknown = 0;
+  Tally after;
+  for (int i = 0; i < 200; ++i) {
+    if (i == 60) REQUIRE((*stage)->change_cycle(kTwice).ok());
+    REQUIRE((*stage)->next(frame).ok());
+    unknown += i < 60 && !frame.proof.trusted();
+    if (i >= 140) judge(frame, sensor.truth(), kTwice, after);
+  }
+  CAPTURE(unknown, describe(after));
+  CHECK(unknown <= 10);
+  CHECK(after.trusted_wrong == 0);
+  CHECK(after.plausible >= 55);
+}
+
 TEST_CASE("the response of the fit makes the proof exact", "[capture]") {
   MisbehavingCamera sensor({.kind = SensorKind::Gamma8, .pan_px = 1}, {});
   auto stage = CaptureStage::open(sensor, nullptr, kThree, Mains::Off, {});
