@@ -62,26 +62,26 @@ Result<void> VirtualCamera::finish(const Show& show) {
   return {};
 }
 
-VirtualCamera::Reading VirtualCamera::reading(int frame) const {
+VirtualCamera::ExposureInterval VirtualCamera::exposure_of(int frame) const {
   const double centre_s = *first_s_ + plan_.scene_s(frame);
   return {centre_s - 0.5 * plan_.shutter_s, centre_s + 0.5 * plan_.shutter_s};
 }
 
 bool VirtualCamera::ready(int frame) const {
   const double later_s = plan_.stabilize ? SteadyPath::kReach_s : 0;
-  return keys_.back()->time_s + kSameTime_s >= reading(frame).to_s + later_s;
+  return keys_.back()->time_s + kSameTime_s >= exposure_of(frame).to_s + later_s;
 }
 
 // The frames before the next film frame's exposure are no longer needed, but the one that it begins after.
 void VirtualCamera::drop_old() {
-  const double needed_s = done() ? keys_.back()->time_s : reading(shown_).from_s;
+  const double needed_s = done() ? keys_.back()->time_s : exposure_of(shown_).from_s;
   while (keys_.size() > 2 && keys_[1]->time_s <= needed_s + kSameTime_s) {
     spare_.push_back(std::move(keys_.front()));
     keys_.pop_front();
   }
 }
 
-Moment VirtualCamera::moment_at(double time_s) const {
+KeyframeInterval VirtualCamera::interval_at(double time_s) const {
   const auto after = std::ranges::lower_bound(keys_, time_s - kSameTime_s, {}, &Keyframe::time_s);
   if (after == keys_.begin()) return {nullptr, keys_.front().get(), 1};
   if (after == keys_.end()) return {keys_.back().get(), nullptr, 0};
@@ -91,54 +91,55 @@ Moment VirtualCamera::moment_at(double time_s) const {
 }
 
 // eye: -1 left, 1 right, 0 between them.
-RigidTransform VirtualCamera::T_world_view(const Moment& moment, double playback_s, double eye) const {
+RigidTransform VirtualCamera::T_world_view(const KeyframeInterval& interval, double playback_s,
+                                           double eye) const {
   const RigidTransform T_world_recorded =
-      plan_.stabilize ? steady_.at(moment.time_s()) : moment.T_world_camera();
+      plan_.stabilize ? steady_.at(interval.time_s()) : interval.T_world_camera();
   RigidTransform T_view_eye;
   T_view_eye.t.x() = 0.5 * eye * plan_.baseline;
   return T_world_recorded * plan_.move.at(playback_s).T_recorded_view() * T_view_eye;
 }
 
 // Enough that nothing moves more than a pixel and a half from one instant to the next.
-int VirtualCamera::instants(const Reading& reading) const {
+int VirtualCamera::instants(const ExposureInterval& exposure) const {
   constexpr double kStep_px = 1.5;
   constexpr int kLeast = 3, kMost = 33;
-  const Moment moment = moment_at(0.5 * (reading.from_s + reading.to_s));
-  if (moment.before == nullptr || moment.after == nullptr) return kLeast;
-  const Image<float>& flow = moment.after->to_previous.vectors;
+  const KeyframeInterval interval = interval_at(0.5 * (exposure.from_s + exposure.to_s));
+  if (interval.before == nullptr || interval.after == nullptr) return kLeast;
+  const Image<float>& flow = interval.after->to_previous.vectors;
   if (flow.empty()) return kLeast;
   std::vector<float> lengths;
   for (std::size_t i = 0; i < flow.plane_size(); i += 7)
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
   const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
   std::nth_element(lengths.begin(), high, lengths.end());
-  const double way_px = static_cast<double>(*high) * (reading.to_s - reading.from_s) /
-                        (moment.after->time_s - moment.before->time_s) * plan_.width /
-                        moment.after->inverse_depth.cols();
+  const double way_px = static_cast<double>(*high) * (exposure.to_s - exposure.from_s) /
+                        (interval.after->time_s - interval.before->time_s) * plan_.width /
+                        interval.after->inverse_depth.cols();
   return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
 }
 
 // One eye's frame: the mean of the instants of its exposure; everything but the radiance is the centre's.
 void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
-  const Reading open = reading(frame);
+  const ExposureInterval exposure = exposure_of(frame);
   const Keyframe& newest = *keys_.back();
   const double playback_s = plan_.playback_s(frame);
   SceneView view;
   view.rows = plan_.height, view.cols = plan_.width;
   view.lens = filming_lens(newest);
   const auto show_at = [&](double time_s, HdrFrame& picture) {
-    const Moment moment = moment_at(time_s);
-    view.T_world_camera = T_world_view(moment, playback_s, eye);
-    renderer_.render(moment, view, field_, picture);
+    const KeyframeInterval interval = interval_at(time_s);
+    view.T_world_camera = T_world_view(interval, playback_s, eye);
+    renderer_.render(interval, view, field_, picture);
   };
-  const double centre_s = 0.5 * (open.from_s + open.to_s);
+  const double centre_s = 0.5 * (exposure.from_s + exposure.to_s);
   show_at(centre_s, out);
   if (!(plan_.shutter_s > 0)) return;
-  const int count = instants(open);
+  const int count = instants(exposure);
   sum_.copy_from(out.radiance);
   for (int i = 0; i < count; ++i) {
     if (i == count / 2) continue;  // the centre
-    show_at(open.from_s + (i + 0.5) / count * (open.to_s - open.from_s), instant_);
+    show_at(exposure.from_s + (i + 0.5) / count * (exposure.to_s - exposure.from_s), instant_);
     for (std::size_t p = 0; p < sum_.size(); ++p) sum_.samples()[p] += instant_.radiance.samples()[p];
   }
   for (std::size_t p = 0; p < sum_.size(); ++p)
@@ -178,13 +179,13 @@ Result<void> VirtualCamera::film(const Show& show) {
 
 // The film has its own numbers and times; exposure and white are those of the nearest frame.
 void VirtualCamera::label(int frame) {
-  const Moment moment = moment_at(*first_s_ + plan_.scene_s(frame));
-  const HdrFrame& nearest = moment.nearest().frame;
+  const KeyframeInterval interval = interval_at(*first_s_ + plan_.scene_s(frame));
+  const HdrFrame& nearest = interval.nearest().frame;
   frame_.head() = nearest.head();
   frame_.facts.sequence = static_cast<std::uint64_t>(frame);
   frame_.facts.timestamp = Instant::from_seconds(plan_.playback_s(frame));
   frame_.facts.flags = 0;
-  state_camera(moment, plan_.playback_s(frame));
+  state_camera(interval, plan_.playback_s(frame));
   if (balance_) apply_white_balance(*balance_, frame_);
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
@@ -193,14 +194,14 @@ void VirtualCamera::label(int frame) {
 
 // Where the virtual camera stands and what its lens is. Poses are stated in the recording's world, which need
 // not be the method's.
-void VirtualCamera::state_camera(const Moment& moment, double playback_s) {
-  const Keyframe& key = moment.nearest();
+void VirtualCamera::state_camera(const KeyframeInterval& interval, double playback_s) {
+  const Keyframe& key = interval.nearest();
   frame_.facts.T_world_camera.reset();  // of the recorded camera
   frame_.lens.reset();                  // two eyes have none in common
   if (!(plan_.baseline > 0)) frame_.lens = filming_lens(key);
   if (!frame_.pose) return;
   const RigidTransform T_stated_world = frame_.pose->T_world_camera * key.T_world_camera.inverse();
-  frame_.pose->T_world_camera = T_stated_world * T_world_view(moment, playback_s, 0);
+  frame_.pose->T_world_camera = T_stated_world * T_world_view(interval, playback_s, 0);
 }
 
 Intrinsics VirtualCamera::filming_lens(const Keyframe& key) const {

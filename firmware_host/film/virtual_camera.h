@@ -40,19 +40,19 @@ class VirtualCamera {
   double filled_share() const { return pixels_ > 0 ? filled_ / pixels_ : 0; }
 
  private:
-  struct Reading {  // of the frame's exposure, or of its one instant
+  struct ExposureInterval {  // empty where the frame shows one instant
     double from_s, to_s;
   };
-  Reading reading(int frame) const;
+  ExposureInterval exposure_of(int frame) const;
   bool ready(int frame) const;
   Result<void> film(const Show& show);
-  Moment moment_at(double time_s) const;
-  RigidTransform T_world_view(const Moment& moment, double playback_s, double eye) const;
-  int instants(const Reading& reading) const;
+  KeyframeInterval interval_at(double time_s) const;
+  RigidTransform T_world_view(const KeyframeInterval& interval, double playback_s, double eye) const;
+  int instants(const ExposureInterval& exposure) const;
   void expose(int frame, double eye, HdrFrame& out);
   void join_eyes();
   void label(int frame);
-  void state_camera(const Moment& moment, double playback_s);
+  void state_camera(const KeyframeInterval& interval, double playback_s);
   Intrinsics filming_lens(const Keyframe& key) const;
   void drop_old();
 

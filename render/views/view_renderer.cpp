@@ -65,55 +65,55 @@ struct Sight {
 
 }  // namespace
 
-double Moment::time_s() const {
+double KeyframeInterval::time_s() const {
   if (after == nullptr) return before->time_s;
   if (before == nullptr) return after->time_s;
   return before->time_s + share * (after->time_s - before->time_s);
 }
 
-RigidTransform Moment::T_world_camera() const {
+RigidTransform KeyframeInterval::T_world_camera() const {
   if (after == nullptr) return before->T_world_camera;
   if (before == nullptr) return after->T_world_camera;
   return between(before->T_world_camera, after->T_world_camera, share);
 }
 
-void ViewRenderer::render(const Moment& moment, const SceneView& view, const SnapshotHold& field,
+void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& view, const SnapshotHold& field,
                           HdrFrame& frame) {
-  CHECK(moment.before != nullptr || moment.after != nullptr);
+  CHECK(interval.before != nullptr || interval.after != nullptr);
   static const FlowField kNoMotion;
-  const RigidTransform T_view_moment = view.T_world_camera.inverse() * moment.T_world_camera();
-  const auto share = static_cast<float>(moment.share);
-  sources_[0].key = moment.before, sources_[1].key = moment.after;
-  if (moment.before != nullptr)
-    draw(*moment.before, moment.after != nullptr ? moment.after->from_previous : kNoMotion, share,
-         T_view_moment, view, sources_[0]);
-  if (moment.after != nullptr)
-    draw(*moment.after, moment.before != nullptr ? moment.after->to_previous : kNoMotion, 1 - share,
-         T_view_moment, view, sources_[1]);
+  const RigidTransform T_view_recorded = view.T_world_camera.inverse() * interval.T_world_camera();
+  const auto share = static_cast<float>(interval.share);
+  sources_[0].key = interval.before, sources_[1].key = interval.after;
+  if (interval.before != nullptr)
+    draw(*interval.before, interval.after != nullptr ? interval.after->from_previous : kNoMotion, share,
+         T_view_recorded, view, sources_[0]);
+  if (interval.after != nullptr)
+    draw(*interval.after, interval.before != nullptr ? interval.after->to_previous : kNoMotion, 1 - share,
+         T_view_recorded, view, sources_[1]);
   frame.radiance.reshape(3, view.rows, view.cols);
   for (Image<float>* plane : {&frame.sigma, &frame.depth}) plane->reshape(1, view.rows, view.cols);
   frame.provenance.reshape(1, view.rows, view.cols);
   for (Image<float>* flow : {&frame.flow, &frame.flow_forward, &frame.field_flow, &frame.field_flow_forward})
     flow->reshape(0, 0, 0);
   frame.points.clear();
-  frame.white = moment.nearest().frame.white;
-  blend(moment, frame);
+  frame.white = interval.nearest().frame.white;
+  blend(interval, frame);
   SceneView place = view;
-  place.time_s = moment.time_s();
-  fill(place, field, moment.nearest().depth_unit, frame);
+  place.time_s = interval.time_s();
+  fill(place, field, interval.nearest().depth_unit, frame);
 }
 
 // A source's pixels where the view sees them: `share` of the way along their motion, then along their depth.
 void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float share,
-                        const RigidTransform& T_view_moment, const SceneView& view, Source& source) {
+                        const RigidTransform& T_view_recorded, const SceneView& view, Source& source) {
   constexpr float kTie = 0.15f;  // of ln depth: surfaces closer than this are ordered by their motion's trust
   constexpr float kNearest = 1e-3f;
   const int rows = key.inverse_depth.rows(), cols = key.inverse_depth.cols();
   source.vertices.reshape(rows, cols);
   MeshVertices& out = source.vertices;
   const auto scale = static_cast<float>(view.lens.fx_px / key.lens.fx_px);
-  const Eigen::Matrix3f R = T_view_moment.R.cast<float>();
-  const Eigen::Vector3f t = T_view_moment.t.cast<float>();
+  const Eigen::Matrix3f R = T_view_recorded.R.cast<float>();
+  const Eigen::Vector3f t = T_view_recorded.t.cast<float>();
   const auto fx = static_cast<float>(key.lens.fx_px), fy = static_cast<float>(key.lens.fy_px);
   const auto cx = static_cast<float>(key.lens.cx_px), cy = static_cast<float>(key.lens.cy_px);
   const bool moves = share > 0 && !toward.empty();
@@ -141,10 +141,10 @@ void ViewRenderer::draw(const Keyframe& key, const FlowField& toward, float shar
   draw_mesh(out, {}, view.rows, view.cols, pool_, source.answer);
 }
 
-void ViewRenderer::blend(const Moment& moment, HdrFrame& frame) {
+void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
   constexpr float kSameSurface = 0.3f;  // of rank: beyond it the nearer one covers the other
   constexpr float kLeast = 1e-3f;       // weight of a frame that is only needed where the other shows nothing
-  const float shares[2] = {1 - static_cast<float>(moment.share), static_cast<float>(moment.share)};
+  const float shares[2] = {1 - static_cast<float>(interval.share), static_cast<float>(interval.share)};
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
   holes_.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {

@@ -12,9 +12,9 @@
 
 namespace hdrcam {
 
-// A moment between two neighbouring keyframes: 0 is `before`, 1 is `after`. One of them may be null where
-// there is no such frame; the share is then 1 or 0.
-struct Moment {
+// The two neighbouring keyframes around a time, and where it lies between them: share 0 is `before`, 1 is
+// `after`. One of them may be null where there is no such frame; the share is then 1 or 0.
+struct KeyframeInterval {
   const Keyframe* before = nullptr;
   const Keyframe* after = nullptr;
   double share = 0;
@@ -26,7 +26,7 @@ struct Moment {
     return *key;
   }
   double time_s() const;
-  // The recorded camera at the moment.
+  // The recorded camera at this time.
   RigidTransform T_world_camera() const;
 };
 
@@ -34,9 +34,10 @@ class ViewRenderer {
  public:
   explicit ViewRenderer(WorkerPool& pool) : pool_(pool) {}
 
-  // view: pose, lens and size; its time is the moment's. field: fills holes; where it is empty they stay
+  // view: pose, lens and size; its time is the interval's. field: fills holes; where it is empty they stay
   // black. Sets radiance, sigma, provenance, depth and white of `frame`, and leaves it without motion.
-  void render(const Moment& moment, const SceneView& view, const SnapshotHold& field, HdrFrame& frame);
+  void render(const KeyframeInterval& interval, const SceneView& view, const SnapshotHold& field,
+              HdrFrame& frame);
 
  private:
   struct Source {
@@ -45,9 +46,9 @@ class ViewRenderer {
     MeshAnswer answer;
   };
 
-  void draw(const Keyframe& key, const FlowField& toward, float share, const RigidTransform& T_view_moment,
+  void draw(const Keyframe& key, const FlowField& toward, float share, const RigidTransform& T_view_recorded,
             const SceneView& view, Source& source);
-  void blend(const Moment& moment, HdrFrame& frame);
+  void blend(const KeyframeInterval& interval, HdrFrame& frame);
   void fill(const SceneView& view, const SnapshotHold& field, float depth_unit, HdrFrame& frame);
 
   WorkerPool& pool_;

@@ -74,11 +74,12 @@ SceneView view_from(const Eigen::Vector3d& shift) {
   return view;
 }
 
-HdrFrame rendered(const Moment& moment, const SceneView& view, const FieldSnapshot& field = OneColour()) {
+HdrFrame rendered(const KeyframeInterval& interval, const SceneView& view,
+                  const FieldSnapshot& field = OneColour()) {
   WorkerPool pool(2);
   ViewRenderer renderer(pool);
   HdrFrame frame;
-  renderer.render(moment, view, SnapshotHold(field), frame);
+  renderer.render(interval, view, SnapshotHold(field), frame);
   return frame;
 }
 
