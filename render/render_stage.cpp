@@ -10,17 +10,17 @@ namespace hdrcam {
 namespace {
 
 // Where a full-size pixel reads, bilinearly, a picture of every `step`-th pixel along one axis.
-struct Reading {
+struct BilinearTap {
   int low, high;
   float share;  // of `high`
 };
-Reading reading(int at, int step, int size) {
+BilinearTap tap_at(int at, int step, int size) {
   const float place = std::clamp((static_cast<float>(at) + 0.5f) / static_cast<float>(step) - 0.5f, 0.f,
                                  static_cast<float>(size - 1));
   const int low = std::min(static_cast<int>(place), size - 1);
   return {low, std::min(low + 1, size - 1), place - static_cast<float>(low)};
 }
-float read(const Image<float>& in, int channel, const Reading& y, const Reading& x) {
+float interpolated(const Image<float>& in, int channel, const BilinearTap& y, const BilinearTap& x) {
   const float *a = in.row(channel, y.low), *b = in.row(channel, y.high);
   const float top = a[x.low] + x.share * (a[x.high] - a[x.low]);
   const float bottom = b[x.low] + x.share * (b[x.high] - b[x.low]);
@@ -35,10 +35,10 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
   }
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const Reading from_y = reading(y, step, in.rows());
+      const BilinearTap tap_y = tap_at(y, step, in.rows());
       for (int x = 0; x < cols; ++x) {
-        const Reading from_x = reading(x, step, in.cols());
-        for (int c = 0; c < in.channels(); ++c) out.at(c, y, x) = read(in, c, from_y, from_x);
+        const BilinearTap tap_x = tap_at(x, step, in.cols());
+        for (int c = 0; c < in.channels(); ++c) out.at(c, y, x) = interpolated(in, c, tap_y, tap_x);
       }
     }
   });
@@ -58,7 +58,7 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   lap(Stage::Emission);
   if (!estimate.field || options_.layer == EmitLayer::State) return;
   if (options_.layer == EmitLayer::Field)
-    take_all(estimate, frame);
+    emit_field(estimate, frame);
   else
     fill_unseen(estimate, frame);
   lap(Stage::FieldRender);
@@ -78,7 +78,7 @@ void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame
 }
 
 // The view of the frame at one pixel in step x step; its depth and flow as layers.
-void RenderStage::look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame) {
+void RenderStage::render_field(const FrameEstimate& estimate, int step, HdrFrame& frame) {
   estimate.field->look(reduced(estimate.view, step), pool_, view_);
   const int rows = frame.radiance.rows(), cols = frame.radiance.cols();
   if (options_.depth != DepthLayer::None) {
@@ -93,8 +93,8 @@ void RenderStage::look_at_all(const FrameEstimate& estimate, int step, HdrFrame&
   }
 }
 
-void RenderStage::take_all(const FrameEstimate& estimate, HdrFrame& frame) {
-  look_at_all(estimate, 1, frame);
+void RenderStage::emit_field(const FrameEstimate& estimate, HdrFrame& frame) {
+  render_field(estimate, 1, frame);
   frame.radiance.copy_from(view_.radiance);
   frame.provenance.fill(static_cast<std::uint8_t>(Provenance::Field));
 }
@@ -108,12 +108,12 @@ bool RenderStage::mark_unseen(const FrameEstimate& estimate, int step) {
   unseen_.fill(0);
   bool any = false;
   for (int y = 0; y < variance.rows(); ++y) {
-    const Reading from_y = reading(y, step, view.rows);
+    const BilinearTap tap_y = tap_at(y, step, view.rows);
     for (int x = 0; x < variance.cols(); ++x) {
       if (std::max({variance.at(0, y, x), variance.at(1, y, x), variance.at(2, y, x)}) < known) continue;
-      const Reading from_x = reading(x, step, view.cols);
-      for (const int v : {from_y.low, from_y.high})
-        for (const int u : {from_x.low, from_x.high}) unseen_.at(0, v, u) = 1;
+      const BilinearTap tap_x = tap_at(x, step, view.cols);
+      for (const int v : {tap_y.low, tap_y.high})
+        for (const int u : {tap_x.low, tap_x.high}) unseen_.at(0, v, u) = 1;
       any = true;
     }
   }
@@ -128,8 +128,8 @@ void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   const int step = estimate.budget.render_step;
   const bool whole = options_.depth == DepthLayer::Whole || options_.shows_field_flow;
   if (options_.depth == DepthLayer::Glance && !whole)
-    look_at_all(estimate, std::max(step, kGlanceStep), frame);
-  if (whole) look_at_all(estimate, step, frame);
+    render_field(estimate, std::max(step, kGlanceStep), frame);
+  if (whole) render_field(estimate, step, frame);
   if (!estimate.budget.fills || !mark_unseen(estimate, step)) return;
   if (!whole) {
     SceneView view = reduced(estimate.view, step);
@@ -142,18 +142,18 @@ void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   const Image<float>& variance = estimate.state.variance;
   pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const Reading from_y = reading(y, step, view_.radiance.rows());
+      const BilinearTap tap_y = tap_at(y, step, view_.radiance.rows());
       for (int x = 0; x < cols; ++x) {
-        bool answered = false;
+        bool raised = false;
         for (int c = 0; c < 3; ++c) {
           if (variance.at(c, y, x) < known) continue;
-          const Reading from_x = reading(x, step, view_.radiance.cols());
+          const BilinearTap tap_x = tap_at(x, step, view_.radiance.cols());
           float& bound = frame.radiance.at(c, y, x);
-          const float answer =
-              std::min(read(view_.radiance, c, from_y, from_x), options_.largest_answer * bound);
-          if (answer > bound) bound = std::sqrt(answer * bound), answered = true;
+          const float from_field =
+              std::min(interpolated(view_.radiance, c, tap_y, tap_x), options_.largest_field_ratio * bound);
+          if (from_field > bound) bound = std::sqrt(from_field * bound), raised = true;
         }
-        if (answered) frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(Provenance::Field);
+        if (raised) frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(Provenance::Field);
       }
     }
   });

@@ -27,9 +27,9 @@ struct RenderOptions {
   bool shows_flow_forward = false;   // HdrFrame::flow_forward
   bool shows_field_flow = false;     // HdrFrame::field_flow and field_flow_forward
   bool shows_points = false;         // HdrFrame::points
-  // factor on the lower bound of clipped pixels, > 1: the field's answer is cut there, so that a pixel rises
-  // by at most its square root
-  float largest_answer = 4;
+  // of the field's radiance to the lower bound of a clipped pixel, > 1: the field's is cut there, so that a
+  // pixel rises by at most its square root
+  float largest_field_ratio = 4;
 };
 
 class RenderStage {
@@ -43,8 +43,8 @@ class RenderStage {
 
  private:
   void show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame);
-  void look_at_all(const FrameEstimate& estimate, int step, HdrFrame& frame);
-  void take_all(const FrameEstimate& estimate, HdrFrame& frame);
+  void render_field(const FrameEstimate& estimate, int step, HdrFrame& frame);
+  void emit_field(const FrameEstimate& estimate, HdrFrame& frame);
   bool mark_unseen(const FrameEstimate& estimate, int step);
   void fill_unseen(const FrameEstimate& estimate, HdrFrame& frame);
 

@@ -315,7 +315,7 @@ TEST_CASE("a field that is nothing like hash grids is emitted through the same s
   CHECK(fit.losses[0].value < 1e-3);
   for (float& v : told.state.variance.samples()) v = kUnseenVariance;  // nobody saw anything
   told.state.radiance.fill(0.01f);                                     // at least this bright
-  RenderStage stage({.layer = EmitLayer::Merged, .largest_answer = 1000}, pool);
+  RenderStage stage({.layer = EmitLayer::Merged, .largest_field_ratio = 1000}, pool);
   HdrFrame frame;
   stage.render({.frame = told.frame,
                 .state = told.state,
