@@ -128,8 +128,8 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
     if (!previous.advanced) TRY(advance(previous, &step));
     Stopwatch watch;
     FlowField& onward = step.motion.from_previous;
-    pool_.scratch().lend(onward.vectors, 2, camera_.height, camera_.width);
-    pool_.scratch().lend(onward.confidence, 1, camera_.height, camera_.width);
+    pool_.scratch().acquire(onward.vectors, 2, camera_.height, camera_.width);
+    pool_.scratch().acquire(onward.confidence, 1, camera_.height, camera_.width);
     const bool learns = sensor_.learns_noise(step.frame),
                at_newer = SensorModel::noise_is_seen_in_newer(previous.frame, step.frame);
     const RatedFlows rated{.to_previous = learns && at_newer,
@@ -178,7 +178,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
 // The state goes on from this step, which is emitted later.
 void OnlineStage::keep_state(Step& step) {
   const auto keep = [this](const Image<float>& part, Image<float>& kept) {
-    pool_.scratch().lend(kept, part.channels(), part.rows(), part.cols());
+    pool_.scratch().acquire(kept, part.channels(), part.rows(), part.cols());
     copy(part, kept, pool_);
   };
   keep(state_->state().radiance, step.state.radiance);
@@ -188,8 +188,8 @@ void OnlineStage::keep_state(Step& step) {
 
 // No earlier frame looks along the motion to this one any more.
 void OnlineStage::end_look_along(Step& step) {
-  pool_.scratch().take_back(step.motion.from_previous.vectors);
-  pool_.scratch().take_back(step.motion.from_previous.confidence);
+  pool_.scratch().release(step.motion.from_previous.vectors);
+  pool_.scratch().release(step.motion.from_previous.confidence);
 }
 
 // The instant of the n-th frame before steps_[at], one or two.
@@ -277,8 +277,7 @@ void OnlineStage::retire_oldest() {
   retired_times_ = {steps_.front()->frame.facts.timestamp, retired_times_[0]};
   ++retired_;
   RadianceState& kept = steps_.front()->state;
-  for (Image<float>* part : {&kept.radiance, &kept.variance, &kept.own_share})
-    pool_.scratch().take_back(*part);
+  for (Image<float>* part : {&kept.radiance, &kept.variance, &kept.own_share}) pool_.scratch().release(*part);
   spare_.push_back(std::move(steps_.front()));
   steps_.erase(steps_.begin());
   if (!steps_.empty() && steps_.front()->advanced) end_look_along(*steps_.front());
@@ -292,7 +291,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
     const Step& next = *steps_[i + 1 + k];
     later[k] = {&next.frame, &next.motion.from_previous, &sensor_.tables_for(next.frame)};
   }
-  const Borrowed room(
+  const ScratchLease room(
       pool_.scratch(), camera_.height, camera_.width,
       {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
   const bool kept = !step.state.radiance.empty();

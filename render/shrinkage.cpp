@@ -60,8 +60,8 @@ void Shrinkage::apply_cpu(Image<float>& radiance, const Image<float>& variance,
   const ShrinkageThresholds thresholds = thresholds_of(options.origin);
   const ShrinkageGrid grid = grid_of(options.effort);
   const int rows = radiance.rows(), cols = radiance.cols();
-  const Borrowed room(pool_.scratch(), rows, cols,
-                      {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
+  const ScratchLease room(pool_.scratch(), rows, cols,
+                          {{&opponent_, 3}, {&noise_, 3}, {&sum_, 3}, {&weight_, 3}});
 
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)

@@ -5,8 +5,8 @@
 
 namespace hdrcam {
 
-void ScratchPictures::lend(Image<float>& picture, int channels, int rows, int cols) {
-  take_back(picture);
+void ScratchPictures::acquire(Image<float>& picture, int channels, int rows, int cols) {
+  release(picture);
   const std::size_t need =
       static_cast<std::size_t>(channels) * static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   if (need == 0) return picture.reshape(channels, rows, cols);
@@ -31,7 +31,7 @@ void ScratchPictures::lend(Image<float>& picture, int channels, int rows, int co
   sizes_.push_back({picture.plane(0), need});
 }
 
-void ScratchPictures::take_back(Image<float>& picture) {
+void ScratchPictures::release(Image<float>& picture) {
   if (picture.size() > 0) idle_.push_back(std::move(picture));
   picture = {};
 }
@@ -41,17 +41,18 @@ std::size_t ScratchPictures::samples_of(const Image<float>& picture) const {
   return found == sizes_.end() ? picture.size() : found->samples;  // not its own: no more is known of it
 }
 
-Borrowed::Borrowed(ScratchPictures& scratch, int rows, int cols, std::initializer_list<Wish> wishes)
+ScratchLease::ScratchLease(ScratchPictures& scratch, int rows, int cols,
+                           std::initializer_list<Request> requests)
     : scratch_(scratch) {
-  CHECK(wishes.size() <= kMost);
-  for (const Wish& wish : wishes) {
-    scratch_.lend(*wish.picture, wish.channels, rows, cols);
-    pictures_[count_++] = wish.picture;
+  CHECK(requests.size() <= kMost);
+  for (const Request& request : requests) {
+    scratch_.acquire(*request.picture, request.channels, rows, cols);
+    pictures_[count_++] = request.picture;
   }
 }
 
-Borrowed::~Borrowed() {
-  while (count_ > 0) scratch_.take_back(*pictures_[--count_]);
+ScratchLease::~ScratchLease() {
+  while (count_ > 0) scratch_.release(*pictures_[--count_]);
 }
 
 }  // namespace hdrcam

@@ -1,4 +1,4 @@
-// Pictures that a stage needs only while it works. Stages that run one after the other borrow them here and
+// Pictures that a stage needs only while it works. Stages that run one after the other acquire them here and
 // so share the same memory: it grows to what the largest stage needs, then nothing is allocated any more.
 // Thread-bound, as the pool that owns it (worker_pool.h).
 #pragma once
@@ -17,9 +17,9 @@ class ScratchPictures {
   ScratchPictures() { idle_.reserve(kUsual), sizes_.reserve(kUsual); }
 
   // Gives the picture this shape, in memory that is idle; its content is undefined.
-  void lend(Image<float>& picture, int channels, int rows, int cols);
+  void acquire(Image<float>& picture, int channels, int rows, int cols);
   // Takes the picture's memory, whatever it is by now, and leaves it empty.
-  void take_back(Image<float>& picture);
+  void release(Image<float>& picture);
 
  private:
   // What a picture's memory holds, whoever has it; it may be more than the picture's shape needs.
@@ -34,19 +34,19 @@ class ScratchPictures {
   std::vector<Size> sizes_;
 };
 
-// Pictures that are borrowed while this lives.
-class Borrowed {
+// Pictures that are acquired for as long as this lives.
+class ScratchLease {
  public:
-  struct Wish {
+  struct Request {
     Image<float>* picture;
     int channels;
   };
 
   // All of one size.
-  Borrowed(ScratchPictures& scratch, int rows, int cols, std::initializer_list<Wish> wishes);
-  ~Borrowed();
-  Borrowed(const Borrowed&) = delete;
-  Borrowed& operator=(const Borrowed&) = delete;
+  ScratchLease(ScratchPictures& scratch, int rows, int cols, std::initializer_list<Request> requests);
+  ~ScratchLease();
+  ScratchLease(const ScratchLease&) = delete;
+  ScratchLease& operator=(const ScratchLease&) = delete;
 
  private:
   static constexpr std::size_t kMost = 16;

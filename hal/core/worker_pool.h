@@ -3,7 +3,7 @@
 // per thread. Each thread has a part of the indices, the same in every loop, and helps the others once it is
 // done: loops over the rows of pictures then find in a thread's caches what it left there in the loop before.
 // Thread-bound: one thread owns the pool and calls for_each; nested calls run in place. Who works on a pool
-// works alone, so the pool also lends the pictures that such work needs meanwhile.
+// works alone, so the pool also holds the pictures that such work needs meanwhile.
 #pragma once
 
 #include <atomic>

@@ -101,8 +101,9 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
             cols = (a.codes.cols() - 2 * kMargin + kStride - 1) / kStride;
   ++pairs_;
   if (rows <= 0 || cols <= 0) return;
-  const Borrowed room(pool_.scratch(), b.codes.rows(), b.codes.cols(), {{&warped_, 3}, {&warped_mean_, 3}});
-  const Borrowed more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});
+  const ScratchLease room(pool_.scratch(), b.codes.rows(), b.codes.cols(),
+                          {{&warped_, 3}, {&warped_mean_, 3}});
+  const ScratchLease more(pool_.scratch(), rows, 3 * cols, {{&compared_, kComparedPlanes}});
   const float ratio = a.exposure / b.exposure;
   found_.assign(static_cast<std::size_t>(rows), 0);
   const auto compare_stripe = [&](int stripe) {

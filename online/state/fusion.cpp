@@ -41,9 +41,10 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
-  const Borrowed room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
-  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
-                       {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
+  const ScratchLease room(pool_.scratch(), rows, cols, {{&disagreement_, 1}, {&coverage_, 1}});
+  const ScratchLease lines(
+      pool_.scratch(), WorkerPool::bands_of(rows), cols,
+      {{&mean_, 1}, {&disagreement_mean_, 1}, {&coverage_mean_, 1}});  // one for each band
   contrast.reshape_like(state.radiance);
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float *chi2 = disagreement_.row(0, y), *covered = coverage_.row(0, y), *mean = mean_.row(0, band);
@@ -85,14 +86,14 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
 
 void Fusion::update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
                     const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
-                    Past past) {
+                    SampleOrder order) {
   CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
   const int rows = before.radiance.rows(), cols = before.radiance.cols();
   const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
-  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
-                       {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
+  const ScratchLease lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
+                           {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
   const float texture_error = tables.texture_error();
   after.radiance.reshape_like(before.radiance);
   after.variance.reshape_like(before.variance);
@@ -145,7 +146,7 @@ void Fusion::update(const RadianceState& before, const Samples& samples, const E
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,
                                .least = tables.least_radiance(c),
-                               .starts = past == Past::None,
+                               .starts = order == SampleOrder::FirstFrame,
                                .new_state = after.radiance.row(c, y),
                                .new_variance = after.variance.row(c, y),
                                .share = share.row(0, y)},

@@ -23,15 +23,15 @@ struct Samples {
   const float* blur_row(int channel, int y) const { return blurred ? blur.row(channel, y) : nullptr; }
 };
 
-// Samples in memory that is borrowed while this lives, for codes of this size.
-class BorrowedSamples {
+// Samples in memory that is acquired for as long as this lives, for codes of this size.
+class SamplesLease {
  public:
-  BorrowedSamples(ScratchPictures& scratch, const Image<float>& codes, Samples& samples)
+  SamplesLease(ScratchPictures& scratch, const Image<float>& codes, Samples& samples)
       : room_(scratch, codes.rows(), codes.cols(),
               {{&samples.radiance, 3}, {&samples.weight, 3}, {&samples.comparable, 3}, {&samples.blur, 3}}) {}
 
  private:
-  const Borrowed room_;
+  const ScratchLease room_;
 };
 
 // Samples that were moved, for the variance that this adds: the local contrast at the pixels that they were
@@ -42,8 +42,8 @@ struct Moved {
   int intervals = 1;
 };
 
-// Whether the state before a sample holds anything: of what it does not know it has at least a guess.
-enum class Past { None, Seen };
+// Before the first frame the state holds nothing; after it, at least a guess of what it does not know.
+enum class SampleOrder { FirstFrame, AfterFirst };
 
 struct FusionOptions {
   float relative_noise = 0.005f;    // of radiance: error outside the model
@@ -88,7 +88,7 @@ class Fusion {
   // another state than `before`, and each pixel's share of this sample into `share`.
   void update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
               const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
-              Past past = Past::Seen);
+              SampleOrder order = SampleOrder::AfterFirst);
 
   // Variance that reading along the flow adds to row y, per local contrast: misalignment, of each interval
   // that it is chained of, and interpolation.

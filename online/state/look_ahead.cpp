@@ -35,14 +35,14 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     joined.later_share.fill(0);
     return;
   }
-  const BorrowedSamples room(pool_.scratch(), state.radiance, samples_);
+  const SamplesLease room(pool_.scratch(), state.radiance, samples_);
   const int rows_of_more = later.size() > 1 ? rows : 0;  // what only more than one later frame needs
-  const Borrowed for_more(pool_.scratch(), rows_of_more, cols,
-                          {{&path_.vectors, 2},
-                           {&path_.confidence, 1},
-                           {&between_.radiance, 3},
-                           {&between_.variance, 3},
-                           {&share_, 1}});
+  const ScratchLease for_more(pool_.scratch(), rows_of_more, cols,
+                              {{&path_.vectors, 2},
+                               {&path_.confidence, 1},
+                               {&between_.radiance, 3},
+                               {&between_.variance, 3},
+                               {&share_, 1}});
   const RadianceState* before = &state;
   const FlowField* path = later[0].from_previous;
   for (std::size_t i = 0; i < later.size(); ++i) {
@@ -51,7 +51,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     take_samples(ahead, path->vectors, fusion);
     const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
     fusion.model_blur(*before, path->vectors, fraction, samples_);
-    const Borrowed more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
+    const ScratchLease more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
     fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
     RadianceState& after = (later.size() - i) % 2 == 1 ? joined : between_;
@@ -71,7 +71,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
 // The samples of a later frame, at the pixels of the state's frame.
 void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, Fusion& fusion) {
   const Image<float>& codes = ahead.frame->codes;
-  const Borrowed room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}, {&dilated_, 3}});
+  const ScratchLease room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}, {&dilated_, 3}});
   Image<float>& warped = samples_.blur;  // its memory is idle until the blur is modelled
   warp_cubic(codes, path, 0, warped, pool_);
   dilate_2x2(codes, dilated_, pool_);
@@ -83,7 +83,7 @@ void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, 
 // is returned.
 const FlowField& LookAhead::lengthened(const FlowField& path, const FlowField& next) {
   const int rows = path.vectors.rows(), cols = path.vectors.cols();
-  const Borrowed room(pool_.scratch(), rows, cols, {{&onward_, 2}, {&trust_, 1}});
+  const ScratchLease room(pool_.scratch(), rows, cols, {{&onward_, 2}, {&trust_, 1}});
   warp_linear(next.vectors, path.vectors, onward_, pool_);
   warp_linear(next.confidence, path.vectors, trust_, pool_);
   path_.vectors.reshape(2, rows, cols), path_.confidence.reshape(1, rows, cols);

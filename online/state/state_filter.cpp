@@ -14,20 +14,23 @@ StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& p
 
 void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
-  const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
-  const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
+  const SamplesLease room(pool_.scratch(), frame.codes, samples_);
+  const ScratchLease more(pool_.scratch(), rows, cols,
+                          {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   residuals_ = SampleResiduals();
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predicted_.radiance.copy_from(samples_.radiance);
   predicted_.variance.fill(kUnseenVariance);
-  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share, Past::None);
+  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share,
+                 SampleOrder::FirstFrame);
 }
 
 void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
                           const FlowField& to_previous, float blur_fraction) {
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
-  const BorrowedSamples room(pool_.scratch(), frame.codes, samples_);
-  const Borrowed more(pool_.scratch(), rows, cols, {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
+  const SamplesLease room(pool_.scratch(), frame.codes, samples_);
+  const ScratchLease more(pool_.scratch(), rows, cols,
+                          {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predict(to_previous, blur_fraction, tables);
   residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
@@ -40,8 +43,8 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
   warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, flow, blur_fraction, samples_);
-  const Borrowed room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
-  const Borrowed lines(pool_.scratch(), WorkerPool::bands_of(rows), cols, {{&per_contrast_, 1}});
+  const ScratchLease room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
+  const ScratchLease lines(pool_.scratch(), WorkerPool::bands_of(rows), cols, {{&per_contrast_, 1}});
   fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, contrast_);
 
   pool_.for_rows_of_bands(rows, [&](int band, int y) {

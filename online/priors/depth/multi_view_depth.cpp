@@ -97,8 +97,8 @@ void MultiViewDepth::begin(Keyframe& keyframe, const RigidTransform& T_world_cam
 // T_previous_camera.
 void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previous) {
   const float per_step = 1 / static_cast<float>(options_.step_px);
-  const Borrowed room(pool_.scratch(), rows_, cols_,
-                      {{&keyframes_[0].carried, 3}, {&keyframes_[1].carried, 3}, {&carried_learnt_, 2}});
+  const ScratchLease room(pool_.scratch(), rows_, cols_,
+                          {{&keyframes_[0].carried, 3}, {&keyframes_[1].carried, 3}, {&carried_learnt_, 2}});
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols_; ++x) {

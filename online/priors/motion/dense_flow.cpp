@@ -72,8 +72,8 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
 
   for (Pyramid& pyramid : pyramids_)
     for (int scale = std::min(finest, 1); scale <= coarsest; ++scale)
-      pool_.scratch().lend(level_of(pyramid, scale).planes, 3, (rows >> scale) + 2 * kFlowBorder,
-                           (cols >> scale) + 2 * kFlowBorder);
+      pool_.scratch().acquire(level_of(pyramid, scale).planes, 3, (rows >> scale) + 2 * kFlowBorder,
+                              (cols >> scale) + 2 * kFlowBorder);
   pool_.for_each(2, [&](int i) {
     if (i == 0)
       build(*request.a, finest, coarsest, pyramid_a);
@@ -81,16 +81,16 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
       build(*request.b, finest, coarsest, pyramid_b);
   });
   {
-    const Borrowed room(pool_.scratch(), rows >> finest, cols >> finest,
-                        {{&there.flow, 2}, {&back.flow, 2}, {&there.weight, 1}, {&back.weight, 1}});
+    const ScratchLease room(pool_.scratch(), rows >> finest, cols >> finest,
+                            {{&there.flow, 2}, {&back.flow, 2}, {&there.weight, 1}, {&back.weight, 1}});
     // each about as large as three planes, which most pictures of others are, who use them too
     const auto piece = static_cast<int>(refinement_kernels().piece_floats(rows >> finest, cols >> finest));
     for (Direction& direction : directions_)
-      for (Image<float>& picture : direction.room) pool_.scratch().lend(picture, 1, 1, piece);
+      for (Image<float>& picture : direction.room) pool_.scratch().acquire(picture, 1, 1, piece);
     for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
     for (int scale = finest; scale > 1; --scale) {
-      const Borrowed larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
-                            {{&there.larger, 2}, {&back.larger, 2}});
+      const ScratchLease larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
+                                {{&there.larger, 2}, {&back.larger, 2}});
       pool_.for_each(2, [&](int i) {
         Direction& direction = directions_[static_cast<std::size_t>(i)];
         enlarge(direction.flow, direction.line, direction.larger);
@@ -106,9 +106,9 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
       });
   }
   for (Direction& direction : directions_)
-    for (Image<float>& picture : direction.room) pool_.scratch().take_back(picture);
+    for (Image<float>& picture : direction.room) pool_.scratch().release(picture);
   for (Pyramid& pyramid : pyramids_)
-    for (Level& level : pyramid) pool_.scratch().take_back(level.planes);
+    for (Level& level : pyramid) pool_.scratch().release(level.planes);
 }
 
 DenseFlow::Level& DenseFlow::level_of(Pyramid& pyramid, int scale) {

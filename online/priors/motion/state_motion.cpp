@@ -93,14 +93,14 @@ MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, const MatchContext& context,
                             const RatedFlows& rated, StateMotion& motion) {
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
+  const ScratchLease room(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(frame, frame_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &motion.to_previous.vectors, &motion.from_previous.vectors};
   if (last_.empty()) {
     gray_of_state(state.radiance, nullptr, tables, state_gray_, pool_);
   } else {
     start_at_prediction(context.before_ratio, request);
-    const Borrowed blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
+    const ScratchLease blurred(pool_.scratch(), rows_, cols_, {{&blur_, 3}});
     // the instants lie evenly about the exposure's middle, so that the sign of the motion does not matter
     const float fraction = context.before_ratio * frame.blur_fraction;
     const bool blurs = context.blurs && exposure_blurs(predicted_, fraction, pool_);
@@ -115,14 +115,14 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
 void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& frame,
                                const MotionContext& context, FlowQuality quality, const RatedFlows& rated,
                                StateMotion& motion) {
-  const Borrowed room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
+  const ScratchLease room(pool_.scratch(), rows_, cols_, {{&clipped_, 1}, {&mask_, 1}});
   clipped_share(frame, clipped_);
   continue_predicted(context.before_ratio, motion.to_previous.vectors);
   if (context.after != nullptr && is_worth_bridging([](std::size_t) { return 0.f; })) {
-    const Borrowed more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
+    const ScratchLease more(pool_.scratch(), rows_, cols_, {{&clipped_after_, 1}});
     clipped_share(*context.after, clipped_after_);
     if (is_worth_bridging([&](std::size_t i) { return clipped_after_.samples()[i]; })) {
-      const Borrowed flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
+      const ScratchLease flows(pool_.scratch(), rows_, cols_, {{&after_to_state_, 2}, {&state_to_after_, 2}});
       match_after(state, context, quality);
       bridge(context, motion);
     }
@@ -173,7 +173,7 @@ void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
 // The flow between the state and the frame after the one that is completed.
 void MotionEstimator::match_after(const RadianceState& state, const MotionContext& context,
                                   FlowQuality quality) {
-  const Borrowed grays(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
+  const ScratchLease grays(pool_.scratch(), rows_, cols_, {{&frame_gray_, 1}, {&state_gray_, 1}});
   gray_of_frame(*context.after, frame_gray_, pool_);
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};

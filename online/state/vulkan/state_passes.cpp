@@ -205,9 +205,10 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
 }
 
 void StatePasses::update(const GpuSeen& seen, const PassRoom& room, const GpuPicture& share,
-                         Past past) const {
+                         SampleOrder order) const {
   const GpuPicture& unread = room.mean;  // a kernel has all its buffers
-  fuse(past == Past::None ? Taking::First : Taking::Own, seen, unread, {unread, unread}, room, share);
+  fuse(order == SampleOrder::FirstFrame ? Taking::First : Taking::Own, seen, unread, {unread, unread}, room,
+       share);
 }
 
 void StatePasses::join(const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,

@@ -74,7 +74,7 @@ class StatePasses {
   void residuals(const GpuSeen& seen, const GpuPicture& motion, const GpuPicture& found) const;
   // Fusion::update with a frame's own samples
   void update(const GpuSeen& seen, const PassRoom& room, const GpuPicture& share,
-              Past past = Past::Seen) const;
+              SampleOrder order = SampleOrder::AfterFirst) const;
   // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
   void join(const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved, const PassRoom& room,
             const GpuPicture& share) const;

@@ -115,7 +115,8 @@ Result<void> VulkanState::restart_gpu(const StateInput& input) {
   std::copy_n(fetched_.plane(0), radiance.size(), radiance.plane(0));
   stack(radiance, unseen, stacked_);
   upload(work, stacked_, on.state);
-  on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share, Past::None);
+  on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share,
+                   SampleOrder::FirstFrame);
   download(work, on.state, fetched_);
   download(work, on.share, fetched_share_);
   TRY(work.finish());
