@@ -33,7 +33,7 @@ void SensorModel::meet(const ExposedFrame& frame) {
   constexpr std::size_t kMaxTables = 32;
   if (tables_.size() > kMaxTables) tables_.clear();
   if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
-  if (blur_kind_ == BlurKind::Shown) shown_blur_.heed(frame);
+  if (blur_kind_ == BlurKind::Shown) shown_blur_.observe_exposure(frame);
   if (known_ || !response_stated_) return;
   black_level_ = frame.facts.black_level.value_or(BlackLevel());
   known_ = true;

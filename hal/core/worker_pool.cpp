@@ -10,7 +10,7 @@
 namespace hdrcam {
 namespace {
 
-void rest_a_moment() {
+void cpu_relax() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
 #elif defined(__aarch64__)
@@ -27,7 +27,7 @@ bool comes_soon(Condition&& condition) {
   constexpr int kLooks = 16;  // from one look at the clock to the next
   const auto end = Clock::now() + kSoon;
   do
-    for (int i = 0; i < kLooks; ++i, rest_a_moment())
+    for (int i = 0; i < kLooks; ++i, cpu_relax())
       if (condition()) return true;
   while (Clock::now() < end);
   return false;

@@ -61,10 +61,10 @@ std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
 }
 
 // Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
-struct Face {
+struct PixFormat {
   std::uint32_t width, height, fourcc, stride, bytes;
 };
-Face read_format(const v4l2_format& format) {
+PixFormat read_format(const v4l2_format& format) {
   if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
     const auto& mp = format.fmt.pix_mp;
     return {mp.width, mp.height, mp.pixelformat, mp.plane_fmt[0].bytesperline, mp.plane_fmt[0].sizeimage};
@@ -135,7 +135,7 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
   write_format(wanted, format);
   if (const int code = video.ask(VIDIOC_S_FMT, &format); code != 0 && code != EINVAL)
     return device_error(code, video.path(), "take the picture format");
-  const Face agreed = read_format(format);
+  const PixFormat agreed = read_format(format);
   const bool one_piece = queue_type == V4L2_BUF_TYPE_VIDEO_CAPTURE || format.fmt.pix_mp.num_planes == 1;
   if (agreed.fourcc != fourcc_of(wanted.format) || !one_piece || agreed.width == 0)
     return Error{ErrorCode::Unsupported,

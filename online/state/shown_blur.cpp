@@ -44,16 +44,16 @@ float ShownBlur::stated(const ExposedFrame& frame) {
   return share <= kMostStated ? share : 0;
 }
 
-void ShownBlur::heed(const ExposedFrame& frame) {
+void ShownBlur::observe_exposure(const ExposedFrame& frame) {
   // Time stamps jitter: few that are too early prove nothing. The longest exposure of a cycle comes more
   // often than that, and the first one tells where it is much too long.
   constexpr float kBeyondJitter = 1.5f;
   constexpr long kLeast = 2, kOneIn = 10;
   const float share = share_of(frame);
-  ++heeded_;
+  ++frames_;
   if (share > 1) ++outlasting_;
   const bool told = doubted_ || outlasting_ >= kLeast || share >= kBeyondJitter;
-  const bool doubted = told && outlasting_ * kOneIn >= heeded_;
+  const bool doubted = told && outlasting_ * kOneIn >= frames_;
   if (doubted == doubted_) return;
   doubted_ = doubted, shown_ = !doubted;
   forget();

@@ -24,9 +24,9 @@ class ShownBlur {
   // exposure outlasts it. 0: unknown, or so long that it is that of a still.
   static float stated(const ExposedFrame& frame);
 
-  // Takes note of what a frame states. While exposures outlast their frames, blur counts only if frames show
-  // it.
-  void heed(const ExposedFrame& frame);
+  // Takes note of the exposure that a frame states. While exposures outlast their frames, blur counts only if
+  // frames show it.
+  void observe_exposure(const ExposedFrame& frame);
   // What counts of a stated share.
   float counted(float stated) const { return shown_ ? stated : 0; }
 
@@ -53,7 +53,7 @@ class ShownBlur {
   WorkerPool& pool_;
   std::vector<Evidence> lines_;  // of the current frame
   Evidence evidence_;
-  long heeded_ = 0, outlasting_ = 0;  // frames
+  long frames_ = 0, outlasting_ = 0;  // observed; of these, exposed for longer than a frame lasts
   int settling_ = 0;                  // frames until the state has followed what was decided
   bool doubted_ = false, shown_ = true;
 };

@@ -68,7 +68,7 @@ struct Moving {
   bool shown(int frames = 12) {
     ShownBlur blur(pool);
     for (int i = 0; i < frames; ++i) {
-      blur.heed(frame);
+      blur.observe_exposure(frame);
       blur.observe(frame, stated(), state, motion, tables(), kWhite);
     }
     return blur.shown();
@@ -98,7 +98,7 @@ TEST_CASE("where exposures outlast their frames motion blur counts only if frame
   CHECK_FALSE(moving.shown());
   ShownBlur blur(moving.pool);
   CHECK(blur.counted(0.6f) == 0.6f);
-  blur.heed(moving.frame);
+  blur.observe_exposure(moving.frame);
   CHECK(blur.counted(0.6f) == 0);  // of no frame, as long as it may be
   moving.show_blur(1.5f);
   CHECK(moving.shown());
@@ -131,17 +131,17 @@ TEST_CASE("a time stamp that jitters is no reason to doubt motion blur") {
   Moving early(0.036), usual(0.03);
   WorkerPool pool(1);
   ShownBlur blur(pool);
-  for (int i = 0; i < 100; ++i) blur.heed(i % 20 == 3 ? early.frame : usual.frame);
+  for (int i = 0; i < 100; ++i) blur.observe_exposure(i % 20 == 3 ? early.frame : usual.frame);
   CHECK(blur.shown());
   Moving lost(0.1);  // a time stamp that is far too early
-  blur.heed(lost.frame);
+  blur.observe_exposure(lost.frame);
   CHECK(blur.shown());
-  for (int i = 0; i < 100; ++i) blur.heed(i % 3 == 2 ? early.frame : usual.frame);
+  for (int i = 0; i < 100; ++i) blur.observe_exposure(i % 3 == 2 ? early.frame : usual.frame);
   CHECK_FALSE(blur.shown());
   ShownBlur begun(pool);
-  begun.heed(lost.frame);
+  begun.observe_exposure(lost.frame);
   CHECK_FALSE(begun.shown());
-  for (int i = 0; i < 20; ++i) begun.heed(usual.frame);
+  for (int i = 0; i < 20; ++i) begun.observe_exposure(usual.frame);
   CHECK(begun.shown());
 }
 
