@@ -23,7 +23,7 @@ namespace {
 
 struct RenderFlags {
   std::string recording;
-  FilmWish wish;
+  FilmOptions options;
   KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 };
@@ -69,20 +69,20 @@ Result<void> admit(const Settings& settings, const FilmedRecording& recording, c
                                       need);
 }
 
-std::string as_flags(const FilmWish& wish) {
-  const FilmWish usual;
+std::string as_flags(const FilmOptions& options) {
+  const FilmOptions usual;
   std::string text;
   const auto add = [&](const char* flag, const auto& value, const auto& unset) {
     if (value != unset) text += fmt::format(" {}={}", flag, shell_word(fmt::format("{}", value)));
   };
-  add("--view", wish.view, usual.view), add("--path", wish.path, usual.path);
-  add("--time", wish.time, usual.time), add("--speed", wish.speed, usual.speed);
-  add("--framerate", wish.framerate_hz, usual.framerate_hz);
-  add("--shutter-angle", wish.shutter_deg, usual.shutter_deg);
-  add("--exposure", wish.exposure, usual.exposure);
-  add("--size", wish.size, usual.size), add("--stereo", wish.stereo, usual.stereo);
-  if (wish.ldr) text += " --ldr";
-  if (wish.stabilize) text += " --stabilize";
+  add("--view", options.view, usual.view), add("--path", options.path, usual.path);
+  add("--time", options.time, usual.time), add("--speed", options.speed, usual.speed);
+  add("--framerate", options.framerate_hz, usual.framerate_hz);
+  add("--shutter-angle", options.shutter_deg, usual.shutter_deg);
+  add("--exposure", options.exposure, usual.exposure);
+  add("--size", options.size, usual.size), add("--stereo", options.stereo, usual.stereo);
+  if (options.ldr) text += " --ldr";
+  if (options.stabilize) text += " --stabilize";
   return text;
 }
 
@@ -96,20 +96,20 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
     return Error{ErrorCode::Invalid, "--http-record needs a camera; a film has nothing to record"};
   TRY(check_ignored_flags(*flags.settings, settings));
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
-  const FilmPlan plan = TRY(plan_film(around.storage, flags.wish, settings.fit, recording));
+  const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_pictures(plan, settings));
   TRY(check_motion(settings));
   TRY(check_needs(settings));
   const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
   std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
-  if (!flags.wish.path.empty()) inputs.push_back({"the path of the view", flags.wish.path});
+  if (!flags.options.path.empty()) inputs.push_back({"the path of the view", flags.options.path});
   TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "", sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
   return run_on(*source,
                 {.settings = settings,
                  .title = title_of(source->camera(), flags.recording),
-                 .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.wish) +
+                 .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.options) +
                             flags.settings->as_flags(settings),
                  .film = &plan,
                  .sinks = sinks,
@@ -117,44 +117,45 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
                 around.storage);
 }
 
-void add_view_flags(CLI::App& verb, FilmWish& wish) {
+void add_view_flags(CLI::App& verb, FilmOptions& options) {
   constexpr const char* kGroup = "View";
   verb.add_option(
-          "--view", wish.view,
+          "--view", options.view,
           "where the camera stands, as the recorded one sees it: dx,dy,dz to the right, down and forward "
           "(in metres where the recording has poses, else 1 is the median depth of its first frame), then "
           "perhaps yaw,pitch,roll in degrees, to the right, up and clockwise: 0.1,0,0 or 0.1,0,0,-5,0,0")
       ->group(kGroup);
   verb.add_option(
-          "--path", wish.path,
+          "--path", options.path,
           "a file that moves the camera: CSV or JSON with time_s,dx,dy,dz,yaw,pitch,roll, time_s of the film")
       ->check(names_file)
       ->group(kGroup);
-  verb.add_option("--time", wish.time,
+  verb.add_option("--time", options.time,
                   "freeze this moment, seconds from the first frame: 0.5; or show this part: 0.2..0.8")
       ->group(kGroup);
-  verb.add_option("--speed", wish.speed,
+  verb.add_option("--speed", options.speed,
                   "seconds of the recording in a second of the film: 0.25 is slow motion [1]")
       ->group(kGroup);
-  verb.add_option("--framerate", wish.framerate_hz, "frames per second of the film [the recording's]")
+  verb.add_option("--framerate", options.framerate_hz, "frames per second of the film [the recording's]")
       ->group(kGroup);
-  verb.add_option("--shutter-angle", wish.shutter_deg,
+  verb.add_option("--shutter-angle", options.shutter_deg,
                   "motion blur put back: the exposure, in degrees of 360 of a film frame's time [0: sharp]")
       ->group(kGroup);
-  verb.add_flag("--ldr", wish.ldr,
+  verb.add_flag("--ldr", options.ldr,
                 "8-bit pictures as the camera would have taken them, by its estimated response")
       ->group(kGroup);
-  verb.add_option("--exposure", wish.exposure,
+  verb.add_option("--exposure", options.exposure,
                   "of the 8-bit pictures, at a gain of 1: 4ms, 1/250; sets --ldr [the reference exposure]")
       ->group(kGroup);
-  verb.add_option("--size", wish.size, "pixels: 1280x720; the scene is cropped to fill it [the recording's]")
+  verb.add_option("--size", options.size,
+                  "pixels: 1280x720; the scene is cropped to fill it [the recording's]")
       ->group(kGroup);
-  verb.add_option("--stereo", wish.stereo,
+  verb.add_option("--stereo", options.stereo,
                   "two pictures side by side, left and right, this far apart: 63mm where the recording has "
                   "poses, else "
                   "0.02")
       ->group(kGroup);
-  verb.add_flag("--stabilize", wish.stabilize, "take the shake out of the recorded camera's path")
+  verb.add_flag("--stabilize", options.stabilize, "take the shake out of the recorded camera's path")
       ->group(kGroup);
 }
 
@@ -165,7 +166,7 @@ void add_render(CLI::App& app, Verb& chosen) {
   CLI::App* verb =
       app.add_subcommand("render", "show a recording's scene from any view, at any time and exposure");
   verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->check(names_file);
-  add_view_flags(*verb, flags->wish);
+  add_view_flags(*verb, flags->options);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,

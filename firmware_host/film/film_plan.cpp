@@ -77,13 +77,13 @@ Result<void> plan_size(const std::string& text, const FilmedRecording& recording
   return {};
 }
 
-Result<void> plan_exposure(const FilmWish& wish, FilmPlan& plan) {
-  if (wish.ldr) plan.exposure = 0;
-  if (wish.exposure.empty()) return {};
-  const auto exposure = parse_duration(wish.exposure);
+Result<void> plan_exposure(const FilmOptions& options, FilmPlan& plan) {
+  if (options.ldr) plan.exposure = 0;
+  if (options.exposure.empty()) return {};
+  const auto exposure = parse_duration(options.exposure);
   if (!exposure)
     return Error{ErrorCode::Invalid,
-                 fmt::format("--exposure takes a time, such as 4ms or 1/250, not '{}'", wish.exposure)};
+                 fmt::format("--exposure takes a time, such as 4ms or 1/250, not '{}'", options.exposure)};
   plan.exposure = to_seconds(exposure.value());
   return {};
 }
@@ -97,23 +97,24 @@ Result<void> check_unit(const char* flag, bool in_metres, const FilmedRecording&
                   flag)};
 }
 
-Result<void> plan_geometry(Storage& storage, const FilmWish& wish, const Settings::Fit& fit,
+Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
                            const FilmedRecording& recording, FilmPlan& plan) {
-  if (!wish.view.empty() && !wish.path.empty())
+  if (!options.view.empty() && !options.path.empty())
     return Error{ErrorCode::Invalid, "--view holds one pose and --path moves it; give one of them"};
-  plan.move = wish.path.empty() ? TRY(CameraMove::parse_view(wish.view))
-                                : TRY(CameraMove::read_path(storage, wish.path));
+  plan.move = options.path.empty() ? TRY(CameraMove::parse_view(options.view))
+                                   : TRY(CameraMove::read_path(storage, options.path));
   SceneLength baseline;
-  if (!wish.stereo.empty()) baseline = TRY(parse_length("--stereo", wish.stereo));
-  if (!wish.stereo.empty() && !(baseline.value > 0))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", wish.stereo)};
+  if (!options.stereo.empty()) baseline = TRY(parse_length("--stereo", options.stereo));
+  if (!options.stereo.empty() && !(baseline.value > 0))
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("--stereo takes the distance between the eyes, above 0, not '{}'", options.stereo)};
   plan.baseline = baseline.value;
   const auto pose = fit.knobs.find("pose");
   const bool tracked = pose != fit.knobs.end() && pose->second != "given";
   TRY(check_unit("--view", plan.move.in_metres(), recording, tracked));
   TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
-  const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || wish.stabilize;
+  const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || options.stabilize;
   const std::string_view without_field = what_leaves_out_field(fit);
   if (needs_depth && !without_field.empty())
     return Error{
@@ -141,20 +142,20 @@ Result<FilmedRecording> look_through(Storage& storage, const std::string& path) 
   }
 }
 
-Result<FilmPlan> plan_film(Storage& storage, const FilmWish& wish, const Settings::Fit& fit,
+Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
                            const FilmedRecording& recording) {
   FilmPlan plan;
-  TRY(plan_geometry(storage, wish, fit, recording, plan));
-  TRY(plan_time(wish.time, recording.duration_s, plan));
-  TRY(plan_size(wish.size, recording, plan));
-  TRY(plan_exposure(wish, plan));
-  plan.stabilize = wish.stabilize;
-  TRY(check_number("--speed", wish.speed, 0.001, 1000));
-  TRY(check_number("--framerate", wish.framerate_hz, wish.framerate_hz == 0 ? 0 : 0.1, 1000));
-  TRY(check_number("--shutter-angle", wish.shutter_deg, 0, 360));
-  plan.speed = wish.speed;
-  plan.framerate_hz = wish.framerate_hz > 0 ? wish.framerate_hz : recording.framerate_hz;
-  plan.shutter_s = wish.shutter_deg / 360 * plan.speed / plan.framerate_hz;
+  TRY(plan_geometry(storage, options, fit, recording, plan));
+  TRY(plan_time(options.time, recording.duration_s, plan));
+  TRY(plan_size(options.size, recording, plan));
+  TRY(plan_exposure(options, plan));
+  plan.stabilize = options.stabilize;
+  TRY(check_number("--speed", options.speed, 0.001, 1000));
+  TRY(check_number("--framerate", options.framerate_hz, options.framerate_hz == 0 ? 0 : 0.1, 1000));
+  TRY(check_number("--shutter-angle", options.shutter_deg, 0, 360));
+  plan.speed = options.speed;
+  plan.framerate_hz = options.framerate_hz > 0 ? options.framerate_hz : recording.framerate_hz;
+  plan.shutter_s = options.shutter_deg / 360 * plan.speed / plan.framerate_hz;
   const double length_s =
       plan.frozen ? (plan.move.is_path() ? plan.move.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
   const double frames = std::floor(length_s * plan.framerate_hz + kNearlyWhole) + 1;

@@ -23,7 +23,7 @@ struct FilmedRecording {
 Result<FilmedRecording> look_through(Storage& storage, const std::string& path);
 
 // What the user asks of a film, in the words of the flags; empty texts and zeros: not given.
-struct FilmWish {
+struct FilmOptions {
   std::string view = {};      // "dx,dy,dz[,yaw,pitch,roll]"
   std::string path = {};      // a file of poses
   std::string time = {};      // "T" or "FROM..TO", seconds
@@ -55,7 +55,7 @@ struct FilmPlan {
 };
 
 // Errors: Invalid, naming the flag and what it takes; those of reading a path.
-Result<FilmPlan> plan_film(Storage& storage, const FilmWish& wish, const Settings::Fit& fit,
+Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
                            const FilmedRecording& recording);
 
 // Memory for the frames that the virtual camera keeps, and for its own pictures.

@@ -280,14 +280,14 @@ void Run::tell_response() {
 // Asks the source for another cycle where the fit expects less error of it.
 void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
   Stopwatch watch;
-  const auto wish =
+  const auto request =
       choice_->observe(estimate, {sensor().response(), sensor().noise(), sensor().reference_gain()});
   const double ms = watch.lap_ms();
   kept.stages_ms.push_back({name(Stage::Exposures), ms});
   kept.total_ms += ms;
-  if (!wish) return;
-  source_.follow(wish->cycle);
-  kept.note += fmt::format("{}asked for {}", kept.note.empty() ? "" : "; ", describe(*wish));
+  if (!request) return;
+  source_.follow(request->cycle);
+  kept.note += fmt::format("{}asked for {}", kept.note.empty() ? "" : "; ", describe(*request));
 }
 
 Result<void> Run::show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {

@@ -14,9 +14,10 @@ constexpr double kStop = std::numbers::ln2;
 
 }  // namespace
 
-std::string describe(const CycleWish& wish) {
-  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %", describe(wish.cycle),
-                     100 * (wish.error_after / wish.error_before - 1), 100 * wish.blur_share);
+std::string describe(const CycleRequest& request) {
+  return fmt::format("{}: expected error {:+.0f} %, of which motion blur was {:.0f} %",
+                     describe(request.cycle), 100 * (request.error_after / request.error_before - 1),
+                     100 * request.blur_share);
 }
 
 CycleChoice::CycleChoice(const ExposureRoom& room)
@@ -28,12 +29,12 @@ CycleChoice::CycleChoice(const ExposureRoom& room)
 }
 
 std::string CycleChoice::summary() const {
-  if (wishes_ == 0) return "the fit asked for no other exposures";
-  return fmt::format("the fit asked for other exposures {} time(s); last for {}", wishes_, last_);
+  if (requests_ == 0) return "the fit asked for no other exposures";
+  return fmt::format("the fit asked for other exposures {} time(s); last for {}", requests_, last_);
 }
 
-std::optional<CycleWish> CycleChoice::observe(const FrameEstimate& estimate,
-                                              const ExposureForecast::Sensor& sensor) {
+std::optional<CycleRequest> CycleChoice::observe(const FrameEstimate& estimate,
+                                                 const ExposureForecast::Sensor& sensor) {
   if (first_white_ == 0) {
     double least = room_.cycle.front().product();
     for (const Exposure& exposure : room_.cycle) least = std::min(least, exposure.product());
@@ -128,17 +129,17 @@ bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const 
   return true;
 }
 
-std::optional<CycleWish> CycleChoice::conclude() {
+std::optional<CycleRequest> CycleChoice::conclude() {
   search_ = Search::Waits;
   outlook_.forget();
-  CycleWish wish{.cycle = better_, .error_after = error_};
-  wish.error_before = forecast_.error(cycle_, ExposureForecast::Blur::Counted);
-  if (!(wish.error_after < (1 - kLeastGain) * wish.error_before)) return std::nullopt;
-  wish.blur_share = 1 - forecast_.error(cycle_, ExposureForecast::Blur::LeftOut) / wish.error_before;
+  CycleRequest request{.cycle = better_, .error_after = error_};
+  request.error_before = forecast_.error(cycle_, ExposureForecast::Blur::Counted);
+  if (!(request.error_after < (1 - kLeastGain) * request.error_before)) return std::nullopt;
+  request.blur_share = 1 - forecast_.error(cycle_, ExposureForecast::Blur::LeftOut) / request.error_before;
   cycle_ = better_;
   waiting_ = kSettling;
-  ++wishes_, last_ = describe(wish);
-  return wish;
+  ++requests_, last_ = describe(request);
+  return request;
 }
 
 }  // namespace hdrcam

@@ -16,13 +16,13 @@
 namespace hdrcam {
 
 // A cycle that is asked for, and why.
-struct CycleWish {
+struct CycleRequest {
   std::vector<Exposure> cycle;
   double error_before = 0, error_after = 0;  // expected, of the mu-law, squared
   double blur_share = 0;                     // of error_before: what motion blur adds
 };
 // "1 ms, 2 ms x 2, 4 ms x 4: expected error -18 %, of which motion blur was 62 %"
-std::string describe(const CycleWish& wish);
+std::string describe(const CycleRequest& request);
 
 class CycleChoice {
  public:
@@ -32,7 +32,7 @@ class CycleChoice {
   explicit CycleChoice(const ExposureRoom& room);
 
   // Once per emitted frame. Returns the next cycle where it should change.
-  std::optional<CycleWish> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
+  std::optional<CycleRequest> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
 
   // The one that it asked for last, or the first one.
   const std::vector<Exposure>& cycle() const { return cycle_; }
@@ -47,7 +47,7 @@ class CycleChoice {
   bool improve(double stops);
   std::optional<Exposure> fitted(std::size_t slot, double time_s, double gain) const;
   bool keeps_order(std::size_t slot, const Exposure& exposure) const;
-  std::optional<CycleWish> conclude();
+  std::optional<CycleRequest> conclude();
 
   const ExposureRoom room_;
   std::vector<double> gaps_;        // ln E between slots in order of E, of the first cycle: they stay as near
@@ -60,8 +60,8 @@ class CycleChoice {
   ExposureForecast::Values tried_{};
   double error_ = 0;  // of better_
   Search search_ = Search::Waits;
-  int wishes_ = 0;
-  std::string last_;  // wish, in words
+  int requests_ = 0;
+  std::string last_;  // request, in words
   int waiting_ = 8;   // at first, until the noise is known
 };
 

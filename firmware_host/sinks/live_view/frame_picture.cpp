@@ -47,10 +47,11 @@ ToneCurve shifted(const ToneAnchors& anchors, double exposure_ev) {
   return ToneCurve({mid, std::clamp(anchors.white * gain, 4 * mid, 0x1p24f)});
 }
 
-Image<std::uint8_t> picture_of(const HdrFrame& frame, const PictureWish& wish, const ToneAnchors& anchors) {
-  if (wish.look == PictureLook::FalseColour) return in_false_colours(frame.radiance);
-  Image<std::uint8_t> picture = tone_mapped(frame.radiance, shifted(anchors, wish.exposure_ev));
-  if (wish.look == PictureLook::Provenance) lay_over(frame.provenance, picture);
+Image<std::uint8_t> picture_of(const HdrFrame& frame, const PictureRequest& request,
+                               const ToneAnchors& anchors) {
+  if (request.look == PictureLook::FalseColour) return in_false_colours(frame.radiance);
+  Image<std::uint8_t> picture = tone_mapped(frame.radiance, shifted(anchors, request.exposure_ev));
+  if (request.look == PictureLook::Provenance) lay_over(frame.provenance, picture);
   return picture;
 }
 
@@ -67,20 +68,20 @@ double stops_of(float r, float g, float b) {
   return std::log2(static_cast<double>(std::max(luminance(r, g, b), kLeastHalf)));
 }
 
-Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureWish& wish) {
+Result<HttpBody> FramePicture::jpeg(const ShownFrame& frame, const PictureRequest& request) {
   if (sequence_ != frame.hdr.facts.sequence) {
     sequence_ = frame.hdr.facts.sequence;
     anchors_ = tone_.follow(frame.hdr.radiance).anchors();
     encoded_.clear();
   }
-  const auto done = std::ranges::find(encoded_, wish, &Encoded::wish);
+  const auto done = std::ranges::find(encoded_, request, &Encoded::request);
   if (done != encoded_.end()) return done->bytes;
-  Image<std::uint8_t> picture = picture_of(frame.hdr, wish, anchors_);
+  Image<std::uint8_t> picture = picture_of(frame.hdr, request, anchors_);
   if (picture.cols() > kWidest_px)
     picture = resized(picture, std::max(1, picture.rows() * kWidest_px / picture.cols()), kWidest_px);
   auto bytes = std::make_shared<const std::vector<std::byte>>(TRY(encode_jpeg(picture, kQuality)));
   if (encoded_.size() == kMostEncoded) encoded_.erase(encoded_.begin());
-  encoded_.push_back({wish, bytes});
+  encoded_.push_back({request, bytes});
   return HttpBody(std::move(bytes));
 }
 

@@ -24,11 +24,11 @@ constexpr double kLeastStop = -12, kMostStop = 8;
 // Rec. BT.709 luminance of a pixel, as log2; of black the least that a half float holds.
 double stops_of(float r, float g, float b);
 
-struct PictureWish {
+struct PictureRequest {
   PictureLook look = PictureLook::Tone;
   double exposure_ev = 0;  // of Tone and Provenance: brighter by so many stops, -16..16
 
-  friend bool operator==(const PictureWish&, const PictureWish&) = default;
+  friend bool operator==(const PictureRequest&, const PictureRequest&) = default;
 };
 
 class FramePicture {
@@ -36,11 +36,11 @@ class FramePicture {
   static constexpr int kWidest_px = 960;  // wider frames are averaged down
   static constexpr int kQuality = 85;
 
-  Result<HttpBody> jpeg(const ShownFrame& frame, const PictureWish& wish);
+  Result<HttpBody> jpeg(const ShownFrame& frame, const PictureRequest& request);
 
  private:
   struct Encoded {
-    PictureWish wish;
+    PictureRequest request;
     HttpBody bytes;
   };
   static constexpr std::size_t kMostEncoded = 8;  // of one frame

@@ -122,16 +122,16 @@ HttpAnswer LiveView::picture(const HttpRequest& request) {
   const ShownFrame* const frame = newest_.read();
   if (frame == nullptr) return no_frame();
   if (number_in<std::uint64_t>(request, "after") == frame->hdr.facts.sequence) return {.status = 204};
-  PictureWish wish;
+  PictureRequest wanted;
   if (const auto look = request.query.find("look"); look != request.query.end()) {
     const auto known = picture_look(look->second);
     if (!known) return http_error(400, "look is tone, false or provenance");
-    wish.look = *known;
+    wanted.look = *known;
   }
   const auto ev = exposure_in(request);
   if (!ev) return http_error(400, kNoExposure);
-  wish.exposure_ev = *ev;
-  const Result<HttpBody> jpeg = pictures_.jpeg(*frame, wish);
+  wanted.exposure_ev = *ev;
+  const Result<HttpBody> jpeg = pictures_.jpeg(*frame, wanted);
   if (!jpeg) return answer_of(jpeg.error());
   return {.type = "image/jpeg", .body = jpeg.value(), .headers = {sequence_header(*frame)}};
 }
@@ -175,10 +175,10 @@ HttpAnswer LiveView::pixel(const HttpRequest& request) {
 
 HttpAnswer LiveView::record(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const nlohmann::json wish = object_in(request);
-  if (!wish.contains("on") || !wish["on"].is_boolean())
+  const nlohmann::json body = object_in(request);
+  if (!body.contains("on") || !body["on"].is_boolean())
     return http_error(400, "send {\"on\": true} or {\"on\": false}");
-  if (wish["on"].get<bool>()) {
+  if (body["on"].get<bool>()) {
     const Result<std::string> file = control_->start_recording();
     if (!file) return answer_of(file.error());
   } else if (const Result<void> stopped = control_->stop_recording(); !stopped) {
@@ -189,12 +189,12 @@ HttpAnswer LiveView::record(const HttpRequest& request) {
 
 HttpAnswer LiveView::change_cycle(const HttpRequest& request) {
   if (control_ == nullptr) return no_camera();
-  const nlohmann::json wish = object_in(request);
-  if (!wish.contains("shutter") || !wish["shutter"].is_string() ||
-      (wish.contains("gain") && !wish["gain"].is_string()))
+  const nlohmann::json body = object_in(request);
+  if (!body.contains("shutter") || !body["shutter"].is_string() ||
+      (body.contains("gain") && !body["gain"].is_string()))
     return http_error(400, "send {\"shutter\": \"1ms,4ms,16ms\", \"gain\": \"1\"}; gain may be missing");
   const Result<void> changed =
-      control_->change_cycle(wish["shutter"].get<std::string>(), wish.value("gain", std::string()));
+      control_->change_cycle(body["shutter"].get<std::string>(), body.value("gain", std::string()));
   return changed ? json_answer("{}") : answer_of(changed.error());
 }
 

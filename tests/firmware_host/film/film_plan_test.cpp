@@ -11,14 +11,14 @@ namespace {
 
 constexpr FilmedRecording kWalk{.duration_s = 2, .framerate_hz = 30, .width = 320, .height = 240};
 
-Result<FilmPlan> planned(const FilmWish& wish, const FilmedRecording& recording = kWalk,
+Result<FilmPlan> planned(const FilmOptions& options, const FilmedRecording& recording = kWalk,
                          const Settings::Fit& fit = {}) {
-  return plan_film(posix_storage(), wish, fit, recording);
+  return plan_film(posix_storage(), options, fit, recording);
 }
 
-std::string refusal(const FilmWish& wish, const FilmedRecording& recording = kWalk,
+std::string refusal(const FilmOptions& options, const FilmedRecording& recording = kWalk,
                     const Settings::Fit& fit = {}) {
-  const auto plan = planned(wish, recording, fit);
+  const auto plan = planned(options, recording, fit);
   REQUIRE_FALSE(plan.ok());
   CHECK(plan.error().code == ErrorCode::Invalid);
   return plan.error().message;

@@ -48,7 +48,7 @@ class Loop {
   }
   void set_pattern(const Pattern& pattern) { pattern_ = pattern; }
   const std::vector<Exposure>& cycle() const { return choice_.cycle(); }
-  const std::optional<CycleWish>& wish() const { return wish_; }
+  const std::optional<CycleRequest>& request() const { return request_; }
 
  private:
   static constexpr int kRows = 48, kCols = 64;
@@ -85,9 +85,10 @@ class Loop {
                                  .white = 16,
                                  .reference_exposure = reference_};
     ++frames_;
-    auto wish = choice_.observe(estimate, {response_, noise_, 1});
-    if (wish) wish_ = std::move(wish);
-    return wish_ && wish_->cycle == choice_.cycle() && std::exchange(last_, wish_->cycle) != wish_->cycle;
+    auto request = choice_.observe(estimate, {response_, noise_, 1});
+    if (request) request_ = std::move(request);
+    return request_ && request_->cycle == choice_.cycle() &&
+           std::exchange(last_, request_->cycle) != request_->cycle;
   }
 
   const Response response_ = Response::gamma(2.2f);
@@ -99,7 +100,7 @@ class Loop {
   ExposedFrame frame_;
   JoinedState state_;
   FlowField flow_;
-  std::optional<CycleWish> wish_;
+  std::optional<CycleRequest> request_;
   std::vector<Exposure> last_;
 };
 
@@ -114,11 +115,11 @@ double seconds_of(const std::vector<Exposure>& cycle) {
 TEST_CASE("where everything moves the times get shorter, where nothing does they do not") {
   Loop moving(room_of(kCycle), {.speed_px = 8}), resting(room_of(kCycle), {});
   moving.run(120), resting.run(120);
-  REQUIRE(moving.wish());
-  INFO(describe(*moving.wish()));
+  REQUIRE(moving.request());
+  INFO(describe(*moving.request()));
   CHECK(moving.cycle()[2].time <= 8ms);
   CHECK(seconds_of(moving.cycle()) < 0.6 * seconds_of(kCycle));
-  CHECK(moving.wish()->blur_share > 0.3);
+  CHECK(moving.request()->blur_share > 0.3);
   CHECK(seconds_of(resting.cycle()) >= seconds_of(kCycle));
 }
 
@@ -165,7 +166,7 @@ TEST_CASE("lamps do not begin to flicker: a time of whole half periods stays one
   room.mains = Mains::Hz50;
   Loop loop(room, {.speed_px = 10});
   loop.run(240);
-  CHECK(loop.wish());
+  CHECK(loop.request());
   CHECK(loop.cycle()[0].time < 10ms);
   CHECK(loop.cycle()[1].time % 10ms == 0ns);
   CHECK(loop.cycle()[2].time % 10ms == 0ns);
