@@ -41,10 +41,10 @@ void DelayCalibration::observe(std::uint64_t index, const PhotometricSignature& 
   }
   last_picture_ = picture;
   last_index_ = index;
-  observe_unreadable(index, asked);
+  note_request(index, asked);
 }
 
-void DelayCalibration::observe_unreadable(std::uint64_t index, const Exposure& asked) {
+void DelayCalibration::note_request(std::uint64_t index, const Exposure& asked) {
   // A lost frame does not use up its request: the next frame takes it.
   const std::uint64_t during = index + 1;
   for (std::uint64_t lost = newest_ + 1; lost < during && lost <= newest_ + kHistory; ++lost)
@@ -136,7 +136,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
       TRY(queue_next());
       const Exposure& after = asked[(completed + 1) % kAsked];
       if (!readable) {
-        calibration.observe_unreadable(index, after);
+        calibration.note_request(index, after);
         continue;
       }
       calibration.photometer().observe(codes, kind.layout, kind.bits, picture);

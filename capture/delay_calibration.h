@@ -37,8 +37,9 @@ class DelayCalibration {
   Exposure next();
   // Frame `index` arrived (lost frames count); `asked` is the exposure requested for the frame after it.
   void observe(std::uint64_t index, const PhotometricSignature& picture, const Exposure& asked);
-  // The same for a frame whose picture cannot be read: it used up its request as any other.
-  void observe_unreadable(std::uint64_t index, const Exposure& asked);
+  // What observe() does with `asked`; alone for a frame whose picture cannot be read, which used up its
+  // request as any other.
+  void note_request(std::uint64_t index, const Exposure& asked);
 
   DelayEstimate estimate() const;
   const Photometer& photometer() const { return photometer_; }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numbers>
 
+#include "capture/control_delay.h"
+
 namespace hdrcam {
 namespace {
 
@@ -235,7 +237,7 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
 // then, and the previous cycle is dropped when more of them follow each other than requests can be left from
 // before.
 void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
-  constexpr int kMostQueued = 32 + 15;  // requests, and frames until their controls act
+  constexpr int kMostQueued = 32 + kMaxDelay;  // requests (--buffers), and frames until their controls act
   if (cycle_count_ == current_count_) return;
   undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
   if (judgement.verdict == Verdict::Proved) {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <span>
+
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -83,13 +86,12 @@ void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
   intervals_[interval_count_++ % kIntervals] = (buffer.timestamp - timestamp_) / steps;
   if (interval_count_ < kConfirmed) return;
   auto sorted = intervals_;
-  const auto end = sorted.begin() + static_cast<int>(std::min<std::uint64_t>(interval_count_, kIntervals));
-  const auto middle = sorted.begin() + (end - sorted.begin()) / 2;
-  std::nth_element(sorted.begin(), middle, end);
+  const Duration measured =
+      median(std::span(sorted).first(std::min<std::size_t>(interval_count_, kIntervals)));
   constexpr double kJitter = 0.02;
   const auto agreed = static_cast<double>(options_.frame_duration.count());
-  const bool kept = std::abs(static_cast<double>(middle->count()) - agreed) <= kJitter * agreed;
-  interval_ = kept ? options_.frame_duration : *middle;
+  const bool kept = std::abs(static_cast<double>(measured.count()) - agreed) <= kJitter * agreed;
+  interval_ = kept ? options_.frame_duration : measured;
 }
 
 // The completed request was due when the frame after the previous one began, and stayed due while frames were

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "capture/clip_policy.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -226,13 +228,11 @@ void Photometer::observe(const Image<std::uint16_t>& codes, PixelLayout layout, 
 
 // Median of scratch_[0, count) and its standard error; `independent`: how many of the samples are.
 Photometer::Centre Photometer::centre(int count, double independent) {
-  const auto begin = scratch_.begin(), middle = begin + count / 2, end = begin + count;
-  std::nth_element(begin, middle, end);
-  const float median = *middle;
-  for (auto it = begin; it != end; ++it) *it = std::abs(*it - median);
-  std::nth_element(begin, middle, end);
-  const double scatter = 1.4826 * *middle;
-  return {median, scatter, scatter / std::sqrt(std::max(1.0, independent))};
+  const std::span samples = std::span(scratch_).first(static_cast<std::size_t>(count));
+  const float middle = median(samples);
+  for (float& sample : samples) sample = std::abs(sample - middle);
+  const double scatter = 1.4826 * median(samples);
+  return {middle, scatter, scatter / std::sqrt(std::max(1.0, independent))};
 }
 
 std::optional<Photometer::Centre> Photometer::ratio_by_site(const PhotometricSignature& a,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/core/median.h"
 #include "online/noise/robust_spread.h"
 #include "online/state/pass_constants.h"
 
@@ -86,11 +87,9 @@ void SampleResiduals::learn(std::size_t channel, VarianceExcess& slot) {
   for (std::size_t k = 0; k < VarianceExcess::kBins; ++k) {
     Bin& bin = bins_[channel][k];
     if (bin.residuals.size() < kEnough) continue;
-    const auto middle = bin.predicted.begin() + static_cast<std::ptrdiff_t>(bin.predicted.size() / 2);
-    std::nth_element(bin.predicted.begin(), middle, bin.predicted.end());
     const Spread spread = robust_spread(bin.residuals);
     const double seen = spread.centre * spread.centre + spread.variance;
-    const auto excess = static_cast<float>(std::max(0.0, seen - static_cast<double>(*middle)));
+    const auto excess = static_cast<float>(std::max(0.0, seen - static_cast<double>(median(bin.predicted))));
     slot.bins[channel][k] += kLearning * (excess - slot.bins[channel][k]);
   }
 }

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "capture/clip_policy.h"
+#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -45,9 +47,7 @@ void TextureError::observe(const ExposedFrame& frame, const RadianceState& state
     end = std::copy_n(shares_.begin() + static_cast<std::ptrdiff_t>(line * line_room), found_[line], end);
   const auto count = end - shares_.begin();
   if (count < kEnough) return;
-  const auto middle = shares_.begin() + count / 2;
-  std::nth_element(shares_.begin(), middle, end);
-  disagreement_ += kLearning * (*middle - disagreement_);
+  disagreement_ += kLearning * (median(std::span(shares_.begin(), end)) - disagreement_);
 }
 
 // The shares of contrast at the pixels of a line that tell of it, from `shares` on; how many there are.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
+
+#include "hal/core/median.h"
 
 namespace hdrcam {
 
@@ -33,8 +36,7 @@ void DepthEdges::take_median(const Image<float>& in, Image<float>& out) {
         for (int dy = -kRadius; dy <= kRadius; ++dy)
           for (int dx = -kRadius; dx <= kRadius; ++dx)
             around[n++] = in.at(0, std::clamp(y + dy, 0, rows - 1), std::clamp(x + dx, 0, cols - 1));
-        std::nth_element(around.begin(), around.begin() + around.size() / 2, around.end());
-        out.at(0, y, x) = around[around.size() / 2];
+        out.at(0, y, x) = median(std::span<float>(around));
       }
   });
 }
