@@ -65,9 +65,8 @@ void to_radiance(const float* const sum[3], const float* const weight[3], float 
   }
 }
 
-// Rows are the cosines of one frequency: sqrt(2 / 8) cos((2 n + 1) k pi / 16), the first over sqrt(2).
-constexpr float c1 = 0.49039264f, c2 = 0.46193977f, c3 = 0.41573481f, c4 = 0.35355339f, c5 = 0.27778512f,
-                c6 = 0.19134172f, c7 = 0.09754516f;
+// Rows are the cosines of one frequency.
+constexpr float c1 = kCos1, c2 = kCos2, c3 = kCos3, c4 = kCos4, c5 = kCos5, c6 = kCos6, c7 = kCos7;
 constexpr float kDct[8][8] = {{c4, c4, c4, c4, c4, c4, c4, c4},     {c1, c3, c5, c7, -c7, -c5, -c3, -c1},
                               {c2, c6, -c6, -c2, -c2, -c6, c6, c2}, {c3, -c7, -c1, -c5, c5, c1, c7, -c3},
                               {c4, -c4, -c4, c4, c4, -c4, -c4, c4}, {c5, -c1, c7, c3, -c3, -c7, c1, -c5},

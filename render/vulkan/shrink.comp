@@ -1,68 +1,58 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// One tile of one channel: its spectrum, each coefficient scaled by how far it is above the noise, and back.
-// One invocation per tile.
+// One tile of one channel: its spectrum, each coefficient scaled by how far it is above the noise, and back,
+// added to the sums of its pixels. One invocation per tile. The tiles of one run do not overlap, so that sums
+// need no atomics and have one order: of lines that are a tile apart every second tile, then the other half,
+// then those at the end that are out of step.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols, tile_rows, tile_cols, line_step, shift;
   float least, rise, chroma;  // of the thresholds
+  int first_line, line_stride, part;  // part: 0 and 1 the halves, 2 the end
 };
 READS(0, Opponent, opponent)
-WRITES(1, Tiles, tiles)
+CHANGES(1, Sums, sums)
+WRITES(2, Weights, weights)
 #include "render/vulkan/tiles.glsl"
+#include "render/vulkan/cosines.glsl"
 
-// Cosines [frequency][pixel], orthonormal: sqrt(1/8), then 1/2 cos((2 pixel + 1) frequency pi / 16).
-const float basis[64] = {
-    0.353553391, 0.353553391, 0.353553391, 0.353553391, 0.353553391, 0.353553391, 0.353553391, 0.353553391,
-    0.49039264, 0.415734806, 0.277785117, 0.097545161, -0.097545161, -0.277785117, -0.415734806, -0.49039264,
-    0.461939766, 0.191341716, -0.191341716, -0.461939766, -0.461939766, -0.191341716, 0.191341716, 0.461939766,
-    0.415734806, -0.097545161, -0.49039264, -0.277785117, 0.277785117, 0.49039264, 0.097545161, -0.415734806,
-    0.353553391, -0.353553391, -0.353553391, 0.353553391, 0.353553391, -0.353553391, -0.353553391, 0.353553391,
-    0.277785117, -0.49039264, 0.097545161, 0.415734806, -0.415734806, -0.097545161, 0.49039264, -0.277785117,
-    0.191341716, -0.461939766, 0.461939766, -0.191341716, -0.191341716, 0.461939766, -0.461939766, 0.191341716,
-    0.097545161, -0.277785117, 0.415734806, -0.49039264, 0.49039264, -0.415734806, 0.277785117, -0.097545161};
-
-float threshold(int channel, int i, int j) {
-  return (channel == 0 ? least : chroma * least) * (1 + rise * i / (kTile - 1)) * (1 + rise * j / (kTile - 1));
-}
+const vec4 kFrequencies[2] = {vec4(0, 1, 2, 3) / (kTile - 1), vec4(4, 5, 6, 7) / (kTile - 1)};
 
 void main() {
-  if (column() >= tiles_in_line(row())) return;
-  const int c = plane(), y0 = line_of(row()), x0 = column_of(row(), column());
-  float a[64], b[64];
-  float noise = 0;
-  for (int i = 0; i < 64; ++i) {
-    a[i] = opponent[at(c, y0 + i / kTile, x0 + i % kTile)];
-    noise += opponent[at(3 + c, y0 + i / kTile, x0 + i % kTile)];
+  const int c = plane(), i = first_line + row() * line_stride;
+  const int j = part < 2 ? 2 * column() + part : tiles_in_line(i) - 1 + column();
+  if (j >= tiles_in_line(i) || in_step(i, j) != (part < 2)) return;
+  const int corner = at(c, line_of(i), column_of(i, j)), noise_corner = corner + 3 * rows * cols;
+
+  vec4 tile[16], noises = vec4(0);
+  [[unroll]] for (int k = 0; k < 16; ++k) {
+    const int from = k / 2 * cols + k % 2 * 4;
+    for (int n = 0; n < 4; ++n) tile[k][n] = opponent[corner + from + n];
+    for (int n = 0; n < 4; ++n) noises[n] += opponent[noise_corner + from + n];
   }
-  noise /= 64;
-  for (int i = 0; i < 64; ++i) {  // b = basis a
-    float sum = 0;
-    for (int k = 0; k < kTile; ++k) sum += basis[i / kTile * kTile + k] * a[k * kTile + i % kTile];
-    b[i] = sum;
+  const float noise = dot(noises, vec4(1)) / (kTile * kTile);
+
+  forward_columns(tile);
+  forward_rows(tile);
+  const float mean = tile[0].x;  // is kept whole
+  const float doubt = noise * least * (c == 0 ? 1 : chroma);
+  vec4 energies = vec4(0);  // of the gains
+  [[unroll]] for (int k = 0; k < 16; ++k) {
+    const vec4 power = tile[k] * tile[k];
+    const vec4 threshold = doubt * (1 + rise * float(k / 2) / (kTile - 1)) * (1 + rise * kFrequencies[k % 2]);
+    vec4 gain = max(vec4(0), (power - threshold) / (power + kLeastPower));
+    if (k == 0) gain.x = 0;
+    tile[k] *= gain;
+    energies += gain * gain;
   }
-  float energy = 1;  // of the gains; the mean is kept whole
-  for (int i = 0; i < 64; ++i) {  // a = b basis^T: the spectrum, shrunk
-    float sum = 0;
-    for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[i % kTile * kTile + k];
-    if (i > 0) {
-      const float power = sum * sum, gain = max(0.0, (power - threshold(c, i / kTile, i % kTile) * noise) / (power + kLeastPower));
-      sum *= gain;
-      energy += gain * gain;
-    }
-    a[i] = sum;
-  }
-  for (int i = 0; i < 64; ++i) {  // b = basis^T a
-    float sum = 0;
-    for (int k = 0; k < kTile; ++k) sum += basis[k * kTile + i / kTile] * a[k * kTile + i % kTile];
-    b[i] = sum;
-  }
-  const float weight = 1 / (energy * (noise + kLeastNoise));
-  const int to = tile_at(c, row(), column());
-  tiles[to] = weight;
-  for (int i = 0; i < 64; ++i) {  // b basis
-    float sum = 0;
-    for (int k = 0; k < kTile; ++k) sum += b[i / kTile * kTile + k] * basis[k * kTile + i % kTile];
-    tiles[to + 1 + i] = weight * sum;
+  tile[0].x = mean;
+  const float weight = 1 / ((1 + dot(energies, vec4(1))) * (noise + kLeastNoise));
+  backward_rows(tile);
+  backward_columns(tile);
+
+  weights[tile_at(c, i, j)] = weight;
+  [[unroll]] for (int k = 0; k < 16; ++k) {
+    const int to = corner + k / 2 * cols + k % 2 * 4;
+    for (int n = 0; n < 4; ++n) sums[to + n] += weight * tile[k][n];
   }
 }

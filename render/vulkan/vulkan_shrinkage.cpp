@@ -8,21 +8,14 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kTileFloats = kShrinkageTile * kShrinkageTile + 1;  // tiles.glsl
-
 int tiles_along(int pixels, int step) { return (pixels - kShrinkageTile + step - 1) / step + 1; }
-
-struct TileConstants {
-  int rows, cols, tile_rows, tile_cols;
-  ShrinkageGrid grid;
-};
 
 }  // namespace
 
 Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device) {
   const std::lock_guard turn(device.turn());
   const std::array<GpuShader, kPasses> shaders{
-      {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 2}, {"gather", k_gather, 2}}};
+      {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 3}, {"gather", k_gather, 3}}};
   std::unique_ptr<VulkanShrinkage> made(new VulkanShrinkage(device));
   for (std::size_t i = 0; i < kPasses; ++i) made->kernels_[i] = TRY(device.kernel(shaders[i]));
   return made;
@@ -33,10 +26,31 @@ Result<void> VulkanShrinkage::reserve(int rows, int cols, int tile_rows, int til
     radiance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
     variance_ = TRY(GpuPicture::make(device_, 3, rows, cols));
     opponent_ = TRY(GpuPicture::make(device_, 6, rows, cols));
-    tiles_ = {};
+    sums_ = TRY(GpuPicture::make(device_, 3, rows, cols));
+    weights_ = {};
   }
-  if (tiles_.rows < tile_rows) tiles_ = TRY(GpuPicture::make(device_, 3, tile_rows, tile_cols * kTileFloats));
+  if (weights_.rows < tile_rows) weights_ = TRY(GpuPicture::make(device_, 3, tile_rows, tile_cols));
   return {};
+}
+
+void VulkanShrinkage::shrink(GpuWork& work, const Tiles& tiles, const ShrinkageThresholds& thresholds) const {
+  // Lines of tiles that are a tile apart, then the last line if it is out of step.
+  const int in_step = (tiles.rows - kShrinkageTile) / tiles.grid.line_step + 1;
+  const auto run = [&](int first_line, int line_stride, int lines) {
+    for (int part = 0; part < 3; ++part) {
+      const struct {
+        Tiles tiles;
+        ShrinkageThresholds thresholds;
+        int first_line, line_stride, part;
+      } shrinking{tiles, thresholds, first_line, line_stride, part};
+      work.run(*kernels_[kShrink], {*opponent_, *sums_, *weights_}, shrinking,
+               {part < 2 ? (tiles.tile_cols + 1) / 2 : 1, lines, 3});
+    }
+  };
+  const int apart = kShrinkageTile / tiles.grid.line_step;
+  for (int first = 0; first < std::min(apart, in_step); ++first)
+    run(first, apart, (in_step - first + apart - 1) / apart);
+  if (tiles.tile_rows > in_step) run(in_step, 1, 1);
 }
 
 Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance,
@@ -44,28 +58,24 @@ Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& 
   const std::lock_guard turn(device_.turn());
   const int rows = radiance.rows(), cols = radiance.cols();
   const ShrinkageGrid grid = grid_of(options.effort);
-  const TileConstants tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kShrinkageStep),
-                            grid};
+  const Tiles tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kShrinkageStep), grid};
   TRY(reserve(rows, cols, tiles.tile_rows, tiles.tile_cols));
   GpuWork& work = device_.work();
   upload(work, radiance, radiance_);
   upload(work, variance, variance_);
   struct {
-    TileConstants tiles;
+    Tiles tiles;
     float offset, most_variance;
   } in_opponent_colours{tiles, options.offset, kMaxLogVariance};
   work.run(*kernels_[kOpponent], {*radiance_, *variance_, *opponent_}, in_opponent_colours,
            radiance_.pixels());
+  work.clear(*sums_.buffer);
+  shrink(work, tiles, thresholds_of(options.origin));
   struct {
-    TileConstants tiles;
-    ShrinkageThresholds thresholds;
-  } shrinking{tiles, thresholds_of(options.origin)};
-  work.run(*kernels_[kShrink], {*opponent_, *tiles_}, shrinking, {tiles.tile_cols, tiles.tile_rows, 3});
-  struct {
-    TileConstants tiles;
+    Tiles tiles;
     float offset;
   } gathering{tiles, options.offset};
-  work.run(*kernels_[kGather], {*tiles_, *radiance_}, gathering, radiance_.pixels());
+  work.run(*kernels_[kGather], {*sums_, *weights_, *radiance_}, gathering, radiance_.pixels());
   download(work, radiance_, radiance);
   return work.finish();
 }

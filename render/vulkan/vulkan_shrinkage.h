@@ -1,6 +1,6 @@
 // Shrinkage of a picture by its known variance (render/shrinkage.h) on a graphics device: tiles are shrunk
-// side by side, then each pixel gathers those that cover it, in a fixed order. It takes the device's turn for
-// each call. Thread-bound but for that; the device outlives it.
+// and summed in runs that do not overlap, so in a fixed order; then each pixel gathers the weights of those
+// that cover it. It takes the device's turn for each call. Thread-bound but for that; the device outlives it.
 #pragma once
 
 #include <array>
@@ -19,12 +19,17 @@ class VulkanShrinkage {
 
  private:
   enum Pass : std::size_t { kOpponent, kShrink, kGather, kPasses };
+  struct Tiles {  // tiles.glsl
+    int rows, cols, tile_rows, tile_cols;
+    ShrinkageGrid grid;
+  };
   explicit VulkanShrinkage(GpuDevice& device) : device_(device) {}
   Result<void> reserve(int rows, int cols, int tile_rows, int tile_cols);
+  void shrink(GpuWork& work, const Tiles& tiles, const ShrinkageThresholds& thresholds) const;
 
   GpuDevice& device_;
   std::array<const GpuKernel*, kPasses> kernels_{};
-  GpuPicture radiance_, variance_, opponent_, tiles_;
+  GpuPicture radiance_, variance_, opponent_, sums_, weights_;
 };
 
 }  // namespace hdrcam

@@ -1,7 +1,10 @@
 // Shrinkage on the graphics device against the processor's.
 #include "render/vulkan/vulkan_shrinkage.h"
 
+#include <stdlib.h>
+
 #include <cmath>
+#include <ctime>
 
 #include "hal/fault/faulty_gpu.h"
 #include "render/shrinkage.h"
@@ -81,4 +84,19 @@ TEST_CASE("the checks of Vulkan find nothing wrong with shrinkage", "[gpu]") {
   require_done(value_of(VulkanShrinkage::make(*checked.gpu))
                    ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
   checked.expect_no_complaints();
+}
+
+TEST_CASE("shrinkage's kernels are compiled and have run once within three seconds of processor time",
+          "[gpu]") {
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // cold: the driver's own cache would hide it
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  Noisy noisy(30, 41);
+  const std::clock_t begin = std::clock();
+  require_done(value_of(VulkanShrinkage::make(*gpu))
+                   ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  ::unsetenv("MESA_SHADER_CACHE_DISABLE");
+  INFO(seconds << " s");
+  CHECK(seconds < 3);
 }
