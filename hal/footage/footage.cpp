@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
 
+#include "hal/core/file_extension.h"
 #include "hal/footage/raw_still.h"
 #include "hal/footage/video_file.h"
 
@@ -25,14 +25,8 @@ constexpr std::string_view kStills[] = {".jpeg", ".jpg", ".png", ".tif", ".tiff"
 constexpr std::string_view kVideos[] = {".avi", ".m2ts", ".m4v", ".mkv",  ".mov", ".mp4",
                                         ".mts", ".mxf",  ".nut", ".webm", ".ts",  ".y4m"};
 
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 bool has_one_of(const std::string& path, std::span<const std::string_view> extensions) {
-  return std::ranges::find(extensions, lower(fs::path(path).extension().string())) != extensions.end();
+  return std::ranges::find(extensions, lower_extension(path)) != extensions.end();
 }
 
 // By letters, and numbers by their value.

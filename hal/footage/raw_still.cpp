@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
-#include <filesystem>
 #include <optional>
 #include <string_view>
 #include <utility>
 
+#include "hal/core/file_extension.h"
 #include "hal/footage/exif_exposure.h"
 
 namespace hdrcam {
@@ -132,10 +131,7 @@ class RawStill : public PictureFile {
 }  // namespace
 
 bool is_raw_still(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::ranges::find(kExtensions, extension) != std::end(kExtensions);
+  return std::ranges::find(kExtensions, lower_extension(path)) != std::end(kExtensions);
 }
 
 Result<std::unique_ptr<PictureFile>> open_raw_still(Storage& storage, const std::string& path) {

@@ -8,12 +8,12 @@ extern "C" {
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <filesystem>
 #include <span>
 #include <thread>
 #include <utility>
+
+#include "hal/core/file_extension.h"
 
 namespace hdrcam {
 namespace {
@@ -91,9 +91,7 @@ void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
 }  // namespace
 
 std::optional<VideoContainer> video_container_of(std::string_view path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(path);
   if (extension == ".mp4") return VideoContainer::Mp4;
   if (extension == ".mov") return VideoContainer::Mov;
   if (extension == ".mkv") return VideoContainer::Matroska;
