@@ -16,12 +16,26 @@ std::string unpredictable_name_beside(const std::string& path) {
       .string();
 }
 
-Result<void> write_new(Storage& storage, const std::string& path, std::span<const std::byte> bytes) {
-  const auto file = TRY(storage.create(path, Creation::New));
-  return file->write_at(0, bytes);
-}
-
 }  // namespace
+
+// Passes everything on.
+class FileInMaking::File : public StorageFile {
+ public:
+  File(std::unique_ptr<StorageFile> file, Names names) : file_(std::move(file)), names_(std::move(names)) {}
+
+  Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
+    return names_.as_asked(file_->read_at(offset, bytes));
+  }
+  Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) override {
+    return names_.as_asked(file_->write_at(offset, bytes));
+  }
+  Result<std::uint64_t> size() override { return names_.as_asked(file_->size()); }
+  Result<void> sync() override { return names_.as_asked(file_->sync()); }
+
+ private:
+  const std::unique_ptr<StorageFile> file_;
+  const Names names_;
+};
 
 Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& path) {
   const FileFacts there = TRY(storage.look_at(path));
@@ -35,21 +49,25 @@ Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& p
 
 FileInMaking::FileInMaking(FileInMaking&& other) noexcept
     : storage_(other.storage_),
-      path_(std::move(other.path_)),
+      names_(std::move(other.names_)),
       final_path_(std::move(other.final_path_)),
-      asked_(std::move(other.asked_)),
       ours_(std::exchange(other.ours_, false)) {}
 
 FileInMaking::~FileInMaking() {
-  if (ours_) (void)storage_->remove(path_);
+  if (ours_) (void)storage_->remove(path());
+}
+
+Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
+  auto file = TRY(as_asked(storage_->create(path(), Creation::New)));
+  return std::unique_ptr<StorageFile>(std::make_unique<File>(std::move(file), names_));
 }
 
 Result<void> FileInMaking::commit(Durability durability) {
   if (durability == Durability::AtOnce) {
-    const auto file = TRY(as_asked(storage_->open(path_)));
+    const auto file = TRY(as_asked(storage_->open(path())));
     TRY(as_asked(file->sync()));
   }
-  TRY(storage_->rename(path_, final_path_));
+  TRY(storage_->rename(path(), final_path_));
   ours_ = false;
   return {};
 }
@@ -59,7 +77,8 @@ Result<void> write_whole(Storage& storage, const std::string& path, std::span<co
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return TRY(storage.create(path))->write_at(0, bytes);
   FileInMaking making = TRY(FileInMaking::beside(storage, path));
-  TRY(making.as_asked(write_new(storage, making.path(), bytes)));
+  const auto file = TRY(making.create());
+  TRY(file->write_at(0, bytes));
   return making.commit(durability);
 }
 

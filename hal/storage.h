@@ -75,29 +75,38 @@ class FileInMaking {
   ~FileInMaking();  // removes what was not committed
 
   // To be created with Creation::New.
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return names_.making; }
+  // That file, empty, to write; its errors name the one that was asked for, before and after commit().
+  Result<std::unique_ptr<StorageFile>> create() const;
   Result<void> commit(Durability durability = Durability::AtOnce);
 
   // The outcome of work on path(). Nobody asked for that file: an error names the one that was asked for.
   template <class T>
   Result<T> as_asked(Result<T> outcome) const {
-    if (outcome.ok()) return outcome;
-    Error error = outcome.error();
-    if (const std::size_t at = error.message.find(path_); at != std::string::npos)
-      error.message.replace(at, path_.size(), asked_);
-    return error;
+    return names_.as_asked(std::move(outcome));
   }
 
  private:
+  class File;
+  struct Names {
+    std::string making, asked;  // asked: the final path as it was given, with its links
+
+    template <class T>
+    Result<T> as_asked(Result<T> outcome) const {
+      if (outcome.ok()) return outcome;
+      Error error = outcome.error();
+      if (const std::size_t at = error.message.find(making); at != std::string::npos)
+        error.message.replace(at, making.size(), asked);
+      return error;
+    }
+  };
+
   FileInMaking(Storage& storage, std::string path, std::string final_path, std::string asked)
-      : storage_(&storage),
-        path_(std::move(path)),
-        final_path_(std::move(final_path)),
-        asked_(std::move(asked)) {}
+      : storage_(&storage), names_{std::move(path), std::move(asked)}, final_path_(std::move(final_path)) {}
 
   Storage* storage_;
-  std::string path_, final_path_;
-  std::string asked_;  // the final path as it was given, with its links
+  Names names_;
+  std::string final_path_;
   bool ours_ = true;
 };
 

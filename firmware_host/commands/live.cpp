@@ -50,7 +50,7 @@ auto* teller_of(const Settings& settings) {
 }
 
 std::string recorded_line(const Settings& settings, std::uint64_t recorded, std::uint64_t captured) {
-  if (settings.record.file.empty()) return "";
+  if (settings.record.file.empty() || recorded == 0) return "";  // no frame, no file
   return fmt::format("{}: {} of {} frames\n", settings.record.file, recorded, captured);
 }
 

@@ -47,7 +47,9 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   RunRecord record;
   Result<void> ended = source->finish(record);
   show_warnings(*source);
-  say("{} frames; {}\n{}\n", source->counters().emitted, proof_of(source->counters()), settings.record.file);
+  const CaptureCounters counters = source->counters();
+  say("{} frames; {}\n", counters.emitted, proof_of(counters));
+  if (counters.emitted > 0) say("{}\n", settings.record.file);
   TRY(failed);
   return ended;
 }
@@ -80,7 +82,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   const LiveCounters counters = session.counters();
   say("{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera));
   if (const std::string account = camera->trigger_account(); !account.empty()) say("{}\n", account);
-  say("{}\n", settings.record.file);
+  if (counters.recorded > 0) say("{}\n", settings.record.file);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
 }

@@ -34,18 +34,23 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> finish() override;
 
  private:
-  MatroskaWriter(std::unique_ptr<StorageFile> file, PictureEncoder encoder)
-      : stream_(std::move(file), StorageStream::Direction::Write), encoder_(std::move(encoder)) {}
+  MatroskaWriter(std::optional<FileInMaking> making, std::unique_ptr<StorageFile> file,
+                 PictureEncoder encoder)
+      : making_(std::move(making)),
+        stream_(std::move(file), StorageStream::Direction::Write),
+        encoder_(std::move(encoder)) {}
 
   Result<void> write_header(const CameraFacts& camera);
   void add_pixel_track(const CameraFacts& camera);
   void add_facts_track();
   Result<void> write_facts(const std::string& sealed);
   Result<void> end_cluster();
+  Result<void> take_name();
   Result<void> checked(int code, const char* what);
   Result<void> sync();
 
-  StorageStream stream_;  // outlives the muxer
+  std::optional<FileInMaking> making_;  // of a file that may replace another: until its first frame is whole
+  StorageStream stream_;                // outlives the muxer
   PictureEncoder encoder_;
   std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
   libav::Packet facts_packet_;
@@ -65,8 +70,11 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
   if (TRY(storage.look_at(path)).kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
-  auto file = TRY(storage.create(path, how));
-  std::unique_ptr<MatroskaWriter> writer(new MatroskaWriter(std::move(file), std::move(encoder)));
+  std::optional<FileInMaking> making;
+  if (how == Creation::Replace) making.emplace(TRY(FileInMaking::beside(storage, path)));
+  auto file = TRY(making ? making->create() : storage.create(path, Creation::New));
+  std::unique_ptr<MatroskaWriter> writer(
+      new MatroskaWriter(std::move(making), std::move(file), std::move(encoder)));
   TRY(writer->write_header(camera));
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
@@ -144,7 +152,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   TRY(checked(av_write_frame(muxer_.get(), picture), "write a frame"));
   TRY(write_facts(facts));
   TRY(end_cluster());
-  ++frames_;
+  if (frames_++ == 0) TRY(take_name());
   return now - synced_ >= kSyncInterval ? (synced_ = now, sync()) : Result<void>();
 }
 
@@ -166,6 +174,14 @@ Result<void> MatroskaWriter::end_cluster() {
   return checked(code, "write a frame");
 }
 
+// The earlier recording goes when the first frame of this one is on the disk.
+Result<void> MatroskaWriter::take_name() {
+  if (!making_) return {};
+  auto named = making_->commit();
+  if (!named) failure_ = named.error();
+  return named;
+}
+
 Result<void> MatroskaWriter::sync() {
   auto synced = stream_.file().sync();
   if (!synced) failure_ = synced.error();
@@ -175,6 +191,7 @@ Result<void> MatroskaWriter::sync() {
 Result<void> MatroskaWriter::finish() {
   if (failure_) return *failure_;
   if (finished_) return {};
+  if (making_ && frames_ == 0) return {};  // it has no name
   if (frames_ > 0) pts_ms_ += frame_ms_;
   TRY(write_facts(seal(end_record_json(frames_), {})));
   TRY(end_cluster());

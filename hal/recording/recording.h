@@ -28,7 +28,8 @@ class RecordingWriter {
   // Appends one whole frame before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`), NoSpace,
   // Io.
   virtual Result<void> append(const RawFrame& frame) = 0;
-  // Writes the end record and the index. Without them the file is readable up to its last whole cluster.
+  // Writes the end record and the index. Without them the file is readable up to its last whole cluster. A
+  // recording without a frame that was to replace another leaves no file.
   virtual Result<void> finish() = 0;
 };
 
@@ -66,6 +67,7 @@ class RecordingReader {
 constexpr int kMinSidePx = 2,
               kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
 
+// how: Replace: the file gets its name when its first frame is whole; until then an earlier file stays.
 // Errors: Exists where a file exists that may not be replaced; Permission, also for a device or a FIFO;
 // NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has failed, every
 // later call returns the same error.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "firmware_host/web/http_server.h"
 #include "hal/recording/image_sequence.h"
 #include "render/exr.h"
 #include "tests/contracts/expect.h"
@@ -131,6 +132,27 @@ TEST_CASE("a run that is refused leaves no folder of its outputs") {
   CHECK_THAT(ran_here({"live", "--camera", "sim:walk", "--shutter", "1,4", "-o", frames}).err,
              Contains("has no unit"));
   CHECK_FALSE(fs::exists(out));
+}
+
+TEST_CASE("a run that is refused leaves the earlier recording, even with --force, and makes none") {
+  const std::string folder = sample::scratch_folder("kept_takes"), take = folder + "/take.mkv",
+                    none = folder + "/none.mkv", wide = folder + "/wide.mkv";
+  REQUIRE(ran_here({"simulate", "walk?size=640x480", "--frames", "1", "-o", wide}).exit_code == 0);
+  put(take, "an earlier take");
+  const auto server = value_of(HttpServer::open({"127.0.0.1", 0}, "token", {}, {}));
+  const std::string port = to_text(server->address());
+  const auto refused = [&](std::vector<std::string> words, int exit_code) {
+    words.insert(words.begin(), "live");
+    const RanHere forced = ran_here(joined(words, {"--record", take, "--force"}));
+    INFO(forced.err);
+    CHECK(forced.exit_code == exit_code);
+    CHECK(text_of(take) == "an earlier take");
+    CHECK(ran_here(joined(words, {"--record", none})).exit_code == exit_code);
+    CHECK_FALSE(fs::exists(none));
+  };
+  refused({"--camera", "sim:still?size=64x48", "--http", port}, 13);
+  refused({"--camera", "replay:" + kDemo, "--http", port}, 13);
+  refused({"--camera", "replay:" + wide, "--memory", "64"}, 16);
 }
 
 TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {

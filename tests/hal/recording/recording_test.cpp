@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
+#include "hal/fault/faulty_storage.h"
 #include "tests/hal/recording/sample_recordings.h"
 
 #include "tests/contracts/expect.h"
@@ -168,6 +170,49 @@ TEST_CASE("a growing recording is readable up to the last appended frame") {
   }
   REQUIRE(writer.value()->finish().ok());
   CHECK(!sample::replay(posix_storage(), path).error);
+}
+
+TEST_CASE(
+    "a recording takes the place of an earlier one with its first frame, and without one leaves nothing") {
+  const std::string folder = sample::scratch_folder("replaced"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto earlier = sample::frames(camera, 3, 1), frames = sample::frames(camera, 2, 2);
+  const auto files = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  };
+  const auto begun = [&] {
+    return value_of(create_recording(posix_storage(), path, camera, Creation::Replace));
+  };
+  require_done(begun()->finish());
+  CHECK(files() == 0);
+  require_done(sample::record(posix_storage(), path, camera, earlier));
+  (void)begun();  // and never finished
+  require_done(begun()->finish());
+  CHECK(sample::replay(posix_storage(), path).frames.size() == earlier.size());
+  CHECK(files() == 1);
+
+  const auto writer = begun();
+  require_done(writer->append(frames[0]));
+  const auto cut = sample::replay(posix_storage(), path);  // as a crash would leave it
+  CHECK(cut.ended_with(ErrorCode::Truncated));
+  CHECK(cut.frames.size() == 1);
+  CHECK(cut.is_start_of(frames));
+  require_done(writer->append(frames[1]));
+  require_done(writer->finish());
+  CHECK(!sample::replay(posix_storage(), path).error);
+  CHECK(files() == 1);
+}
+
+TEST_CASE("an error in the middle of a recording names the file that was asked for") {
+  const std::string path = sample::scratch_folder("named") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  for (const std::uint64_t write : {1, 4, 8}) {
+    FaultyStorage disk(posix_storage(), {.failing_write = write});
+    const auto recorded = sample::record(disk, path, camera, sample::frames(camera, 9, 2));
+    REQUIRE(!recorded.ok());
+    INFO(recorded.error().message);
+    CHECK(recorded.error().message.find(".part") == std::string::npos);
+  }
 }
 
 TEST_CASE("what a recording cannot hold is refused with the value in the sentence") {
