@@ -21,7 +21,7 @@ namespace {
 struct ExportOptions {
   std::string recording, folder;
   bool strict = false, transforms = false, colmap = false;
-  const CLI::App* verb = nullptr;
+  KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
 
   Damage damage() const { return strict ? Damage::Ends : Damage::IsSkipped; }
@@ -29,7 +29,7 @@ struct ExportOptions {
   std::string model() const { return folder + "/colmap"; }
 };
 
-// Before anything is written: whether the recording states poses, and the lens that they need.
+// Whether the recording states poses, and the lens that they need.
 Result<void> check_poses(Storage& storage, const ExportOptions& options) {
   const auto reader = TRY(open_recording(storage, options.recording, options.damage()));
   for (;;) {
@@ -46,12 +46,14 @@ Result<void> check_poses(Storage& storage, const ExportOptions& options) {
 }
 
 Result<void> check_files(Storage& storage, const ExportOptions& options) {
-  std::vector<NamedInput> inputs = configuration_of(*options.verb);
-  inputs.push_back({"the recording that is read", options.recording});
-  std::vector<NamedOutput> outputs{{"--transforms", options.transforms_path()}};
+  const auto in_folder = [&](const char* file) { return options.folder + "/" + file; };
+  std::vector<NamedOutput> outputs{
+      {"--output", in_folder(ImageSequence::kFile), OutputKind::Document},
+      {"--output", in_folder(ImageSequence::kPictures) + "/%04d.png", OutputKind::Frames},
+      {"--transforms", options.transforms_path()}};
   for (const std::string_view file : kColmapFiles)
     outputs.push_back({"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : ""});
-  return check_outputs(storage, inputs, outputs, Overwrite::Refuse);
+  return options.kept.check(storage, {{"the recording that is read", options.recording}}, outputs);
 }
 
 PosedClip begun(const CameraFacts& camera) {
@@ -88,13 +90,12 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
   const Settings settings = TRY(options.settings->read(around.storage));
   if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
   const bool with_poses = options.transforms || options.colmap;
-  if (with_poses) {
-    TRY(check_poses(around.storage, options));
-    TRY(check_files(around.storage, options));
-  }
+  if (with_poses) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   TRY(admit_copy(settings, reader->camera()));
-  auto clip = TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera()));
+  TRY(check_files(around.storage, options));
+  auto clip =
+      TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera(), Creation::Replace));
   PosedClip posed = begun(reader->camera());
   std::optional<Instant> start;
   int frames = 0;
@@ -124,15 +125,13 @@ void add_export(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* verb = app.add_subcommand("export", "turn a recording into a folder of images with a clip.json");
   verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
-  verb->add_option("-o,--output", options->folder, "the folder to write; it must not hold a clip yet")
-      ->required()
-      ->check(names_file);
+  verb->add_option("-o,--output", options->folder, "the folder to write")->required()->check(names_file);
   verb->add_flag("--transforms", options->transforms,
                  "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
   verb->add_flag("--colmap", options->colmap,
                  "the recording's poses as a COLMAP text model in colmap/ of that folder, without points");
   verb->add_flag("--strict", options->strict, "fail where the recording is cut or damaged");
-  options->verb = verb;
+  options->kept.add_to(*verb);
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
   verb->callback([options, &chosen] {
     chosen = [options](Surroundings& around) { return export_recording(around, *options); };

@@ -149,14 +149,27 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     FaultyStorage disk(posix_storage(), {.flipped_bits = {bytes * 4}});
     CHECK(sample::error_of(hdrcam_verb(line + " --strict", disk)).code == ErrorCode::Corrupt);
     CHECK(!std::filesystem::exists(folder + "/out/clip.json"));
-    REQUIRE(hdrcam_verb(line, disk).ok());
+    REQUIRE(hdrcam_verb(line + " --force", disk).ok());
     CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 4);
   }
   SECTION("twice") {
     REQUIRE(hdrcam_verb(line).ok());
     const auto again = hdrcam_verb(line);
-    CHECK(sample::error_of(again).code == ErrorCode::Invalid);
+    CHECK(sample::error_of(again).code == ErrorCode::Exists);
     CHECK(again.error().message.find(folder + "/out") != std::string::npos);
+    REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 2, 3)).ok());
+    REQUIRE(hdrcam_verb(line + " --force").ok());
+    CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 2);
+  }
+  SECTION("over pictures of the user's own") {
+    const std::string mine = folder + "/out/ldr/0001.png", text = "my own picture";
+    REQUIRE(posix_storage().make_directories(folder + "/out/ldr").ok());
+    REQUIRE(write_whole(posix_storage(), mine, std::as_bytes(std::span(text))).ok());
+    const auto refused = hdrcam_verb(line);
+    CHECK(sample::error_of(refused).code == ErrorCode::Exists);
+    CHECK(refused.error().message.find(mine) != std::string::npos);
+    CHECK(read_whole(posix_storage(), mine).value() == text);
+    CHECK(!std::filesystem::exists(folder + "/out/clip.json"));
   }
 }
 
