@@ -42,7 +42,10 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
       continue;
     }
     const bool video = video_container_of(path).has_value(), numbered = !video && sink.extension != nullptr;
-    const OutputKind kind = video ? OutputKind::Recording : numbered ? OutputKind::Frames : OutputKind::Page;
+    const OutputKind kind = video                                    ? OutputKind::Recording
+                            : numbered                               ? OutputKind::Frames
+                            : std::string_view(sink.name) == "sheet" ? OutputKind::Picture
+                                                                     : OutputKind::Page;
     outputs.push_back({name, path, kind, numbered ? sink.extension : ""});
     if (std::string_view(sink.name) == "frames" && numbered && !path.empty())
       outputs.push_back({"the list beside --output",

@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "hal/core/file_extension.h"
+#include "hal/footage/footage.h"
 
 namespace hdrcam {
 namespace {
@@ -104,13 +104,16 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
   return {};
 }
 
-// A page may replace a page, and a document a document, but never a frame or a recording that was named by
-// mistake.
-Result<void> is_no_work_of_another_kind(const Place& place) {
-  constexpr std::string_view kWork[] = {".exr", ".mkv", ".mp4", ".mov", ".dng", ".cr2", ".nef"};
+// A page may replace a page, a picture of the run such a picture, and a document a document, but never a
+// frame, footage or a recording that was named by mistake.
+Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
+  if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
-  const std::string extension = fs::path(place.facts.real_path).extension().string();
-  if (std::find(std::begin(kWork), std::end(kWork), extension) == std::end(kWork)) return {};
+  const std::string& path = place.facts.real_path;
+  const std::string extension = lower_extension(path);
+  const bool own = kind == OutputKind::Picture && extension == ".png";
+  const bool work = is_footage(path) || extension == ".exr" || extension == ".flo";
+  if (own || !work) return {};
   return Error{ErrorCode::Invalid, fmt::format("{} '{}' would replace a picture or a recording; name another "
                                                "file",
                                                place.words, place.path)};
@@ -129,8 +132,7 @@ Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
       if (meet(place, other))
         return Error{ErrorCode::Invalid, fmt::format("{} '{}' would overwrite {} '{}'; name another file",
                                                      place.words, place.path, other.words, other.path)};
-    if (output.kind == OutputKind::Page || output.kind == OutputKind::Document)
-      TRY(is_no_work_of_another_kind(place));
+    TRY(is_no_work_of_another_kind(place, output.kind));
     if (overwrite == Overwrite::Refuse) TRY(keeps_earlier_work(storage, place, output.kind));
     taken.push_back(std::move(place));
   }

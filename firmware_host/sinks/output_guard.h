@@ -25,7 +25,8 @@ enum class OutputKind {
   Frames,     // a pattern, one file per frame: earlier frames stay unless --force
   Recording,  // an earlier take stays unless --force
   Document,   // what the verb was run for, such as a configuration: an earlier one stays unless --force
-  Page,       // statistics, a report, a sheet: every run replaces them
+  Page,       // statistics, a report: every run replaces them
+  Picture,    // a page that is a PNG, such as a contact sheet
 };
 
 struct NamedOutput {
@@ -37,9 +38,9 @@ struct NamedOutput {
 
 enum class Overwrite { Refuse, Force };
 
-// Errors: Invalid where an output is an input, another output, a folder or no pattern of frames, or a page or
-// a document over a file of another kind (by its extension); Exists where it would replace an earlier take;
-// those of Storage::look_at.
+// Errors: Invalid where an output is an input, another output, a folder or no pattern of frames, or a page,
+// picture or document over a file of another kind (by its extension); Exists where it would replace an
+// earlier take; those of Storage::look_at.
 Result<void> check_outputs(Storage& storage, std::span<const NamedInput> inputs,
                            std::span<const NamedOutput> outputs, Overwrite overwrite);
 

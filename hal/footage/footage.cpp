@@ -164,13 +164,17 @@ Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vecto
 
 bool is_still(const std::string& path) { return is_raw_still(path) || has_one_of(path, kStills); }
 
+bool is_footage(const std::string& path) { return is_still(path) || has_one_of(path, kVideos); }
+
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored))
-    if (entry.is_regular_file(ignored) &&
-        (is_still(entry.path().string()) || has_one_of(entry.path().string(), kVideos)))
-      files.push_back(entry.path().string());
+  std::error_code failed, ignored;
+  for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
+    if (entry->is_regular_file(ignored) && is_footage(entry->path().string()))
+      files.push_back(entry->path().string());
+  if (failed)
+    return Error{ErrorCode::Permission,
+                 fmt::format("cannot read the folder '{}': {}", folder, failed.message()), failed.value()};
   if (files.empty())
     return Error{ErrorCode::NotFound,
                  fmt::format("there is neither a clip.json nor a picture nor a video in '{}'", folder)};

@@ -53,9 +53,11 @@ Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vecto
 
 // Whether a file is a still by its name, as those in a folder are told from videos.
 bool is_still(const std::string& path);
+// Whether a file is a still, a raw still or a video by its name, in letters of either case.
+bool is_footage(const std::string& path);
 
 // The pictures and videos in a folder, by name, numbers in their order (IMG_9 before IMG_10). Errors:
-// NotFound where there are none.
+// NotFound where there are none; Permission where the folder cannot be read.
 Result<std::vector<std::string>> footage_in(const std::string& folder);
 
 }  // namespace hdrcam

@@ -186,6 +186,17 @@ TEST_CASE("a page is made anew, but never over a picture or a recording") {
   require_error(desk.check({{"--stats", "out/000001.exr"}}), ErrorCode::Invalid);
   require_error(desk.check({{"--stats", "other.mkv"}}, Overwrite::Force), ErrorCode::Invalid);
   require_done(desk.check({{"--stats", "/dev/null"}, {"--report", "/dev/null"}}));
+  for (const char* work : {"a.jpg", "B.JPG", "c.tiff", "d.png", "e.ARW", "f.DNG", "g.MP4", "h.webm", "i.y4m",
+                           "j.flo", "k.EXR", "l.MKV"}) {
+    INFO(work);
+    desk.put(work);
+    require_error(desk.check({{"--stats", work}}, Overwrite::Force), ErrorCode::Invalid);
+    require_error(desk.check({{"--output", work, OutputKind::Document}}, Overwrite::Force),
+                  ErrorCode::Invalid);
+  }
+  desk.put("sheet.png");
+  require_done(desk.check({{"--sheet", "sheet.png", OutputKind::Picture}}));
+  require_error(desk.check({{"--sheet", "B.JPG", OutputKind::Picture}}), ErrorCode::Invalid);
 }
 
 }  // namespace
