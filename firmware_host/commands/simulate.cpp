@@ -164,6 +164,21 @@ Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, c
   return outputs;
 }
 
+// Completes the outputs of a run with so many frames; without any they stay as they are.
+Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, int frames, Outputs& outputs) {
+  if (frames == 0) return {};
+  if (outputs.recording) {
+    TRY(outputs.recording->finish());
+    say("{}\n", describe_recording(flags.output, sensor.facts(), static_cast<std::uint64_t>(frames)));
+  }
+  if (outputs.truth) {
+    TRY(outputs.truth->finish());
+    TRY(outputs.clip->finish());
+    say("{}: a clip of {} images with ground truth\n", flags.truth, frames);
+  }
+  return {};
+}
+
 Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline,
                   SimulatedSensor& sensor, WorkerPool& pool, Outputs& outputs) {
   const Simulation& s = sensor.simulation();
@@ -175,8 +190,11 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
   RawFrame frame;
   std::uint64_t sequence = TRY(timeline.next_kept(0)), before = sequence;
   for (int i = 0; i < flags.frames; ++i) {
-    if (around.stop)
-      return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}", i, flags.frames)};
+    if (around.stop) {
+      TRY(finish(flags, sensor, i, outputs));
+      return Error{ErrorCode::Interrupted,
+                   fmt::format("stopped after {} of {} frames; they are complete", i, flags.frames)};
+    }
     const auto begin = std::chrono::steady_clock::now();
     sensor.expose(timeline.shot(sequence), frame.codes);
     frame.facts = timeline.facts(sequence, i > 0 && sequence != before + 1, sensor.facts().bits);
@@ -191,16 +209,7 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
     progress.frame_done(took.count(), std::nullopt);
   }
-  if (outputs.recording) {
-    TRY(outputs.recording->finish());
-    say("{}\n", describe_recording(flags.output, sensor.facts(), static_cast<std::uint64_t>(flags.frames)));
-  }
-  if (outputs.truth) {
-    TRY(outputs.truth->finish());
-    TRY(outputs.clip->finish());
-    say("{}: a clip of {} images with ground truth\n", flags.truth, flags.frames);
-  }
-  return {};
+  return finish(flags, sensor, flags.frames, outputs);
 }
 
 std::string scene_list() {

@@ -1,7 +1,10 @@
 // The verb `simulate` as a user meets it: a recording that reads, a clip that is scored, a plan that is
 // explained.
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
 
 #include "firmware_host/exit_code.h"
 #include "hal/recording/image_sequence.h"
@@ -9,6 +12,7 @@
 #include "render/scores/scores.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/ran_here.h"
 
 #include "tests/support/ran.h"
 
@@ -130,6 +134,31 @@ TEST_CASE("a clip with truth is replaced with --force only, and no recording tak
     CHECK(mixed.output.find("is no name of a recording") != std::string::npos);
   }
   CHECK_FALSE(std::filesystem::exists(folder + "/new"));
+}
+
+TEST_CASE("a simulation that is stopped leaves a whole recording and a whole clip of the frames before") {
+  const std::string folder = sample::scratch_folder("simulate_stopped"), path = folder + "/walk.mkv",
+                    clip = folder + "/clip";
+  std::atomic<bool> stop{false};
+  std::thread user([&] {
+    while (!stop && !std::filesystem::exists(clip + "/gt/id/0002.png"))
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop = true;
+  });
+  const test::RanHere run =
+      test::ran_here({"simulate", "walk?size=32x32", "--frames", "100000", "-o", path, "--truth", clip},
+                     posix_storage(), stop);
+  stop = true;
+  user.join();
+  INFO(run.err);
+  CHECK(run.exit_code == kExitInterrupted);
+  const auto recorded = sample::replay(posix_storage(), path);
+  CHECK(!recorded.error);
+  CHECK(recorded.frames.size() >= 3);
+  CHECK(value_of(ImageSequence::open(posix_storage(), clip)).frame_count() ==
+        static_cast<int>(recorded.frames.size()));
+  CHECK(value_of(score_clip(posix_storage(), clip, clip + "/gt/hdr", {0, nullptr})).frames.size() ==
+        recorded.frames.size());
 }
 
 TEST_CASE("simulate refuses in a sentence what it cannot do") {
