@@ -3,9 +3,13 @@
 namespace hdrcam {
 
 Result<std::unique_ptr<VideoWriter>> VideoTarget::open(const VideoFormat& format) {
-  auto file = storage_ == nullptr ? std::move(pipe_) : TRY(storage_->create(path_));
-  auto writer = VideoWriter::create(std::move(file), direction_, format);
-  if (!writer && direction_ == StorageStream::Direction::Write) (void)storage_->remove(path_);
+  if (direction_ == StorageStream::Direction::Pipe)
+    return VideoWriter::create(storage_ == nullptr ? std::move(pipe_) : TRY(storage_->create(path_)),
+                               direction_, format);
+  FileInMaking making = TRY(FileInMaking::beside(*storage_, path_));
+  auto file = TRY(making.create());
+  auto writer = TRY(VideoWriter::create(std::move(file), direction_, format));
+  TRY(making.commit(Durability::WrittenBack));
   return writer;
 }
 

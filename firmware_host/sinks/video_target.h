@@ -19,7 +19,8 @@ class VideoTarget {
   VideoTarget(Storage& storage, std::string path, StorageStream::Direction direction)
       : storage_(&storage), path_(std::move(path)), direction_(direction) {}
 
-  // Once. A file that the codec refuses is removed again. Errors: those of the storage and of the codec.
+  // Once. What the codec or the disk refuses leaves no file, and an earlier video as it is. Errors: those of
+  // the storage and of the codec.
   Result<std::unique_ptr<VideoWriter>> open(const VideoFormat& format);
 
  private:

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <span>
 
+#include "firmware_host/sinks/video_target.h"
+#include "hal/fault/faulty_storage.h"
 #include "render/display_light.h"
 #include "render/tone_curve.h"
 #include "tests/firmware_host/sinks/example_frames.h"
@@ -231,6 +234,26 @@ TEST_CASE("what cannot be is refused before a frame comes") {
   CHECK(code("x.mp4", {.codec = CodecChoice::H264}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.transfer = VideoTransfer::Hlg, .peak_nits = 2000}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.white_nits = 500, .peak_nits = 300}) == ErrorCode::Invalid);
+}
+
+TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, and makes none") {
+  const std::string folder = sample::scratch_folder("video_refused"), path = folder + "/x.mp4",
+                    earlier = "an earlier video";
+  const auto opened = [](Storage& storage, const std::string& file, int width_px) {
+    return VideoTarget(storage, file, StorageStream::Direction::Write)
+        .open({.width_px = width_px, .height_px = 64, .bits = 8, .codec = VideoCodec::H264});
+  };
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(earlier))).ok());
+  FaultyStorage full(posix_storage(), {.space_bytes = 0});
+  CHECK_FALSE(opened(posix_storage(), path, 1 << 20).ok());
+  const auto no_space = opened(full, path, 64);
+  REQUIRE_FALSE(no_space.ok());
+  CHECK(no_space.error().code == ErrorCode::NoSpace);
+  CHECK(no_space.error().message.find(path) != std::string::npos);
+  CHECK(read_whole(posix_storage(), path).value() == earlier);
+  CHECK_FALSE(opened(posix_storage(), folder + "/none.mp4", 1 << 20).ok());
+  CHECK(std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator()) ==
+        1);
 }
 
 TEST_CASE("a full disk is an error, and what was written before it plays") {
