@@ -117,7 +117,7 @@ Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view t
 }
 
 Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view text) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const auto json = parsed_json<nlohmann::json>(text);
   if (!json.is_array())
     return Error{
         ErrorCode::Invalid,

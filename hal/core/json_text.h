@@ -1,10 +1,39 @@
 // JSON as text, whatever the strings in it: names of files and cameras come from outside and need not be
-// UTF-8; bytes that are not become U+FFFD. Reentrant.
+// UTF-8; bytes that are not become U+FFFD. And JSON of others, read within the stack that a thread has.
+// Reentrant.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace hdrcam {
+
+// Levels of arrays and objects in each other. Our own files have five; the library copies and prints a value
+// by recursion, which a file of a hundred thousand brackets ends by a crash.
+constexpr int kDeepestJson = 64;
+
+// Whether a text, JSON or not, is deeper than that.
+inline bool nests_too_deep(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '"') in_string = !in_string;
+    if (c == '\\' && in_string) ++i;
+    if (in_string) continue;
+    if (c == '[' || c == '{') ++depth;
+    if (c == ']' || c == '}') --depth;
+    if (depth > kDeepestJson) return true;
+  }
+  return false;
+}
+
+// JSON that others wrote; is_discarded() where the text is none, or nests too deep. Json: as below.
+template <class Json>
+Json parsed_json(std::string_view text) {
+  if (nests_too_deep(text)) return Json(Json::value_t::discarded);
+  return Json::parse(text, nullptr, false);
+}
 
 // indent: blanks per level; -1: all on one line. Json: nlohmann::json, or ordered_json.
 template <class Json>

@@ -59,6 +59,10 @@ std::string reason_of(const Json::exception& e) {
 }
 
 Result<Json> parsed(std::string& text, const std::string& path) {
+  if (nests_too_deep(text))
+    return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} arrays and objects in each other; a "
+                                                 "clip.json needs four",
+                                                 path, kDeepestJson)};
   quote_non_numbers(text);
   try {
     return Json::parse(text);

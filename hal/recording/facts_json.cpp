@@ -1,5 +1,4 @@
 #include "hal/recording/facts_json.h"
-#include "hal/core/json_text.h"
 
 #include <zlib.h>
 
@@ -9,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
+
+#include "hal/core/json_text.h"
 
 namespace hdrcam {
 namespace {
@@ -34,6 +35,12 @@ T whole(const Json& value) {
   if (value.is_number_integer() && !value.is_number_unsigned() && std::in_range<T>(value.get<std::int64_t>()))
     return static_cast<T>(value.get<std::int64_t>());
   throw std::out_of_range(json_text(value) + " where a whole number within its range is needed");
+}
+
+Json parsed(std::string_view text) {
+  if (nests_too_deep(text))
+    throw std::out_of_range(fmt::format("more than {} arrays and objects in each other", kDeepestJson));
+  return Json::parse(text);
 }
 
 std::uint32_t checksum(std::span<const std::uint8_t> payload, std::string_view text) {
@@ -127,7 +134,7 @@ std::string end_record_json(std::uint64_t frames) {
 
 Result<CameraFacts> camera_from_json(std::string_view text) {
   try {
-    const Json json = Json::parse(text);
+    const Json json = parsed(text);
     if (json.at("format") != kFormat)
       return Error{ErrorCode::Corrupt, "the camera facts are of an unknown format"};
     if (const int version = whole<int>(json.at("version")); version > kVersion)
@@ -146,7 +153,7 @@ Result<CameraFacts> camera_from_json(std::string_view text) {
 
 Result<FactsRecord> record_from_json(std::string_view text, int bits) {
   try {
-    const Json json = Json::parse(text);
+    const Json json = parsed(text);
     if (json.contains("end")) return FactsRecord{true, whole<std::uint64_t>(json.at("frames")), {}};
     FactsRecord record{false, whole<std::uint64_t>(json.at("index")), facts_of(json, bits)};
     const auto source = exposure_source_named(json.at("exposure_source").get<std::string>());

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "hal/core/json_text.h"
 #include "render/exr.h"
 #include "render/scores/linear_pictures.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 Result<nlohmann::json> read_json(Storage& storage, const std::string& path) {
   const std::string text = TRY(read_whole(storage, path));
-  auto json = nlohmann::json::parse(text, nullptr, false);
+  auto json = parsed_json<nlohmann::json>(text);
   if (json.is_discarded())
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is not JSON; make the clip again", path)};
   return json;

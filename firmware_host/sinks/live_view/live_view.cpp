@@ -54,7 +54,7 @@ HttpAnswer no_camera() { return http_error(409, "this run has no camera"); }
 
 // The JSON object in a body; null where there is none.
 nlohmann::json object_in(const HttpRequest& request) {
-  nlohmann::json json = nlohmann::json::parse(request.body, nullptr, false);
+  auto json = parsed_json<nlohmann::json>(request.body);
   return json.is_object() ? json : nlohmann::json();
 }
 

@@ -28,6 +28,14 @@ TEST_CASE("a whole number of the facts that is none, or beyond its range, is ref
   require_error(record_from_json(facts_with("flags", "4294967296"), 8), ErrorCode::Corrupt);
 }
 
+TEST_CASE("facts that nest without end are refused without running out of stack") {
+  const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+  require_error(record_from_json(facts_with("slot", deep), 8), ErrorCode::Corrupt);
+  require_error(record_from_json(R"({"index":)" + deep + "}", 8), ErrorCode::Corrupt);
+  require_error(camera_from_json(R"({"format":"hdrcam recording","version":)" + deep + "}"),
+                ErrorCode::Corrupt);
+}
+
 // As files of before November 2026 have it: without verdict, estimate and white balance.
 constexpr const char* kEarlyFacts =
     R"({"index":3,"sequence":4,"timestamp_ns":100000000,"exposure_s":0.004,"analogue_gain":2.0,"digital_gain":1.0,)"

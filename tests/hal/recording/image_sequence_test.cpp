@@ -230,6 +230,11 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused("", {"clip.json", "line 1"});
   refused("{\n\"width\":6,\n\"height\" 4}", {"clip.json", "line 3", "byte 23"});
   refused("[]", {"clip.json", "object"});
+  const std::string deep(200'000, '['), shallow(200'000, ']');
+  refused(deep, {"clip.json", "64"});
+  refused("{\"width\":" + deep + shallow + "}", {"clip.json", "64"});
+  refused("{" + std::string(kHead) + ",\"frames\":[{\"file\":" + deep + shallow + "},{}]}",
+          {"clip.json", "64"});
   refused("{\"frames\":[1e999]}", {"clip.json", "1e999"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' missing"});
   refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' missing"});
