@@ -2,7 +2,6 @@
 // the method's kernels are to what this processor can do.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <span>
 
@@ -60,7 +59,7 @@ Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
                         {"--output", page("pareto.html"), OutputKind::Document},
                         {"--output", page("pareto.md"), OutputKind::Document}}));
   const std::string scratch = page("frames");
-  if (std::filesystem::exists(scratch))
+  if (TRY(around.storage.look_at(scratch)).kind != FileKind::Missing)
     return Error{ErrorCode::Exists, fmt::format("'{}' is in the way of the frames to be scored; name another "
                                                 "folder with --output, or remove it",
                                                 scratch)};

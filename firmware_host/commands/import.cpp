@@ -22,8 +22,6 @@
 namespace hdrcam {
 namespace {
 
-namespace fs = std::filesystem;
-
 struct ImportOptions {
   FootageRequest footage;
   std::string output;
@@ -48,10 +46,17 @@ Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, co
   return clip.counters().captured;
 }
 
+Result<bool> is_folder(Storage& storage, const std::string& path) {
+  return TRY(storage.look_at(path)).kind == FileKind::Folder;
+}
+
 // A clip that says its exposures itself: its clip.json, or the folder that holds one.
-bool is_clip(const std::vector<std::string>& named) {
-  return named.size() == 1 && (fs::path(named.front()).extension() == ".json" ||
-                               fs::exists(fs::path(named.front()) / ImageSequence::kFile));
+Result<bool> is_clip(Storage& storage, const std::vector<std::string>& named) {
+  if (named.size() != 1) return false;
+  const std::filesystem::path path(named.front());
+  if (path.extension() == ".json") return true;
+  if (!TRY(is_folder(storage, path.string()))) return false;
+  return TRY(storage.look_at((path / ImageSequence::kFile).string())).kind != FileKind::Missing;
 }
 
 // The files that must not be overwritten: the clip.json and every image.
@@ -120,9 +125,9 @@ Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& fo
 
 // The files that were named, or those in the one folder.
 Result<std::vector<std::string>> footage_files(Storage& storage, const std::vector<std::string>& named) {
-  if (named.size() == 1 && fs::is_directory(named.front())) return clip_in(storage, named.front());
+  if (named.size() == 1 && TRY(is_folder(storage, named.front()))) return clip_in(storage, named.front());
   for (const std::string& file : named) {
-    if (fs::is_directory(file))
+    if (TRY(is_folder(storage, file)))
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
                                "files",
@@ -180,7 +185,7 @@ Result<void> import_any(Surroundings& around, const ImportOptions& options) {
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
   TRY(check_recording_name(around.storage, "--output", options.output));
   const FootageRequest& footage = options.footage;
-  const bool clip = is_clip(footage.files);
+  const bool clip = TRY(is_clip(around.storage, footage.files));
   if (clip && !(footage.shutter.empty() && footage.gain.empty() && footage.framerate_hz == 0))
     return Error{
         ErrorCode::Invalid,

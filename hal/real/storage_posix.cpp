@@ -182,7 +182,8 @@ class PosixStorage : public Storage {
     if (fd < 0) {
       if (errno == ENOENT && (flags & O_CREAT) != 0) {
         std::error_code ignored;
-        const bool there = std::filesystem::exists(std::filesystem::absolute(path).parent_path(), ignored);
+        const bool there =
+            std::filesystem::exists(std::filesystem::absolute(path, ignored).parent_path(), ignored);
         return Error{ErrorCode::Permission,
                      fmt::format("cannot write '{}': its folder {}", path,
                                  there ? "takes no new files" : "does not exist"),

@@ -82,6 +82,17 @@ TEST_CASE("exporting what was imported gives the clip, and importing that the sa
     }
 }
 
+TEST_CASE("a name that the file system does not take is an error of its own, no bug") {
+  const std::string folder = sample::scratch_folder("long_names"), name(300, 'n');
+  std::filesystem::create_symlink("loop", folder + "/loop");
+  for (const std::string& file : {name, folder + "/loop"})
+    for (const std::string& footage : {file, file + " " + folder + "/b.mp4"}) {
+      const auto imported = hdrcam_verb("import " + footage + " --list");
+      INFO(sample::error_of(imported).message);
+      CHECK(sample::error_of(imported).code == ErrorCode::Io);
+    }
+}
+
 TEST_CASE("a failed import leaves neither a new output nor a changed old one") {
   const std::string folder = sample::scratch_folder("failed");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
