@@ -114,11 +114,13 @@ class Fields {
     return wrong(key, fmt::format("a whole number, {}..{}, is needed", std::numeric_limits<T>::min(),
                                   std::numeric_limits<T>::max()));
   }
-  // A factor of the exposure: positive and finite.
-  Result<double> exposure_factor(const char* key, std::optional<double> otherwise = std::nullopt) const {
+  // A factor of the exposure: positive and finite; 0 where the frame says that it is unknown.
+  Result<double> exposure_factor(const char* key, ExposureSource source,
+                                 std::optional<double> otherwise = std::nullopt) const {
     if (!has(key) && otherwise) return *otherwise;
     const bool is_number = has(key) && object_.at(key).is_number();
     const double value = is_number ? object_.at(key).get<double>() : 0;
+    if (is_number && value == 0 && source == ExposureSource::Unknown) return value;
     if (!(value > 0) || !std::isfinite(value))
       return wrong(key, "the exposure of a frame must be known, positive and finite", ErrorCode::BadExposure);
     return value;
@@ -197,9 +199,17 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
     return unnamed.wrong("file", "no file has a name with a NUL in it");
   const Fields fields(json, fmt::format("'{}': frame {} ('{}')", path, index, frame.file));
   FrameFacts& facts = frame.facts;
-  facts.exposure_s = TRY(fields.exposure_factor("exposure_s"));
-  facts.analogue_gain = TRY(fields.exposure_factor("gain", 1));
-  facts.digital_gain = TRY(fields.exposure_factor("digital_gain", 1));
+  if (fields.has("exposure_source")) {
+    const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
+    if (!source)
+      return fields.wrong(
+          "exposure_source",
+          "it is one of embedded, reported, declared, predicted, photometric, estimated, unknown");
+    facts.exposure_source = *source;
+  }
+  facts.exposure_s = TRY(fields.exposure_factor("exposure_s", facts.exposure_source));
+  facts.analogue_gain = TRY(fields.exposure_factor("gain", facts.exposure_source, 1));
+  facts.digital_gain = TRY(fields.exposure_factor("digital_gain", facts.exposure_source, 1));
   const double time_s = TRY(fields.number("time_s"));
   if (!(std::abs(time_s) < kLatestSeconds))
     return fields.wrong("time_s", "it is the centre of the exposure in seconds");
@@ -211,14 +221,6 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   if (fields.has("black_level"))
     facts.black_level = BlackLevel::of_code(TRY(fields.number("black_level")), bits);
   facts.flags = TRY(fields.integer<std::uint32_t>("flags", 0));
-  if (fields.has("exposure_source")) {
-    const auto source = exposure_source_named(TRY(fields.text("exposure_source")));
-    if (!source)
-      return fields.wrong(
-          "exposure_source",
-          "it is one of embedded, reported, declared, predicted, photometric, estimated, unknown");
-    facts.exposure_source = *source;
-  }
   if (fields.has("verdict")) {
     facts.verdict = verdict_named(TRY(fields.text("verdict")));
     if (!facts.verdict)

@@ -82,6 +82,23 @@ TEST_CASE("exporting what was imported gives the clip, and importing that the sa
     }
 }
 
+TEST_CASE("a frame of unknown exposure leaves and comes back as one") {
+  const std::string folder = sample::scratch_folder("unknown_exposure");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  auto frames = sample::frames(camera, 5, 2);
+  FrameFacts& unknown = frames[2].facts;
+  unknown.exposure_s = 0, unknown.exposure_source = ExposureSource::Unknown;
+  unknown.verdict = Verdict::Unknown, unknown.flags |= kFrameExposureUnproved;
+  REQUIRE(sample::record(posix_storage(), folder + "/x.mkv", camera, frames).ok());
+  REQUIRE(hdrcam_verb("export " + folder + "/x.mkv -o " + folder + "/clip").ok());
+  const auto clip = ImageSequence::open(posix_storage(), folder + "/clip");
+  INFO(sample::error_of(clip).message);
+  REQUIRE(clip.ok());
+  for (int i = 0; i < 5; ++i)
+    CHECK(sample::same(clip.value().facts(i), frames[static_cast<std::size_t>(i)].facts));
+  CHECK(hdrcam_verb("import " + folder + "/clip -o " + folder + "/y.mkv").ok());
+}
+
 TEST_CASE("a name that the file system does not take is an error of its own, no bug") {
   const std::string folder = sample::scratch_folder("long_names"), name(300, 'n');
   std::filesystem::create_symlink("loop", folder + "/loop");

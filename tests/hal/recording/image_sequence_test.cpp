@@ -113,6 +113,23 @@ TEST_CASE("an exposure that is missing or cannot be is refused by its frame, fil
   refused(R"(,"exposure_s":0.01,"gain":-1.5)", "'gain' is -1.5");
 }
 
+TEST_CASE("an exposure that a frame says is unknown need not be one") {
+  const ClipFolder folder;
+  folder.write(kHead, {R"("file":"0.png","time_s":0,"exposure_s":0,"exposure_source":"unknown")",
+                       R"("file":"1.png","time_s":0.1,"exposure_s":0.001)"});
+  const auto clip = ImageSequence::open(posix_storage(), folder.path);
+  INFO(sample::error_of(clip).message);
+  REQUIRE(clip.ok());
+  CHECK(clip.value().facts(0).exposure_s == 0);
+  CHECK(clip.value().facts(0).exposure_source == ExposureSource::Unknown);
+  const auto refused = [&](const char* exposure) {
+    CHECK(folder.error_of_frame_1(R"("file":"1.png","time_s":0.1,"exposure_s":)" + std::string(exposure))
+              .code == ErrorCode::BadExposure);
+  };
+  refused(R"(0,"exposure_source":"reported")");
+  refused(R"(-1,"exposure_source":"unknown")");
+}
+
 TEST_CASE("facts that cannot be a camera's are refused by their frame, file and value") {
   const ClipFolder folder;
   const auto refused = [&](const std::string& facts, std::initializer_list<const char*> words) {
