@@ -19,7 +19,8 @@ void replace_in(std::string& name, const std::string& time) {
 Settings with_start_time(Settings settings, std::chrono::system_clock::time_point start) {
   const std::string time =
       fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(std::chrono::system_clock::to_time_t(start)));
-  replace_in(settings.record.file, time);
+  for (std::string* name : {&settings.record.file, &settings.output.http_takes, &settings.machine.trace})
+    replace_in(*name, time);
   for (auto& [sink, path] : settings.output.paths) replace_in(path, time);
   return settings;
 }

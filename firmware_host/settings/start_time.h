@@ -8,7 +8,7 @@
 
 namespace hdrcam {
 
-// Replaces each "{start}" in the recording's and the outputs' names: "take-{start}.mkv" becomes
+// Replaces each "{start}" in the names of recordings, outputs and the trace: "take-{start}.mkv" becomes
 // "take-20261122T143005Z.mkv", in UTC.
 Settings with_start_time(Settings settings, std::chrono::system_clock::time_point start);
 
