@@ -2,10 +2,23 @@
 
 #include <fmt/ranges.h>
 
+#include <utility>
+
+#include "firmware_host/commands/camera_run.h"
 #include "firmware_host/live/capture_setup.h"
+#include "hal/video/video_writer.h"
 
 namespace hdrcam {
 namespace {
+
+// Refuses those of these settings that the command line set, unless the run uses them. why: a clause, such as
+// "this run writes no video; give -o out.mp4".
+Result<void> refuse(const SettingsFlags& flags, bool used, const std::vector<std::string>& keys,
+                    std::string_view why) {
+  const std::vector<std::string> ignored = used ? std::vector<std::string>() : flags.given(keys);
+  if (ignored.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{}, or leave out {}", why, fmt::join(ignored, ", "))};
+}
 
 // A recording has its size, its rate and its exposures.
 Result<void> check_recorded_camera(const SettingsFlags& flags, const Settings::Camera& camera) {
@@ -19,6 +32,19 @@ Result<void> check_recorded_camera(const SettingsFlags& flags, const Settings::C
                            camera.id, fmt::join(ignored, ", "))};
 }
 
+// At the fit's pace a recording is read as `replay` reads it, by no camera with buffers, clocks and lines.
+Result<void> check_pace(const SettingsFlags& flags, const Settings::Camera& camera) {
+  TRY(refuse(flags, is_replayed(camera.id), {"camera.pace"},
+             "the pace is that of a recording in place of the camera; give --camera replay:FILE"));
+  return refuse(
+      flags, !is_read_as_fast_as_asked(camera),
+      {"camera.buffers", "camera.control_delay", "camera.timestamp", "camera.yuv_range", "sync.line",
+       "sync.strobe", "sync.strobe_delay", "sync.active_low", "sync.trigger_width", "sync.trigger_gap",
+       "sync.trigger_tolerance", "sync.trigger_active_low", "record.memory_mib"},
+      fmt::format("'{}' is read frame by frame as from a disk; give --pace realtime to play it as a camera",
+                  camera.id));
+}
+
 Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output& output) {
   if (!output.path("http").empty()) return {};
   const std::vector<std::string> ignored = flags.given({"output.http_token", "output.http_record"});
@@ -28,11 +54,28 @@ Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output&
                            fmt::join(ignored, " and "))};
 }
 
+// What only some outputs have.
+Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output& output) {
+  const std::string& frames = output.path("frames");
+  const bool files = frames.ends_with(".exr"), pipe = frames == kStandardOutput,
+             video = video_container_of(frames).has_value() || !output.path("video").empty(),
+             page = !output.path("http").empty();
+  TRY(refuse(flags, files, {"output.layers"}, "this run writes no EXR files; give -o out/%06d.exr"));
+  TRY(refuse(flags, files || page, {"output.compression"},
+             "this run writes no EXR files; give -o out/%06d.exr"));
+  TRY(refuse(flags, video, {"video.codec", "video.crf"}, "this run compresses no video; give -o out.mp4"));
+  TRY(refuse(flags, video || pipe || page, {"video.transfer", "video.white", "video.peak"},
+             "this run writes no video; give -o out.mp4"));
+  return refuse(flags, pipe, {"video.pipe_format"}, "no frames go to the standard output; give -o -");
+}
+
 }  // namespace
 
 Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings) {
   TRY(check_recorded_camera(flags, settings.camera));
-  return check_live_page(flags, settings.output);
+  TRY(check_pace(flags, settings.camera));
+  TRY(check_live_page(flags, settings.output));
+  return check_outputs_of(flags, settings.output);
 }
 
 }  // namespace hdrcam

@@ -7,8 +7,9 @@
 
 namespace hdrcam {
 
-// Errors: Invalid, naming the flags: those of the camera's mode and cycle where a recording stands in for the
-// camera, and those of the live page without --http.
+// Errors: Invalid, naming the flags: those of a camera where a recording stands in for it, the pace of a
+// recording where none does, those of the live page without --http, and those of EXR files, videos and pipes
+// where the run writes none.
 Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings);
 
 }  // namespace hdrcam

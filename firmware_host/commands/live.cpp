@@ -40,6 +40,13 @@ std::string command_line_of(const LiveFlags& flags, const Settings& settings) {
   return text;
 }
 
+Result<void> check_strict(const LiveFlags& flags, const Settings::Camera& camera) {
+  if (!flags.strict || is_read_as_fast_as_asked(camera)) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("--strict is for a recording that is read at the fit's pace{}; leave it out",
+                           is_replayed(camera.id) ? ", not with --pace realtime" : "")};
+}
+
 bool keeps_nothing(const Settings& settings) {
   return !writes_outputs(settings.output) && settings.record.file.empty();
 }
@@ -84,6 +91,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   Settings settings = TRY(flags.settings->read(around.storage));
   if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
   TRY(check_ignored_flags(*flags.settings, settings));
+  TRY(check_strict(flags, settings.camera));
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(check_needs(settings));
   TRY(check_camera_run(settings, "--record", flags.kept, around.storage));

@@ -169,8 +169,10 @@ void add_render(CLI::App& app, Verb& chosen) {
   add_view_flags(*verb, flags->options);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                       SettingGroup::Machine});
+      *verb,
+      std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                SettingGroup::Machine},
+      std::vector<std::string>{"fit.deadline"});  // all frames of a film count
   verb->callback(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return render(*flags, around); }; });
 }

@@ -89,10 +89,12 @@ struct SettingsFlags::Given {
   }
 };
 
-SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups)
+SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups,
+                             const std::vector<std::string>& left_out)
     : given_(std::make_unique<Given>()) {
   for (const SettingField& field : setting_fields())
-    if (std::ranges::find(groups, field.group) != groups.end())
+    if (std::ranges::find(groups, field.group) != groups.end() &&
+        std::ranges::find(left_out, field.key) == left_out.end())
       given_->add(verb, field, flag_of(field, groups));
   given_->add_config(verb);
 }

@@ -26,8 +26,9 @@ std::string names_file(const std::string& word);
 
 class SettingsFlags {
  public:
-  // Adds the flags of these groups to the verb, or of these keys.
-  SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups);
+  // Adds the flags of these groups to the verb, but for those of some keys; or of these keys.
+  SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups,
+                const std::vector<std::string>& left_out = {});
   SettingsFlags(CLI::App& verb, const std::vector<std::string>& keys);
   ~SettingsFlags();
 

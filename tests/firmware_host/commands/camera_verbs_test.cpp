@@ -253,6 +253,33 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
       check_refused(with({"--pace", pace, flag, value}), ErrorCode::Invalid,
                     std::string("are recorded and cannot be set; leave out ") + flag);
   check_refused({"live", "--camera", "replay:" + walk, "--adapt", "motion"}, ErrorCode::Invalid, "--adapt");
+  for (const auto& [flag, value] : {std::pair("--buffers", "6"),
+                                    {"--control-delay", "2,1"},
+                                    {"--timestamp", "begin"},
+                                    {"--yuv-range", "full"},
+                                    {"--sync-line", "gpiochip0:17"},
+                                    {"--strobe", "exposure"},
+                                    {"--record-memory", "64"}})
+    check_refused(with({flag, value}), ErrorCode::Invalid,
+                  std::string("give --pace realtime to play it as a camera, or leave out ") + flag);
+  check_refused({"live", "--camera", "sim:still", "--pace", "realtime"}, ErrorCode::Invalid,
+                "give --camera replay:FILE, or leave out --pace");
+  check_refused({"live", "--camera", "sim:still", "--strict"}, ErrorCode::Invalid,
+                "--strict is for a recording");
+  check_refused({"live", "--camera", "replay:" + walk, "--pace", "realtime", "--strict"}, ErrorCode::Invalid,
+                "not with --pace realtime");
+  const auto unused = [&](const char* flag, const char* value, const char* why) {
+    check_refused({"replay", walk, "--stats", folder + "/s.json", flag, value}, ErrorCode::Invalid, why);
+  };
+  unused("--layers", "depth", "give -o out/%06d.exr, or leave out --layers");
+  unused("--compression", "zip", "give -o out/%06d.exr, or leave out --compression");
+  unused("--crf", "20", "give -o out.mp4, or leave out --crf");
+  unused("--white", "100", "give -o out.mp4, or leave out --white");
+  unused("--transfer", "sdr", "give -o out.mp4, or leave out --transfer");
+  unused("--pipe-format", "y4m", "give -o -, or leave out --pipe-format");
+  check_refused({"render", walk, "--deadline", "33ms", "-o", folder + "/%06d.exr"}, ErrorCode::Invalid,
+                "--deadline");
+  CHECK_FALSE(std::filesystem::exists(folder + "/s.json"));
   const std::string page_alone = "give --http 127.0.0.1:8080 too";
   check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
   check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
