@@ -4,24 +4,10 @@
 #include <charconv>
 #include <cmath>
 
+#include "hal/core/split_text.h"
+
 namespace hdrcam {
 namespace {
-
-std::string_view trimmed(std::string_view text) {
-  const auto begin = text.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
-}
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const auto comma = text.find(',');
-    parts.push_back(trimmed(text.substr(0, comma)));
-    if (comma == std::string_view::npos) return parts;
-    text.remove_prefix(comma + 1);
-  }
-}
 
 // Parses the number at the start of the text and removes it from the text; nullopt where there is none.
 std::optional<double> take_number(std::string_view& text) {
@@ -75,18 +61,18 @@ double usual_gain(const CameraCapabilities& camera) { return std::max(1.0, camer
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
                                               double gain_otherwise) {
   std::vector<Exposure> exposures;
-  for (const std::string_view part : split(shutter))
+  for (const std::string_view part : split(shutter, ','))
     exposures.push_back({TRY(parse_duration(part)), gain_otherwise});
   if (trimmed(gain).empty()) return exposures;
 
-  const auto gains = split(gain);
+  const auto gains = split(gain, ',');
   if (exposures.size() == 1) exposures.resize(gains.size(), exposures.front());
   if (gains.size() != 1 && gains.size() != exposures.size())
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' has {} gains for {} shutter times; give one gain, or one each", gain,
                              gains.size(), exposures.size())};
   for (std::size_t i = 0; i < exposures.size(); ++i) {
-    std::string_view part = gains[gains.size() == 1 ? 0 : i];
+    std::string_view part = trimmed(gains[gains.size() == 1 ? 0 : i]);
     const std::string_view whole = part;
     const auto number = take_number(part);
     if (!number || !part.empty() || !(*number > 0))

@@ -14,6 +14,7 @@
 #include "firmware_host/settings/suggestion.h"
 #include "hal/core/json_text.h"
 #include "hal/core/parse_number.h"
+#include "hal/core/split_text.h"
 
 namespace hdrcam {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 constexpr double kMostLength = 1e6;      // of any unit; beyond it a digit too many was typed
 constexpr double kMostAngle_deg = 3600;  // ten turns
 constexpr std::size_t kMostPoses = 100000;
+constexpr std::string_view kAroundCells = " \t\r\n\"";
 constexpr std::array<const char*, 7> kColumns{"time_s", "dx", "dy", "dz", "yaw", "pitch", "roll"};
 
 std::optional<double> number_of(std::string_view text) {
@@ -28,21 +30,10 @@ std::optional<double> number_of(std::string_view text) {
   return parse_number<double>(text);
 }
 
-std::string trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n\"";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return std::string(text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin));
-}
-
 std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells;
-  for (;;) {
-    const std::size_t comma = line.find(',');
-    cells.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
+  for (const std::string_view cell : split(line, ',')) cells.emplace_back(trimmed(cell, kAroundCells));
+  return cells;
 }
 
 std::size_t column_of(std::string_view name) {
@@ -89,7 +80,7 @@ Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view t
     const std::string_view line = text.substr(0, text.find('\n'));
     text.remove_prefix(std::min(line.size() + 1, text.size()));
     const std::string where = fmt::format("{}:{}", path, line_number);
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+    if (const auto words = trimmed(line, kAroundCells); words.empty() || words.starts_with('#')) continue;
     const std::vector<std::string> cells = cells_of(line);
     if (columns.empty()) {
       for (const std::string& name : cells) {
@@ -211,7 +202,7 @@ Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& pa
   if (std::ranges::find(content, '\0') != content.end()) return no_text(path);
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // spreadsheets begin UTF-8 with it
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  const bool json = trimmed(text.substr(0, 64)).starts_with('[') || path.ends_with(".json");
+  const bool json = trimmed(text.substr(0, 64), kAroundCells).starts_with('[') || path.ends_with(".json");
   const std::vector<Row> rows = TRY(json ? rows_of_json(path, text) : rows_of_csv(path, text));
   if (rows.size() > kMostPoses)
     return Error{ErrorCode::Invalid, fmt::format("'{}' has more than {} poses", path, kMostPoses)};

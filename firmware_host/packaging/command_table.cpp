@@ -3,9 +3,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
-#include <sstream>
 
 #include "firmware_host/settings/setting_fields.h"
+#include "hal/core/split_text.h"
 #include "online/knobs.h"
 
 namespace hdrcam {
@@ -16,13 +16,6 @@ constexpr const char* kKnobFlag = "set";
 std::string one_line(std::string text) {
   std::ranges::replace(text, '\n', ' ');
   return text;
-}
-
-std::vector<std::string> split(const std::string& text, char at) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, at);) parts.push_back(part);
-  return parts;
 }
 
 // Of the setting that this option sets: the one with the same name under the same heading.
@@ -44,7 +37,10 @@ std::vector<std::string> setting_words(const CLI::Option& option) {
 std::vector<std::string> words_of(const CLI::Option& option) {
   const std::string placeholder = option.get_type_name();
   const bool literal = std::ranges::none_of(placeholder, [](unsigned char c) { return std::isupper(c); });
-  if (!placeholder.empty() && literal) return split(placeholder, '|');
+  if (!placeholder.empty() && literal) {
+    const std::vector<std::string_view> words = split_list(placeholder, '|');
+    return {words.begin(), words.end()};
+  }
   const std::vector<std::string>& names = option.get_lnames();
   if (names.empty() || names.front() != kKnobFlag) return setting_words(option);
   std::vector<std::string> words;

@@ -10,6 +10,7 @@
 #include "capture/exposure.h"
 #include "firmware_host/settings/suggestion.h"
 #include "hal/core/parse_number.h"
+#include "hal/core/split_text.h"
 #include "render/white_balance.h"
 
 namespace hdrcam {
@@ -96,12 +97,7 @@ bool allowed(const SettingField& field, const SettingValue& value) {
 
 std::vector<std::string> parts_of(std::string_view text) {
   std::vector<std::string> parts;
-  while (!text.empty()) {
-    const std::string_view part = text.substr(0, text.find(','));
-    text.remove_prefix(std::min(part.size() + 1, text.size()));
-    const auto begin = std::min(part.find_first_not_of(' '), part.size());
-    parts.emplace_back(part.substr(begin, part.find_last_not_of(' ') + 1 - begin));
-  }
+  for (const std::string_view part : split_list(text, ',')) parts.emplace_back(trimmed(part, " "));
   return parts;
 }
 

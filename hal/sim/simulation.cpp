@@ -8,22 +8,13 @@
 #include <vector>
 
 #include "hal/core/parse_number.h"
+#include "hal/core/split_text.h"
 
 namespace hdrcam {
 namespace {
 
 Error invalid(std::string_view key, std::string_view value, std::string_view wanted) {
   return {ErrorCode::Invalid, fmt::format("simulation setting '{}={}': {}", key, value, wanted)};
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find(separator), text.size());
-    parts.push_back(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  return parts;
 }
 
 // A number within [least, most].
@@ -37,7 +28,7 @@ Result<void> set_number(T& target, std::string_view key, std::string_view value,
 }
 
 Result<void> set_size(Simulation& s, std::string_view key, std::string_view value) {
-  const auto parts = split(value, 'x');
+  const auto parts = split_list(value, 'x');
   if (parts.size() != 2) return invalid(key, value, "give width and height, for instance 320x240");
   TRY(set_number(s.width, key, parts[0], 16, 4096));
   return set_number(s.height, key, parts[1], 16, 4096);
@@ -61,7 +52,7 @@ Result<void> set_response(Simulation& s, std::string_view key, std::string_view 
 
 // "2,1", or "2" for both
 Result<void> set_delay(Simulation& s, std::string_view key, std::string_view value) {
-  const auto parts = split(value, ',');
+  const auto parts = split_list(value, ',');
   if (parts.empty() || parts.size() > 2)
     return invalid(key, value, "give frames for exposure and gain, for instance 2,1");
   TRY(set_number(s.control_delay.exposure, key, parts.front(), 0, 6));
@@ -89,7 +80,7 @@ Result<void> set_reports(Simulation& s, std::string_view key, std::string_view v
 }
 
 Result<void> set_effects(Simulation& s, std::string_view key, std::string_view value, bool on) {
-  for (const std::string_view name_text : split(value, ',')) {
+  for (const std::string_view name_text : split_list(value, ',')) {
     const auto effect = effect_of(name_text);
     if (!effect) return invalid(key, name_text, fmt::format("the effects are {}", effect_names()));
     if (*effect == Effect::Quantisation && !on) return invalid(key, name_text, "every sensor has it");
@@ -165,7 +156,7 @@ Result<void> check_given(std::span<const GivenSetting> given) {
   for (const GivenSetting& one : given)
     if (one.key == "with" || one.key == "without") {
       auto& effects = one.key == "with" ? added : left_out;
-      std::ranges::copy(split(one.value, ','), std::back_inserter(effects));
+      std::ranges::copy(split_list(one.value, ','), std::back_inserter(effects));
     } else if (std::ranges::count(given, one.key, &GivenSetting::key) > 1) {
       return Error{ErrorCode::Invalid,
                    fmt::format("simulation setting '{}' is given more than once; give it once", one.key)};
@@ -192,7 +183,7 @@ Result<Simulation> simulation_of(std::string_view text) {
   simulation.full_well_e = entry->full_well_e;
   for (const auto& need : entry->needs) simulation.plan.switch_on(need.effect, need.why);
   std::vector<GivenSetting> given;
-  for (const std::string_view pair : split(text.substr(std::min(question + 1, text.size())), '&')) {
+  for (const std::string_view pair : split_list(text.substr(std::min(question + 1, text.size())), '&')) {
     const std::size_t equals = std::min(pair.find('='), pair.size());
     const std::string_view key = pair.substr(0, equals),
                            value = pair.substr(std::min(equals + 1, pair.size()));
