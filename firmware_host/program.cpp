@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "firmware_host/commands/render.h"
+#include "firmware_host/commands/command.h"
 #include "firmware_host/exit_code.h"
 #include "firmware_host/log_format.h"
 #include "firmware_host/printable.h"

@@ -1,6 +1,6 @@
 // One verb of `hdrcam` per file in this folder. A verb adds its flags to the command line; when the user
-// names it, `chosen` becomes the function to run. main.cpp parses, runs and turns the Error into one sentence
-// and an exit code.
+// names it, `chosen` becomes the function to run. program.cpp parses, runs and turns the Error into one
+// sentence and an exit code.
 #pragma once
 
 #include <atomic>
@@ -29,6 +29,7 @@ void add_export(CLI::App& app, Verb& chosen);
 void add_info(CLI::App& app, Verb& chosen);
 void add_repair(CLI::App& app, Verb& chosen);
 void add_replay(CLI::App& app, Verb& chosen);
+void add_render(CLI::App& app, Verb& chosen);
 void add_encode(CLI::App& app, Verb& chosen);
 void add_compare(CLI::App& app, Verb& chosen);
 void add_live(CLI::App& app, Verb& chosen);

@@ -6,10 +6,10 @@
 #include <span>
 #include <string>
 
+#include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
-#include "firmware_host/commands/render.h"
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"

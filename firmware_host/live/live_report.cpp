@@ -62,7 +62,7 @@ std::vector<NamedValue> trigger_values(const TriggerCounters& trigger) {
   count("trigger.left_out", trigger.left_out);
   count("trigger.answered", trigger.answered);
   count("trigger.unanswered", trigger.unanswered);
-  count("trigger.unasked", trigger.spurious);
+  count("trigger.unasked", trigger.spurious);  // the key of earlier versions
   list.push_back({"trigger.edge_us_mean", to_seconds(trigger.edge_mean) * 1e6});
   list.push_back({"trigger.edge_us_p99", to_seconds(trigger.edge_p99) * 1e6});
   list.push_back({"trigger.edge_us_most", to_seconds(trigger.edge_most) * 1e6});
