@@ -122,6 +122,7 @@ void CaptureStage::restart_matching() {
   pending_.reset();
   if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
   queued_requests_ = lost_since_emitted_ = 0;
+  last_place_.reset();
 }
 
 Result<void> CaptureStage::start() {
@@ -220,6 +221,22 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   return true;
 }
 
+// The number and time of a frame are the driver's while they increase, as every reader of a recording
+// demands. Where the counter repeats or restarts, or the time goes back, the frame follows the last one by as
+// many frames as the matcher counts.
+void CaptureStage::place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
+                         FrameFacts& facts) {
+  facts.sequence = buffer.sequence;
+  facts.timestamp = matched.centre(exposure);
+  if (last_place_) {
+    const std::uint64_t frames = std::max<std::uint64_t>(1, matched.index - last_place_->index);
+    if (facts.sequence <= last_place_->number) facts.sequence = last_place_->number + frames;
+    if (facts.timestamp <= last_place_->at)
+      facts.timestamp = last_place_->at + static_cast<Duration::rep>(frames) * matcher_->frame_duration();
+  }
+  last_place_ = {facts.sequence, matched.index, facts.timestamp};
+}
+
 void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
   photometer_.observe(frame.raw.codes, codes_.layout, codes_.bits, picture_);
   if (const auto response = black_.narrow(picture_)) {
@@ -234,8 +251,7 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   const ExposureClaim& label = frame.proof.label;
   FrameFacts& facts = frame.raw.facts;
   facts = {};
-  facts.sequence = buffer.sequence;
-  facts.timestamp = matched.centre(label.exposure.time);
+  place(buffer, matched, label.exposure.time, facts);
   facts.exposure_s = to_seconds(label.exposure.time);
   facts.analogue_gain = label.exposure.gain;
   facts.digital_gain = label.digital_gain;

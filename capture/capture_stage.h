@@ -87,7 +87,13 @@ class CaptureStage {
   bool take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
+  void place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure, FrameFacts& facts);
   int slot_of(const ExposureClaim& label) const;
+
+  struct Place {  // of a frame
+    std::uint64_t number = 0, index = 0;
+    Instant at;
+  };
 
   Camera& camera_;
   SyncLine* strobe_;
@@ -109,6 +115,7 @@ class CaptureStage {
   std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
   int queued_requests_ = 0, depth_ = 0;     // queued requests now, and at most
   int lost_since_emitted_ = 0;
+  std::optional<Place> last_place_;  // of the last emitted frame
   CaptureCounters counters_;
 };
 

@@ -75,6 +75,8 @@ class FrameMatcher {
   // The slot that was requested for the last matched frame, where its exposure is this one; -1
   // unknown.
   int slot_of(const ExposureClaim& label) const;
+  // From frame to frame, as measured.
+  Duration frame_duration() const { return interval_; }
   // Frames by which the prediction is shifted so far, and how often that changed.
   int shift() const { return shift_; }
   int relocks() const { return relocks_; }

@@ -8,6 +8,7 @@ extern "C" {
 #include <cmath>
 #include <cstring>
 
+#include "hal/core/sound_facts.h"
 #include "hal/recording/facts_json.h"
 #include "hal/recording/matroska.h"
 #include "hal/recording/picture_codec.h"
@@ -57,7 +58,8 @@ class MatroskaWriter : public RecordingWriter {
   std::optional<Error> failure_;
   bool finished_ = false;
   std::uint64_t frames_ = 0;
-  int bits_ = 8;  // of a code
+  std::optional<FrameFacts> before_;  // of the last frame
+  int bits_ = 8;                      // of a code
   Instant first_, synced_;
   std::int64_t pts_ms_ = 0, frame_ms_ = 33;
 };
@@ -137,6 +139,8 @@ Result<void> MatroskaWriter::checked(int code, const char* what) {
 Result<void> MatroskaWriter::append(const RawFrame& frame) {
   if (failure_) return *failure_;
   CHECK(!finished_);
+  if (const auto objection = objection_to(frame.facts, before_ ? &*before_ : nullptr))
+    return Error{ErrorCode::Invalid, fmt::format("frame {} cannot be recorded: {}", frames_, *objection)};
   AVPacket* picture = TRY(encoder_.encode(frame.codes));
   const Instant now = frame.facts.timestamp;
   if (frames_ == 0) first_ = synced_ = now;
@@ -153,6 +157,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
   TRY(write_facts(facts));
   TRY(end_cluster());
   if (frames_++ == 0) TRY(take_name());
+  before_ = frame.facts;
   return now - synced_ >= kSyncInterval ? (synced_ = now, sync()) : Result<void>();
 }
 

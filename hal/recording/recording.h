@@ -25,8 +25,8 @@ std::string_view name(RecordingCodec codec);
 class RecordingWriter {
  public:
   virtual ~RecordingWriter() = default;
-  // Appends one whole frame before it returns. Errors: SizeChanged, Invalid (a code beyond `bits`), NoSpace,
-  // Io.
+  // Appends one whole frame before it returns. Errors: SizeChanged; Invalid for a code beyond `bits`, and for
+  // facts that a reader would refuse (hal/core/sound_facts.h); NoSpace, Io.
   virtual Result<void> append(const RawFrame& frame) = 0;
   // Writes the end record and the index. Without them the file is readable up to its last whole cluster. A
   // recording without a frame that was to replace another leaves no file.

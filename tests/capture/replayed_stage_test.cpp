@@ -1,9 +1,13 @@
-// What a recording states goes through the stage as it was stated: live on a paced replay.
+// Recordings and the capture stage: what one states goes through the stage as it was stated, live on a paced
+// replay; and what the stage delivers of a faulty camera makes a recording that is whole.
 #include <cmath>
 
 #include "capture/capture_stage.h"
+#include "hal/fault/faulty_camera.h"
 #include "hal/recording/recording.h"
 #include "hal/replay/replayed_camera.h"
+#include "hal/sim/simulated_camera.h"
+#include "hal/sim/virtual_clock.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 
@@ -76,4 +80,83 @@ TEST_CASE("exposures that came from the pictures stay estimated through the capt
     CHECK(frame.raw.facts.verdict == frame.proof.verdict);
     if (frame.proof.trusted()) CHECK(frame.proof.verdict == Verdict::Estimated);
   }
+}
+
+namespace {
+
+// A camera whose driver's counter begins again at 0 with this buffer.
+class RestartingCounter : public Camera {
+ public:
+  RestartingCounter(std::unique_ptr<Camera> inner, std::uint64_t at) : inner_(std::move(inner)), at_(at) {}
+  const CameraCapabilities& capabilities() const override { return inner_->capabilities(); }
+  Result<StreamMode> configure(const StreamMode& wanted, int buffers) override {
+    return inner_->configure(wanted, buffers);
+  }
+  Result<void> start() override { return inner_->start(); }
+  Result<void> queue(const ExposureRequest& request) override { return inner_->queue(request); }
+  Result<void> stop() override { return inner_->stop(); }
+  Result<CapturedBuffer> wait(Duration timeout) override {
+    CapturedBuffer buffer = TRY(inner_->wait(timeout));
+    if (delivered_++ == at_) offset_ = buffer.sequence;
+    buffer.sequence -= offset_;
+    return buffer;
+  }
+
+ private:
+  std::unique_ptr<Camera> inner_;
+  const std::uint64_t at_;
+  std::uint64_t delivered_ = 0, offset_ = 0;
+};
+
+constexpr int kRecorded = 40;
+const CaptureOptions kSmall{.mode = {PixelFormat::Rgb24, 32, 24, Duration(33'333'333)}};
+constexpr Exposure kTwo[] = {{std::chrono::milliseconds(1), 1}, {std::chrono::milliseconds(4), 1}};
+
+// What a reader finds of that many frames of a camera, recorded as the stage delivers them.
+sample::Replayed recorded_from(const std::string& name, Camera& camera) {
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
+  const std::string path = sample::scratch_folder(name) + "/r.mkv";
+  auto writer = value_of(create_recording(posix_storage(), path, stage->facts()));
+  require_done(stage->start());
+  CapturedFrame frame;
+  for (int i = 0; i < kRecorded; ++i) {
+    require_done(stage->next(frame));
+    require_done(writer->append(frame.raw));
+  }
+  require_done(writer->finish());
+  return sample::replay(posix_storage(), path);
+}
+
+std::unique_ptr<Camera> simulated(VirtualClock& clock) {
+  return std::make_unique<SimulatedCamera>(value_of(simulation_of("still?size=32x24")), SimTime(clock), 1);
+}
+
+}  // namespace
+
+TEST_CASE("a recording is whole though the driver repeats a number and a time goes back") {
+  VirtualClock clock, clock_of_sound;
+  FaultyCamera faulty(simulated(clock),
+                      {{5, CameraFaultKind::SequenceRepeat}, {12, CameraFaultKind::StampBack}});
+  const auto replayed = recorded_from("stage_faults", faulty);
+  const auto sound = recorded_from("stage_sound", *simulated(clock_of_sound));
+  REQUIRE_FALSE(replayed.error);
+  REQUIRE_FALSE(sound.error);
+  REQUIRE(replayed.frames.size() == kRecorded);
+  REQUIRE(sound.frames.size() == kRecorded);
+  for (std::size_t i = 0; i < kRecorded; ++i) {
+    const FrameFacts &facts = replayed.frames[i].facts, &truth = sound.frames[i].facts;
+    CAPTURE(i);
+    CHECK(facts.sequence == truth.sequence);
+    CHECK(facts.timestamp.seconds() == Approx(truth.timestamp.seconds()).margin(i == 12 ? 0.01 : 1e-9));
+  }
+}
+
+TEST_CASE("frames after a counter that begins again go on in number, and none is lost") {
+  VirtualClock clock;
+  RestartingCounter camera(simulated(clock), 20);
+  const auto replayed = recorded_from("stage_restart", camera);
+  REQUIRE_FALSE(replayed.error);
+  REQUIRE(replayed.frames.size() == kRecorded);
+  for (std::size_t i = 0; i < kRecorded; ++i)
+    CHECK(replayed.frames[i].facts.sequence == replayed.frames[0].facts.sequence + i);
 }

@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using Catch::Contains;
 
 namespace {
 
@@ -239,9 +240,22 @@ TEST_CASE("what a recording cannot hold is refused with the value in the sentenc
   CHECK(append_error(sample::camera(PixelLayout::Rgb, 10, 9, 8)) == ErrorCode::SizeChanged);
   CHECK(append_error(sample::camera(PixelLayout::Mono, 10, 8, 8)) == ErrorCode::SizeChanged);
   CHECK(append_error(sample::camera(PixelLayout::Rgb, 11, 8, 8)) == ErrorCode::Invalid);
+  const auto facts_error = [&](FrameFacts facts) {
+    auto refused = sample::frames(camera, 1, 1);
+    refused[0].facts = std::move(facts);
+    const auto appended = writer.value()->append(refused[0]);
+    REQUIRE(!appended.ok());
+    CHECK(appended.error().code == ErrorCode::Invalid);
+    return appended.error().message;
+  };
   // A refused frame leaves no trace.
   const auto frames = sample::frames(camera, 2, 1);
-  for (const RawFrame& frame : frames) REQUIRE(writer.value()->append(frame).ok());
+  REQUIRE(writer.value()->append(frames[0]).ok());
+  FrameFacts earlier = frames[1].facts, again = frames[1].facts;
+  earlier.timestamp = frames[0].facts.timestamp, again.sequence = frames[0].facts.sequence;
+  CHECK_THAT(facts_error(earlier), Contains("frame 1 cannot be recorded: its time "));
+  CHECK_THAT(facts_error(again), Contains("frame 1 cannot be recorded: its number 1152921504606846976 does"));
+  REQUIRE(writer.value()->append(frames[1]).ok());
   REQUIRE(writer.value()->finish().ok());
   const auto replayed = sample::replay(posix_storage(), path);
   CHECK(!replayed.error);
