@@ -160,7 +160,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options) 
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
   if (options.list) return say("{}", described(plan)), Result<void>{};
   if (!plan.time_trouble.empty())
-    remark("note: the stills come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
+    remark("note: the frames come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
            plan.time_trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");
@@ -214,8 +214,10 @@ void add_import(CLI::App& app, Verb& chosen) {
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
       "relative [as EXIF states them]");
   verb->add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
-  verb->add_option("--framerate", footage.framerate_hz,
-                   "frames per second of stills [when EXIF says they were taken, else 30]")
+  verb->add_option(
+          "--framerate", footage.framerate_hz,
+          "frames per second of stills [when EXIF says they were taken, else 30] and of a video without "
+          "times [as it states]")
       ->check(takes_framerate);
   verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
   verb->add_flag("--strict", options->strict,

@@ -67,6 +67,18 @@ TimeOrigin take_exif_times(Scan& seen, std::string& trouble) {
   return TimeOrigin::Exif;
 }
 
+// Frames whose times do not increase, as those of a raw stream of H.264, which has none, come at the frame
+// rate. rate_hz: as the user names it, or 0: as the file states it.
+void take_regular_times(Scan& seen, double rate_hz, std::string& trouble) {
+  const auto not_later = [](const FrameFacts& a, const FrameFacts& b) { return b.timestamp <= a.timestamp; };
+  if (std::ranges::adjacent_find(seen.facts, not_later) == seen.facts.end()) return;
+  if (rate_hz > 0) seen.camera.framerate_hz = rate_hz;
+  if (objection_to(seen.camera)) return;
+  for (std::size_t i = 0; i < seen.facts.size(); ++i)
+    seen.facts[i].timestamp = Instant::from_seconds(static_cast<double>(i) / seen.camera.framerate_hz);
+  if (trouble.empty()) trouble = "their own times do not increase";
+}
+
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
 // taken when somebody wishes.
 void read_times(Scan& seen, TimeOrigin times) {
@@ -142,6 +154,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   Scan seen = TRY(scan(*footage, stop));
   FootagePlan plan;
   if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
+  if (plan.times == TimeOrigin::Files) take_regular_times(seen, request.framerate_hz, plan.time_trouble);
   read_times(seen, plan.times);
   plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))

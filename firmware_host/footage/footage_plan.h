@@ -20,7 +20,9 @@ inline constexpr const char* kAutoShutter = "auto";
 struct FootageRequest {
   std::vector<std::string> files;
   std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures
-  double framerate_hz = 0;    // of stills; 0: as EXIF says when they were taken, or 30
+  // Of stills; 0: as EXIF says when they were taken, or 30. And of a video whose times do not increase; 0:
+  // the rate that it states.
+  double framerate_hz = 0;
 };
 
 enum class ExposureOrigin {
@@ -31,7 +33,7 @@ enum class ExposureOrigin {
 
 // Where the times of the frames come from.
 enum class TimeOrigin {
-  Files,  // a video's own times; stills one after the other at the frame rate
+  Files,  // a video's own times where they increase; others one after the other at the frame rate
   Exif,   // when each still was taken
 };
 
@@ -39,7 +41,8 @@ struct FootagePlan {
   CameraFacts camera;
   std::string about;  // "h264, yuv420p"
   TimeOrigin times = TimeOrigin::Files;
-  std::string time_trouble;  // why the times that stills have in EXIF are not taken, a clause; "": they are
+  // Why the times in EXIF, or those of a video, are not taken, a clause; "": they are.
+  std::string time_trouble;
   ExposureOrigin origin = ExposureOrigin::Stated;
   std::vector<Exposure> cycle;  // empty where files state exposures that do not repeat
   CycleWalk walk;               // of a cycle

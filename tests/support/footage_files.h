@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "hal/core/image.h"
+#include "hal/recording/libav.h"
 #include "hal/video/picture_converter.h"
 #include "hal/video/video_writer.h"
 
@@ -50,6 +51,30 @@ inline Result<void> write_video(const std::string& path, VideoCodec codec,
     TRY(writer->append(from_seconds(time_s)));
   }
   return writer->finish(std::nullopt);
+}
+
+// The H.264 of a video as a raw stream, which has no times.
+inline Result<void> write_raw_h264(const std::string& video, const std::string& path) {
+  const Error failed{ErrorCode::Io, "cannot write '" + path + "'"};
+  AVFormatContext *from = nullptr, *to = nullptr;
+  if (avformat_open_input(&from, video.c_str(), nullptr, nullptr) < 0) return failed;
+  const auto whole = [&] {
+    if (avformat_find_stream_info(from, nullptr) < 0) return false;
+    if (avformat_alloc_output_context2(&to, nullptr, "h264", path.c_str()) < 0) return false;
+    AVStream* const track = avformat_new_stream(to, nullptr);
+    if (avcodec_parameters_copy(track->codecpar, from->streams[0]->codecpar) < 0) return false;
+    track->codecpar->codec_tag = 0;
+    if (avio_open(&to->pb, path.c_str(), AVIO_FLAG_WRITE) < 0) return false;
+    if (avformat_write_header(to, nullptr) < 0) return false;
+    const libav::Packet packet(av_packet_alloc());
+    while (av_read_frame(from, packet.get()) >= 0)
+      if (av_interleaved_write_frame(to, packet.get()) < 0) return false;
+    return av_write_trailer(to) >= 0;
+  }();
+  avformat_close_input(&from);
+  if (to != nullptr) avio_closep(&to->pb);
+  avformat_free_context(to);
+  return whole ? Result<void>() : failed;
 }
 
 struct Exif {

@@ -173,6 +173,22 @@ TEST_CASE("stills whose EXIF resolves seconds only come at the frame rate, and t
   CHECK_THAT(listed(folder), Contains("times: at 30 frames per second, for EXIF has times in steps of 1 s"));
 }
 
+TEST_CASE("a raw stream of H.264, which has no times, comes at its frame rate or at the one named") {
+  const std::string folder = sample::scratch_folder("import_raw_stream"), out = folder + "/x.mkv";
+  const std::vector<int> frames = filmed(0, 24, {});
+  REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(frames)).ok());
+  REQUIRE(test::write_raw_h264(folder + "/x.mp4", folder + "/x.h264").ok());
+  REQUIRE(import_verb(folder + "/x.h264 --shutter 1ms,4ms,16ms -o " + out).ok());
+  check_labels(out, frames);
+  const double rate_hz = open_recording(posix_storage(), out).value()->camera().framerate_hz;
+  const std::vector<double> times = times_in(out);
+  for (std::size_t i = 0; i < times.size(); ++i)
+    CHECK(times[i] == Approx(static_cast<double>(i) / rate_hz).margin(1e-8));
+  REQUIRE(import_verb(folder + "/x.h264 --shutter 1ms,4ms,16ms --framerate 50 --force -o " + out).ok());
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(50));
+  CHECK(times_in(out).back() == Approx(23. / 50).margin(1e-8));
+}
+
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
