@@ -68,6 +68,13 @@ double black_of(const libraw_colordata_t& color) {
   return black;
 }
 
+// Whether the picture that the file states is more than its raw data holds.
+bool reaches_beyond(const libraw_image_sizes_t& sizes) {
+  return sizes.left_margin + sizes.width > sizes.raw_width ||
+         sizes.top_margin + sizes.height > sizes.raw_height ||
+         sizes.raw_width * sizeof(ushort) > sizes.raw_pitch;
+}
+
 class RawStill : public PictureFile {
  public:
   const PictureFileFacts& facts() const override { return facts_; }
@@ -89,6 +96,13 @@ class RawStill : public PictureFile {
         !layout)  // small numbers are X-Trans and the like
       return Error{ErrorCode::Unsupported,
                    fmt::format("'{}' is no Bayer mosaic; develop it to 16-bit TIFF or PNG first", path)};
+    if (reaches_beyond(sizes))
+      return Error{
+          ErrorCode::Corrupt,
+          fmt::format("'{}' is damaged: its picture, {}x{} from {},{}, reaches beyond its raw data of "
+                      "{}x{}; copy it again, or leave it out",
+                      path, sizes.width, sizes.height, sizes.left_margin, sizes.top_margin, sizes.raw_width,
+                      sizes.raw_height)};
     const unsigned white = raw.imgdata.color.maximum;
     facts_.bits = std::clamp(static_cast<int>(std::bit_width(white)), 8, 16);
     facts_.layout = *layout, facts_.linear = true;

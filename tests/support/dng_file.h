@@ -83,6 +83,7 @@ struct DngStill {
   std::uint16_t iso = 400;
   std::vector<std::uint32_t> neutral{1, 2, 1, 1, 2, 3};  // AsShotNeutral, three fractions; empty: none
   std::string date_time, sub_second;                     // of EXIF; "": none
+  std::vector<std::uint32_t> active_area;                // top, left, bottom, right; empty: all
   std::function<std::uint16_t(int, int)> code_at;        // by row and column
 };
 
@@ -112,6 +113,7 @@ inline std::string write_dng(const std::string& path, const DngStill& still) {
     dng.longs(50717, {still.white});
     dng.rationals(50721, 10, {1, 1, 0, 1, 0, 1, 0, 1, 1, 1, 0, 1, 0, 1, 0, 1, 1, 1});
     if (!still.neutral.empty()) dng.rationals(50728, 5, still.neutral);
+    if (!still.active_area.empty()) dng.longs(50829, still.active_area);
     return dng.at(8);
   };
   const auto mosaic_at = static_cast<std::uint32_t>(8 + directory(0, 0).size());

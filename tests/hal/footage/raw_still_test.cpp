@@ -82,6 +82,27 @@ TEST_CASE("a raw still carries the white balance of its camera and the time at w
   CHECK_FALSE(footage.value()->taken());
 }
 
+TEST_CASE("a raw still whose picture reaches beyond its raw data is damaged") {
+  const std::string folder = sample::scratch_folder("raw_still_beyond");
+  test::DngStill still;
+  still.rows = still.cols = 64, still.code_at = code_at;
+  still.active_area = {8, 4, 64, 64};
+  auto footage = open_footage(posix_storage(), {test::write_dng(folder + "/inside.dng", still)}, 0);
+  REQUIRE(footage.ok());
+  CHECK(footage.value()->camera().width == 60);
+  CHECK(footage.value()->camera().height == 56);
+  RawFrame frame;
+  REQUIRE(footage.value()->next(frame).value());
+  CHECK(frame.codes.at(0, 0, 0) == code_at(8, 4));
+  for (const std::vector<std::uint32_t>& area :
+       {std::vector<std::uint32_t>{32, 32, 96, 96}, {0, 32, 64, 96}}) {
+    still.active_area = area;
+    const auto beyond = open_footage(posix_storage(), {test::write_dng(folder + "/beyond.dng", still)}, 0);
+    CHECK(sample::error_of(beyond).code == ErrorCode::Corrupt);
+    CHECK_THAT(sample::error_of(beyond).message, Contains("beyond.dng") && Contains("reaches beyond"));
+  }
+}
+
 TEST_CASE("a raw still that is damaged, or none, is an error that names it") {
   const std::string folder = sample::scratch_folder("raw_still_wrong");
   std::ofstream(folder + "/text.nef") << "no raw still\n";
