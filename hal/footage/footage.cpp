@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kUsualFramerate_hz = 30;
+constexpr Duration kLatest = std::chrono::years(100);  // of a frame; sums of two still fit 64 bits
 
 // What is looked at in a folder; a file that is named is opened whatever it is called.
 constexpr std::string_view kStills[] = {".jpeg", ".jpg", ".png", ".tif", ".tiff"};
@@ -114,7 +115,7 @@ class FootageFiles : public FootageReader {
       if (TRY(file_->next(frame))) break;
       end_file();
     }
-    frame.facts.timestamp = begin_ + frame.facts.timestamp.since_boot;
+    frame.facts.timestamp = TRY(time_of(frame.facts.timestamp.since_boot));
     frame.facts.sequence = frames_++;
     taken_ = file_->taken();
     still_ = file_->facts().framerate_hz == 0;
@@ -122,11 +123,23 @@ class FootageFiles : public FootageReader {
     return true;
   }
 
+  Result<Instant> time_of(Duration in_file) const {
+    const auto possible = [](Duration time) { return time >= -kLatest && time <= kLatest; };
+    if (possible(in_file) && possible(begin_.since_boot + in_file)) return begin_ + in_file;
+    return Error{
+        ErrorCode::Corrupt,
+        fmt::format("frame {}, in '{}', would come {:.3g} s after the first one; import the files one by "
+                    "one, or give them sound times first: ffmpeg -fflags +genpts",
+                    frames_, path(), to_seconds(begin_.since_boot) + to_seconds(in_file))};
+  }
+
   // The next file goes on after what this one should have held.
   void end_file() {
     const PictureLosses lost = file_->losses();
     if (lost.damaged + lost.missing > 0) losses_.push_back({path(), lost});
-    if (last_) last_ = *last_ + lost.missing * period();
+    if (!last_) return file_.reset();
+    const double missing_s = std::min(lost.missing * to_seconds(period()), to_seconds(kLatest));
+    last_->since_boot = std::min(kLatest, last_->since_boot + from_seconds(missing_s));
     file_.reset();
   }
 

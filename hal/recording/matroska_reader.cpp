@@ -6,6 +6,7 @@
 #include <bit>
 #include <climits>
 #include <cstring>
+#include <utility>
 
 #include "hal/core/sound_facts.h"
 #include "hal/recording/cluster_scan.h"
@@ -128,7 +129,9 @@ std::optional<int> count_frames(Storage& storage, const std::string& path, const
   for (; av_read_frame(demuxer, packet.get()) >= 0; av_packet_unref(packet.get())) {
     if (packet->stream_index != matroska::kFactsTrack || !seal_holds(text_of(*packet), {})) continue;
     const auto record = record_from_json(text_of(*packet), camera.bits);
-    if (record && record.value().is_end) return static_cast<int>(record.value().index);
+    if (!record || !record.value().is_end) continue;
+    const std::uint64_t frames = record.value().index;
+    return std::in_range<int>(frames) ? std::optional(static_cast<int>(frames)) : std::nullopt;
   }
   return std::nullopt;
 }

@@ -229,6 +229,23 @@ TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {
   CHECK(begin_s >= static_cast<double>(30 - lost.damaged) / 30 - 1e-6);
 }
 
+TEST_CASE("a video that states an impossible end puts no frame of the next one beyond all times") {
+  const std::string folder = sample::scratch_folder("footage_endless");
+  for (const char* name : {"/a.mkv", "/b.mkv"})
+    REQUIRE(test::write_video(folder + name, VideoCodec::H264, pictures(3), {}, 0.01).ok());
+  std::ifstream whole(folder + "/a.mkv", std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(whole), {});
+  const std::string stated = "00:05:00.000000000", claimed = "9999999999:59:59.0";
+  const std::size_t at = bytes.find(stated);
+  REQUIRE(at != std::string::npos);
+  bytes.replace(at, stated.size(), claimed);
+  std::ofstream(folder + "/a.mkv", std::ios::binary) << bytes;
+  const Read read_back = read({folder + "/a.mkv", folder + "/b.mkv"});
+  REQUIRE(read_back.error);
+  CHECK(read_back.error->code == ErrorCode::Corrupt);
+  CHECK_THAT(read_back.error->message, Contains("/b.mkv', would come"));
+}
+
 TEST_CASE("damaged frames of a video are left out and counted, and the others keep their times") {
   const std::string path = sample::scratch_folder("footage_damaged") + "/x.mp4";
   REQUIRE(test::write_video(path, VideoCodec::H264, pictures(20)).ok());
