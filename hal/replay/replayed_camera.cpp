@@ -74,6 +74,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     buffers_.assign(static_cast<std::size_t>(buffers), std::vector<std::byte>(bytes));
     in_use_.assign(buffers_.size(), false);
     cookies_.assign(buffers_.size(), 0);
+    first_cookie_ = queued_ = 0;
     return mode_;
   }
 

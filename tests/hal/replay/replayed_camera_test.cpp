@@ -79,6 +79,21 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
   }
 }
 
+TEST_CASE("a replay that is configured with fewer buffers completes its requests in order from the first") {
+  const std::string path = write_recording("replay_again", PixelLayout::Rgb, 8);
+  auto camera =
+      value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+  for (const int buffers : {7, 2}) {
+    value_of(camera->configure(camera->capabilities().modes.front(), buffers));
+    require_done(camera->start());
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      require_done(camera->queue({100 + i, milliseconds(1), 1}));
+      CHECK(value_of(camera->wait(std::chrono::seconds(2))).cookie == 100 + i);
+    }
+    require_done(camera->stop());
+  }
+}
+
 TEST_CASE("a paced replay takes as long as the recording did") {
   const std::string path = write_recording("replay_pace", PixelLayout::Rgb, 8);
   auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()));
