@@ -29,7 +29,20 @@ Duration shortest_frame(const DeviceNode& video, std::uint32_t fourcc, std::uint
   return shortest == Duration::max() ? kUsualFrame : shortest;
 }
 
-void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc,
+// Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
+struct PixFormat {
+  std::uint32_t width, height, fourcc, stride, bytes;
+};
+PixFormat read_format(const v4l2_format& format) {
+  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
+    const auto& mp = format.fmt.pix_mp;
+    return {mp.width, mp.height, mp.pixelformat, mp.plane_fmt[0].bytesperline, mp.plane_fmt[0].sizeimage};
+  }
+  const auto& pix = format.fmt.pix;
+  return {pix.width, pix.height, pix.pixelformat, pix.bytesperline, pix.sizeimage};
+}
+
+void add_sizes(const DeviceNode& video, std::uint32_t queue_type, PixelFormat format, std::uint32_t fourcc,
                std::vector<StreamMode>& modes) {
   const auto add = [&](std::uint32_t width, std::uint32_t height) {
     modes.push_back({format, static_cast<int>(width), static_cast<int>(height),
@@ -44,8 +57,10 @@ void add_sizes(const DeviceNode& video, PixelFormat format, std::uint32_t fourcc
   }
   if (size.index > 0) return;
   v4l2_format current{};  // a driver that lists no sizes has one
-  current.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (video.ask(VIDIOC_G_FMT, &current) == 0) add(current.fmt.pix.width, current.fmt.pix.height);
+  current.type = queue_type;
+  if (video.ask(VIDIOC_G_FMT, &current) != 0) return;
+  const PixFormat found = read_format(current);
+  add(found.width, found.height);
 }
 
 std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
@@ -60,18 +75,6 @@ std::string offered_formats(const DeviceNode& video, std::uint32_t queue_type) {
   return list.empty() ? "none" : list;
 }
 
-// Unified access to a format: one plane in `pix`, or the first plane of `pix_mp`.
-struct PixFormat {
-  std::uint32_t width, height, fourcc, stride, bytes;
-};
-PixFormat read_format(const v4l2_format& format) {
-  if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
-    const auto& mp = format.fmt.pix_mp;
-    return {mp.width, mp.height, mp.pixelformat, mp.plane_fmt[0].bytesperline, mp.plane_fmt[0].sizeimage};
-  }
-  const auto& pix = format.fmt.pix;
-  return {pix.width, pix.height, pix.pixelformat, pix.bytesperline, pix.sizeimage};
-}
 void write_format(const StreamMode& mode, v4l2_format& format) {
   const auto width = static_cast<std::uint32_t>(mode.width), height = static_cast<std::uint32_t>(mode.height);
   if (format.type == V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) {
@@ -122,7 +125,8 @@ std::vector<StreamMode> modes_of(const DeviceNode& video, std::uint32_t queue_ty
   v4l2_fmtdesc format{};
   format.type = queue_type;
   for (; video.ask(VIDIOC_ENUM_FMT, &format) == 0; ++format.index)
-    if (const auto known = format_of(format.pixelformat)) add_sizes(video, *known, format.pixelformat, modes);
+    if (const auto known = format_of(format.pixelformat))
+      add_sizes(video, queue_type, *known, format.pixelformat, modes);
   return modes;
 }
 
@@ -133,11 +137,11 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
   v4l2_format format{};
   format.type = queue_type;
   write_format(wanted, format);
-  if (const int code = video.ask(VIDIOC_S_FMT, &format); code != 0 && code != EINVAL)
-    return device_error(code, video.path(), "take the picture format");
+  const int code = video.ask(VIDIOC_S_FMT, &format);
+  if (code != 0 && code != EINVAL) return device_error(code, video.path(), "take the picture format");
   const PixFormat agreed = read_format(format);
   const bool one_piece = queue_type == V4L2_BUF_TYPE_VIDEO_CAPTURE || format.fmt.pix_mp.num_planes == 1;
-  if (agreed.fourcc != fourcc_of(wanted.format) || !one_piece || agreed.width == 0)
+  if (code == EINVAL || agreed.fourcc != fourcc_of(wanted.format) || !one_piece || agreed.width == 0)
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' does not offer {}; it offers {}", video.path(), name(wanted.format),
                              offered_formats(video, queue_type))};

@@ -1,0 +1,62 @@
+// What the driver of a capture node answers, by the test, and which modes follow.
+#include "hal/real/v4l2_modes.h"
+
+#include <linux/videodev2.h>
+
+#include <cerrno>
+
+#include "hal/real/v4l2_formats.h"
+#include "tests/contracts/expect.h"
+#include "tests/support/answered_ioctl.h"
+
+namespace hdrcam {
+namespace {
+
+DeviceNode node() { return value_of(DeviceNode::open("/dev/null")); }
+
+// Lists one format and answers the rest with EINVAL, as a driver that lists no sizes.
+int list_one(unsigned long request, void* argument, PixelFormat format) {
+  if (request != VIDIOC_ENUM_FMT) return EINVAL;
+  auto& listed = *static_cast<v4l2_fmtdesc*>(argument);
+  if (listed.index > 0) return EINVAL;
+  listed.pixelformat = fourcc_of(format);
+  return 0;
+}
+
+TEST_CASE("a format that the driver refuses is refused, with those that it offers") {
+  const DeviceNode video = node();
+  const test::AnsweredIoctl driver(
+      [](unsigned long request, void* argument) { return list_one(request, argument, PixelFormat::Yuyv); });
+  for (const std::uint32_t queue : {V4L2_BUF_TYPE_VIDEO_CAPTURE, V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE}) {
+    const auto refused = set_mode(video, queue, {PixelFormat::Rggb10, 640, 480, Duration(33'333'333)});
+    require_error(refused, ErrorCode::Unsupported);
+    INFO(refused.error().message);
+    CHECK(refused.error().message.find("does not offer ") != std::string::npos);
+    CHECK(refused.error().message.find("it offers " + std::string(name(PixelFormat::Yuyv))) !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("a driver that lists no sizes is asked for the one that it has, of its own kind of queue") {
+  const DeviceNode video = node();
+  for (const std::uint32_t queue : {V4L2_BUF_TYPE_VIDEO_CAPTURE, V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE}) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request != VIDIOC_G_FMT) return list_one(request, argument, PixelFormat::Rggb10);
+      auto& format = *static_cast<v4l2_format*>(argument);
+      if (format.type != queue) return EINVAL;
+      if (queue == V4L2_BUF_TYPE_VIDEO_CAPTURE)
+        format.fmt.pix.width = 1456, format.fmt.pix.height = 1088;
+      else
+        format.fmt.pix_mp.width = 1456, format.fmt.pix_mp.height = 1088;
+      return 0;
+    });
+    const auto modes = modes_of(video, queue);
+    REQUIRE(modes.size() == 1);
+    CHECK(modes[0].format == PixelFormat::Rggb10);
+    CHECK(modes[0].width == 1456);
+    CHECK(modes[0].height == 1088);
+  }
+}
+
+}  // namespace
+}  // namespace hdrcam
