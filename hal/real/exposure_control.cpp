@@ -69,7 +69,9 @@ Result<void> ExposureControl::take_over() {
       if (query(id).id == 0) return;
       if (const auto now = value(id)) found_.push_back({id, static_cast<std::int32_t>(*now)});
     };
-    // exposure and gain first: automatic ones would not take them
+    // blanking before the exposure, whose maximum follows it; both before automatic ones, which would not
+    // take them
+    if (sensor_) remember(V4L2_CID_VBLANK);
     for (const std::uint32_t id : {exposure_.id, gain_.id})
       if (id != 0) remember(id);
     for (const auto& [id, manual] : kManual) remember(id);

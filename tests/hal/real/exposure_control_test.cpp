@@ -1,0 +1,82 @@
+// The controls of a sensor whose driver is the test's.
+#include "hal/real/exposure_control.h"
+
+#include <linux/v4l2-controls.h>
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <map>
+
+#include "tests/contracts/expect.h"
+#include "tests/support/answered_ioctl.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr int kWidth = 640, kHeight = 480;
+
+// Like most drivers of sensors: the blanking limits the exposure, and a value beyond its limit becomes the
+// limit.
+struct SensorDriver {
+  std::map<std::uint32_t, std::int64_t> values{{V4L2_CID_EXPOSURE, 1200},
+                                               {V4L2_CID_ANALOGUE_GAIN, 20},
+                                               {V4L2_CID_VBLANK, 1000},
+                                               {V4L2_CID_HBLANK, 160},
+                                               {V4L2_CID_PIXEL_RATE, 24'000'000}};
+
+  std::int64_t most(std::uint32_t id) const {
+    return id == V4L2_CID_EXPOSURE ? kHeight + values.at(V4L2_CID_VBLANK) - 4 : 100'000'000;
+  }
+  void set(std::uint32_t id, std::int64_t value) {
+    values[id] = std::min(value, most(id));
+    values[V4L2_CID_EXPOSURE] = std::min(values[V4L2_CID_EXPOSURE], most(V4L2_CID_EXPOSURE));
+  }
+  int operator()(unsigned long request, void* argument) {
+    if (request == VIDIOC_QUERY_EXT_CTRL) {
+      auto& asked = *static_cast<v4l2_query_ext_ctrl*>(argument);
+      if (!values.contains(asked.id)) return EINVAL;
+      asked.minimum = 1, asked.maximum = most(asked.id), asked.step = 1, asked.flags = 0;
+      return 0;
+    }
+    if (request == VIDIOC_S_CTRL) {
+      const auto& control = *static_cast<v4l2_control*>(argument);
+      return values.contains(control.id) ? set(control.id, control.value), 0 : EINVAL;
+    }
+    if (request != VIDIOC_G_EXT_CTRLS && request != VIDIOC_S_EXT_CTRLS) return ENOTTY;
+    const auto& controls = *static_cast<v4l2_ext_controls*>(argument);
+    for (std::uint32_t i = 0; i < controls.count; ++i) {
+      v4l2_ext_control& control = controls.controls[i];
+      if (!values.contains(control.id)) return EINVAL;
+      if (request == VIDIOC_S_EXT_CTRLS)
+        set(control.id, control.value);
+      else if (control.id == V4L2_CID_PIXEL_RATE)
+        control.value64 = values[control.id];
+      else
+        control.value = static_cast<std::int32_t>(values[control.id]);
+    }
+    return 0;
+  }
+};
+
+TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that it had") {
+  SensorDriver driver;
+  const auto before = driver.values;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  ExposureControl control = ExposureControl::of_sensor(sensor, "imx219 10-0010");
+  for (const Duration frame : {std::chrono::milliseconds(20), std::chrono::milliseconds(30)}) {
+    require_done(control.take_over());
+    const auto fixed = value_of(control.fix_frame_duration(kWidth, kHeight, frame));
+    REQUIRE(fixed.has_value());
+    CHECK(std::abs((*fixed - frame).count()) < 40'000);
+    require_done(control.write({.exposure = std::chrono::milliseconds(5), .analogue_gain = 2}));
+  }
+  CHECK(driver.values != before);
+  control.give_back();
+  CHECK(driver.values == before);
+}
+
+}  // namespace
+}  // namespace hdrcam
