@@ -122,7 +122,8 @@ void CaptureStage::restart_matching() {
   pending_.reset();
   if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
   queued_requests_ = lost_since_emitted_ = 0;
-  last_place_.reset();
+  last_place_.reset(), not_decoded_.reset();
+  not_decoded_in_a_row_ = 0;
 }
 
 Result<void> CaptureStage::start() {
@@ -190,14 +191,14 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
       --queued_requests_;
       trigger_.drain(*matcher_);
       TRY(drain_strobe());
-      emitted = take(buffer, frame);
+      emitted = TRY(take(buffer, frame));
     }  // the buffer goes back, so that the next request finds it
     TRY(top_up());
     if (emitted) return {};
   }
 }
 
-bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
+Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   ++counters_.captured;
   MatchedFrame matched = matcher_->match(buffer);
   counters_.lost_by_camera += static_cast<std::uint64_t>(matched.lost_before);
@@ -208,17 +209,35 @@ bool CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& frame) {
   lost_since_emitted_ += matched.lost_before + matched.left_out_before;
   trigger_.settle(buffer.timestamp);
   counters_.trigger = trigger_.counters();
-  const bool damaged = buffer.damaged;
-  if (damaged || !unpack_pixels(buffer, options_.unpack, frame.raw.codes)) {
-    ++(damaged ? counters_.damaged : counters_.undecodable);
-    ++lost_since_emitted_;
+  if (buffer.damaged) {
+    ++counters_.damaged, ++lost_since_emitted_;
     return false;
   }
+  if (const Result<void> unpacked = unpack_pixels(buffer, options_.unpack, frame.raw.codes); !unpacked) {
+    TRY(drop_undecodable(unpacked.error()));
+    return false;
+  }
+  not_decoded_.reset(), not_decoded_in_a_row_ = 0;
   judge(buffer, matched, frame);
   follow_light(frame);
   ++counters_.emitted;
   counters_.count(frame.proof);
   return true;
+}
+
+// A frame that does not decode is one frame less; a format that cannot be unpacked, and a camera none of
+// whose frames decode, end the run with the first reason.
+Result<void> CaptureStage::drop_undecodable(const Error& why) {
+  constexpr int kMostInARow = 30;
+  ++counters_.undecodable, ++lost_since_emitted_;
+  if (!not_decoded_) not_decoded_ = why;
+  if (why.code != ErrorCode::Corrupt) return why;
+  if (++not_decoded_in_a_row_ < kMostInARow) return {};
+  return Error{
+      ErrorCode::Corrupt,
+      fmt::format("{} frames of '{}' in a row did not decode, the first for this reason: {}; choose another "
+                  "pixel format or size, or check the camera's cable",
+                  kMostInARow, camera_.capabilities().id, not_decoded_->message)};
 }
 
 // The number and time of a frame are the driver's while they increase, as every reader of a recording

@@ -151,6 +151,44 @@ TEST_CASE("a recording is whole though the driver repeats a number and a time go
   }
 }
 
+TEST_CASE("frames that do not decode are counted, and thirty in a row end the run with the first reason") {
+  std::vector<CameraFault> faults;
+  for (std::uint64_t i = 2; i < 60; ++i)
+    if (i != 10) faults.push_back({i, CameraFaultKind::Short});
+  VirtualClock clock;
+  FaultyCamera camera(simulated(clock), faults);
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
+  require_done(stage->start());
+  CapturedFrame frame;
+  for (int i = 0; i < 3; ++i) require_done(stage->next(frame));
+  CHECK(frame.lost_before == 8);
+  const auto ended = stage->next(frame);
+  require_error(ended, ErrorCode::Corrupt);
+  CHECK(ended.error().message.find("30 frames of '") == 0);
+  CHECK(ended.error().message.find("frame 11 has ") != std::string::npos);
+  CHECK(stage->counters().undecodable == 38);
+}
+
+TEST_CASE("a pixel format that cannot be unpacked ends the run at its first frame") {
+  VirtualClock clock;
+  auto inner = simulated(clock);
+  class OddCamera : public FaultyCamera {
+   public:
+    using FaultyCamera::FaultyCamera;
+    Result<CapturedBuffer> wait(Duration timeout) override {
+      CapturedBuffer buffer = TRY(FaultyCamera::wait(timeout));
+      buffer.mode.format = PixelFormat::Mjpeg;
+      return buffer;
+    }
+  } camera(std::move(inner), {});
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
+  require_done(stage->start());
+  CapturedFrame frame;
+  const auto ended = stage->next(frame);
+  require_error(ended, ErrorCode::Unsupported);
+  CHECK(ended.error().message.find("MJPEG frames need a JPEG decoder") == 0);
+}
+
 TEST_CASE("frames after a counter that begins again go on in number, and none is lost") {
   VirtualClock clock;
   RestartingCounter camera(simulated(clock), 20);
