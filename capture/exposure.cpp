@@ -9,6 +9,8 @@
 namespace hdrcam {
 namespace {
 
+constexpr double kLongest_s = 3600;
+
 // Parses the number at the start of the text and removes it from the text; nullopt where there is none.
 std::optional<double> take_number(std::string_view& text) {
   double number = 0;
@@ -34,6 +36,17 @@ std::optional<double> seconds_in(std::string_view text) {
   return std::nullopt;
 }
 
+// The number that is the whole text.
+std::optional<double> bare_number(std::string_view text) {
+  text = trimmed(text);
+  const auto number = take_number(text);
+  return text.empty() ? number : std::nullopt;
+}
+
+Error lacks_unit(std::string_view text) {
+  return {ErrorCode::Invalid, fmt::format("the time '{0}' has no unit; write {0}ms or {0}s", trimmed(text))};
+}
+
 }  // namespace
 
 bool outlasts_frame(double exposure_s, double interval_s) {
@@ -44,15 +57,20 @@ bool outlasts_frame(double exposure_s, double interval_s) {
 double log_product(const Exposure& exposure) { return std::log(exposure.product()); }
 
 Result<Duration> parse_duration(std::string_view text) {
-  constexpr double kLongest_s = 3600;
-  std::string_view rest = trimmed(text);
-  if (const auto number = take_number(rest); number && *number > 0 && rest.empty())
-    return Error{ErrorCode::Invalid,
-                 fmt::format("the time '{0}' has no unit; write {0}ms or {0}s", trimmed(text))};
+  if (bare_number(text).value_or(0) > 0) return lacks_unit(text);
   const auto seconds = seconds_in(trimmed(text));
   if (!seconds || !(*seconds >= 1e-9) || *seconds > kLongest_s)
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s", text)};
+  return from_seconds(*seconds);
+}
+
+Result<Duration> parse_signed_duration(std::string_view text) {
+  const auto number = bare_number(text);
+  if (number && *number != 0) return lacks_unit(text);
+  const auto seconds = number ? number : seconds_in(trimmed(text));
+  if (!seconds || !(std::abs(*seconds) <= kLongest_s))
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is not a time; write it like 250us, -2ms or 0", text)};
   return from_seconds(*seconds);
 }
 

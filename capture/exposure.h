@@ -47,6 +47,10 @@ bool outlasts_frame(double exposure_s, double interval_s);
 // one. Invalid for anything else, zero or negative.
 Result<Duration> parse_duration(std::string_view text);
 
+// A time before or after another one: "250us", "-2ms", "0". Invalid for anything else, and for a number other
+// than 0 without a unit.
+Result<Duration> parse_signed_duration(std::string_view text);
+
 // A cycle as the user writes it: shutter "1ms,4ms,16ms", gain "1,1,2". One gain is for all times, one time
 // for all gains; empty gains mean gain_otherwise. Invalid, naming the wrong part.
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,

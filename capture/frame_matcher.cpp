@@ -158,8 +158,17 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
       {*buffer.exposure, *gain}, digital, buffer.exposure_source.value_or(ExposureSource::Reported)};
 }
 
-// The number of the pulse, counted from the first, whose rising edge is within a quarter of a frame of the
-// time expected for this frame.
+// The edge of a pulse at the moment that the timestamp marks: exposures differ, so the end of one is a
+// constant time from the falling edge only. nullopt where that edge was not seen.
+std::optional<Instant> FrameMatcher::marked_edge(const Pulse& pulse) const {
+  const bool by_end =
+      options_.strobe == StrobePulse::SpansExposure && options_.timestamp_mark == TimestampMark::ExposureEnd;
+  if (!by_end) return pulse.rise;
+  return pulse.width ? std::optional(pulse.rise + *pulse.width) : std::nullopt;
+}
+
+// The number of the pulse, counted from the first, whose edge is within a quarter of a frame of the time
+// expected for this frame.
 std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
   if (options_.strobe == StrobePulse::Absent) return std::nullopt;
   const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
@@ -167,7 +176,9 @@ std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer
   Duration least = interval_ / 4;
   for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(pulse_count_, kPulses); ++back) {
     const std::uint64_t pulse = pulse_count_ - back;
-    const Duration off = std::chrono::abs(pulses_[pulse % kPulses].rise - expected);
+    const auto edge = marked_edge(pulses_[pulse % kPulses]);
+    if (!edge) continue;
+    const Duration off = std::chrono::abs(*edge - expected);
     if (off <= least) least = off, nearest = pulse;
   }
   return nearest;

@@ -32,7 +32,9 @@ struct FrameMatcherOptions {
   // predicted.
   std::optional<ControlDelays> delays{};
   StrobePulse strobe = StrobePulse::Absent;
-  Duration strobe_after_timestamp{0};  // of the rising edge; depends on the wiring
+  // Of the rising edge, or of the falling one where the pulse spans the exposure and the timestamp marks its
+  // end; depends on the wiring.
+  Duration strobe_after_timestamp{0};
   TimestampMark timestamp_mark = TimestampMark::ExposureBegin;
   TriggerMode trigger = TriggerMode::Off;
 };
@@ -111,6 +113,7 @@ class FrameMatcher {
   std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
   const SentRequest* written_at(std::int64_t index) const;
   bool may_show_earlier(std::uint64_t index) const;
+  std::optional<Instant> marked_edge(const Pulse& pulse) const;
   std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
   void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
   std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;

@@ -123,8 +123,7 @@ Result<CaptureSetup> capture_setup(const Settings& settings, const CameraCapabil
   options.unpack.yuv_range = settings.camera.yuv_range;
   options.unpack.decode_jpeg = jpeg_decoder();
   if (!settings.sync.line.empty()) options.strobe = settings.sync.strobe;
-  if (settings.sync.strobe_delay != Settings::Sync().strobe_delay)
-    options.strobe_after_timestamp = TRY(parse_duration(settings.sync.strobe_delay));
+  options.strobe_after_timestamp = TRY(parse_signed_duration(settings.sync.strobe_delay));
   constexpr int kPatience = 10;  // frames
   options.patience = std::max(options.patience, kPatience * options.mode.frame_duration);
   setup.cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain, usual_gain(camera)));

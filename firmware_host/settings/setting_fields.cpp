@@ -41,6 +41,13 @@ SettingField file(const char* key, const char* flag, const char* about, const ch
 }
 
 template <auto kGroup, auto kMember>
+SettingField delay(const char* key, const char* flag, const char* about) {
+  SettingField field = any<kGroup, kMember>(key, flag, about);
+  field.type = SettingType::Delay;
+  return field;
+}
+
+template <auto kGroup, auto kMember>
 SettingField list(const char* key, const char* flag, const char* about, const char* unset = "") {
   SettingField field = any<kGroup, kMember>(key, flag, about, unset);
   field.list = true;
@@ -202,9 +209,10 @@ std::vector<SettingField> sync_fields() {
       choice<&Settings::sync, &S::strobe, StrobePulse::MarksFrame, StrobePulse::SpansExposure>(
           "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
           {"frame", "exposure"}),
-      any<&Settings::sync, &S::strobe_delay>(
-          "sync.strobe_delay", "--strobe-delay",
-          "time from the driver's timestamp to the rising edge, such as 250us"),
+      delay<&Settings::sync, &S::strobe_delay>("sync.strobe_delay", "--strobe-delay",
+                                               "time from the driver's timestamp to the pulse's rising edge, "
+                                               "or to its falling edge where it spans the "
+                                               "exposure and the timestamp marks the end: 250us, -2ms or 0"),
       any<&Settings::sync, &S::active_low>("sync.active_low", "--sync-active-low",
                                            "the strobe is active low"),
       any<kGroup, &S::trigger_line>(

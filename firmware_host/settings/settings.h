@@ -52,7 +52,7 @@ struct Settings {
   struct Sync {
     std::string line;  // "": none; "gpiochip0:17" or a line's name: strobe edges; "sim", as trigger_line
     StrobePulse strobe = StrobePulse::MarksFrame;
-    std::string strobe_delay = "0us";  // from the driver's timestamp to the rising edge
+    std::string strobe_delay = "0us";  // from the driver's timestamp to the pulse's edge; may be negative
     bool active_low = false;
     std::string trigger_line;  // "": none; a GPIO line, or "sim": the wire of a simulated camera
     TriggerMode trigger = TriggerMode::Off;

@@ -46,6 +46,21 @@ TEST_CASE("durations are read as photographers write them", "[capture]") {
   CHECK(parse_duration("33").error().message == "the time '33' has no unit; write 33ms or 33s");
 }
 
+TEST_CASE("a time before or after another one has a sign, or is 0", "[capture]") {
+  CHECK(parse_signed_duration("250us").value() == 250us);
+  CHECK(parse_signed_duration(" -2ms").value() == -2ms);
+  CHECK(parse_signed_duration("-1/500").value() == -2ms);
+  for (const char* zero : {"0", "0ms", "0us", "-0s"}) CHECK(parse_signed_duration(zero).value() == 0ms);
+  for (const char* wrong : {"", "ms", "--2ms", "2 parsecs", "nan", "1e9s", "-1e9s", "-2ms5"}) {
+    CAPTURE(wrong);
+    const auto time = parse_signed_duration(wrong);
+    REQUIRE_FALSE(time.ok());
+    CHECK(time.error().code == ErrorCode::Invalid);
+    CHECK(time.error().message.find("write it like 250us, -2ms or 0") != std::string::npos);
+  }
+  CHECK(parse_signed_duration("-2").error().message == "the time '-2' has no unit; write -2ms or -2s");
+}
+
 TEST_CASE("a cycle is a list of shutter times and of gains", "[capture]") {
   const auto cycle = parse_exposures("1ms,4ms,16ms", "1, 1, 2");
   REQUIRE(cycle.ok());

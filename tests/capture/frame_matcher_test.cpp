@@ -51,8 +51,11 @@ class Stream {
   enum class Lost { Neither, Rise, Fall };
   void pulse(double frames, Lost lost = Lost::Neither) {
     const Instant rise = buffer_.timestamp + part_of(kept_, frames) + options_.strobe_after_timestamp;
+    edges_of(rise, 4ms, lost);
+  }
+  void edges_of(Instant rise, Duration width, Lost lost = Lost::Neither) {
     if (lost != Lost::Rise) matcher_.strobe({rise, true, edges_});
-    if (lost != Lost::Fall) matcher_.strobe({rise + 4ms, false, edges_ + 1});
+    if (lost != Lost::Fall) matcher_.strobe({rise + width, false, edges_ + 1});
     edges_ += 2;
   }
   // What the schedule wants of that request, ln E.
@@ -362,6 +365,28 @@ TEST_CASE("a pulse as long as the exposure tells when it began, one that marks a
     CHECK_FALSE(stream.step().strobed);
     stream.pulse(1, Stream::Lost::Rise);
     CHECK_FALSE(stream.step().strobed);
+  }
+}
+
+TEST_CASE("where timestamps mark the end of exposures, pulses of every length are matched by their ends",
+          "[capture]") {
+  for (const Duration delay : {Duration(-2ms), Duration(0), Duration(1ms)}) {
+    Stream stream({.frame_duration = kAgreed,
+                   .strobe = StrobePulse::SpansExposure,
+                   .strobe_after_timestamp = delay,
+                   .timestamp_mark = TimestampMark::ExposureEnd});
+    for (int i = 0; i < 12; ++i) {
+      constexpr Duration kWidths[] = {1ms, 16ms, 30ms};
+      const Duration width = kWidths[i % 3];
+      const Instant rise = stream.next().timestamp + (delay - width);
+      stream.edges_of(rise, width, i == 7 ? Stream::Lost::Fall : Stream::Lost::Neither);
+      const MatchedFrame frame = stream.match();
+      CAPTURE(to_seconds(delay), i);
+      REQUIRE(frame.strobed == (i != 7));
+      if (i == 7) continue;
+      CHECK(frame.opened == rise);
+      CHECK(frame.evidence.strobe_width == width);
+    }
   }
 }
 

@@ -70,6 +70,8 @@ std::string other_value(const SettingField& field) {
       return to_text(field.range.least + (field.range.most - field.range.least) / 3);
     case SettingType::TimeOrOff:
       return "33ms";
+    case SettingType::Delay:
+      return "-2ms";
     case SettingType::Gains:
       return "2,1,1.5";
     case SettingType::Knob:
@@ -396,4 +398,15 @@ TEST_CASE("docs/configuration.md lists every setting as the program has it") {
     INFO(line);
     CHECK(page.value().find(line) != std::string::npos);
   }
+}
+
+TEST_CASE("the strobe's delay takes times before and after the timestamp, and 0 with and without a unit") {
+  for (const char* delay : {"-2ms", "0ms", "0us", "0", "250us"}) {
+    const auto settings = from_flags({fmt::format("--strobe-delay={}", delay)});
+    REQUIRE(settings.ok());
+    CHECK(settings.value().sync.strobe_delay == delay);
+  }
+  CHECK(from_flags({"--config", file_with("[sync]\nstrobe_delay = 0\n")}).ok());
+  CHECK_THAT(sentence(from_flags({"--strobe-delay=2"})),
+             Contains("--strobe-delay takes a time such as 250us, -2ms or 0, not '2'"));
 }
