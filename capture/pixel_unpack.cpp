@@ -2,98 +2,10 @@
 
 #include <algorithm>
 
+#include "hal/pixel_packing.h"
+
 namespace hdrcam {
 namespace {
-
-enum class Packing { Rgb, Bgr, Yuyv, Nv12, Jpeg, Bytes, Words, Mipi10, Mipi12 };
-
-struct Format {
-  Packing packing;
-  PixelCodes codes;
-};
-
-Format format_of(PixelFormat format) {
-  using enum PixelFormat;
-  constexpr PixelLayout kBayer[] = {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg,
-                                    PixelLayout::BayerBggr};
-  const auto bayer = [&](PixelFormat first, int bits, Packing packing) {
-    return Format{packing, {kBayer[static_cast<int>(format) - static_cast<int>(first)], bits, true}};
-  };
-  switch (format) {
-    case Rgb24:
-      return {Packing::Rgb, {}};
-    case Bgr24:
-      return {Packing::Bgr, {}};
-    case Yuyv:
-      return {Packing::Yuyv, {}};
-    case Nv12:
-      return {Packing::Nv12, {}};
-    case Mjpeg:
-      return {Packing::Jpeg, {}};
-    case Grey8:
-      return {Packing::Bytes, {PixelLayout::Mono, 8, false}};
-    case Rggb8:
-    case Grbg8:
-    case Gbrg8:
-    case Bggr8:
-      return bayer(Rggb8, 8, Packing::Bytes);
-    case Rggb10:
-    case Grbg10:
-    case Gbrg10:
-    case Bggr10:
-      return bayer(Rggb10, 10, Packing::Words);
-    case Rggb12:
-    case Grbg12:
-    case Gbrg12:
-    case Bggr12:
-      return bayer(Rggb12, 12, Packing::Words);
-    case Rggb16:
-    case Grbg16:
-    case Gbrg16:
-    case Bggr16:
-      return bayer(Rggb16, 16, Packing::Words);
-    case Rggb10Packed:
-    case Grbg10Packed:
-    case Gbrg10Packed:
-    case Bggr10Packed:
-      return bayer(Rggb10Packed, 10, Packing::Mipi10);
-    case Rggb12Packed:
-    case Grbg12Packed:
-    case Gbrg12Packed:
-    case Bggr12Packed:
-      return bayer(Rggb12Packed, 12, Packing::Mipi12);
-  }
-  CHECK_EQ(static_cast<int>(format), -1);  // none of the list
-  return {};
-}
-
-// Bytes of a row of the first plane.
-std::size_t row_bytes(Packing packing, std::size_t width) {
-  switch (packing) {
-    case Packing::Rgb:
-    case Packing::Bgr:
-      return width * 3;
-    case Packing::Yuyv:
-    case Packing::Words:
-      return width * 2;
-    case Packing::Mipi10:
-      return width / 4 * 5;
-    case Packing::Mipi12:
-      return width / 2 * 3;
-    case Packing::Nv12:
-    case Packing::Bytes:
-    case Packing::Jpeg:
-      break;
-  }
-  return width;
-}
-
-// Number of pixels that share bytes or samples: the width (and, for NV12, the height) must be a multiple of
-// it.
-int sharing(Packing packing) {
-  if (packing == Packing::Mipi10) return 4;
-  return packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Mipi12 ? 2 : 1;
-}
 
 std::uint16_t byte(const std::byte* in, std::size_t i) { return std::to_integer<std::uint16_t>(in[i]); }
 
@@ -194,11 +106,14 @@ Result<void> decode_jpeg(const CapturedBuffer& buffer, const DecodeJpeg& decode,
 
 }  // namespace
 
-PixelCodes codes_of(PixelFormat format) { return format_of(format).codes; }
+PixelCodes codes_of(PixelFormat format) {
+  const auto [packing, layout, bits] = packing_of(format);
+  return {layout, bits, layout != PixelLayout::Rgb && layout != PixelLayout::Mono};
+}
 
 Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettings& settings,
                            Image<std::uint16_t>& codes) {
-  const auto [packing, kind] = format_of(buffer.mode.format);
+  const auto [packing, layout, bits] = packing_of(buffer.mode.format);
   if (packing == Packing::Jpeg) return decode_jpeg(buffer, settings.decode_jpeg, codes);
 
   const int width = buffer.mode.width, height = buffer.mode.height, shared = sharing(packing);
@@ -207,7 +122,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
                  fmt::format("a picture of {}x{} cannot have this pixel format, which shares "
                              "samples between {} pixels; choose another size",
                              width, height, shared)};
-  const std::size_t tight = row_bytes(packing, static_cast<std::size_t>(width));
+  const std::size_t tight = row_bytes(packing, width);
   const std::size_t stride = buffer.stride == 0 ? tight : buffer.stride;
   const auto rows = static_cast<std::size_t>(packing == Packing::Nv12 ? height + height / 2 : height);
   const std::size_t needed = stride * (rows - 1) + tight;
@@ -216,7 +131,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
                  fmt::format("frame {} has {} bytes in rows of {}; a {}x{} picture needs {} in rows of {}",
                              buffer.sequence, buffer.pixels.size(), stride, width, height, needed, tight)};
 
-  codes.reshape(channels(kind.layout), height, width);
+  codes.reshape(channels(layout), height, width);
   const YuvToRgb rgb(settings.yuv_range);
   for (int y = 0; y < height; ++y) {
     const std::byte* row = buffer.pixels.data() + static_cast<std::size_t>(y) * stride;
@@ -235,7 +150,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
                     codes);
         break;
       default:
-        unpack_raw(row, packing, kind.bits, {codes.row(0, y), static_cast<std::size_t>(width)});
+        unpack_raw(row, packing, bits, {codes.row(0, y), static_cast<std::size_t>(width)});
     }
   }
   return {};

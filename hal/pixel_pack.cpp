@@ -1,39 +1,9 @@
 #include "hal/pixel_pack.h"
 
+#include "hal/pixel_packing.h"
+
 namespace hdrcam {
 namespace {
-
-enum class Packing { Rgb, Bgr, Bytes, Words, Mipi10, Mipi12 };
-
-constexpr PixelLayout kBayer[] = {PixelLayout::BayerRggb, PixelLayout::BayerGrbg, PixelLayout::BayerGbrg,
-                                  PixelLayout::BayerBggr};
-
-// The Bayer formats are in groups of four, in the order of kBayer.
-struct Run {
-  PixelFormat first;
-  int bits;
-  Packing packing;
-  int multiple;  // of the width
-};
-constexpr Run kRuns[] = {
-    {PixelFormat::Rggb8, 8, Packing::Bytes, 1},          {PixelFormat::Rggb10, 10, Packing::Words, 1},
-    {PixelFormat::Rggb12, 12, Packing::Words, 1},        {PixelFormat::Rggb16, 16, Packing::Words, 1},
-    {PixelFormat::Rggb10Packed, 10, Packing::Mipi10, 4}, {PixelFormat::Rggb12Packed, 12, Packing::Mipi12, 2},
-};
-const Run* run_of(PixelFormat format) {
-  for (const Run& run : kRuns) {
-    const int order = static_cast<int>(format) - static_cast<int>(run.first);
-    if (order >= 0 && order < 4) return &run;
-  }
-  return nullptr;
-}
-
-Packing packing_of(PixelFormat format) {
-  if (format == PixelFormat::Rgb24) return Packing::Rgb;
-  if (format == PixelFormat::Bgr24) return Packing::Bgr;
-  const Run* run = run_of(format);
-  return run != nullptr ? run->packing : Packing::Bytes;
-}
 
 std::byte low(int code) { return static_cast<std::byte>(code & 0xff); }
 
@@ -66,46 +36,28 @@ void pack_mipi12(const std::uint16_t* codes, int cols, std::byte* out) {
 }  // namespace
 
 std::optional<PackedFormat> packed_format(PixelFormat format) {
-  if (format == PixelFormat::Rgb24 || format == PixelFormat::Bgr24) return PackedFormat{};
-  if (format == PixelFormat::Grey8) return PackedFormat{PixelLayout::Mono, 8, 1};
-  const Run* run = run_of(format);
-  if (run == nullptr) return std::nullopt;
-  const int order = static_cast<int>(format) - static_cast<int>(run->first);
-  return PackedFormat{kBayer[order], run->bits, run->multiple};
+  const auto [packing, layout, bits] = packing_of(format);
+  if (packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Jpeg) return std::nullopt;
+  return PackedFormat{layout, bits, sharing(packing)};
 }
 
+// The first of the list, which has words before what MIPI packs.
 std::optional<PixelFormat> format_for(PixelLayout layout, int bits) {
-  if (layout == PixelLayout::Rgb) return bits == 8 ? std::optional(PixelFormat::Rgb24) : std::nullopt;
-  if (layout == PixelLayout::Mono) return bits == 8 ? std::optional(PixelFormat::Grey8) : std::nullopt;
-  for (const Run& run : kRuns)
-    for (int order = 0; order < 4; ++order)
-      if (run.bits == bits && kBayer[order] == layout)
-        return static_cast<PixelFormat>(static_cast<int>(run.first) + order);
+  for (int i = 0; i <= static_cast<int>(PixelFormat::Bggr12Packed); ++i) {
+    const auto packed = packed_format(static_cast<PixelFormat>(i));
+    if (packed && packed->layout == layout && packed->bits == bits) return static_cast<PixelFormat>(i);
+  }
   return std::nullopt;
 }
 
 std::size_t packed_stride(PixelFormat format, int width) {
-  const auto pixels = static_cast<std::size_t>(width);
-  switch (packing_of(format)) {
-    case Packing::Rgb:
-    case Packing::Bgr:
-      return 3 * pixels;
-    case Packing::Words:
-      return 2 * pixels;
-    case Packing::Mipi10:
-      return pixels / 4 * 5;
-    case Packing::Mipi12:
-      return pixels / 2 * 3;
-    case Packing::Bytes:
-      break;
-  }
-  return pixels;
+  return row_bytes(packing_of(format).packing, width);
 }
 
 void pack_codes(const Image<std::uint16_t>& codes, PixelFormat format, std::span<std::byte> bytes) {
   const std::size_t stride = packed_stride(format, codes.cols());
   CHECK_EQ(bytes.size(), stride * static_cast<std::size_t>(codes.rows()));
-  const Packing packing = packing_of(format);
+  const Packing packing = packing_of(format).packing;
   for (int y = 0; y < codes.rows(); ++y) {
     std::byte* out = bytes.data() + static_cast<std::size_t>(y) * stride;
     const std::uint16_t* row = codes.row(0, y);
@@ -126,6 +78,9 @@ void pack_codes(const Image<std::uint16_t>& codes, PixelFormat format, std::span
         pack_mipi12(row, codes.cols(), out);
         break;
       case Packing::Bytes:
+      case Packing::Yuyv:  // YUV and JPEG are not packed
+      case Packing::Nv12:
+      case Packing::Jpeg:
         for (int x = 0; x < codes.cols(); ++x) out[x] = low(row[x]);
         break;
     }

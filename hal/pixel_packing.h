@@ -1,0 +1,27 @@
+// How the pixels of each format of a camera lie in memory, and what their codes are: one table for packing
+// (pixel_pack.h) and unpacking (capture/pixel_unpack.h). Plain values; reentrant.
+#pragma once
+
+#include <cstddef>
+
+#include "hal/camera.h"
+#include "hal/core/frame.h"
+
+namespace hdrcam {
+
+// Words: 16 bits, little endian. Mipi10, Mipi12: the high bytes of a group of pixels, then their low bits.
+enum class Packing { Rgb, Bgr, Yuyv, Nv12, Jpeg, Bytes, Words, Mipi10, Mipi12 };
+
+struct PixelPacking {
+  Packing packing = Packing::Rgb;
+  PixelLayout layout = PixelLayout::Rgb;  // of the codes; RGB for YUV and JPEG, which have none of their own
+  int bits = 8;                           // of a code
+};
+PixelPacking packing_of(PixelFormat format);
+
+// Bytes of a row of the first plane.
+std::size_t row_bytes(Packing packing, int width);
+// Number of pixels that share bytes or samples: the width (and, for NV12, the height) is a multiple of it.
+int sharing(Packing packing);
+
+}  // namespace hdrcam
