@@ -277,11 +277,8 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   facts.exposure_source = label.source;
   facts.slot = frame.proof.trusted() ? slot_of(label) : -1;
   facts.black_level = black_.stated();
-  if (buffer.exposure_source == ExposureSource::Estimated && frame.proof.trusted()) {
-    // a recording's exposures that came from its pictures are not proved by them
-    facts.exposure_source = ExposureSource::Estimated;
-    frame.proof.verdict = Verdict::Estimated;
-  }
+  frame.proof.limit_to(buffer.exposure_source.value_or(ExposureSource::Unknown));
+  if (frame.proof.verdict == Verdict::Estimated) facts.exposure_source = ExposureSource::Estimated;
   facts.verdict = frame.proof.verdict;
   if (std::isfinite(frame.proof.within_ev) && frame.proof.within_ev > 0)
     facts.exposure_within_ev = frame.proof.within_ev;

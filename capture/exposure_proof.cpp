@@ -32,13 +32,13 @@ int claim_saying(const FrameEvidence& evidence, double value) {
 double ExposureClaim::log_value() const { return log_product(exposure) + std::log(digital_gain); }
 
 void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
-  CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 2);
+  CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 3);
   const std::array<Exposure, kCandidates> earlier = cycle_;
-  const int earlier_count = current_count_;
-  current_count_ = cycle_count_ = static_cast<int>(cycle.size());
+  const int earlier_count = std::min(cycle_count_, kCandidates - static_cast<int>(cycle.size()));
+  current_count_ = static_cast<int>(cycle.size());
+  cycle_count_ = current_count_ + earlier_count;
   std::copy(cycle.begin(), cycle.end(), cycle_.begin());
-  std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + cycle_count_);
-  cycle_count_ += earlier_count;
+  std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + current_count_);
   proved_in_current_ = undecided_ = 0;
   exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
@@ -180,10 +180,8 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
   if (claim >= 0) {
     judgement.label = evidence.claims[static_cast<std::size_t>(claim)];
   } else {
-    const auto slot = std::find_if(
-        cycle_.begin(), cycle_.begin() + cycle_count_,
-        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
-    CHECK(slot != cycle_.begin() + cycle_count_);
+    const Exposure* slot = candidate(value, cycle_count_);
+    CHECK(slot != nullptr);
     judgement.label = {*slot, 1, ExposureSource::Photometric};
     judgement.relabelled = evidence.claim_count > 0;
   }
@@ -232,19 +230,24 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   return judgement;
 }
 
-// Once enough frames of the new cycle have been proved, the previous cycle is dropped. Pictures do not tell
-// the two apart where all exposures changed by one factor: without a right claim all frames are undecided
-// then, and the previous cycle is dropped when more of them follow each other than requests can be left from
+const Exposure* ExposureProof::candidate(double value, int count) const {
+  const auto end = cycle_.begin() + count;
+  const auto found = std::find_if(cycle_.begin(), end, [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - value) <= kSameExposure;
+  });
+  return found == end ? nullptr : &*found;
+}
+
+// Once enough frames of the new cycle have been proved, the earlier ones are dropped. Pictures do not tell
+// two cycles apart where all exposures changed by one factor: without a right claim all frames are undecided
+// then, and the earlier cycles are dropped when more of them follow each other than requests can be left from
 // before.
-void ExposureProof::retire_earlier_cycle(const Judgement& judgement) {
+void ExposureProof::retire_earlier_cycles(const Judgement& judgement) {
   constexpr int kMostQueued = 32 + kMaxDelay;  // requests (--buffers), and frames until their controls act
   if (cycle_count_ == current_count_) return;
   undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
   if (judgement.verdict == Verdict::Proved) {
-    const double value = judgement.label.log_value();
-    const bool current = std::any_of(
-        cycle_.begin(), cycle_.begin() + current_count_,
-        [&](const Exposure& exposure) { return std::abs(log_product(exposure) - value) <= kSameExposure; });
+    const bool current = candidate(judgement.label.log_value(), current_count_) != nullptr;
     proved_in_current_ = current ? proved_in_current_ + 1 : 0;
   }
   if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostQueued) cycle_count_ = current_count_;
@@ -261,7 +264,7 @@ Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricS
     frame.ratio_from[static_cast<std::size_t>(age - 1)] = photometer.ratio(back(age).picture, picture);
   gather_values(evidence, frame);
   frame.judgement = weigh(evidence, explain());
-  retire_earlier_cycle(frame.judgement);
+  retire_earlier_cycles(frame.judgement);
   return frame.judgement;
 }
 

@@ -68,16 +68,20 @@ struct Judgement {
   bool trusted() const {
     return verdict == Verdict::Proved || verdict == Verdict::Plausible || verdict == Verdict::Estimated;
   }
+  // Pictures do not prove an exposure that was estimated from them.
+  void limit_to(ExposureSource stated) {
+    if (stated == ExposureSource::Estimated && trusted()) verdict = Verdict::Estimated;
+  }
 };
 
 class ExposureProof {
  public:
-  static constexpr int kWindow = 8;      // frames: two rounds of the longest cycle
-  static constexpr int kCandidates = 8;  // exposures: a cycle of four, and the cycle before it
+  static constexpr int kWindow = 8;       // frames: two rounds of the longest cycle
+  static constexpr int kCandidates = 12;  // exposures: a cycle of four, and the two before it
 
-  // Sets the exposures that frames can have. After a change of schedule the earlier ones stay candidates,
-  // because queued requests still carry them, until enough frames are proved to have the new ones, or so
-  // many in a row are undecided that no request can carry the earlier ones any more.
+  // Sets the exposures that frames can have. After a change of schedule those of the last two stay
+  // candidates, because queued requests still carry them, until enough frames are proved to have the new
+  // ones, or so many in a row are undecided that no request can carry the earlier ones any more.
   void set_cycle(std::span<const Exposure> cycle);
   // Discards the evidence of earlier frames: after a new response or a restart of the camera.
   void forget() { count_ = 0; }
@@ -122,13 +126,15 @@ class ExposureProof {
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;
-  void retire_earlier_cycle(const Judgement& judgement);
+  // The first of the cycle's candidates [0, count) that has this exposure; null for none.
+  const Exposure* candidate(double value, int count) const;
+  void retire_earlier_cycles(const Judgement& judgement);
 
-  std::array<Exposure, kCandidates> cycle_{};  // the current one first, then the one before
+  std::array<Exposure, kCandidates> cycle_{};  // the current one first, then those before
   int current_count_ = 0, cycle_count_ = 0;
   bool exposures_differ_ = false;  // the current cycle has two exposures that differ
   int proved_in_current_ = 0;
-  int undecided_ = 0;  // frames in a row, while the earlier cycle is a candidate
+  int undecided_ = 0;  // frames in a row, while earlier cycles are candidates
   std::array<Frame, kWindow> ring_{};
   int newest_ = 0, count_ = 0;
 };

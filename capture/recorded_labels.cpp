@@ -147,8 +147,7 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   } else if (facts.verdict == Verdict::Proved && judgement.trusted()) {
     frame.proof.verdict = Verdict::Proved;
   }
-  if (facts.exposure_source == ExposureSource::Estimated && frame.proof.trusted())
-    frame.proof.verdict = Verdict::Estimated;
+  frame.proof.limit_to(facts.exposure_source);
   if (frame.proof.verdict == Verdict::Contradicted && is_exposure(facts)) {
     contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
                          described(facts.exposure_s, facts.analogue_gain * facts.digital_gain));

@@ -287,6 +287,36 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("two quick changes by one factor: no frame gets a wrong label", "[capture]") {
+  constexpr Exposure kTwice[] = {{2ms, 1}, {8ms, 1}, {32ms, 1}},
+                     kThrice[] = {{3ms, 1}, {12ms, 1}, {48ms, 1}};  // the same ratios
+  for (const bool claimed : {false, true})
+    for (const std::size_t between : {2, 5, 9, 13}) {
+      // Without claims, or with those of the next slot.
+      const auto evidence = [&](std::span<const Exposure> cycle, std::size_t i) {
+        return claimed ? claims({predicted(cycle[(i + 1) % 3])}) : FrameEvidence{};
+      };
+      Bench bench(kThree);
+      const auto expect_right = [&](std::span<const Exposure> shown, std::span<const Exposure> asked,
+                                    std::size_t frames) {
+        for (std::size_t i = 0; i < frames; ++i) {
+          const Judgement judgement = bench.judge(shown[i % 3], evidence(asked, i));
+          CAPTURE(claimed, between, i, judgement.relabelled);
+          if (judgement.trusted())
+            CHECK(to_seconds(judgement.label.exposure.time) == to_seconds(shown[i % 3].time));
+        }
+      };
+      for (std::size_t i = 0; i < 20; ++i) bench.judge(kThree[i % 3], evidence(kThree, i));
+      // Requests of the cycle before are still queued when the next one is set.
+      bench.proof().set_cycle(kTwice);
+      expect_right(kThree, kThree, between);
+      bench.proof().set_cycle(kThrice);
+      expect_right(kThree, kThree, 2);
+      expect_right(kTwice, kTwice, between);
+      expect_right(kThrice, kThrice, 100);
+    }
+}
+
 TEST_CASE("a change of the cycle that the camera ignores is never proved", "[capture]") {
   constexpr Exposure kOther[] = {{2ms, 1}, {5ms, 1}, {20ms, 1}}, kTwice[] = {{2ms, 1}, {8ms, 1}, {32ms, 1}};
   for (const std::span<const Exposure> cycle : {std::span<const Exposure>(kOther), {kTwice}}) {
