@@ -92,6 +92,7 @@ Result<void> OnlineStage::bootstrap(const Emit& emit) {
 Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame, const Emit& emit) {
   TRY(finish(emit));
   while (!steps_.empty()) retire_oldest();
+  state_->forget_residuals();
   sensor_.begin_anew(estimate, frame);
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
   field_rested_ = field_ != nullptr;
@@ -208,6 +209,7 @@ Result<void> OnlineStage::fit(Step& step) {
   step.in_field = field_takes_part();
   if (!step.in_field) {
     field_rested_ = true;
+    step.T_world_camera = {};
     return {};
   }
   Stopwatch watch;
@@ -223,6 +225,7 @@ Result<void> OnlineStage::fit(Step& step) {
   if (look_ahead_ > 1) {
     step.depth.inverse_depth.copy_from(depth.inverse_depth);
     step.depth.weight.copy_from(depth.weight);
+    step.depth.step_px = depth.step_px;
   }
   if (timing_) timing_(Stage::Pose, watch.lap_ms());
   TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, sensor_.response()}));
@@ -241,7 +244,8 @@ std::optional<FramePose> OnlineStage::stated_pose(const ExposedFrame& frame, con
 void OnlineStage::start_second_layer(const ExposedFrame& first) {
   field_rested_ = false;
   ++world_;
-  poses_ = make_pose_prior(knobs_.pose, camera_, first.facts.T_world_camera.has_value(), pool_);
+  if (!field_) has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
+  poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
   DepthOptions depth = knobs_.depth;
   // no finer than the field's blocks can use, and half as fine where nobody looks at it
   const bool seen = knobs_.field_step != FieldStep::Auto;

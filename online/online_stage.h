@@ -90,6 +90,7 @@ class OnlineStage {
   static constexpr std::array<float, 3> kAllBlack{1e9f, 1e9f, 1e9f};
   std::array<float, 3> darkest_ = kAllBlack;  // radiance up to which even the longest one so far is black
   JoinedState joined_;                        // borrowed during an emission
+  bool has_poses_ = false;                    // the recording states poses: its first frame in the field does
   // created with the first frame that the field takes part in
   std::unique_ptr<PosePrior> poses_;
   std::unique_ptr<DepthPrior> depth_;

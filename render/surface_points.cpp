@@ -15,14 +15,12 @@ void find_surface_points(const FrameEstimate& estimate, const Image<float>& radi
   const DepthMap& map = *estimate.depth;
   const Intrinsics& lens = estimate.view.lens;
   const RigidTransform& T_world_camera = estimate.pose->T_world_camera;
-  const int step = std::max(1, radiance.cols() / map.weight.cols());  // of the map's grid
-  const int stride = std::max(1, kSurfacePointStep_px / step);        // in the map
+  const int stride = std::max(1, kSurfacePointStep_px / map.step_px);  // in the map
   for (int row = stride / 2; row < map.weight.rows(); row += stride)
     for (int col = stride / 2; col < map.weight.cols(); col += stride) {
       const float inverse_depth = map.inverse_depth.at(0, row, col);
-      const int y = row * step + step / 2, x = col * step + step / 2;  // the pixel that the map measured
+      const int y = map.pixel_of(row, radiance.rows()), x = map.pixel_of(col, radiance.cols());
       if (map.weight.at(0, row, col) < kLeastWeight || inverse_depth <= 0) continue;
-      if (y >= radiance.rows() || x >= radiance.cols()) continue;
       const double z = 1 / static_cast<double>(inverse_depth), u = x + 0.5, v = y + 0.5;
       const Eigen::Vector3d p_camera{(u - lens.cx_px) / lens.fx_px * z, (v - lens.cy_px) / lens.fy_px * z, z};
       points.push_back({T_world_camera.R * p_camera + T_world_camera.t,

@@ -54,7 +54,8 @@ class ResponseEstimator {
     return matches_.add(a, b, cuts);
   }
 
-  // Pairs that counted. Without any, estimate() returns the mean of real cameras and no black level.
+  // Pairs that counted. Without any, estimate() finds no black level, and of the curve what the sensor's own
+  // noise tells; where frames do not show that either, the mean of real cameras.
   int pairs() const { return matches_.pairs(); }
 
   // Takes 50 to 100 ms, the more levels are tried. `noise` gives the uncertainty of the codes. Every model

@@ -18,9 +18,9 @@ ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, co
   estimator_ = ResponseEstimator(frames.front().facts().black_level, options_.code_step);
   look(frames, SceneCuts::Possible);
   if (estimator_.pairs() == 0) look(frames, SceneCuts::None);  // not every pair of frames spans a cut
-  measured_ = estimator_.pairs() > 0;
   frames_ = look_at_ = static_cast<long>(frames.size());
   ResponseEstimate estimate = estimator_.estimate(noise, options_.model);
+  measured_ = is_measured(estimate);
   uncertainty_ = uncertainty_of(estimate.response);
   return estimate;
 }
@@ -47,9 +47,14 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
   window_.clear();
   look_at_ = now + pause_after(now, options_.frames);
   const double uncertainty = uncertainty_of(found.response);
-  if (estimator_.pairs() == 0 || uncertainty > kFarMoreCertain * uncertainty_) return {};
+  if (!is_measured(found) || uncertainty > kFarMoreCertain * uncertainty_) return {};
   measured_ = true, uncertainty_ = uncertainty;
   return found;
+}
+
+// By what two exposures show alike, or by the sensor's own noise.
+bool ResponseLearner::is_measured(const ResponseEstimate& estimate) const {
+  return estimator_.pairs() > 0 || estimate.noise;
 }
 
 // At frames in a row.

@@ -32,11 +32,13 @@ class ResponseLearner {
   // is far more certain than before; nearly always nothing. May wait for the fit of frames long ago.
   std::optional<ResponseEstimate> next(const ExposedFrame& frame, const NoiseModel& noise);
 
-  // False while no two exposures showed one scene, and the mean of real cameras stands in.
+  // False while neither two exposures of one scene nor the sensor's own noise told of the curve, and the mean
+  // of real cameras stands in.
   bool measured() const { return measured_; }
 
  private:
   void look(std::span<const CompactFrame> frames, SceneCuts cuts);
+  bool is_measured(const ResponseEstimate& estimate) const;
 
   const Options options_;
   ResponseEstimator estimator_;  // of the fit alone, while it runs

@@ -14,6 +14,7 @@ class CpuState final : public StateLayer {
     filter_.fusion().set_white(input.white);
     filter_.restart(input.frame, input.tables);
   }
+  void forget_residuals() override { filter_.forget_residuals(); }
   void advance(const StateInput& input, const FlowField& to_previous) override {
     filter_.fusion().set_white(input.white);
     filter_.advance(input.frame, input.tables, to_previous, input.blur_fraction());

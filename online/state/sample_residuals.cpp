@@ -11,7 +11,6 @@ namespace hdrcam {
 namespace {
 
 constexpr std::size_t kEnough = 40;
-constexpr int kPixels = 9600;      // of a frame of any size: they tell the spread of all bins
 constexpr float kLearning = 0.3f;  // share of a new frame in its slot's average
 
 }  // namespace
@@ -51,8 +50,7 @@ void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samp
   const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
   const int rows = predicted.radiance.rows(), cols = predicted.radiance.cols();
-  const int lines_apart = std::max(1, rows * cols / (how.stride_px * how.stride_px) / kPixels);
-  for (int y = 1; y < rows - 1; y += how.stride_px * lines_apart) {
+  for (int y = 1, step = how.line_step_px(rows, cols); y < rows - 1; y += step) {
     const float *s = predicted.radiance.row(c, y), *v = predicted.variance.row(c, y);
     const float *up = predicted.radiance.row(c, y - 1), *down = predicted.radiance.row(c, y + 1);
     const float *r = samples.radiance.row(c, y), *w = samples.weight.row(c, y);

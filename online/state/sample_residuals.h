@@ -4,6 +4,7 @@
 // are used. Thread-bound.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <vector>
@@ -20,6 +21,11 @@ struct ResidualSampling {
   float least_confidence = 0.8f;  // of the motion
   float misalignment = 0.05f;     // squared pixels per (2 pixels)^2: what a match may be off
   float relative = 0.05f;         // of radiance: contrast that does no harm
+
+  // Between lines that are looked at: some 9600 pixels of a frame of any size tell the spread of all bins.
+  int line_step_px(int rows, int cols) const {
+    return stride_px * std::max(1, rows * cols / (stride_px * stride_px) / 9600);
+  }
 };
 inline constexpr ResidualSampling kResidualSampling;
 

@@ -23,6 +23,9 @@ class StateFilter {
   // Starts with the first frame of a clip or of a new scene and discards the state.
   void restart(const ExposedFrame& frame, const ExposureTables& tables);
 
+  // What residuals told is of another response: before the tables of the next frame are made.
+  void forget_residuals() { residuals_ = SampleResiduals(); }
+
   // Goes on from what somebody else knows of a clip.
   void resume(const RadianceState& state, const SampleResiduals& residuals) {
     state_.copy_from(state);

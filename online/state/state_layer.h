@@ -28,8 +28,9 @@ class StateLayer {
  public:
   virtual ~StateLayer() = default;
 
-  // As StateFilter::restart and advance.
+  // As StateFilter's.
   virtual void restart(const StateInput& input) = 0;
+  virtual void forget_residuals() = 0;
   virtual void advance(const StateInput& input, const FlowField& to_previous) = 0;
   // As LookAhead::join; of: state(), or a copy of an earlier one.
   virtual void join(const RadianceState& of, std::span<const LaterFrame> later, float white,

@@ -60,7 +60,7 @@ class Interpolation {
 // What one source shows at a pixel of the view, and how much it counts.
 struct Sight {
   const Keyframe* key;
-  float x, y, rank, weight;
+  float x, y, inverse_depth, rank, weight;
 };
 
 }  // namespace
@@ -155,9 +155,12 @@ void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
         for (std::size_t i = 0; i < 2; ++i) {
           const Source& source = sources_[i];
           if (source.key == nullptr || !(source.answer.inverse.at(0, y, x) > 0)) continue;
-          sights[count++] = {source.key, source.answer.source.at(0, y, x), source.answer.source.at(1, y, x),
-                             source.answer.rank.at(0, y, x), shares[i]};
-          frame.depth.at(0, y, x) = 1 / source.answer.inverse.at(0, y, x);
+          sights[count++] = {source.key,
+                             source.answer.source.at(0, y, x),
+                             source.answer.source.at(1, y, x),
+                             source.answer.inverse.at(0, y, x),
+                             source.answer.rank.at(0, y, x),
+                             shares[i]};
         }
         holes_.at(0, y, x) = count == 0;
         if (count == 0) continue;
@@ -170,17 +173,19 @@ void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
         }
         float sum = 0;
         for (std::size_t i = 0; i < count; ++i) sum += sights[i].weight = std::max(sights[i].weight, kLeast);
-        float radiance[3] = {0, 0, 0}, sigma = 0;
+        float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
         for (std::size_t i = 0; i < count; ++i) {
           const Sight& sight = sights[i];
           const Interpolation at(sight.key->frame.radiance, sight.x, sight.y);
           const float weight = sight.weight / sum;
           for (int c = 0; c < 3; ++c) radiance[c] += weight * at.cubic_value(c);
+          inverse_depth += weight * sight.inverse_depth;
           sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
         }
         const Sight& most = sights[count == 2 && sights[1].weight > sights[0].weight ? 1 : 0];
         const Interpolation at(most.key->frame.radiance, most.x, most.y);
         for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
+        frame.depth.at(0, y, x) = 1 / inverse_depth;
         frame.sigma.at(0, y, x) = sigma;
         frame.provenance.at(0, y, x) = most.key->frame.provenance.at(0, at.nearest_row(), at.nearest_col());
       }

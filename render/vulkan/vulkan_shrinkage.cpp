@@ -21,6 +21,11 @@ Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device
   return made;
 }
 
+VulkanShrinkage::~VulkanShrinkage() {
+  const std::lock_guard turn(device_.turn());
+  for (GpuPicture* picture : {&radiance_, &variance_, &opponent_, &sums_, &weights_}) picture->buffer.reset();
+}
+
 Result<void> VulkanShrinkage::reserve(int rows, int cols, int tile_rows, int tile_cols) {
   if (radiance_.rows != rows || radiance_.cols != cols) {
     radiance_ = TRY(GpuPicture::make(device_, 3, rows, cols));

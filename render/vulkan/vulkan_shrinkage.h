@@ -13,6 +13,7 @@ namespace hdrcam {
 class VulkanShrinkage {
  public:
   static Result<std::unique_ptr<VulkanShrinkage>> make(GpuDevice& device);
+  ~VulkanShrinkage();
 
   // As Shrinkage::apply; on an error the radiance is as it was. Errors: those of the device.
   Result<void> apply(Image<float>& radiance, const Image<float>& variance, const ShrinkageOptions& options);

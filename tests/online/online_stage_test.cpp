@@ -6,6 +6,7 @@
 
 #include "capture/exposed_stream.h"
 #include "hal/core/median.h"
+#include "online/response/response_estimator.h"
 #include "render/emission.h"
 #include "tests/support/moving_scene.h"
 
@@ -327,6 +328,23 @@ TEST_CASE("the first frames tell the noise of a sensor whose exposures share har
   CHECK(origin == NoiseOrigin::Sensor);
   CHECK(stream.online().sensor().noise().full_well == Approx(3000).epsilon(0.15));
   CHECK(stream.online().sensor().noise().read_noise == Approx(15).epsilon(0.25));
+}
+
+TEST_CASE("a response that the sensor's noise alone told is measured") {
+  test::MovingScene scene;
+  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
+  scene.exposures_s = {0.004};  // no two that could be compared
+  scene.gamma = 1;
+  scene.full_well = 3000, scene.read_noise = 15;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  Stream stream(scene, options, pool);
+  const auto emit = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  const SensorModel& sensor = stream.online().sensor();
+  CHECK(sensor.response_measured());
+  CHECK(response_error(sensor.response(), Response::linear()) <
+        0.5 * response_error(prior_mean_response(), Response::linear()));
 }
 
 TEST_CASE("noise that single frames do not tell is learned from pairs of them") {

@@ -3,18 +3,24 @@
 // result does not depend on the number of threads.
 #pragma once
 
+#include <algorithm>
+
 #include "hal/core/image.h"
 #include "online/priors/pose/pose_prior.h"
 #include "online/priors/seen_frame.h"
 
 namespace hdrcam {
 
-// A depth map on any grid over the picture. inverse_depth: [1, rows, cols] 1 / camera z, in 1 / unit of
-// length of the poses, >= 0, finite. weight: [1, rows, cols] 0..1: d^2 / (d^2 + sigma_d^2); 0 unknown or
-// dynamic, 0.5 where sigma_d equals d.
+// A depth map on a grid over the picture, a point in each square of step_px pixels. inverse_depth: [1, rows,
+// cols] 1 / camera z, in 1 / unit of length of the poses, >= 0, finite. weight: [1, rows, cols] 0..1: d^2 /
+// (d^2 + sigma_d^2); 0 unknown or dynamic, 0.5 where sigma_d equals d.
 struct DepthMap {
   Image<float> inverse_depth;
   Image<float> weight;
+  int step_px = 1;
+
+  // The row (column) of the picture, of so many, that a row (column) of the map stands for.
+  int pixel_of(int point, int pixels) const { return std::min(point * step_px + step_px / 2, pixels - 1); }
 
   bool empty() const { return weight.empty(); }
 };

@@ -35,6 +35,7 @@ const DepthMap& DynamicDepth::complete(const DepthMap& measured, const Image<flo
                                        const FlowField& to_previous) {
   completed_.inverse_depth.copy_from(measured.inverse_depth);
   completed_.weight.copy_from(measured.weight);
+  completed_.step_px = step_px_;
   if (!guess_.same_shape(measured.weight)) {
     guess_.reshape_like(measured.weight);
     guess_.fill(0);
@@ -166,7 +167,8 @@ float DynamicDepth::last_guess(int label, const FlowField& to_previous) {
   for (int y = region.top; y <= region.bottom; ++y)
     for (int x = 0; x < cols; ++x) {
       if (label_.at(0, y, x) != label) continue;
-      const int py = y * step_px_ + step_px_ / 2, px = x * step_px_ + step_px_ / 2;
+      const int py = completed_.pixel_of(y, to_previous.vectors.rows());
+      const int px = completed_.pixel_of(x, to_previous.vectors.cols());
       const float v = static_cast<float>(py) + to_previous.vectors.at(1, py, px);
       const float u = static_cast<float>(px) + to_previous.vectors.at(0, py, px);
       const float step = static_cast<float>(step_px_);

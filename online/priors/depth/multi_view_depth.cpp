@@ -49,6 +49,7 @@ MultiViewDepth::MultiViewDepth(const DepthOptions& options, const Intrinsics& le
   learnt_ = Image<float>(2, rows_, cols_);
   prior_.inverse_depth = Image<float>(1, rows_, cols_);
   prior_.weight = Image<float>(1, rows_, cols_);
+  prior_.step_px = options.step_px;
   dynamic_ = Image<float>(1, rows_, cols_);
 }
 
@@ -104,8 +105,8 @@ void MultiViewDepth::carry(const FlowField& to_previous, const Relative& previou
       for (int x = 0; x < cols_; ++x) {
         for (Keyframe& keyframe : keyframes_) keyframe.carried.at(2, y, x) = 0;
         carried_learnt_.at(0, y, x) = carried_learnt_.at(1, y, x) = 0;
-        const int px = x * options_.step_px + options_.step_px / 2;
-        const int py = y * options_.step_px + options_.step_px / 2;
+        const int px = prior_.pixel_of(x, to_previous.confidence.cols());
+        const int py = prior_.pixel_of(y, to_previous.confidence.rows());
         if (!(to_previous.confidence.at(0, py, px) >= options_.least_confidence)) continue;
         const float from_x = static_cast<float>(x) + to_previous.vectors.at(0, py, px) * per_step;
         const float from_y = static_cast<float>(y) + to_previous.vectors.at(1, py, px) * per_step;

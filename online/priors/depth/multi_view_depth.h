@@ -35,8 +35,8 @@ class MultiViewDepth final : public DepthPrior {
   MultiViewDepth(const DepthOptions& options, const Intrinsics& lens, int rows, int cols, WorkerPool& pool);
 
   // to_previous: this frame -> the previous one, [dx dy, rows, cols] px; empty for the first. The prior is of
-  // this frame, [1, rows / step_px, cols / step_px]; its sample (y, x) is that of the pixel (y * step_px +
-  // step_px / 2, x * step_px + step_px / 2). It belongs to this object until the next call.
+  // this frame, [1, rows / step_px, cols / step_px], but at least two points along either side. It belongs to
+  // this object until the next call.
   const DepthMap& next(const CameraPose& pose, const FlowField& to_previous);
 
   // Of the same frame and grid, [1, rows, cols]: 1 where a point is known to have moved against the static

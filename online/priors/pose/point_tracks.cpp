@@ -92,9 +92,13 @@ int PointTracks::seen() const {
 
 void PointTracks::settle(const Intrinsics& lens, const RigidTransform& T_camera_world) {
   PointResidual r;
-  for (ScenePoint& point : points_)
-    if (point.seen && point_residual(point, point.inverse_depth, lens, T_camera_world, r))
-      point.seen_px += kSettle * r.px;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    ScenePoint& point = points_[i];
+    if (!point.seen) continue;
+    --histories_[i].age;
+    point.sigma_px = sigma_of(histories_[i]);
+    if (point_residual(point, point.inverse_depth, lens, T_camera_world, r)) point.seen_px += kSettle * r.px;
+  }
 }
 
 void PointTracks::learn(std::span<const double> inverse_depths, const Intrinsics& lens,

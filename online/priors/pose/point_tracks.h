@@ -37,7 +37,8 @@ class PointTracks {
   // Share of the seen points that the last follow() moved by less than this, 0..1.
   double static_share(double px) const;
 
-  // For a static camera: pulls each point towards its predicted position, so that noise cannot add up.
+  // For a static camera: pulls each point towards its predicted position, so that noise cannot add up, and
+  // does not age them: what they know of depth must outlast any time that the camera stands still.
   void settle(const Intrinsics& lens, const RigidTransform& T_camera_world);
   // Takes the fitted inverse depths [points] of the points that agree with the pose; drops the
   // others.

@@ -3,7 +3,8 @@
 // world is the camera of the first frame, so the first pose is always the identity. Unit of length: metres
 // where poses are given, the median depth of the first view where they are tracked (the scale of a single
 // camera is not observable). A pose is never NaN; a frame without a usable pose is flagged as lost and
-// continues the previous motion. Thread-bound: one thread owns a prior.
+// continues the previous motion (tracked) or stays where it was (given). Thread-bound: one thread owns a
+// prior.
 #pragma once
 
 #include <memory>
@@ -33,7 +34,7 @@ struct CameraPose {
   RigidTransform T_world_camera;
   CameraMotion motion = CameraMotion::Static;
   float inlier_share = 1;                  // share of the tracked points that agree with the pose, 0..1
-  bool lost = false;                       // the pose only continues the previous motion
+  bool lost = false;                       // the pose only continues what was before
   std::vector<DepthSample> depth_samples;  // empty unless tracked
 };
 

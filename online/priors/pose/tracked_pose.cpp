@@ -113,6 +113,7 @@ void TrackedPose::track(const FlowField& from_previous) {
                                      {.freedom = Freedom::Rotation, .steps = kTurnSteps}, trial_depths_);
   if (is_static(turned)) {
     tracks_.settle(lens_, T_camera_world_);
+    note_velocity(T_camera_world_);
     return accept(T_camera_world_, CameraMotion::Static, tracks_.static_share(options_.static_px));
   }
   if (depth_known_)
@@ -127,11 +128,15 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
       fitter_.fit(tracks_.points(), lens_, turned.T_camera_world, {.steps = kMoveSteps}, depths_);
   if (std::max(turned.inlier_share, moved.inlier_share) < options_.fewest_inliers) return lose();
   const bool was_moving = pose_.motion == CameraMotion::General;
-  if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain))
+  if (turned.cost - moved.cost < (was_moving ? options_.translation_gain_on : options_.translation_gain)) {
+    note_velocity(turned.T_camera_world);
     return accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
+  }
   tracks_.learn_noise(noise_across(tracks_.points(), depths_, lens_, moved.T_camera_world, errors_),
                       kNoiseLearning);
   tracks_.learn(depths_, lens_, moved.T_camera_world);
+  // a position that catches up is not how fast the camera moves
+  note_velocity(was_moving ? moved.T_camera_world : turned.T_camera_world);
   accept(moved.T_camera_world, CameraMotion::General, moved.inlier_share);
 }
 
@@ -139,6 +144,7 @@ void TrackedPose::follow_translation(const PoseFit& turned) {
 // flow best, the one with the least noise across the epipolar lines is chosen, once it stands out and the
 // parallax is clear; until then the pose only rotates.
 void TrackedPose::find_translation(const PoseFit& turned) {
+  note_velocity(turned.T_camera_world);
   accept(turned.T_camera_world, CameraMotion::Rotation, turned.inlier_share);
   const auto points = tracks_.points();
   if (unexplained_share(points, lens_, turned.T_camera_world) < options_.parallax_share) return;
@@ -183,8 +189,12 @@ bool TrackedPose::is_static(const PoseFit& turned) const {
   return drift_px < options_.static_drift_px;
 }
 
-void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share) {
+// Before the frame's pose is accepted: how the camera moved from the last one, which a lost frame continues.
+void TrackedPose::note_velocity(const RigidTransform& T_camera_world) {
   T_camera_previous_ = T_camera_world * T_camera_world_.inverse();
+}
+
+void TrackedPose::accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share) {
   T_camera_world_ = T_camera_world;
   pose_.motion = motion;
   pose_.inlier_share = static_cast<float>(inlier_share);

@@ -45,6 +45,7 @@ class TrackedPose final : public PosePrior {
   void follow_translation(const PoseFit& turned);
   void choose_unit(Heading& first);
   bool is_static(const PoseFit& turned) const;
+  void note_velocity(const RigidTransform& T_camera_world);
   void accept(const RigidTransform& T_camera_world, CameraMotion motion, double inlier_share);
   void lose();
 
@@ -53,7 +54,7 @@ class TrackedPose final : public PosePrior {
   Intrinsics lens_;
   PointTracks tracks_;
   RigidTransform T_camera_world_;
-  RigidTransform T_camera_previous_;                    // the motion of the last frame
+  RigidTransform T_camera_previous_;                    // the velocity: the motion of the last frame
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
   PoseFitter fitter_;
   bool started_ = false, depth_known_ = false;

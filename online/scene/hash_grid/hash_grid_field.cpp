@@ -106,14 +106,21 @@ SnapshotHold HashGridField::snapshot() {
 // nothing is.
 void HashGridField::spread(const DepthMap& depth) {
   constexpr float kBelieved = 0.5f;  // weight of a prior with a sigma of 100 percent
-  const int rows = fit_.window().frustum().rows, cols = fit_.window().frustum().cols;
+  const WindowFrustum& frustum = fit_.window().frustum();
+  const int rows = frustum.rows, cols = frustum.cols;
   const int grid_rows = depth.weight.rows(), grid_cols = depth.weight.cols();
   inverse_depth_.reshape(1, rows, cols);
+  // points of the grid under a block: [first, last)
+  const auto under = [&](int block, int points) {
+    const int first = std::min(block * frustum.step_px / depth.step_px, points - 1);
+    const int last = std::min((block + 1) * frustum.step_px / depth.step_px, points);
+    return std::pair(first, std::max(first + 1, last));
+  };
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < cols; ++x) {
-        const int v0 = y * grid_rows / rows, v1 = std::max(v0 + 1, (y + 1) * grid_rows / rows);
-        const int u0 = x * grid_cols / cols, u1 = std::max(u0 + 1, (x + 1) * grid_cols / cols);
+        const auto [v0, v1] = under(y, grid_rows);
+        const auto [u0, u1] = under(x, grid_cols);
         float sum = 0;
         int believed = 0;
         for (int v = v0; v < v1; ++v)

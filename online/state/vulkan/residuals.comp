@@ -1,11 +1,11 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // How far samples are from what the state predicted of them, where that can be judged
-// (online/state/sample_residuals.cpp): for every second pixel and channel the residual, the variance that was
+// (online/state/sample_residuals.cpp): for every second pixel of some lines, and each channel, the residual, the variance that was
 // expected of it and its bin; bin -1 where it is left out. found [residual rgb, variance rgb, bin rgb].
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, found_rows, found_cols, bins;
+  int rows, cols, found_rows, found_cols, line_step, bins;
   float known, exposure, least_confidence, misalignment, relative2;
 };
 READS(0, State, state)
@@ -20,7 +20,7 @@ WRITES(5, Found, found)
 
 void main() {
   if (column() >= found_cols) return;
-  const int c = plane(), x = 1 + 2 * column(), y = 1 + 2 * row();
+  const int c = plane(), x = 1 + 2 * column(), y = 1 + line_step * row();
   const int size = found_rows * found_cols, to = c * size + row() * found_cols + column();
   found[to] = 0, found[3 * size + to] = 0, found[6 * size + to] = -1;
   const float s = state[at(c, y, x)], v = state[at(kVariance + c, y, x)];

@@ -155,12 +155,13 @@ void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const
   constexpr ResidualSampling kHow = kResidualSampling;
   static_assert(kHow.stride_px == 2);
   const struct {
-    int rows, cols, found_rows, found_cols, bins;
+    int rows, cols, found_rows, found_cols, line_step, bins;
     float known, exposure, least_confidence, misalignment, relative2;
   } constants{state.rows,
               state.cols,
               found.rows,
               found.cols,
+              kHow.line_step_px(state.rows, state.cols),
               static_cast<int>(VarianceExcess::kBins),
               known_limit(white),
               tables.exposure,

@@ -25,25 +25,27 @@ void split(const Image<float>& both, Image<float>& radiance, Image<float>& varia
 Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const StateOptions& options, int rows,
                                                   int cols) {
   const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
-  return Room{.passes = TRY(StatePasses::make(device, options)),
-              .tables = TRY(GpuTables::make(device)),
-              .state = TRY(picture(kStatePlanes)),
-              .predicted = TRY(picture(kStatePlanes)),
-              .joined = TRY(picture(kStatePlanes)),
-              .samples = TRY(picture(kSamplePlanes)),
-              .motion = TRY(picture(kMotionPlanes)),
-              .path = TRY(picture(kMotionPlanes)),
-              .longer = TRY(picture(kMotionPlanes)),
-              .codes = TRY(picture(3)),
-              .seen = TRY(picture(3)),
-              .largest = TRY(picture(3)),
-              .brightest = TRY(picture(3)),
-              .room = TRY(PassRoom::make(device, rows, cols)),
-              .contrast = TRY(picture(3)),
-              .gate = TRY(picture(1)),
-              .share = TRY(picture(1)),
-              .residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 1) / 2),
-                                                std::max(1, (cols - 1) / 2)))};
+  const int lines = kResidualSampling.line_step_px(rows, cols);
+  return Room{
+      .passes = TRY(StatePasses::make(device, options)),
+      .tables = TRY(GpuTables::make(device)),
+      .state = TRY(picture(kStatePlanes)),
+      .predicted = TRY(picture(kStatePlanes)),
+      .joined = TRY(picture(kStatePlanes)),
+      .samples = TRY(picture(kSamplePlanes)),
+      .motion = TRY(picture(kMotionPlanes)),
+      .path = TRY(picture(kMotionPlanes)),
+      .longer = TRY(picture(kMotionPlanes)),
+      .codes = TRY(picture(3)),
+      .seen = TRY(picture(3)),
+      .largest = TRY(picture(3)),
+      .brightest = TRY(picture(3)),
+      .room = TRY(PassRoom::make(device, rows, cols)),
+      .contrast = TRY(picture(3)),
+      .gate = TRY(picture(1)),
+      .share = TRY(picture(1)),
+      .residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 2 + lines - 1) / lines),
+                                        std::max(1, (cols - 1) / 2)))};
 }
 
 VulkanState::VulkanState(const StateOptions& options, int rows, int cols, WorkerPool& pool, GpuDevice& device)
@@ -61,6 +63,11 @@ VulkanState::VulkanState(const StateOptions& options, int rows, int cols, Worker
     fall_back_to_cpu(room.error());
 }
 
+VulkanState::~VulkanState() {
+  const std::lock_guard turn(device_.turn());
+  room_.reset();
+}
+
 CpuState& VulkanState::fall_back_to_cpu(const Error& why) {
   fallback_reason_ = fmt::format("{}: {}", device_.facts().name, why.message);
   spdlog::warn("the state goes on with the processor: {}", fallback_reason_);
@@ -71,6 +78,11 @@ CpuState& VulkanState::fall_back_to_cpu(const Error& why) {
   processor_ = std::make_unique<CpuState>(options_, rows_, cols_, pool_);
   processor_->resume(known_, residuals_);
   return *processor_;
+}
+
+void VulkanState::forget_residuals() {
+  if (processor_) processor_->forget_residuals();
+  residuals_ = SampleResiduals();
 }
 
 void VulkanState::restart(const StateInput& input) {

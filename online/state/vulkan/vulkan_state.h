@@ -15,7 +15,10 @@ class VulkanState final : public StateLayer {
  public:
   VulkanState(const StateOptions& options, int rows, int cols, WorkerPool& pool, GpuDevice& device);
 
+  ~VulkanState() override;
+
   void restart(const StateInput& input) override;
+  void forget_residuals() override;
   void advance(const StateInput& input, const FlowField& to_previous) override;
   void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
             JoinedState& joined) override;

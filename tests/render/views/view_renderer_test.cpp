@@ -139,6 +139,18 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("the depth of a view is that of the surface which it shows", "[views]") {
+  Keyframe with = seen(0, 0, true), without = seen(1, 0, false);
+  const bool first = GENERATE(true, false);
+  const Keyframe &before = first ? with : without, &after = first ? without : with;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const HdrFrame frame = rendered({&before, &after, share}, view_from({0, 0, 0}));
+    CHECK(frame.radiance.at(0, 20, 30) == Approx(square(30.5f, 20.5f, 0)).margin(0.02));
+    CHECK(frame.depth.at(0, 20, 30) == Approx(2));  // the square's, not the wall's behind it
+    CHECK(frame.depth.at(0, 20, 50) == Approx(4));
+  }
+}
+
 TEST_CASE("a view of twice the size shows the same scene", "[views]") {
   const Keyframe key = seen(0, 0, false);
   SceneView large = view_from({0, 0, 0});

@@ -58,7 +58,7 @@ void decode_radiance(const Image<T>& raw, int s, const T* base, FieldSample<T>& 
 }
 
 // The prior of the static density: a base that moves is not static. 1 where the base does not move, falling
-// to e^-6 between a quarter of a pixel and two pixels of flow.
+// to e^-6 between a quarter of the window's pixels and two of them of flow.
 template <class T>
 T static_prior(const T* base) {
   T fastest = 0;

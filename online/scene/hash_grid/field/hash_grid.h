@@ -27,6 +27,8 @@ struct HashGridShape {
   float v_ratio = 0.75f;    // cells along v per cell along u
   float d_ratio =
       0.25f;  // cells along inverse depth per cell along u: depth varies more slowly than the picture
+
+  bool operator==(const HashGridShape&) const = default;
 };
 
 std::vector<HashLevel> hash_levels(const HashGridShape& shape);

@@ -213,16 +213,17 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   std::atomic<int> dynamic = 0;
   for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &from.base.at(0, y, x);
-    alignas(64) float surface[kBlock], dx[kBlock], dy[kBlock], u[kBlock], v[kBlock], sure[kBlock];
+    alignas(64) float surface[kBlock], dx[kBlock], dy[kBlock], u[kBlock], v[kBlock], sure[kBlock],
+        mean_confidence[kBlock];
     for (int i = 0; i < n; ++i) surface[i] = base[i][kBaseSurface];
     if (step > 1)
       window_kernels().block_flow(
           {blocks_of(flow.vectors, 0, y, x, n, step), blocks_of(flow.vectors, 1, y, x, n, step),
-           blocks_of(flow.confidence, 0, y, x, n, step), dx, dy, sure},
+           blocks_of(flow.confidence, 0, y, x, n, step), dx, dy, mean_confidence},
           n);
     const LiftedRow row{step > 1 ? dx : flow.vectors.row(0, y) + x,
                         step > 1 ? dy : flow.vectors.row(1, y) + x,
-                        step > 1 ? sure : flow.confidence.row(0, y) + x,
+                        step > 1 ? mean_confidence : flow.confidence.row(0, y) + x,
                         surface,
                         static_cast<float>(x) + 0.5f,
                         static_cast<float>(y) + 0.5f,

@@ -25,11 +25,11 @@ WindowFrustum frustum_of(const FieldOptions& options, Intrinsics camera, int row
   return {view.lens, view.rows, view.cols, options.margin, options.near, options.step_px};
 }
 
-FieldShape shape_of(const FieldOptions& options, int rows, int cols) {
+FieldShape shape_of(const FieldOptions& options, const WindowFrustum& frustum) {
   FieldShape shape = options.shape;
   shape.dynamic_grid.slots = options.window.frames + 1;
   for (HashGridShape* grid : {&shape.static_grid, &shape.dynamic_grid})
-    grid->v_ratio = static_cast<float>(rows) / static_cast<float>(cols);
+    grid->v_ratio = static_cast<float>(frustum.rows) / static_cast<float>(frustum.cols);
   return shape;
 }
 
@@ -45,7 +45,7 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
              .pickers = {},
              .health = {}},
       window_(frustum_of(options, camera, rows, cols), options.window),
-      networks_(shape_of(options, rows, cols), state_.random),
+      networks_(shape_of(options, window_.frustum()), state_.random),
       static_(networks_.static_),
       dynamic_(networks_.dynamic),
       probe_(networks_, kMaxSamples) {
@@ -257,17 +257,20 @@ void FieldFit::fall_back_to_cpu(const Error& why) {
   for (int again = uncollected_.steps; again > 0; --again) step();
 }
 
-// Moves the anchor to the newest frame.
+// Moves the anchor to the newest frame. Adam keeps how large gradients are, and forgets where they led: that
+// was of other places.
 void FieldFit::reanchor() {
   const RigidTransform T_old_new = window_.move_anchor().inverse();
-  for (OptimisedBranch* part : {&static_, &dynamic_})
+  for (OptimisedBranch* part : {&static_, &dynamic_}) {
     carry_over(part->branch.grid, window_.frustum(), T_old_new, table_before_);
+    part->table_mean.fill(0);
+  }
   ++state_.health.counts().anchors_moved;
 }
 
 FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
   Pcg32 random(seed);
-  return {shape_of(options_, window_.frustum().rows, window_.frustum().cols), random};
+  return {shape_of(options_, window_.frustum()), random};
 }
 
 void FieldFit::start_networks() {

@@ -37,7 +37,7 @@ class FieldFit {
   ~FieldFit();
 
   // response: the estimate at this frame; ignored once the fit refines its own. Errors: Invalid, BadExposure
-  // (window.h); the field is then unchanged.
+  // (window.h); the window is then unchanged.
   Result<void> observe(const FieldObservation& seen, const Response& response);
   // Forgets all frames and what was fitted to them: the window; networks and tables, which are reinitialised,
   // with their last good copies; the usual loss and gradient norm; Adam's moments and the number of steps

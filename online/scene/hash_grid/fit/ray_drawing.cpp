@@ -3,24 +3,28 @@
 namespace hdrcam {
 namespace {
 
-// The flow prior as a pixel of the neighbour.
-void aim_at_neighbour(const Window& window, TrainingRay& ray) {
-  const auto n = static_cast<std::size_t>(ray.toward);
+// The pixel of the neighbour to which the flow prior leads. A ray of whom frame, pixel and guide are known.
+void follow_flow(const Window& window, const TrainingRay& ray, Neighbour toward, float landing[2]) {
+  const auto n = static_cast<std::size_t>(toward);
   const WindowFrame& here = window.frame(ray.frame);
-  const WindowFrame& there = window.frame(ray.frame + (ray.toward == Neighbour::Next ? 1 : -1));
+  const WindowFrame& there = window.frame(ray.frame + (toward == Neighbour::Next ? 1 : -1));
   const BasePixel& base = here.base.at(0, static_cast<int>(ray.pixel[1]), static_cast<int>(ray.pixel[0]));
   float x[3];
   ViewGeometry<float>(window.frustum(), here.T_anchor_camera).place(ray.pixel, ray.guide, x);
   x[0] += base[kBaseFlow + 2 * n] * static_cast<float>(window.frustum().u_per_px());
   x[1] += base[kBaseFlow + 2 * n + 1] * static_cast<float>(window.frustum().v_per_px());
-  float landing[3];
-  ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, landing, nullptr);
-  for (int a = 0; a < 2; ++a) ray.flow_prior[a] = landing[a];
+  float seen[3];
+  ViewGeometry<float>(window.frustum(), there.T_anchor_camera).project(x, seen, nullptr);
+  for (int a = 0; a < 2; ++a) landing[a] = seen[a];
+}
+
+void aim_at_neighbour(const Window& window, const BasePixel& base, TrainingRay& ray) {
+  follow_flow(window, ray, ray.toward, ray.flow_prior);
   const auto cols = static_cast<float>(window.frustum().cols),
              rows = static_cast<float>(window.frustum().rows);
   ray.warps = ray.flow_prior[0] >= 0 && ray.flow_prior[1] >= 0 && ray.flow_prior[0] < cols &&
               ray.flow_prior[1] < rows;
-  ray.flow_confidence = base[kBaseConfidence + n];
+  ray.flow_confidence = base[kBaseConfidence + static_cast<std::size_t>(ray.toward)];
 }
 
 // The ray of a pixel; `random` chooses the neighbour where there are two.
@@ -36,17 +40,21 @@ TrainingRay ray_at(const Window& window, int index, int x, int y, bool has_dynam
     ray.state_log_radiance[c] = base[kBaseLogRadiance + static_cast<std::size_t>(c)];
     ray.state_trust[c] = 1 - base[kBaseGate + static_cast<std::size_t>(c)];
   }
-  const float blur_px = std::hypot(base[kBaseFlow + 2], base[kBaseFlow + 3]) * frame.blur_fraction;
-  ray.sharpness = 1 / (1 + blur_px * blur_px);
   if (!frame.depth_prior.empty()) {
     ray.depth_prior = frame.depth_prior.at(0, y, x);
     ray.depth_confidence = std::isfinite(ray.depth_prior) ? 1.f : 0.f;
   }
   const bool next = index + 1 < window.size() && frame.has_flow[0];
   const bool previous = index > 0 && frame.has_flow[1];
+  if (next || previous) {  // the picture's motion, the camera's included
+    float end[2];
+    follow_flow(window, ray, previous ? Neighbour::Previous : Neighbour::Next, end);
+    const float blur_px = std::hypot(end[0] - ray.pixel[0], end[1] - ray.pixel[1]) * frame.blur_fraction;
+    ray.sharpness = 1 / (1 + blur_px * blur_px);
+  }
   if (has_dynamic && (next || previous)) {
     ray.toward = next && (!previous || random.below(2) == 0) ? Neighbour::Next : Neighbour::Previous;
-    aim_at_neighbour(window, ray);
+    aim_at_neighbour(window, base, ray);
   }
   return ray;
 }

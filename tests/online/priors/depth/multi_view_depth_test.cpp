@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <tuple>
 
 #include "tests/online/priors/pose/synthetic_scene.h"
 
@@ -120,6 +121,27 @@ TEST_CASE("the depth does not depend on the number of threads", "[depth]") {
   CHECK(std::memcmp(one.inverse_depth.plane(0), three.inverse_depth.plane(0),
                     one.inverse_depth.size() * sizeof(float)) == 0);
   CHECK(std::memcmp(one.weight.plane(0), three.weight.plane(0), one.weight.size() * sizeof(float)) == 0);
+}
+
+TEST_CASE("every point of the grid stands for a pixel of the picture, however small that is", "[depth]") {
+  const auto [rows, cols, step] =
+      GENERATE(std::tuple(2, 64, 2), std::tuple(6, 64, 4), std::tuple(1, 1, 2), std::tuple(24, 17, 16));
+  CAPTURE(rows, cols, step);
+  WorkerPool pool(1);
+  DepthOptions options;
+  options.step_px = step;
+  MultiViewDepth depth(options, {64, 64, cols / 2.0, rows / 2.0}, rows, cols, pool);
+  FlowField flow{Image<float>(2, rows, cols), Image<float>(1, rows, cols)};
+  flow.vectors.fill(0.5f), flow.confidence.fill(1);
+  RigidTransform T_world_camera;
+  for (int i = 0; i < 4; ++i) {
+    T_world_camera.t.x() = 0.1 * i;
+    const DepthMap& map = depth.next(at(T_world_camera), flow);
+    CHECK(map.step_px == step);
+    for (int y = 0; y < map.weight.rows(); ++y) CHECK(map.pixel_of(y, rows) < rows);
+    for (int x = 0; x < map.weight.cols(); ++x) CHECK(map.pixel_of(x, cols) < cols);
+    for (const float d : map.inverse_depth.samples()) CHECK(std::isfinite(d));
+  }
 }
 
 TEST_CASE("a lost pose forgets, broken flow is not believed, and nothing is ever NaN", "[depth]") {

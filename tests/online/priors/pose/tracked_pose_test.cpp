@@ -207,6 +207,48 @@ TEST_CASE("a frame that shows nothing continues the motion, and the scale surviv
   CHECK(scale_after / scale_before == Approx(1).margin(0.25));
 }
 
+TEST_CASE("the scale survives any time that the camera stands still", "[pose]") {
+  SyntheticScene scene;
+  scene.spheres = {{{-1.5, 0, 4.8}, 0.5}, {{1.2, -0.4, 5}, 0.5}};
+  constexpr std::size_t kForward = 40, kStands = 130, kSideways = 30;
+  std::vector<RigidTransform> truth(1);
+  const auto go = [&](std::size_t frames, const Eigen::Vector3d& step) {
+    for (std::size_t i = 0; i < frames; ++i) {
+      RigidTransform next = truth.back();
+      next.t += step;
+      truth.push_back(next);
+    }
+  };
+  go(kForward, {0.06, 0, 0.07}), go(kStands, {0, 0, 0}), go(kSideways, {-0.08, 0, 0});
+  const auto poses = track(scene, film(scene, truth, 0.05));
+  const auto unit = [&](std::size_t from, std::size_t to) {
+    return (pose_of(poses[to]).t - pose_of(poses[from]).t).norm() / (truth[to].t - truth[from].t).norm();
+  };
+  const std::size_t last = truth.size() - 1;
+  CHECK(unit(last - 20, last) / unit(kForward / 2, kForward) == Approx(1).margin(0.1));
+}
+
+TEST_CASE("a frame that is lost right after the first translation goes on as fast as the camera did",
+          "[pose]") {
+  const SyntheticScene scene = room();
+  const Eigen::Vector3d step{0.02, 0, 0.01};
+  const auto truth = straight_path(40, step, {0, 0.004, 0});
+  auto frames = film(scene, truth, 0.03);
+  const auto poses = track(scene, frames);
+  const auto found = std::find_if(poses.begin(), poses.end(), [](const CameraPose& pose) {
+    return pose.motion == CameraMotion::General;
+  });
+  const auto first = static_cast<std::size_t>(found - poses.begin());
+  REQUIRE(first + 1 < poses.size());
+  frames[first + 1].to_previous.confidence.fill(0);
+  frames[first + 1].from_previous.confidence.fill(0);
+  const auto again = track(scene, frames);
+  REQUIRE(again[first + 1].lost);
+  const RigidTransform moved = pose_of(again[first]).inverse() * pose_of(again[first + 1]);
+  const double unit = pose_of(again[first]).t.norm() / truth[first].t.norm();
+  CHECK(moved.t.norm() / unit < 1.1 * step.norm());  // its position has caught up: that is no velocity
+}
+
 TEST_CASE("nothing to see from the start on is lost, not NaN", "[pose]") {
   const SyntheticScene scene = room();
   auto frames = film(scene, straight_path(5, {0.05, 0, 0}, {0, 0, 0}), 0);

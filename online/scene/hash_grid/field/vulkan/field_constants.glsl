@@ -1,4 +1,4 @@
-// What every kernel of the probe is told: FieldConstants of field_probe_passes.h.
+// What every kernel of the probe is told: VulkanProbe::Constants of vulkan_probe.cpp.
 layout(push_constant) uniform Constants {
   vec2 focal, centre, size;
   float margin, offset;

@@ -40,6 +40,12 @@ Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
   return probe;
 }
 
+VulkanProbe::~VulkanProbe() {
+  const std::lock_guard turn(device_.turn());
+  static_ = {}, dynamic_ = {};
+  for (Room* room : {&rays_, &placed_, &moved_, &views_, &base_, &answers_}) room->buffer.reset();
+}
+
 Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view,
                                std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers) {
   CHECK(answers.size() == rays.size());

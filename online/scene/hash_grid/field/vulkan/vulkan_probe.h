@@ -13,8 +13,9 @@ namespace hdrcam {
 class VulkanProbe {
  public:
   static Result<std::unique_ptr<VulkanProbe>> make(GpuDevice& device);
+  ~VulkanProbe();
 
-  // answers has the size of rays; on an error it is as it was. Errors: those of the device.
+  // answers has the size of rays; on an error some of it may be written. Errors: those of the device.
   Result<void> look(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays,
                     std::span<ProbeAnswer> answers);
 

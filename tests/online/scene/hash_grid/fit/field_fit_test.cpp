@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "online/scene/hash_grid/field/field_renderer.h"
+#include "online/scene/hash_grid/fit/ray_drawing.h"
 #include "tests/online/scene/hash_grid/fit/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -64,6 +65,59 @@ TEST_CASE("a field of zero steps renders the state's picture and the state's mot
   REQUIRE(run.scene.on_square(4, 14, 14));
   const float share = view.dynamic_share.at(0, 14, 14);
   CHECK(view.flow[1].at(0, 14, 14) == Approx(-run.scene.speed_px * share).margin(0.3));
+}
+
+TEST_CASE("networks that are made anew have the fit's lattices, whatever the size and the blocks",
+          "[field]") {
+  const auto [rows, cols, step] =
+      GENERATE(std::tuple(480, 854, 4), std::tuple(180, 320, 8), std::tuple(33, 47, 2));
+  CAPTURE(rows, cols, step);
+  WorkerPool pool(1);
+  FieldOptions options;
+  options.step_px = step;
+  const FieldFit fit(options, {}, rows, cols, pool);
+  const FieldNetworks<float> anew = fit.fresh_networks(1);
+  const RadianceField field = fit.field();
+  const FieldNetworks<float>& fitted = field.networks;
+  for (const auto& [a, b] :
+       {std::pair{&anew.static_.grid, &fitted.static_.grid}, {&anew.dynamic.grid, &fitted.dynamic.grid}})
+    for (int l = 0; l < a->shape().levels; ++l)
+      for (int axis = 0; axis < 3; ++axis) CHECK(a->level(l).cells[axis] == b->level(l).cells[axis]);
+}
+
+TEST_CASE("a picture that the camera's motion blurs counts less, though nothing moves in the scene",
+          "[field]") {
+  constexpr int kRows = 60, kCols = 80;
+  WorkerPool pool(1);
+  const Intrinsics lens{80, 80, kCols / 2.0, kRows / 2.0};
+  FieldFit fit({}, lens, kRows, kCols, pool);
+  Image<float> codes(3, kRows, kCols), radiance(3, kRows, kCols), variance(3, kRows, kCols);
+  codes.fill(100), radiance.fill(0.4f), variance.fill(1e-4f);
+  FlowField to_previous{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)}, from_previous;
+  to_previous.confidence.fill(1);
+  from_previous.vectors = to_previous.vectors.clone(),
+  from_previous.confidence = to_previous.confidence.clone();
+  std::fill_n(to_previous.vectors.plane(0), to_previous.vectors.plane_size(), 5.f);
+  std::fill_n(from_previous.vectors.plane(0), from_previous.vectors.plane_size(), -5.f);
+  for (int i = 0; i < 3; ++i) {
+    FieldObservation seen;
+    seen.index = i, seen.time_s = i / 25.0, seen.blur_fraction = 0.8f;
+    seen.codes = &codes, seen.radiance = &radiance, seen.variance = &variance;
+    seen.T_world_camera.R = rotation({0, i * 5.0 / 80, 0});
+    if (i > 0) seen.to_previous = &to_previous, seen.from_previous = &from_previous;
+    REQUIRE(fit.observe(seen, Response::linear()).ok());
+  }
+  std::vector<PixelPicker> pickers;
+  for (int i = 0; i < fit.window().slots(); ++i) {
+    pickers.emplace_back(kRows, kCols);
+    pickers.back().look_at(fit.window().newest());
+    pickers.back().prepare(1);
+  }
+  std::vector<TrainingRay> rays(4 * kRaysPerShard);
+  Pcg32 random(1);
+  draw_rays(fit.window(), {0.5f, false}, pickers, random, rays);
+  // 5 px a frame, exposed for .8 of it: 4 px, a little more or less towards the corners
+  for (const TrainingRay& ray : rays) CHECK(ray.sharpness == Approx(1 / 17.0).epsilon(0.4));
 }
 
 TEST_CASE("a field of blocks renders the state's means, and motion in pixels of whoever looks",
