@@ -25,9 +25,8 @@ bool writes_outputs(const Settings::Output& output) {
 }
 
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {
-  return memory_limit(settings).admit(
-      fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
-      recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
+  return admit_parts(settings, fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
+                     recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
 }
 
 std::string title_of(const CameraFacts& clip, const std::string& file) {

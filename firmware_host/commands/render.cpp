@@ -64,9 +64,10 @@ Result<void> admit(const Settings& settings, const FilmedRecording& recording, c
   const std::uint64_t need = recording_bytes(camera) +
                              fit_bytes(camera.width, camera.height, settings, FieldUse::Seen) +
                              film_bytes(plan, recording);
-  return memory_limit(settings).admit(fmt::format("a film of {}x{} from pictures of {}x{}", plan.width,
-                                                  plan.height, camera.width, camera.height),
-                                      need);
+  return admit_parts(settings,
+                     fmt::format("a film of {}x{} from pictures of {}x{}", plan.width, plan.height,
+                                 camera.width, camera.height),
+                     need);
 }
 
 std::string as_flags(const FilmOptions& options) {

@@ -242,8 +242,8 @@ Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
         ErrorCode::BadExposure,
         fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
                     timeline.longest_s() * 1e3, simulation.framerate_hz)};
-  TRY(memory_limit(settings).admit(fmt::format("a scene of {}x{}", simulation.width, simulation.height),
-                                   simulator_bytes(simulation.width, simulation.height)));
+  TRY(admit_parts(settings, fmt::format("a scene of {}x{}", simulation.width, simulation.height),
+                  simulator_bytes(simulation.width, simulation.height)));
   WorkerPool pool(thread_count(settings.fit));
   SimulatedSensor sensor(simulation, format.layout, format.bits, pool);
   if (flags.explain) {

@@ -25,7 +25,8 @@ Result<std::unique_ptr<CameraSource>> CameraSource::open(const Settings& setting
   TRY(source->lines_->open(mode.frame_duration));
   setup.options.trigger = source->lines_->trigger();
   const bool simulated = settings.camera.id.starts_with("sim:");
-  TRY(memory_limit(settings).admit(
+  TRY(admit_parts(
+      settings,
       fmt::format("a stream of {}x{}{}", mode.width, mode.height, limits.fits ? " with its fit" : ""),
       capture_bytes(mode.width, mode.height, settings, LiveOptions::kFewestFrames) +
           (limits.fits ? fit_bytes(mode.width, mode.height, settings) : 0) +

@@ -29,8 +29,8 @@ std::uint64_t pixels(int width, int height) {
 
 std::uint64_t recording_bytes(const CameraFacts& camera) {
   const std::uint64_t frame = sizeof(std::uint16_t) * static_cast<std::uint64_t>(channels(camera.layout));
-  return kProgramBytes + pixels(camera.width, camera.height) *
-                             (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
+  return pixels(camera.width, camera.height) *
+         (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
 }
 
 std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use) {
@@ -46,7 +46,7 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
     per_pixel += kBesideField +
                  kFieldFrame * static_cast<std::uint64_t>(knobs.hash_grid.window.frames + 2) / (step * step);
   }
-  return kProgramBytes + per_pixel * pixels(width, height) + sinks;
+  return per_pixel * pixels(width, height) + sinks;
 }
 
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {
@@ -54,17 +54,19 @@ std::uint64_t capture_bytes(int width, int height, const Settings& settings, int
   const std::uint64_t frame = kBytes * pixels(width, height);
   const std::uint64_t waiting = std::max(static_cast<std::uint64_t>(settings.record.memory_mib) << 20,
                                          frame * static_cast<std::uint64_t>(fewest_waiting));
-  return kProgramBytes + waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
+  return waiting + frame * static_cast<std::uint64_t>(settings.camera.buffers) +
          kCodec * pixels(width, height);
 }
 
-std::uint64_t simulator_bytes(int width, int height) {
-  return kProgramBytes + kSimulator * pixels(width, height);
+std::uint64_t simulator_bytes(int width, int height) { return kSimulator * pixels(width, height); }
+
+Result<void> admit_parts(const Settings& settings, const std::string& what, std::uint64_t bytes) {
+  return memory_limit(settings).admit(what, kProgramBytes + bytes);
 }
 
 Result<void> admit_copy(const Settings& settings, const CameraFacts& camera) {
-  return memory_limit(settings).admit(fmt::format("a copy of frames of {}x{}", camera.width, camera.height),
-                                      2 * recording_bytes(camera));
+  return admit_parts(settings, fmt::format("a copy of frames of {}x{}", camera.width, camera.height),
+                     2 * recording_bytes(camera));
 }
 
 MemoryLimit memory_limit(const Settings& settings) {

@@ -11,7 +11,7 @@
 
 namespace hdrcam {
 
-// The program itself, its threads and libraries.
+// The program itself, its threads and libraries; the parts below come on top.
 constexpr std::uint64_t kProgramBytes = 100ULL << 20;
 
 // Reading or writing a recording or a clip: some frames that wait, the codec's own.
@@ -24,6 +24,8 @@ std::uint64_t capture_bytes(int width, int height, const Settings& settings, int
 // The simulated sensor with its scene.
 std::uint64_t simulator_bytes(int width, int height);
 
+// Whether a run of these parts may begin. what: as MemoryLimit::admit takes it.
+Result<void> admit_parts(const Settings& settings, const std::string& what, std::uint64_t bytes);
 // Whether frames of this camera may be read and written one by one.
 Result<void> admit_copy(const Settings& settings, const CameraFacts& camera);
 
