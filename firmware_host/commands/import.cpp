@@ -164,6 +164,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options) 
            plan.time_trouble);
   if (plan.origin == ExposureOrigin::Estimated)
     remark("note: the exposures are estimated, and relative to each other only\n");
+  if (const std::string missing = describe_missing(plan); !missing.empty()) remark("note: {}\n", missing);
   auto reader = TRY(open_planned(around.storage, footage, plan));
   TRY(write_recording(around, options, std::move(reader)));
   return tell_losses(plan);

@@ -109,10 +109,23 @@ void take_stated(const Scan& seen, FootagePlan& plan) {
   for (const double exposure : cycle.exposures) plan.cycle.push_back({from_seconds(exposure), 1});
 }
 
+// A lost frame is a longer one: also where times are counted, as those of stills are, and do not show it.
+Duration unseen_gap(const FootagePlan& plan, std::size_t at, Instant before) {
+  const double usual_s = 1 / plan.camera.framerate_hz, lost = plan.walk.lost_before[at];
+  if (at == 0 || plan.times == TimeOrigin::Exif) return {};
+  const double seen_s = to_seconds(plan.facts[at].timestamp - before);
+  return seen_s > (lost + 0.5) * usual_s ? Duration{} : from_seconds(lost * usual_s);
+}
+
 void take_walk(FootagePlan& plan) {
   std::uint64_t lost = 0;
+  Duration later{};  // by gaps so far
+  Instant before;    // as the file has it
   for (std::size_t i = 0; i < plan.facts.size(); ++i) {
     FrameFacts& facts = plan.facts[i];
+    later += unseen_gap(plan, i, before);
+    before = facts.timestamp;
+    facts.timestamp.since_boot += later;
     const int slot = plan.walk.slots[i];
     const Exposure& exposure = plan.cycle[static_cast<std::size_t>(slot)];
     lost += static_cast<std::uint64_t>(plan.walk.lost_before[i]);
@@ -194,6 +207,20 @@ std::string describe(const FootageLosses& losses) {
                      losses.path, lost);
 }
 
+std::string describe_missing(const FootagePlan& plan) {
+  constexpr int kShown = 12;  // places
+  std::string places;
+  int lost = 0, losses = 0;
+  for (std::size_t i = 0; i < plan.walk.lost_before.size(); ++i)
+    if (const int missing = plan.walk.lost_before[i]; missing > 0) {
+      lost += missing;
+      if (++losses <= kShown) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
+    }
+  if (lost == 0) return "";
+  return fmt::format("{} frame{} missing, before frame {}{}", lost, lost == 1 ? " is" : "s are", places,
+                     losses > kShown ? ".." : "");
+}
+
 std::string described(const FootagePlan& plan) {
   constexpr std::size_t kShown = 12;  // frames
   const CameraFacts& camera = plan.camera;
@@ -216,18 +243,9 @@ std::string described(const FootagePlan& plan) {
   if (plan.origin == ExposureOrigin::Estimated)
     text += fmt::format("exposures: estimated, relative: {} ({} of {} steps measured)\n",
                         describe(plan.cycle), plan.walk.measured, plan.facts.size() - 1);
-  std::string places;
-  int lost = 0, losses = 0;
-  for (std::size_t i = 0; i < plan.walk.lost_before.size(); ++i)
-    if (const int missing = plan.walk.lost_before[i]; missing > 0) {
-      lost += missing;
-      if (++losses <= static_cast<int>(kShown)) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
-    }
   for (const FootageLosses& losses_of_file : plan.losses)
     text += fmt::format("warning: {}\n", describe(losses_of_file));
-  if (lost > 0)
-    text += fmt::format("missing: {} frames, before frame {}{}\n", lost, places,
-                        losses > static_cast<int>(kShown) ? ".." : "");
+  if (const std::string missing = describe_missing(plan); !missing.empty()) text += missing + "\n";
   for (std::size_t i = 0; i < std::min(kShown, plan.facts.size()); ++i) {
     const FrameFacts& facts = plan.facts[i];
     const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};

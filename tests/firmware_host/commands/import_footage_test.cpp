@@ -53,6 +53,8 @@ void check_labels(const std::string& recording, const std::vector<int>& frames) 
   const auto replayed = sample::replay(posix_storage(), recording);
   REQUIRE_FALSE(replayed.error);
   REQUIRE(replayed.frames.size() == frames.size());
+  const Instant begin = replayed.frames[0].facts.timestamp;
+  const double period_s = to_seconds(replayed.frames[1].facts.timestamp - begin);
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const FrameFacts& facts = replayed.frames[i].facts;
     const double truth_s = scene().exposures_s[static_cast<std::size_t>(frames[i]) % 3];
@@ -60,6 +62,8 @@ void check_labels(const std::string& recording, const std::vector<int>& frames) 
     CHECK(facts.exposure_s == Approx(truth_s));
     CHECK(facts.slot == frames[i] % 3);
     CHECK(facts.sequence == static_cast<std::uint64_t>(frames[i] - frames[0]));
+    // a lost frame is a longer one; the first two are neighbours
+    CHECK(to_seconds(facts.timestamp - begin) == Approx((frames[i] - frames[0]) * period_s).margin(1e-3));
     CHECK((facts.flags & kFrameExposureUnproved) == 0);
   }
 }
