@@ -31,6 +31,7 @@ class FileInMaking::File : public StorageFile {
   }
   Result<std::uint64_t> size() override { return names_.as_asked(file_->size()); }
   Result<void> sync() override { return names_.as_asked(file_->sync()); }
+  Result<void> hold() override { return names_.as_asked(file_->hold()); }
 
  private:
   const std::unique_ptr<StorageFile> file_;
@@ -38,19 +39,20 @@ class FileInMaking::File : public StorageFile {
 };
 
 Result<FileInMaking> FileInMaking::beside(Storage& storage, const std::string& path) {
-  const FileFacts there = TRY(storage.look_at(path));
+  FileFacts there = TRY(storage.look_at(path));
   if (there.kind == FileKind::Folder)
     return Error{ErrorCode::Permission, fmt::format("cannot write '{}': it is a folder", path)};
   if (there.kind == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("cannot write '{}': it is a device or a FIFO; name a regular file", path)};
-  return FileInMaking(storage, unpredictable_name_beside(there.real_path), there.real_path, path);
+  std::string making = unpredictable_name_beside(there.real_path);
+  return FileInMaking(storage, std::move(making), std::move(there), path);
 }
 
 FileInMaking::FileInMaking(FileInMaking&& other) noexcept
     : storage_(other.storage_),
       names_(std::move(other.names_)),
-      final_path_(std::move(other.final_path_)),
+      earlier_(std::move(other.earlier_)),
       ours_(std::exchange(other.ours_, false)) {}
 
 FileInMaking::~FileInMaking() {
@@ -62,12 +64,26 @@ Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
   return std::unique_ptr<StorageFile>(std::make_unique<File>(std::move(file), names_));
 }
 
+Result<void> FileInMaking::check_earlier() {
+  const FileFacts now = TRY(storage_->look_at(earlier_.real_path));
+  if (now.kind == FileKind::Missing) return {};
+  if (earlier_.kind == FileKind::Missing || now.device != earlier_.device || now.inode != earlier_.inode) {
+    ours_ = false;
+    return Error{ErrorCode::Exists,
+                 fmt::format("'{}' was written by another program meanwhile; it stays, and this one is '{}'",
+                             names_.asked, path())};
+  }
+  auto file = storage_->open(earlier_.real_path);  // one that nobody may read is replaced all the same
+  return file ? names_.as_asked((*file)->hold()) : Result<void>();
+}
+
 Result<void> FileInMaking::commit(Durability durability) {
   if (durability == Durability::AtOnce) {
     const auto file = TRY(as_asked(storage_->open(path())));
     TRY(as_asked(file->sync()));
   }
-  TRY(storage_->rename(path(), final_path_));
+  TRY(check_earlier());
+  TRY(storage_->rename(path(), earlier_.real_path));
   ours_ = false;
   return {};
 }

@@ -20,6 +20,9 @@ class StorageFile {
   virtual Result<void> write_at(std::uint64_t offset, std::span<const std::byte> bytes) = 0;
   virtual Result<std::uint64_t> size() = 0;
   virtual Result<void> sync() = 0;  // returns once the bytes survive a power cut
+  // Keeps every FileInMaking from taking the file's name while it is open, in any program. Busy where another
+  // open file holds it; a file system without locks holds nothing.
+  virtual Result<void> hold() { return {}; }
 };
 
 // The kind of file at a path; symbolic links are followed.
@@ -64,8 +67,8 @@ Storage& posix_storage();
 enum class Durability { AtOnce, WrittenBack };
 
 // A file that gets its name only once it is complete. Until then it is beside `path` under an
-// unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link.
-// Thread-bound.
+// unpredictable name; an existing file at `path` stays until commit(). A symbolic link stays a link. What
+// another program wrote to `path` meanwhile is never replaced. Thread-bound.
 class FileInMaking {
  public:
   // Errors: those of Storage::look_at; Permission where `path` is no regular file.
@@ -78,6 +81,8 @@ class FileInMaking {
   const std::string& path() const { return names_.making; }
   // That file, empty, to write; its errors name the one that was asked for, before and after commit().
   Result<std::unique_ptr<StorageFile>> create() const;
+  // Busy while another program holds the earlier file. Exists where another program has written one
+  // meanwhile: both stay, this one under path().
   Result<void> commit(Durability durability = Durability::AtOnce);
 
   // The outcome of work on path(). Nobody asked for that file: an error names the one that was asked for.
@@ -101,12 +106,13 @@ class FileInMaking {
     }
   };
 
-  FileInMaking(Storage& storage, std::string path, std::string final_path, std::string asked)
-      : storage_(&storage), names_{std::move(path), std::move(asked)}, final_path_(std::move(final_path)) {}
+  FileInMaking(Storage& storage, std::string path, FileFacts earlier, std::string asked)
+      : storage_(&storage), names_{std::move(path), std::move(asked)}, earlier_(std::move(earlier)) {}
+  Result<void> check_earlier();
 
   Storage* storage_;
   Names names_;
-  std::string final_path_;
+  FileFacts earlier_;  // what is at the final path, which is its real_path
   bool ours_ = true;
 };
 

@@ -10,6 +10,8 @@ class FaultyStorage::File : public StorageFile {
   File(FaultyStorage& disk, std::unique_ptr<StorageFile> inner, std::string path, bool written)
       : disk_(disk), inner_(std::move(inner)), path_(std::move(path)), written_(written) {}
 
+  Result<void> hold() override { return inner_->hold(); }
+
   Result<std::size_t> read_at(std::uint64_t offset, std::span<std::byte> bytes) override {
     if (disk_.reads_++ == disk_.faults_.failing_read) return refused("read");
     const std::uint64_t end = TRY(size());

@@ -1,5 +1,6 @@
 // The file system behind Storage: every error of the kernel becomes a sentence with the path in it.
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -107,6 +108,11 @@ class PosixFile : public StorageFile {
   Result<void> sync() override {
     if (::fdatasync(fd_) != 0 && errno != EINVAL) return error_of(errno, "sync", path_);
     return {};
+  }
+
+  Result<void> hold() override {
+    if (::flock(fd_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return {};
+    return Error{ErrorCode::Busy, fmt::format("'{}' is being written by another program", path_)};
   }
 
  private:

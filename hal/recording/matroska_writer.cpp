@@ -51,7 +51,8 @@ class MatroskaWriter : public RecordingWriter {
   Result<void> sync();
 
   std::optional<FileInMaking> making_;  // of a file that may replace another: until its first frame is whole
-  StorageStream stream_;                // outlives the muxer
+  Durability naming_ = Durability::AtOnce;
+  StorageStream stream_;  // outlives the muxer
   PictureEncoder encoder_;
   std::unique_ptr<AVFormatContext, FreeMuxer> muxer_;
   libav::Packet facts_packet_;
@@ -69,14 +70,17 @@ Result<std::unique_ptr<RecordingWriter>> MatroskaWriter::create(Storage& storage
                                                                 RecordingCodec codec) {
   TRY(check_recordable(camera));
   auto encoder = TRY(PictureEncoder::open(camera, codec));
-  if (TRY(storage.look_at(path)).kind == FileKind::Other)
+  const FileKind there = TRY(storage.look_at(path)).kind;
+  if (there == FileKind::Other)
     return Error{ErrorCode::Permission,
                  fmt::format("'{}' is a device or a FIFO; a recording needs a regular file", path)};
   std::optional<FileInMaking> making;
   if (how == Creation::Replace) making.emplace(TRY(FileInMaking::beside(storage, path)));
   auto file = TRY(making ? making->create() : storage.create(path, Creation::New));
+  TRY(file->hold());
   std::unique_ptr<MatroskaWriter> writer(
       new MatroskaWriter(std::move(making), std::move(file), std::move(encoder)));
+  if (there == FileKind::Missing) writer->naming_ = Durability::WrittenBack;  // there is nothing to lose
   TRY(writer->write_header(camera));
   return std::unique_ptr<RecordingWriter>(std::move(writer));
 }
@@ -179,10 +183,10 @@ Result<void> MatroskaWriter::end_cluster() {
   return checked(code, "write a frame");
 }
 
-// The earlier recording goes when the first frame of this one is on the disk.
+// An earlier recording goes when the first frame of this one is on the disk.
 Result<void> MatroskaWriter::take_name() {
   if (!making_) return {};
-  auto named = making_->commit();
+  auto named = making_->commit(naming_);
   if (!named) failure_ = named.error();
   return named;
 }

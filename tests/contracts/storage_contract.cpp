@@ -119,6 +119,40 @@ void names_a_file_once_it_is_whole(const StorageUnderTest& facts) {
   CHECK_FALSE(write_whole(facts.storage, facts.folder, bytes_of("into a folder")).ok());
 }
 
+void keeps_what_another_program_wrote_meanwhile(const StorageUnderTest& facts) {
+  for (const bool replaces : {false, true}) {
+    const std::string path = fmt::format("{}/meanwhile{}", facts.folder, replaces);
+    if (replaces) write(facts, path, "earlier");
+    FileInMaking one = value_of(FileInMaking::beside(facts.storage, path));
+    FileInMaking two = value_of(FileInMaking::beside(facts.storage, path));
+    write(facts, one.path(), "one");
+    write(facts, two.path(), "two");
+    require_done(one.commit());
+    const Result<void> late = two.commit();
+    REQUIRE_FALSE(late.ok());
+    CHECK(late.error().code == ErrorCode::Exists);
+    CHECK(late.error().message.find(two.path()) != std::string::npos);
+    CHECK(value_of(read_whole(facts.storage, path)) == "one");
+    CHECK(value_of(read_whole(facts.storage, two.path())) == "two");
+  }
+}
+
+void leaves_a_file_that_is_held(const StorageUnderTest& facts) {
+  const std::string path = facts.folder + "/held";
+  auto writing = value_of(facts.storage.create(path));
+  require_done(writing->hold());
+  CHECK(value_of(facts.storage.open(path))->hold().error().code == ErrorCode::Busy);
+  const auto replace = [&] { return write_whole(facts.storage, path, bytes_of("new")); };
+  const Result<void> refused = replace();
+  REQUIRE_FALSE(refused.ok());
+  CHECK(refused.error().code == ErrorCode::Busy);
+  require_done(writing->write_at(0, bytes_of("whole")));
+  CHECK(value_of(read_whole(facts.storage, path)) == "whole");
+  writing.reset();
+  require_done(replace());
+  CHECK(value_of(read_whole(facts.storage, path)) == "new");
+}
+
 struct Clause {
   const char* sentence;
   void (*holds)(const StorageUnderTest&);
@@ -132,6 +166,8 @@ constexpr Clause kClauses[] = {
     {"makes a new file only where none is", makes_a_new_file_only_where_none_is},
     {"knows a file by any of its names", knows_a_file_by_any_name},
     {"gives a file its name once it is whole", names_a_file_once_it_is_whole},
+    {"keeps what another program wrote meanwhile", keeps_what_another_program_wrote_meanwhile},
+    {"leaves a file that is held", leaves_a_file_that_is_held},
 };
 
 }  // namespace

@@ -179,6 +179,7 @@ TEST_CASE("after a refused write the recording holds what was appended before, a
   REQUIRE(all_writes > made.frames.size());
   for (std::uint64_t refused = 0; refused < all_writes; ++refused) {
     INFO("write " << refused << " of " << all_writes);
+    (void)posix_storage().remove(path);
     FaultyStorage disk(posix_storage(), {.failing_write = refused});
     auto writer = create_recording(disk, path, made.camera, Creation::Replace);
     std::size_t appended = 0;
@@ -361,7 +362,8 @@ TEST_CASE("a file that is not a recording is said to be none") {
     CHECK(sample::replay(posix_storage(), path).ended_with(ErrorCode::NotRecording));
   }
   SECTION("it is a Matroska file of somebody else") {
-    REQUIRE(sample::record(posix_storage(), path, sample::camera(PixelLayout::Mono, 8, 8, 8), {}).ok());
+    const CameraFacts camera = sample::camera(PixelLayout::Mono, 8, 8, 8);
+    REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 1, 1)).ok());
     auto bytes = read_whole(posix_storage(), path).value();
     bytes.replace(bytes.find("HDRCAM_CAMERA"), 13, "SOME_BODYELSE");
     write_file(path, bytes);

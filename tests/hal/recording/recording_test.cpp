@@ -84,7 +84,9 @@ TEST_CASE("a recording gives back the camera facts and knows how many frames it 
 
 TEST_CASE("a recording without frames is complete and empty") {
   const std::string path = sample::scratch_folder("empty") + "/x.mkv";
-  REQUIRE(sample::record(posix_storage(), path, sample::camera(PixelLayout::Mono, 8, 8, 8), {}).ok());
+  const auto writer = create_recording(posix_storage(), path, sample::camera(PixelLayout::Mono, 8, 8, 8));
+  REQUIRE(writer.ok());
+  REQUIRE(writer.value()->finish().ok());
   const auto replayed = sample::replay(posix_storage(), path);
   CHECK(!replayed.error);
   CHECK(replayed.frames.empty());
