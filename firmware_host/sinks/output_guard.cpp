@@ -104,19 +104,26 @@ Result<void> keeps_earlier_work(Storage& storage, const Place& place, OutputKind
   return {};
 }
 
+// Of a clip, or settings and calibrations.
+bool describes_work(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  return name == "clip.json" || name == "gt.json" || lower_extension(path) == ".toml";
+}
+
 // A page may replace a page, a picture of the run such a picture, and a document a document, but never a
-// frame, footage or a recording that was named by mistake.
+// frame, footage, a recording or what describes them that was named by mistake.
 Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
   if (kind == OutputKind::Frames || kind == OutputKind::Recording) return {};
   if (place.facts.kind != FileKind::Regular) return {};
   const std::string& path = place.facts.real_path;
   const std::string extension = lower_extension(path);
   const bool own = kind == OutputKind::Picture && extension == ".png";
-  const bool work = is_footage(path) || extension == ".exr" || extension == ".flo";
+  const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
+                    (kind != OutputKind::Document && describes_work(path));
   if (own || !work) return {};
-  return Error{ErrorCode::Invalid, fmt::format("{} '{}' would replace a picture or a recording; name another "
-                                               "file",
-                                               place.words, place.path)};
+  return Error{ErrorCode::Invalid,
+               fmt::format("{} '{}' would replace {}; name another file", place.words, place.path,
+                           describes_work(path) ? "a clip or settings" : "a picture or a recording")};
 }
 
 }  // namespace

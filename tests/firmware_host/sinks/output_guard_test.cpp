@@ -194,6 +194,11 @@ TEST_CASE("a page is made anew, but never over a picture or a recording") {
     require_error(desk.check({{"--output", work, OutputKind::Document}}, Overwrite::Force),
                   ErrorCode::Invalid);
   }
+  for (const char* work : {"camera.toml", "clip.json", "gt.json"}) {
+    INFO(work);
+    desk.put(work);
+    require_error(desk.check({{"--stats", work}}, Overwrite::Force), ErrorCode::Invalid);
+  }
   desk.put("sheet.png");
   require_done(desk.check({{"--sheet", "sheet.png", OutputKind::Picture}}));
   require_error(desk.check({{"--sheet", "B.JPG", OutputKind::Picture}}), ErrorCode::Invalid);
