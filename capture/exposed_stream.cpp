@@ -43,8 +43,8 @@ Result<void> ExposedStream::finish(const HandOn& hand_on) {
   if (started_) return {};
   if (waiting_.size() < 2)
     return Error{ErrorCode::TooShort,
-                 fmt::format("the clip has {} frame(s); at least two with different exposures are needed",
-                             waiting_.size())};
+                 fmt::format("{} frame came; at least two with different exposures are needed",
+                             waiting_.empty() ? "no" : "only one")};
   return start(hand_on);
 }
 

@@ -144,8 +144,8 @@ Error not_understood(const CLI::App& app, const CLI::ParseError& refused) {
 
 // "hdrcam help [TOPIC]" is rewritten to the equivalent flag.
 Result<Request> help_on(CLI::App& app, std::span<const char* const> topics) {
-  if (topics.empty()) return Request{nullptr, {}, help_text(app)};
-  const std::string_view topic = topics.front();
+  const std::string_view topic = topics.empty() ? "help" : topics.front();
+  if (topic == "help") return Request{nullptr, {}, help_text(app)};
   if (topic == "exit-codes") return Request{nullptr, {}, exit_code_text()};
   for (const ListedVerb& verb : kVerbs)
     if (topic == verb.name) return Request{nullptr, {}, app.get_subcommand(verb.name)->help("hdrcam")};

@@ -94,6 +94,8 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   TRY(check_strict(flags, settings.camera));
   settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(check_needs(settings));
+  if (is_replayed(settings.camera.id) && replayed_file(settings.camera.id).empty())
+    return Error{ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv"};
   TRY(check_camera_run(settings, "--record", flags.kept, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
@@ -112,6 +114,11 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   const LiveCounters counters = camera->session().counters();
   if (counters.captured() > 0) print_summary(counters, camera->trigger_account(), settings);
+  const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
+  if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {
+    remark("note: stopped before the first HDR frame\n");
+    return {};
+  }
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
 }

@@ -12,7 +12,7 @@
 namespace hdrcam {
 
 // The program itself, its threads and libraries; the parts below come on top.
-constexpr std::uint64_t kProgramBytes = 100ULL << 20;
+constexpr std::uint64_t kProgramBytes = 64ULL << 20;
 
 // Reading or writing a recording or a clip: some frames that wait, the codec's own.
 std::uint64_t recording_bytes(const CameraFacts& camera);

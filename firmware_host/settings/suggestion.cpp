@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 namespace hdrcam {
@@ -25,7 +26,22 @@ int edit_distance(std::string_view a, std::string_view b) {
   return above[b.size()];
 }
 
+namespace {
+
+// Other names of what we know, which are no typing errors of it.
+std::optional<std::string> other_name_of(std::string_view typed, std::span<const std::string> known) {
+  constexpr std::pair<std::string_view, std::string_view> kNames[] = {{"h265", "hevc"}, {"x265", "hevc"},
+                                                                      {"avc", "h264"},  {"x264", "h264"},
+                                                                      {"hdr10", "pq"},  {"st2084", "pq"}};
+  for (const auto& [other, ours] : kNames)
+    if (typed == other && std::ranges::find(known, ours) != known.end()) return std::string(ours);
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<std::string> nearest_word(std::string_view typed, std::span<const std::string> known) {
+  if (const auto ours = other_name_of(typed, known)) return ours;
   std::optional<std::string> nearest;
   int fewest = 0;
   for (const std::string& word : known) {

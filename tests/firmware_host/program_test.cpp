@@ -44,6 +44,7 @@ TEST_CASE("--help names every verb with an example, and every exit code") {
   for (const std::string& verb : kVerbs) CHECK_THAT(help.out, Contains("$ hdrcam " + verb));
   for (const ExitCode& code : exit_codes()) CHECK_THAT(help.out, Contains(code.meaning));
   CHECK(ran_here({"help"}).out == help.out);
+  CHECK(ran_here({"help", "help"}).out == help.out);
 }
 
 TEST_CASE("the lines of --help fit on a terminal of 110 columns") {

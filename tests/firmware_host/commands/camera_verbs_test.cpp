@@ -467,6 +467,21 @@ TEST_CASE("^C is how a run without limits ends well; one that was to go on says 
   }
 }
 
+TEST_CASE("^C before there are frames enough for an HDR frame is no failure either") {
+  const std::string folder = sample::scratch_folder("live_stopped_at_once"), raw = folder + "/raw.mkv";
+  const pid_t process =
+      started({"live", "--camera", "sim:still?size=64x48&fps=2", "--shutter", "1ms,4ms", "--format", "RGB24",
+               "--preset", "fast", "-o", folder + "/%06d.exr", "--record", raw});
+  for (int i = 0; i < 1000 && value_of(posix_storage().look_at(raw)).kind == FileKind::Missing; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  kill(process, SIGINT);  // one frame is there; two are the least
+  int status = 0;
+  REQUIRE(waitpid(process, &status, 0) == process);
+  REQUIRE(WIFEXITED(status));
+  CHECK(WEXITSTATUS(status) == kExitOk);
+  CHECK(value_of(open_recording(posix_storage(), raw))->frame_count());
+}
+
 // However busy the machine is.
 void wait_for_size(const std::string& path, std::uintmax_t bytes) {
   for (int i = 0; i < 3000; ++i) {

@@ -248,6 +248,7 @@ TEST_CASE("a value that a setting does not take is refused with what it takes") 
   CHECK_THAT(refused("[schedule]\nshutter = [true]\n"), Contains("takes a text or a list, not this list"));
   CHECK(refused("[fit]\npreset = \"bset\"\n") ==
         "live.toml:2: fit.preset takes realtime, fast, balanced or best, not 'bset' (did you mean 'best'?)");
+  CHECK_THAT(refused("[video]\ncodec = \"h265\"\n"), Contains("(did you mean 'hevc'?)"));  // not 'h264'
   CHECK_THAT(refused("[schedule]\nmains = 55\n"), Contains("takes off, 50 or 60, not 55"));
   CHECK(refused("[fit]\ndeadline = \"soon\"\n") ==
         "live.toml:2: fit.deadline takes a time such as 33ms, or off, not 'soon'");
