@@ -12,7 +12,7 @@ namespace {
 
 using Colour = std::array<float, 3>;
 
-constexpr float kSure = 0.02f, kUnsure = 0.3f, kGuess = 0.7f;  // variance of ln radiance
+constexpr float kSure = 0.02f, kUnsure = 0.3f;  // variance of ln radiance
 
 // Of the pixels that are sure of all channels: what each has of their mean. None where there are few.
 std::optional<Colour> usual_colour(const BlackChannels& black, const Image<float>& variance,
@@ -65,18 +65,16 @@ void colour_black_channels(const BlackChannels& black, const Image<float>& varia
     for (int y = y0; y < y1; ++y) {
       const auto light = rows_of(std::as_const(radiance), y), doubt = rows_of(variance, y);
       for (int x = 0; x < radiance.cols(); ++x) {
+        if (light[0][x] > black.darkest[0] && light[1][x] > black.darkest[1] &&
+            light[2][x] > black.darkest[2])
+          continue;
         Colour r, unsure;
-        std::array<bool, 3> open{};
-        for (std::size_t c = 0; c < 3; ++c) {
-          r[c] = light[c][x] + black.offset, unsure[c] = doubt[c][x];
-          const float least = light[c][x] <= black.darkest[c] ? kUnsure : kGuess;
-          open[c] = unsure[c] >= least * r[c] * r[c] && unsure[c] < black.known;
-        }
-        if (!open[0] && !open[1] && !open[2]) continue;
+        for (std::size_t c = 0; c < 3; ++c) r[c] = light[c][x] + black.offset, unsure[c] = doubt[c][x];
         const float level = level_of(r, unsure, usual, black.known);
         for (std::size_t c = 0; c < 3; ++c) {
+          if (light[c][x] > black.darkest[c] || unsure[c] >= black.known) continue;
           const float spread = unsure[c] / (r[c] * r[c]), likely = usual[c] * level;
-          if (!open[c] || likely >= r[c]) continue;
+          if (spread < kUnsure || likely >= r[c]) continue;
           const float share = spread / (spread + 1);  // colours vary by about a factor of e
           radiance.at(static_cast<int>(c), y, x) =
               std::max(0.f, r[c] + share * (likely - r[c]) - black.offset);

@@ -280,7 +280,7 @@ TEST_CASE("what cannot be is said in one sentence, with an exit code of its own"
   expect(2, "merged, state or field", {"replay", clip, "--emit", "all"});
   expect(2, "%0", {"replay", clip, "-o", folder + "/frame.exr"});
   fs::create_directories(folder + "/one");
-  expect(9, "1 frame", {"replay", write_clip(folder + "/one", 1), "-o", output});
+  expect(9, "only one frame", {"replay", write_clip(folder + "/one", 1), "-o", output});
   std::ofstream(folder + "/file") << "in the way";
   expect(10, "file", {"replay", clip, "-o", folder + "/file/%06d.exr"});
 }
