@@ -13,21 +13,27 @@ import subprocess
 import sys
 
 PANORAMAS = ["adams_place_bridge_1k", "dikhololo_night_1k", "forest_slope_1k", "kiara_1_dawn_1k", "studio_small_03_1k", "venice_sunset_1k"]
-PHOTOS = ["Desk", "Tree", "Bonita"]
 RESPONSES = 201
 CYCLES = ["-2,0,2", "-3,0,3", "-2,2", "-3,1", "-4,0", "-4,0,4", "-2,0,2,4", "0,3", "-1.5,0,1.5", "-3,-1,1,3"]  # EV
 
 
-def drawn(seed, data):
-    """The generator's flags; the order of the draws is part of what a seed means."""
-    draw = random.Random(seed)
-    flags = {
+def scene(draw, seed, data, photos):
+    """World, textures and responses; the order of the draws is part of what a seed means."""
+    return {
         "style": draw.choice(["dome", "street", "room"]),
         "pano": f"{data}/panoramas/{draw.choice(PANORAMAS)}.hdr",
-        "tex": ",".join(f"{data}/photos/{photo}.exr" for photo in PHOTOS),
+        "tex": ",".join(f"{data}/photos/{photo}.exr" for photo in photos),
         "crfcsv": f"{data}/dorf201_on_uniform_E_1024.csv",
         "crf": ",".join(str(draw.randrange(RESPONSES)) for _ in range(3)),
         "seed": seed,
+    }
+
+
+def drawn(seed, data):
+    """The generator's flags."""
+    draw = random.Random(seed)
+    flags = {
+        **scene(draw, seed, data, ["Desk", "Tree", "Bonita"]),
         "ev": draw.choice(CYCLES),
         "cam": draw.choice(["handheld", "handheld", "pan", "dolly", "orbit", "none"]),
         "objs": draw.randrange(1, 6),
@@ -60,12 +66,7 @@ def unusual(seed, data):
     draw = random.Random(seed * 7)
     width, height = draw.choice([(320, 240), (256, 256), (360, 202), (400, 300), (240, 320)])
     flags = {
-        "style": draw.choice(["dome", "street", "room"]),
-        "pano": f"{data}/panoramas/{draw.choice(PANORAMAS)}.hdr",
-        "tex": ",".join(f"{data}/photos/{photo}.exr" for photo in ["Tree", "Bonita", "Desk"]),
-        "crfcsv": f"{data}/dorf201_on_uniform_E_1024.csv",
-        "crf": ",".join(str(draw.randrange(RESPONSES)) for _ in range(3)),
-        "seed": seed,
+        **scene(draw, seed, data, ["Tree", "Bonita", "Desk"]),
         "ev": draw.choice(UNUSUAL_CYCLES),
         "evjit": draw.choice([0, 0, 0.1, 0.2]),
         "emid": draw.choice([0.002, 0.004, 0.01, 0.02]),
