@@ -47,7 +47,7 @@ std::vector<std::string> CameraSource::warnings() const {
   std::vector<std::string> all = capture_->warnings();
   if (const std::string note = lines_->note(); !note.empty()) all.push_back(note);
   if (fits_ && !exposure_fixed_ && capture_->schedule().slots() == 1)
-    all.push_back("one exposure gives no HDR; give a cycle such as --shutter 1ms,4ms,16ms");
+    all.emplace_back("one exposure gives no HDR; give a cycle such as --shutter 1ms,4ms,16ms");
   return all;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "hal/core/median.h"
+#include "render/srgb.h"
 
 namespace hdrcam {
 
@@ -46,7 +47,7 @@ void DepthEdges::measure_gaps(const Image<float>& radiance, float offset, const 
   log_luminance_.reshape(1, rows, cols);
   for (std::size_t i = 0; i < log_luminance_.size(); ++i)
     log_luminance_.samples()[i] =
-        std::log(offset + 0.25f * (radiance.plane(0)[i] + 2 * radiance.plane(1)[i] + radiance.plane(2)[i]));
+        std::log(offset + luminance(radiance.plane(0)[i], radiance.plane(1)[i], radiance.plane(2)[i]));
   gap_.reshape(2, rows, cols);
   const float per_step = options.reach_px / options.step;
   pool_.for_rows(rows, [&](int y0, int y1) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/srgb.h"
+
 namespace hdrcam {
 
 void KeyframeMotion::match(const Keyframe& before, Keyframe& after) {
@@ -19,15 +21,15 @@ void KeyframeMotion::match(const Keyframe& before, Keyframe& after) {
   agree(after.from_previous, after.to_previous);
 }
 
-// Green carries most of the light; the logarithm gives dark and bright surfaces the same contrast.
+// The logarithm gives dark and bright surfaces the same contrast.
 void KeyframeMotion::show(const HdrFrame& frame, float white, Image<float>& codes) {
   constexpr float kMu = 500;
   codes.reshape(1, frame.radiance.rows(), frame.radiance.cols());
   const float scale = 255 / std::log1p(kMu);
   for (std::size_t i = 0; i < codes.size(); ++i) {
-    const float luminance =
-        0.25f * (frame.radiance.plane(0)[i] + 2 * frame.radiance.plane(1)[i] + frame.radiance.plane(2)[i]);
-    codes.samples()[i] = scale * std::log1p(kMu * std::clamp(luminance / white, 0.f, 1.f));
+    const float light =
+        luminance(frame.radiance.plane(0)[i], frame.radiance.plane(1)[i], frame.radiance.plane(2)[i]);
+    codes.samples()[i] = scale * std::log1p(kMu * std::clamp(light / white, 0.f, 1.f));
   }
 }
 
