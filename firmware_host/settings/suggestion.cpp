@@ -41,7 +41,7 @@ std::optional<std::string> other_name_of(std::string_view typed, std::span<const
 }  // namespace
 
 std::optional<std::string> nearest_word(std::string_view typed, std::span<const std::string> known) {
-  if (const auto ours = other_name_of(typed, known)) return ours;
+  if (auto ours = other_name_of(typed, known)) return ours;
   std::optional<std::string> nearest;
   int fewest = 0;
   for (const std::string& word : known) {
