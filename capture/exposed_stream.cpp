@@ -36,7 +36,8 @@ Result<void> ExposedStream::take(const RawFrame& raw, const HandOn& hand_on) {
     waiting_.push_back({raw.facts, raw.codes.clone()});
     return waiting_.size() < first_frames_ ? Result<void>() : start(hand_on);
   }
-  return expose(raw, to_seconds(raw.facts.timestamp - last_time_), hand_on);
+  TRY(expose(raw, to_seconds(raw.facts.timestamp - last_time_)));
+  return hand_on(frame_);
 }
 
 Result<void> ExposedStream::finish(const HandOn& hand_on) {
@@ -56,21 +57,23 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
     // no frame precedes the first one: its interval is assumed equal to the second's
     const FrameFacts& before = waiting_[i > 0 ? i - 1 : 0].facts;
     const FrameFacts& after = waiting_[std::max<std::size_t>(i, 1)].facts;
-    TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp), hand_on));
-    waiting_[i].codes = {};
+    TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp)));
+    waiting_[i].codes = {};  // what follows takes the most memory of a run
+    TRY(hand_on(frame_));
   }
   waiting_.clear();
   return {};
 }
 
-Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s, const HandOn& hand_on) {
+// Into frame_.
+Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
   Stopwatch watch;
   TRY(unpack_into(raw, arrived_, interval_s, settings_, frame_));
   if (black_level_) remove_black_level(frame_, *black_level_);
   ++arrived_;
   if (timing_) timing_(Stage::Unpack, watch.lap_ms());
-  return hand_on(frame_);
+  return {};
 }
 
 }  // namespace hdrcam

@@ -34,7 +34,7 @@ class ExposedStream {
 
  private:
   Result<void> start(const HandOn& hand_on);
-  Result<void> expose(const RawFrame& raw, double interval_s, const HandOn& hand_on);
+  Result<void> expose(const RawFrame& raw, double interval_s);
 
   const std::size_t first_frames_;
   const StatedBlack stated_black_;

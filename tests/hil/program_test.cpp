@@ -12,6 +12,7 @@
 namespace hdrcam::hil {
 namespace {
 
+// Each test replaces the files of the one before it: --force.
 using namespace std::chrono_literals;
 
 constexpr int kRate_hz = 15;
@@ -33,7 +34,8 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
 }
 
 void calibrate(const std::string& camera) {
-  succeeds(std::vector<std::string>{"calibrate", "delay", "--camera", camera, "-o", kConfig} + kMode);
+  succeeds(std::vector<std::string>{"calibrate", "delay", "--camera", camera, "-o", kConfig, "--force"} +
+           kMode);
 }
 
 // One emulated processor captures, fits and encodes: a control may be late before the pictures can prove it.
@@ -49,7 +51,8 @@ void check_labels(const std::string& what) {
 
 const std::vector<std::string> kLive{"live",     "--config", kConfig,
                                      "--preset", "fast",     "--record",
-                                     kRecording, "--frames", std::to_string(kFrames)};
+                                     kRecording, "--frames", std::to_string(kFrames),
+                                     "--force"};
 
 void live_labels_are_true(int latency) {
   const UsbCamera plugged(latency, kRate_hz);
@@ -81,7 +84,7 @@ TEST_CASE("hdrcam live through V4L2 gives every frame its true exposure") {
 TEST_CASE("hdrcam record through V4L2 gives every frame its true exposure") {
   const UsbCamera plugged(1, kRate_hz);
   calibrate(plugged.node());
-  succeeds({"record", "--config", kConfig, "-o", kRecording, "--frames", std::to_string(kFrames)});
+  succeeds({"record", "--config", kConfig, "-o", kRecording, "--frames", std::to_string(kFrames), "--force"});
   check_labels("hdrcam record, V4L2, latency 1");
 }
 
@@ -89,7 +92,7 @@ TEST_CASE("a camera that is unplugged ends hdrcam record with its exit code, and
   constexpr int kUnplugged = 14;
   UsbCamera plugged(1, kRate_hz);
   Program record(std::vector<std::string>{"record", "--camera", plugged.node(), "--control-delay", "1", "-o",
-                                          kRecording} +
+                                          kRecording, "--force"} +
                  kMode);
   std::this_thread::sleep_for(10s);
   plugged.unplug();
