@@ -90,12 +90,14 @@ Result<void> FileInMaking::commit(Durability durability) {
 
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,
                          Durability durability) {
-  if (TRY(storage.look_at(path)).kind == FileKind::Other)
+  auto making = FileInMaking::beside(storage, path);
+  if (!making) {  // a device or a FIFO is written through
+    if (TRY(storage.look_at(path)).kind != FileKind::Other) return making.error();
     return TRY(storage.create(path))->write_at(0, bytes);
-  FileInMaking making = TRY(FileInMaking::beside(storage, path));
-  const auto file = TRY(making.create());
+  }
+  const auto file = TRY(making->create());
   TRY(file->write_at(0, bytes));
-  return making.commit(durability);
+  return making->commit(durability);
 }
 
 Result<std::string> read_whole(Storage& storage, const std::string& path) {
