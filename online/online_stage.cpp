@@ -222,11 +222,7 @@ Result<void> OnlineStage::fit(Step& step) {
   const DepthMap& depth = *(depth_map_ = &depth_->estimate(seen, pose));
   step.T_world_camera = pose.T_world_camera;
   step.pose = stated_pose(step.frame, pose);
-  if (look_ahead_ > 1) {
-    step.depth.inverse_depth.copy_from(depth.inverse_depth);
-    step.depth.weight.copy_from(depth.weight);
-    step.depth.step_px = depth.step_px;
-  }
+  if (look_ahead_ > 1) step.depth.copy_from(depth);
   if (timing_) timing_(Stage::Pose, watch.lap_ms());
   TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, sensor_.response()}));
   step.fit = field_->fit(budget_.fit);

@@ -22,6 +22,11 @@ struct DepthMap {
   // The row (column) of the picture, of so many, that a row (column) of the map stands for.
   int pixel_of(int point, int pixels) const { return std::min(point * step_px + step_px / 2, pixels - 1); }
 
+  void copy_from(const DepthMap& other) {
+    inverse_depth.copy_from(other.inverse_depth);
+    weight.copy_from(other.weight);
+    step_px = other.step_px;
+  }
   bool empty() const { return weight.empty(); }
 };
 

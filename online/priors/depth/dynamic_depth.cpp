@@ -19,7 +19,7 @@ constexpr std::int32_t kStatic = 0, kUnlabelled = -1;
 
 DynamicDepth::DynamicDepth(const DepthOptions& depth, const DynamicDepthOptions& options,
                            const Intrinsics& lens, int rows, int cols, WorkerPool& pool)
-    : options_(options), step_px_(depth.step_px), measured_(depth, lens, rows, cols, pool) {
+    : options_(options), measured_(depth, lens, rows, cols, pool) {
   const std::size_t points = measured_.dynamic().size();
   waiting_.reserve(points);
   values_.reserve(points);
@@ -33,9 +33,7 @@ const DepthMap& DynamicDepth::estimate(const SeenFrame& seen, const CameraPose& 
 
 const DepthMap& DynamicDepth::complete(const DepthMap& measured, const Image<float>& dynamic,
                                        const FlowField& to_previous) {
-  completed_.inverse_depth.copy_from(measured.inverse_depth);
-  completed_.weight.copy_from(measured.weight);
-  completed_.step_px = step_px_;
+  completed_.copy_from(measured);
   if (!guess_.same_shape(measured.weight)) {
     guess_.reshape_like(measured.weight);
     guess_.fill(0);
@@ -171,7 +169,7 @@ float DynamicDepth::last_guess(int label, const FlowField& to_previous) {
       const int px = completed_.pixel_of(x, to_previous.vectors.cols());
       const float v = static_cast<float>(py) + to_previous.vectors.at(1, py, px);
       const float u = static_cast<float>(px) + to_previous.vectors.at(0, py, px);
-      const float step = static_cast<float>(step_px_);
+      const float step = static_cast<float>(completed_.step_px);
       if (!(v >= 0 && u >= 0 && v < static_cast<float>(rows) * step && u < static_cast<float>(cols) * step))
         continue;
       const float guess = guess_.at(0, static_cast<int>(v / step), static_cast<int>(u / step));

@@ -47,7 +47,6 @@ class DynamicDepth final : public DepthPrior {
   float last_guess(int label, const FlowField& to_previous);
 
   DynamicDepthOptions options_;
-  int step_px_;
   MultiViewDepth measured_;
   DepthMap completed_;
   Image<float> guess_;           // [1, rows, cols] inverse depth of dynamic regions, 0 elsewhere

@@ -21,7 +21,7 @@ struct Rect {
 
 // Measured everywhere but where something moves.
 struct Seen {
-  DepthMap measured{Image<float>(1, kRows, kCols), Image<float>(1, kRows, kCols)};
+  DepthMap measured{Image<float>(1, kRows, kCols), Image<float>(1, kRows, kCols), kStep};
   Image<float> dynamic{1, kRows, kCols};
 
   explicit Seen(const Rect& rect, const std::function<float(int)>& inverse_depth_of_row) {
