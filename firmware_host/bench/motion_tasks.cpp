@@ -44,9 +44,15 @@ void add_motion(KernelTasks& tasks, int rows, int cols) {
   const auto piece = static_cast<int>(refinement_kernels().piece_floats(rows, cols));
   room->pieces = Image<float>(kRefinementPieces, 1, piece);
   const auto search = [room, grid] {
-    return PatchSearch{
-        room->pictures[0], room->pictures[1], grid,  {room->patches.plane(0), room->patches.plane(1)},
-        nullptr,           nullptr,           kSteps};
+    return PatchSearch{room->pictures[0],
+                       room->pictures[1],
+                       grid,
+                       {room->patches.plane(0), room->patches.plane(1)},
+                       nullptr,
+                       nullptr,
+                       nullptr,
+                       nullptr,
+                       kSteps};
   };
   const auto task = [&](const char* name, const char* item, double items, auto run) {
     KernelTask added;
@@ -81,8 +87,10 @@ void add_motion(KernelTasks& tasks, int rows, int cols) {
   // clipped
   const auto clipped = std::make_shared<RandomPlanes>(2, rows, cols, 0.7f, 0.75f, 6);
   clipped->fill(1, 0);
+  const auto nowhere = std::make_shared<Image<float>>(1, 1, cols / kLandingCell + 1);
+  nowhere->fill(kNowhere);
   add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 100 + 50, 15,
-           [room, vectors, clipped, rows, cols](int y) {
+           [room, vectors, clipped, nowhere, rows, cols](int y) {
              clipped_motion_kernels().bridge({{rows, cols, y},
                                               clipped->row(0, y),
                                               clipped->plane(1),
@@ -92,6 +100,9 @@ void add_motion(KernelTasks& tasks, int rows, int cols) {
                                                .measured = clipped->plane(0),
                                                .share = 0.5f,
                                                .before = 0.5f},
+                                              nowhere->row(0, 0),
+                                              nowhere->row(0, 0),
+                                              vectors->plane(0),
                                               room->flow.row(0, y),
                                               room->flow.row(1, y),
                                               room->weight.row(0, y)});

@@ -3,6 +3,7 @@
 #include "online/priors/motion/clipped_motion_kernels.h"
 
 #include "hal/core/picture_lanes.h"
+#include "online/priors/motion/flow_kernels.h"
 
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
@@ -87,27 +88,67 @@ inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes
   return {limit * bend.x, limit * bend.y};
 }
 
-void bridge(const BridgedRow& r) {
+inline Lanes squared(Vectors v) { return v.x * v.x + v.y * v.y; }
+inline Vectors either(Whole which, Vectors a, Vectors b) { return {which ? a.x : b.x, which ? a.y : b.y}; }
+
+// Whether motions there and back, read where the former leads, do not come home.
+inline Whole lost(Vectors there, Vectors back) {
+  constexpr float kApart2 = 4;  // pixels^2
+  return squared({there.x + back.x, there.y + back.y}) > kApart2;
+}
+
+// A pixel of the clipped frame: its motion to the state, D, and both flows where these lead.
+struct Crossing {
+  Vectors back, whole, before, after;
+};
+inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
   constexpr int kRounds = 3;
-  in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
-    const Lanes clipped = hidden(around);
-    if (!any_negative(clipped > 0)) return;
-    Vectors back{}, whole{};
-    const auto in_after = [&] { return places_of(r.at, x, {back.x + whole.x, back.y + whole.y}); };
-    for (int round = 0; round < kRounds; ++round) {
-      const Places there = places_of(r.at, x, back);
-      const Vectors after = vectors_at(r.path.after_to_state, r.at, in_after());
-      const Vectors before = vectors_at(r.path.state_to_after, r.at, there);
-      whole = {0.5f * (before.x - after.x), 0.5f * (before.y - after.y)};
-      back = {-r.path.share * whole.x, -r.path.share * whole.y};
-      if (r.path.last != nullptr) {
-        const Vectors last = vectors_at(r.path.last, r.at, there);
-        const Vectors bend = bend_of(r.path, whole, last, value_at(r.path.measured, r.at, there));
-        back = {back.x + bend.x, back.y + bend.y};
-      }
+  Crossing at;
+  at.back = back, at.whole = whole;
+  for (int round = 0; round < kRounds; ++round) {
+    const Places there = places_of(r.at, x, at.back);
+    at.after = vectors_at(r.path.after_to_state, r.at,
+                          places_of(r.at, x, {at.back.x + at.whole.x, at.back.y + at.whole.y}));
+    at.before = vectors_at(r.path.state_to_after, r.at, there);
+    at.whole = {0.5f * (at.before.x - at.after.x), 0.5f * (at.before.y - at.after.y)};
+    at.back = {-r.path.share * at.whole.x, -r.path.share * at.whole.y};
+    if (r.path.last != nullptr) {
+      const Vectors last = vectors_at(r.path.last, r.at, there);
+      const Vectors bend = bend_of(r.path, at.whole, last, value_at(r.path.measured, r.at, there));
+      at.back = {at.back.x + bend.x, at.back.y + bend.y};
     }
-    const Lanes share = clipped * seen(value_at(r.clipped_after, r.at, in_after()));
-    take_over(r.u + x, r.v + x, count, share, back);
+  }
+  return at;
+}
+
+// Takes over what lands at eight pixels, where it is there; `unseen` becomes 1 where the frame's own motion,
+// there and back, leads elsewhere.
+inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Crossing& crossing,
+                        Lanes& unseen) {
+  constexpr float kFarOff2 = 64;  // pixels^2: what is that far from where it started is something else
+  const Crossing fast = settle(r, x, {-r.path.share * start.x, -r.path.share * start.y}, start);
+  const Whole there =
+      ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);
+  if (!any_negative(there)) return;
+  const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
+  unseen = there & lost(own, vectors_at(r.from, r.at, places_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
+  crossing.back = either(there, fast.back, crossing.back);
+  crossing.whole = either(there, fast.whole, crossing.whole);
+}
+
+void bridge(const BridgedRow& r) {
+  static_assert(kLandingCell == kLanes);
+  in_eights(r.clipped, r.at.cols, [&](int x, int count, Lanes around) {
+    const float landed_u = r.landed_u[x / kLandingCell], landed_v = r.landed_v[x / kLandingCell];
+    const bool lands = landed_u != kNowhere;
+    Lanes unseen = hidden(around);
+    if (!lands && !any_negative(unseen > 0)) return;
+    constexpr Vectors kStill{};
+    Crossing crossing = settle(r, x, kStill, kStill);
+    if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
+    const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
+    const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, ahead)));
+    take_over(r.u + x, r.v + x, count, share, crossing.back);
     const Lanes measured = load_some(r.measured + x, count);
     store_some(r.measured + x, measured + share * (1 - measured), count);
   });
@@ -118,15 +159,23 @@ void bridge_ahead(const BridgedAheadRow& r) {
     const int count = least(r.at.cols - x, kLanes);
     const Vectors whole = own_vectors(r.path.state_to_after, r.at, x, count);
     Vectors ahead{r.path.share * whole.x, r.path.share * whole.y};
-    const Lanes clipped = hidden(value_at(r.clipped, r.at, places_of(r.at, x, ahead)));
-    if (!any_negative(clipped > 0)) continue;
+    Lanes unseen = hidden(value_at(r.clipped, r.at, places_of(r.at, x, ahead)));
+    const Whole fast = squared(whole) > kFastOverClipped * kFastOverClipped;
+    if (any_negative(fast)) {
+      const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
+      const Vectors home = vectors_at(r.path.after_to_state, r.at, places_of(r.at, x, whole));
+      const Whole mended =
+          fast & ~lost(whole, home) & lost(own, vectors_at(r.to, r.at, places_of(r.at, x, own)));
+      unseen = mended ? all<Lanes>(1) : unseen;
+    }
+    if (!any_negative(unseen > 0)) continue;
     if (r.path.last != nullptr) {
       const Lanes measured =
           load_some(r.path.measured + static_cast<std::ptrdiff_t>(r.at.y) * r.at.cols + x, count);
       const Vectors bend = bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
       ahead = {ahead.x - bend.x, ahead.y - bend.y};
     }
-    const Lanes share = clipped * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, whole)));
+    const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, whole)));
     take_over(r.u + x, r.v + x, count, share, ahead);
   }
 }

@@ -38,26 +38,35 @@ struct PathAhead {
   float before;           // B
 };
 
+// Pixels from the state to the frame after a clipped one: what moves farther has left the pixels at which its
+// flows are read first, and is blurred beyond recognition in a long exposure.
+constexpr float kFastOverClipped = 12;
+
 // A pixel x of the clipped frame, with motion u to the state, is at x + u in the state and at x + u + D in
 // the frame after, where D is the motion between these. Both flows are read there (a fixed point, three
-// iterations) and averaged, where the frame is clipped and the one after is not.
+// iterations) and averaged, where the frame is clipped and the one after is not. What moves fast is sought
+// from where it lands, too; where the flows agree that it is there, it counts, and it counts where the frame
+// is not clipped, if that one's own flows, there and back, lead elsewhere.
 struct BridgedRow {
   RowOfPictures at;
   const float* clipped;        // [cols] share of the pixels around each, in the frame
   const float* clipped_after;  // [rows, cols] the same in the frame after
   PathAhead path;
-  float *u, *v;     // [cols] motion to the state
-  float* measured;  // [cols] 0..1: becomes 1 where the motion is taken from here
+  const float *landed_u, *landed_v;  // [cells of the row] D of what lands in each of 8 pixels (landing.h)
+  const float* from;  // [2, rows, cols] motion from the state to the frame, as the frame shows it
+  float *u, *v;       // [cols] motion to the state
+  float* measured;    // [cols] 0..1: becomes 1 where the motion is taken from here
 };
 
-// The same from the state, at its own pixels.
+// The same from the state, at its own pixels, whose flow after_to_state confirms where it is fast.
 struct BridgedAheadRow {
   RowOfPictures at;
   // [rows, cols] share of the pixels around each; of the frame in between it is read where constant velocity
   // takes the state's pixels
   const float *clipped, *clipped_after;
-  PathAhead path;  // whose after_to_state is not read
-  float *u, *v;    // [cols] motion from the state to the frame in between
+  PathAhead path;
+  const float* to;  // [2, rows, cols] motion to the state
+  float *u, *v;     // [cols] motion from the state to the frame in between
 };
 
 // The motion of the next step, if that takes as long as this one: the change from the last motion to this one

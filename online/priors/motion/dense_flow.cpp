@@ -4,6 +4,7 @@
 
 #include "capture/clip_policy.h"
 #include "online/pictures/between_pixels.h"
+#include "online/priors/motion/far_patches.h"
 #include "online/priors/motion/refinement_kernels.h"
 
 namespace hdrcam {
@@ -14,6 +15,15 @@ int coarsest_scale(int rows, int cols) {
   constexpr int kLeast = 14;  // pixels
   int scale = 0;
   while (std::min(rows, cols) >> (scale + 1) >= kLeast) ++scale;
+  return scale;
+}
+
+// The finest scale at which comparing a patch with a third of the picture costs little, and objects still
+// have patches of their own.
+int far_scale(int rows, int cols) {
+  constexpr int kMost = 85;  // pixels of the shorter side
+  int scale = 0;
+  while (std::min(rows, cols) >> scale > kMost) ++scale;
   return scale;
 }
 
@@ -141,34 +151,70 @@ void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyr
 
 // Both directions at one scale: the patches, the flow that they spread, its refinement.
 void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
-  constexpr int kStrip = 8;  // rows of patches that share one sweep
-  std::array<PatchSearch, 2> searches;
-  pool_.for_each(2, [&](int i) {
-    const auto d = static_cast<std::size_t>(i);
-    searches[d] = prepare(directions_[d], scale, coarsest, effort);
-  });
-  const int patch_rows = searches[0].grid.rows, rows = searches[0].from.rows;
-  const int strips = (patch_rows + kStrip - 1) / kStrip;
-  pool_.for_each(2 * strips, [&](int i) {
-    const int first = i / 2 * kStrip;
-    kernels_.search(searches[static_cast<std::size_t>(i % 2)], first, std::min(first + kStrip, patch_rows));
-  });
-  for (std::size_t d = 0; d < 2; ++d)
+  pool_.for_each(2,
+                 [&](int i) { prepare(directions_[static_cast<std::size_t>(i)], scale, coarsest, effort); });
+  search();
+  const Image<float>& picture = *directions_[0].answer;
+  if (scale == std::max(far_scale(picture.rows(), picture.cols()), effort.finest_scale)) search_far();
+  const int rows = directions_[0].search.from.rows;
+  for (Direction& direction : directions_)
     pool_.for_rows(rows, [&](int y0, int y1) {
-      kernels_.spread(searches[d], y0, y1, planes_of(directions_[d].flow), directions_[d].weight.plane(0));
+      kernels_.spread(direction.search, y0, y1, planes_of(direction.flow), direction.weight.plane(0));
     });
   pool_.for_each(2, [&](int i) { refine(directions_[static_cast<std::size_t>(i)], scale, effort); });
 }
 
+void DenseFlow::search() {
+  constexpr int kStrip = 8;  // rows of patches that share one sweep
+  const int patch_rows = directions_[0].search.grid.rows;
+  const int strips = (patch_rows + kStrip - 1) / kStrip;
+  pool_.for_each(2 * strips, [&](int i) {
+    const int first = i / 2 * kStrip;
+    kernels_.search(directions_[static_cast<std::size_t>(i % 2)].search, first,
+                    std::min(first + kStrip, patch_rows));
+  });
+}
+
+// What is found far away in either direction is a guess in both, which a second search spreads over the rest
+// of the object.
+void DenseFlow::search_far() {
+  constexpr int kReach = 3;  // part of the picture
+  const PatchGrid grid = directions_[0].search.grid;
+  for (Direction& direction : directions_) {
+    direction.far.reshape_like(direction.patches), direction.others.reshape_like(direction.patches);
+    direction.others.fill(kNowhere);
+  }
+  pool_.for_each(2 * grid.rows, [&](int i) {
+    Direction& direction = directions_[static_cast<std::size_t>(i % 2)];
+    const FlowPicture& picture = direction.search.from;
+    kernels_.search_far(direction.search,
+                        {picture.cols / kReach, picture.rows / kReach, planes_of(direction.far)}, i / 2,
+                        i / 2 + 1);
+  });
+  auto& [there, back] = directions_;
+  if (keep_agreeing(there.far, there.agreed) + keep_agreeing(back.far, back.agreed) == 0) return;
+  take_far(there.agreed, there.search, back.others);
+  take_far(back.agreed, back.search, there.others);
+  for (Direction& direction : directions_) {
+    PatchSearch& search = direction.search;
+    search.start_u = search.start_v = nullptr;
+    search.other_u = direction.others.plane(0), search.other_v = direction.others.plane(1);
+  }
+  search();
+}
+
 // The guesses of this scale's patches: what is given, and what the coarser scale found. Where the picture is
-// clipped only the latter, which comes from the surroundings: what is given could never be refuted.
-PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
+// clipped only the latter, which comes from the surroundings: what is given could never be refuted. The last
+// guess is what lands there.
+void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
   const auto at = static_cast<std::size_t>(scale);
   const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
   const PatchGrid grid = grid_of(from, effort.stride);
   const bool guided = d.start.vectors != nullptr, begins = scale == coarsest;
+  const Image<float>* landed = d.start.landing != nullptr ? &d.start.landing->cells() : nullptr;
   d.patches.reshape(2, grid.rows, grid.cols);
   if (guided) d.starts.reshape_like(d.patches);
+  if (landed != nullptr) d.others.reshape_like(d.patches);
   const float shrink = 1 / static_cast<float>(1 << scale);
   for (int row = 0; row < grid.rows; ++row)
     for (int col = 0; col < grid.cols; ++col) {
@@ -177,6 +223,7 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
       Offset given;
       if (guided) given = guess_at(d.start, x << scale, y << scale);
       const bool clipped = from.gray[y * from.pitch + x] >= clip_policy::kMotionShare.brightest;
+      const int cell_row = (y << scale) / kLandingCell, cell_col = (x << scale) / kLandingCell;
       for (int c = 0; c < 2; ++c) {
         const float here = shrink * (c == 0 ? given.x : given.y);
         const float found =
@@ -184,18 +231,23 @@ PatchSearch DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effo
                    : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
         d.patches.at(c, row, col) = found;
         if (guided) d.starts.at(c, row, col) = clipped ? found : here;
+        if (landed == nullptr) continue;
+        const float comes = landed->at(c, cell_row, cell_col);
+        d.others.at(c, row, col) = clipped || comes == kNowhere ? kNowhere : shrink * comes;
       }
     }
   d.flow.reshape(2, from.rows, from.cols);
   d.weight.reshape(1, from.rows, from.cols);
   const bool second_guess = guided && !begins;
-  return {from,
-          to,
-          grid,
-          planes_of(d.patches),
-          second_guess ? d.starts.plane(0) : nullptr,
-          second_guess ? d.starts.plane(1) : nullptr,
-          effort.steps};
+  d.search = {from,
+              to,
+              grid,
+              planes_of(d.patches),
+              second_guess ? d.starts.plane(0) : nullptr,
+              second_guess ? d.starts.plane(1) : nullptr,
+              landed != nullptr ? d.others.plane(0) : nullptr,
+              landed != nullptr ? d.others.plane(1) : nullptr,
+              effort.steps};
 }
 
 void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {

@@ -1,7 +1,8 @@
 // Dense optical flow between two pictures, both ways: inverse search of patches from coarse to fine (DIS,
 // Kroeger et al., ECCV 2016), and at each scale a robust smoothing where the pictures allow it (Brox et al.,
-// ECCV 2004), on this program's own kernels (flow_kernels.h). The work is cut into strips that do not depend
-// on the number of threads, so neither does the answer. Thread-bound.
+// ECCV 2004), on this program's own kernels (flow_kernels.h). At one coarse scale what is not explained is
+// looked for in a third of the picture: an object that moves farther than its own size. The work is cut into
+// strips that do not depend on the number of threads, so neither does the answer. Thread-bound.
 #pragma once
 
 #include <array>
@@ -10,6 +11,7 @@
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
 #include "online/priors/motion/flow_kernels.h"
+#include "online/priors/motion/landing.h"
 #include "online/priors/motion/motion_prior.h"
 #include "online/priors/motion/refinement_kernels.h"
 
@@ -20,6 +22,7 @@ struct FlowGuess {
   const Image<float>* vectors = nullptr;  // [dx dy, rows, cols] pixels; null: no guess
   float scale = 1;
   bool carried = false;  // the vectors are of the other picture's pixels: they are read where they lead
+  const Landing* landing = nullptr;  // of what moves fast, a second guess; null: there is none
 };
 
 // Pictures [1, rows, cols] of codes, 0..255, and the vectors [dx dy, rows, cols], pixels, that lead from each
@@ -48,11 +51,13 @@ class DenseFlow {
     const Pyramid *from, *to;
     FlowGuess start;
     Image<float>* answer;
-    Image<float> patches, starts;  // [dx dy, rows, cols] of the patches
+    Image<float> patches, starts, others;  // [dx dy, rows, cols] of the patches: answers, and their guesses
+    Image<float> far, agreed;              // the same, of the patches that were found far away
     // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's room, of the scale
     Image<float> flow, weight, larger;
     std::array<Image<float>, kRefinementPieces> room;
     std::vector<float> line;  // of enlarge()
+    PatchSearch search{};     // of the scale
   };
   struct Effort;
 
@@ -60,7 +65,9 @@ class DenseFlow {
   static Level& level_of(Pyramid& pyramid, int scale);
   void build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid);
   void match(int scale, int coarsest, const Effort& effort);
-  PatchSearch prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
+  void search();
+  void search_far();
+  void prepare(Direction& direction, int scale, int coarsest, const Effort& effort);
   void refine(Direction& direction, int scale, const Effort& effort);
   static void enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer);
 

@@ -164,6 +164,7 @@ void search(const PatchSearch& s, int first, int last) {
       const bool starts = s.start_u != nullptr;
       Descent descent(s, row, col, starts ? Vector{s.start_u[i], s.start_v[i]} : found(i));
       if (starts) descent.consider(found(i));
+      if (s.other_u != nullptr && s.other_u[i] != kNowhere) descent.consider({s.other_u[i], s.other_v[i]});
       if (col > 0) descent.consider(found(i - 1));
       if (row > first) descent.consider(found(i - cols));
       finish(descent, i);
@@ -175,6 +176,67 @@ void search(const PatchSearch& s, int first, int last) {
       if (col + 1 < cols) descent.consider(found(i + 1));
       if (row + 1 < last) descent.consider(found(i + cols));
       finish(descent, i);
+    }
+}
+
+// What a patch's codes differ by from their mean: codes^2 over the patch.
+inline float texture_of(const Patch& patch) {
+  Lanes sum{}, square{};
+  for (int r = 0; r < kPatchSize; ++r) {
+    const Lanes codes = load(patch.gray + r * patch.pitch);
+    sum += codes, square += codes * codes;
+  }
+  const Quad total = sums(sum, square, sum, square);
+  return total[1] - total[0] * total[0] / kPixels;
+}
+
+// The place that looks most like a patch; its error as in Fit. Eight places at a time, side by side.
+struct FarPlace {
+  int x, y;
+  float error;
+};
+inline FarPlace most_alike(const PatchSearch& s, const FarSearch& far, const Descent& patch) {
+  const int x0 = most(0, patch.x - far.reach_x), x1 = least(s.to.cols - kPatchSize, patch.x + far.reach_x);
+  const int y0 = most(0, patch.y - far.reach_y), y1 = least(s.to.rows - kPatchSize, patch.y + far.reach_y);
+  constexpr float kWorst = 1e30f;
+  Lanes best = all<Lanes>(kWorst);
+  Whole best_x{}, best_y{};
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; x += kLanes) {
+      const float* to = s.to.gray + y * s.to.pitch + x;
+      Lanes sum{}, square{};
+      for (int r = 0; r < kPatchSize; ++r)
+        for (int c = 0; c < kPatchSize; ++c) {
+          const Lanes d = load(to + r * s.to.pitch + c) - patch.patch.gray[r * patch.patch.pitch + c];
+          sum += d, square += d * d;
+        }
+      const Lanes error = square - sum * sum / kPixels;
+      const Whole better = (error < best) & (x + kEachLane <= x1);
+      best = better ? error : best;
+      best_x = better ? x + kEachLane : best_x;
+      best_y = better ? Whole{} + y : best_y;
+    }
+  FarPlace found{0, 0, kWorst};
+  for (int k = 0; k < kLanes; ++k)
+    if (best[k] < found.error) found = {best_x[k], best_y[k], best[k]};
+  return found;
+}
+
+void search_far(const PatchSearch& s, const FarSearch& far, int first, int last) {
+  constexpr float kLeastTexture = 2500;  // codes^2 over the patch: with less, much looks alike
+  constexpr float kExplained = 0.5f;     // of the texture: a patch whose error is below is where it should be
+  constexpr float kBetter = 0.6f;        // of the error: what another place must be below
+  for (int row = first; row < last; ++row)
+    for (int col = 0; col < s.grid.cols; ++col) {
+      const int i = row * s.grid.cols + col;
+      far.found.u[i] = far.found.v[i] = kNowhere;
+      const Descent patch(s, row, col, {s.patches.u[i], s.patches.v[i]});
+      const float texture = texture_of(patch.patch);
+      if (!(texture >= kLeastTexture && patch.fit.error >= kExplained * texture)) continue;
+      const FarPlace place = most_alike(s, far, patch);
+      if (!(place.error <= least(kExplained * texture, kBetter * patch.fit.error))) continue;
+      far.found.u[i] = static_cast<float>(place.x - patch.x);
+      far.found.v[i] = static_cast<float>(place.y - patch.y);
     }
 }
 
@@ -299,6 +361,6 @@ void rate(const RatedBand& r) {
 }  // namespace
 
 extern const FlowKernels kFlowKernels;
-const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &spread, &rate};
+const FlowKernels kFlowKernels{&halve, &extend, &derive, &search, &search_far, &spread, &rate};
 
 }  // namespace hdrcam::HDRCAM_TARGET

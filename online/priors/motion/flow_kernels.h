@@ -8,8 +8,10 @@
 
 namespace hdrcam {
 
-constexpr int kFlowBorder = 24;  // pixels around each plane; a patch may leave the picture by 16
-constexpr int kPatchSize = 8;    // pixels; one row of a patch is one register of eight lanes
+constexpr int kFlowBorder = 24;   // pixels around each plane; a patch may leave the picture by 16
+constexpr int kPatchSize = 8;     // pixels; one row of a patch is one register of eight lanes
+constexpr float kNowhere = 1e9f;  // pixels; a component of a vector that is not there
+constexpr int kLandingCell = 8;   // pixels, both ways, of a cell of landing.h
 
 // One scale of a pyramid. The pointers stand at pixel (0, 0); a row is `pitch` floats long.
 struct FlowPicture {
@@ -36,7 +38,15 @@ struct PatchSearch {
   PatchGrid grid;
   FlowPlanes patches;              // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
   const float *start_u, *start_v;  // [grid.rows, grid.cols], the first guess, before `patches`; or null
+  const float *other_u, *other_v;  // [grid.rows, grid.cols], the last guess, kNowhere for some; or null
   int steps;                       // of descent, in each of the two sweeps
+};
+
+// How far from its place a patch is looked for, and where it was found: whole pixels, [grid.rows, grid.cols],
+// kNowhere for patches that were not looked for or not found.
+struct FarSearch {
+  int reach_x, reach_y;  // pixels
+  FlowPlanes found;
 };
 
 // A band of rows of a flow that is compared with the flow back, read where it leads. The confidence is
@@ -63,6 +73,10 @@ struct FlowKernels {
   // The inverse search of the patch rows [first, last): a sweep forward, which takes over neighbours' answers
   // from the left and above, and one back. Rows outside are neither read nor written.
   void (*search)(const PatchSearch&, int first, int last);
+  // Of the patch rows [first, last): each that its answer does not explain is compared with every place
+  // within reach. What moved farther than its own size is not found from coarse to fine: coarse pictures lack
+  // it.
+  void (*search_far)(const PatchSearch&, const FarSearch&, int first, int last);
   // Pixel rows [y0, y1) of the dense flow: the mean of the patches over each pixel, by how well each explains
   // it; `weight` is a plane for the sums
   void (*spread)(const PatchSearch&, int y0, int y1, FlowPlanes flow, float* weight);

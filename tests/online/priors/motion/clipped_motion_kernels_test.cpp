@@ -4,6 +4,7 @@
 
 #include "hal/core/interpolate.h"
 #include "online/pictures/between_pixels.h"
+#include "online/priors/motion/flow_kernels.h"
 #include "tests/support/numbers.h"
 
 #include <catch2/catch.hpp>
@@ -138,11 +139,16 @@ TEST_CASE("what a frame clips moves as the frames around it say, at their places
     for (const bool changes : {false, true}) {
       const Pictures pictures(cols);
       Image<float> motion = pictures.motion.clone(), measured = pictures.measured.clone();
+      Image<float> nowhere(1, 1, cols / kLandingCell + 1);
+      nowhere.fill(kNowhere);
       for (int y = 0; y < kRows; ++y)
         clipped_motion_kernels().bridge({{kRows, cols, y},
                                          pictures.clipped.row(0, y),
                                          pictures.clipped_after.plane(0),
                                          pictures.path(changes),
+                                         nowhere.row(0, 0),
+                                         nowhere.row(0, 0),
+                                         pictures.motion.plane(0),
                                          motion.row(0, y),
                                          motion.row(1, y),
                                          measured.row(0, y)});
@@ -179,6 +185,7 @@ TEST_CASE("the state's pixels move over a frame that clips them as they do to th
                                                pictures.clipped.plane(0),
                                                pictures.clipped_after.plane(0),
                                                pictures.path(changes),
+                                               pictures.motion.plane(0),
                                                motion.row(0, y),
                                                motion.row(1, y)});
       Image<float> expected = pictures.motion.clone(), along(1, kRows, cols);
@@ -198,6 +205,84 @@ TEST_CASE("the state's pixels move over a frame that clips them as they do to th
       });
       check(motion, expected);
     }
+}
+
+namespace {
+
+// An object of 16 pixels that is at 8 in the state, and 32 further right in the frame after the clipped one.
+constexpr float kFlight = 32;
+struct Flight {
+  static constexpr int kCols = 96;
+  Image<float> state_to_after{2, kRows, kCols}, after_to_state{2, kRows, kCols}, none{1, kRows, kCols},
+      landed{2, 1, kCols / kLandingCell};
+  Flight() {
+    for (int y = 0; y < kRows; ++y) {
+      std::fill_n(state_to_after.row(0, y) + 8, 16, kFlight);
+      std::fill_n(after_to_state.row(0, y) + 40, 16, -kFlight);
+    }
+    landed.fill(kNowhere);
+    for (int cell = 2; cell < 6; ++cell) landed.at(0, 0, cell) = kFlight, landed.at(1, 0, cell) = 0;
+  }
+  PathAhead path() const {
+    return {after_to_state.plane(0), state_to_after.plane(0), nullptr, nullptr, 0.5f, 1};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("what moves fast over a clipped frame is where it lands", "[isa]") {
+  const Flight flight;
+  Image<float> clipped(1, kRows, Flight::kCols), still(2, kRows, Flight::kCols),
+      motion(2, kRows, Flight::kCols), measured(1, kRows, Flight::kCols);
+  clipped.fill(1);
+  for (int y = 0; y < kRows; ++y)
+    clipped_motion_kernels().bridge({{kRows, Flight::kCols, y},
+                                     clipped.row(0, y),
+                                     flight.none.plane(0),
+                                     flight.path(),
+                                     flight.landed.row(0, 0),
+                                     flight.landed.row(1, 0),
+                                     still.plane(0),
+                                     motion.row(0, y),
+                                     motion.row(1, y),
+                                     measured.row(0, y)});
+  for (const int x : {25, 30, 38}) CHECK(motion.at(0, 5, x) == Approx(-kFlight / 2).margin(kRounding));
+  for (const int x : {2, 60, 90}) CHECK(motion.at(0, 5, x) == Approx(0).margin(kRounding));
+}
+
+TEST_CASE("what moves fast is believed against a frame's own motion that does not lead back", "[isa]") {
+  const Flight flight;
+  Image<float> lost(2, kRows, Flight::kCols), back(2, kRows, Flight::kCols),
+      measured(1, kRows, Flight::kCols);
+  std::fill_n(lost.plane(0), lost.plane_size(), 5.f);
+  const bool leads_back = GENERATE(false, true);
+  if (leads_back) std::fill_n(back.plane(0), back.plane_size(), -5.f);
+  Image<float> to = lost.clone(), from = lost.clone();
+  for (int y = 0; y < kRows; ++y) {
+    clipped_motion_kernels().bridge({{kRows, Flight::kCols, y},
+                                     flight.none.row(0, y),
+                                     flight.none.plane(0),
+                                     flight.path(),
+                                     flight.landed.row(0, 0),
+                                     flight.landed.row(1, 0),
+                                     back.plane(0),
+                                     to.row(0, y),
+                                     to.row(1, y),
+                                     measured.row(0, y)});
+    clipped_motion_kernels().bridge_ahead({{kRows, Flight::kCols, y},
+                                           flight.none.plane(0),
+                                           flight.none.plane(0),
+                                           flight.path(),
+                                           back.plane(0),
+                                           from.row(0, y),
+                                           from.row(1, y)});
+  }
+  CHECK(to.at(0, 5, 30) == Approx(leads_back ? 5 : -kFlight / 2).margin(kRounding));
+  CHECK(from.at(0, 5, 14) == Approx(leads_back ? 5 : kFlight / 2).margin(kRounding));
+  for (const int x : {2, 70}) {
+    CHECK(to.at(0, 5, x) == 5);
+    CHECK(from.at(0, 5, x) == 5);
+  }
 }
 
 TEST_CASE("half of a motion's change is predicted to go on, less of a large one and none of a guess",

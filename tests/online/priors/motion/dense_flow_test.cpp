@@ -121,6 +121,35 @@ TEST_CASE("where pictures show only their noise, the flow stays where it starts"
             inside) < 0.5);
 }
 
+TEST_CASE("an object that moves farther than its own size is found, both ways", "[isa]") {
+  constexpr int kSize = 48;  // pixels
+  const Texture wall(5), box(6);
+  const Vector step = GENERATE(Vector{78, 0}, Vector{-64, 40});
+  const auto with_box = [&](float left, float top) {
+    return picture(240, 320, [&](float x, float y) {
+      const float u = x - left, v = y - top;
+      return u >= 0 && v >= 0 && u < kSize && v < kSize ? box.at(u, v) : wall.at(x, y);
+    });
+  };
+  const auto a = with_box(136, 96), b = with_box(136 + step.u, 96 + step.v);
+  const FlowQuality quality = GENERATE(FlowQuality::Fast, FlowQuality::Medium, FlowQuality::Fine);
+  const Flows found = flows(a, b, quality);
+  CAPTURE(step.u, static_cast<int>(quality));
+  const auto in_box = [](float left, float top) {
+    return [left, top](int x, int y) {
+      const float u = static_cast<float>(x) - left, v = static_cast<float>(y) - top;
+      return u >= 12 && v >= 12 && u < kSize - 12 && v < kSize - 12;
+    };
+  };
+  const auto ahead = [&](float, float) { return step; };
+  const auto back = [&](float, float) { return Vector{-step.u, -step.v}; };
+  CHECK(endpoint_error(found.there, ahead, in_box(136, 96)) < 0.6);
+  CHECK(endpoint_error(found.back, back, in_box(136 + step.u, 96 + step.v)) < 0.6);
+  // and the wall stays, where it is seen in both
+  const auto rest = [](float, float) { return Vector{0, 0}; };
+  CHECK(endpoint_error(found.there, rest, [](int x, int y) { return x < 60 && y > 160; }) < 0.1);
+}
+
 TEST_CASE("dense flow follows a turn and a zoom", "[isa]") {
   const Texture texture(2);
   constexpr float kTurn = 0.03f, kZoom = 1.04f;
