@@ -181,8 +181,8 @@ void DenseFlow::search_far() {
   constexpr int kReach = 3;  // part of the picture
   const PatchGrid grid = directions_[0].search.grid;
   for (Direction& direction : directions_) {
-    direction.far.reshape_like(direction.patches), direction.others.reshape_like(direction.patches);
-    direction.others.fill(kNowhere);
+    direction.far.reshape_like(direction.patches), direction.far_back.reshape_like(direction.patches);
+    direction.far_back.fill(kNowhere);
   }
   pool_.for_each(2 * grid.rows, [&](int i) {
     Direction& direction = directions_[static_cast<std::size_t>(i % 2)];
@@ -193,28 +193,25 @@ void DenseFlow::search_far() {
   });
   auto& [there, back] = directions_;
   if (keep_agreeing(there.far, there.agreed) + keep_agreeing(back.far, back.agreed) == 0) return;
-  take_far(there.agreed, there.search, back.others);
-  take_far(back.agreed, back.search, there.others);
+  take_far(there.agreed, there.search, back.far_back);
+  take_far(back.agreed, back.search, there.far_back);
   for (Direction& direction : directions_) {
     PatchSearch& search = direction.search;
     search.start_u = search.start_v = nullptr;
-    search.other_u = direction.others.plane(0), search.other_v = direction.others.plane(1);
+    search.other_u = direction.far_back.plane(0), search.other_v = direction.far_back.plane(1);
   }
   search();
 }
 
 // The guesses of this scale's patches: what is given, and what the coarser scale found. Where the picture is
-// clipped only the latter, which comes from the surroundings: what is given could never be refuted. The last
-// guess is what lands there.
+// clipped only the latter, which comes from the surroundings: what is given could never be refuted.
 void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
   const auto at = static_cast<std::size_t>(scale);
   const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
   const PatchGrid grid = grid_of(from, effort.stride);
   const bool guided = d.start.vectors != nullptr, begins = scale == coarsest;
-  const Image<float>* landed = d.start.landing != nullptr ? &d.start.landing->cells() : nullptr;
   d.patches.reshape(2, grid.rows, grid.cols);
   if (guided) d.starts.reshape_like(d.patches);
-  if (landed != nullptr) d.others.reshape_like(d.patches);
   const float shrink = 1 / static_cast<float>(1 << scale);
   for (int row = 0; row < grid.rows; ++row)
     for (int col = 0; col < grid.cols; ++col) {
@@ -223,7 +220,6 @@ void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& eff
       Offset given;
       if (guided) given = guess_at(d.start, x << scale, y << scale);
       const bool clipped = from.gray[y * from.pitch + x] >= clip_policy::kMotionShare.brightest;
-      const int cell_row = (y << scale) / kLandingCell, cell_col = (x << scale) / kLandingCell;
       for (int c = 0; c < 2; ++c) {
         const float here = shrink * (c == 0 ? given.x : given.y);
         const float found =
@@ -231,9 +227,6 @@ void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& eff
                    : 2 * d.flow.at(c, std::min(y / 2, d.flow.rows() - 1), std::min(x / 2, d.flow.cols() - 1));
         d.patches.at(c, row, col) = found;
         if (guided) d.starts.at(c, row, col) = clipped ? found : here;
-        if (landed == nullptr) continue;
-        const float comes = landed->at(c, cell_row, cell_col);
-        d.others.at(c, row, col) = clipped || comes == kNowhere ? kNowhere : shrink * comes;
       }
     }
   d.flow.reshape(2, from.rows, from.cols);
@@ -245,8 +238,8 @@ void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& eff
               planes_of(d.patches),
               second_guess ? d.starts.plane(0) : nullptr,
               second_guess ? d.starts.plane(1) : nullptr,
-              landed != nullptr ? d.others.plane(0) : nullptr,
-              landed != nullptr ? d.others.plane(1) : nullptr,
+              nullptr,
+              nullptr,
               effort.steps};
 }
 

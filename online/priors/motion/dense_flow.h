@@ -11,7 +11,6 @@
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
 #include "online/priors/motion/flow_kernels.h"
-#include "online/priors/motion/landing.h"
 #include "online/priors/motion/motion_prior.h"
 #include "online/priors/motion/refinement_kernels.h"
 
@@ -22,7 +21,6 @@ struct FlowGuess {
   const Image<float>* vectors = nullptr;  // [dx dy, rows, cols] pixels; null: no guess
   float scale = 1;
   bool carried = false;  // the vectors are of the other picture's pixels: they are read where they lead
-  const Landing* landing = nullptr;  // of what moves fast, a second guess; null: there is none
 };
 
 // Pictures [1, rows, cols] of codes, 0..255, and the vectors [dx dy, rows, cols], pixels, that lead from each
@@ -51,8 +49,9 @@ class DenseFlow {
     const Pyramid *from, *to;
     FlowGuess start;
     Image<float>* answer;
-    Image<float> patches, starts, others;  // [dx dy, rows, cols] of the patches: answers, and their guesses
-    Image<float> far, agreed;              // the same, of the patches that were found far away
+    Image<float> patches, starts;        // [dx dy, rows, cols] of the patches
+    Image<float> far, agreed, far_back;  // the same: what was found far away, what of it is believed, and
+                                         // what the other direction found
     // borrowed during a call: [dx dy, ...], [1, ...] and the refinement's room, of the scale
     Image<float> flow, weight, larger;
     std::array<Image<float>, kRefinementPieces> room;

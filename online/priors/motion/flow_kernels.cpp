@@ -225,7 +225,8 @@ inline FarPlace most_alike(const PatchSearch& s, const FarSearch& far, const Des
 void search_far(const PatchSearch& s, const FarSearch& far, int first, int last) {
   constexpr float kLeastTexture = 2500;  // codes^2 over the patch: with less, much looks alike
   constexpr float kExplained = 0.5f;     // of the texture: a patch whose error is below is where it should be
-  constexpr float kBetter = 0.6f;        // of the error: what another place must be below
+  constexpr float kFound = 0.35f;        // of the texture, and
+  constexpr float kBetter = 0.5f;        // of the error: what the error at another place must be below
   for (int row = first; row < last; ++row)
     for (int col = 0; col < s.grid.cols; ++col) {
       const int i = row * s.grid.cols + col;
@@ -234,7 +235,7 @@ void search_far(const PatchSearch& s, const FarSearch& far, int first, int last)
       const float texture = texture_of(patch.patch);
       if (!(texture >= kLeastTexture && patch.fit.error >= kExplained * texture)) continue;
       const FarPlace place = most_alike(s, far, patch);
-      if (!(place.error <= least(kExplained * texture, kBetter * patch.fit.error))) continue;
+      if (!(place.error <= least(kFound * texture, kBetter * patch.fit.error))) continue;
       far.found.u[i] = static_cast<float>(place.x - patch.x);
       far.found.v[i] = static_cast<float>(place.y - patch.y);
     }

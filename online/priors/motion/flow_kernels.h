@@ -38,7 +38,7 @@ struct PatchSearch {
   PatchGrid grid;
   FlowPlanes patches;              // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
   const float *start_u, *start_v;  // [grid.rows, grid.cols], the first guess, before `patches`; or null
-  const float *other_u, *other_v;  // [grid.rows, grid.cols], the last guess, kNowhere for some; or null
+  const float *other_u, *other_v;  // [grid.rows, grid.cols], one more, kNowhere for some; or null
   int steps;                       // of descent, in each of the two sweeps
 };
 

@@ -24,6 +24,29 @@ void fill_from_neighbours(const Image<float>& landed, int row, int col, Image<fl
   put(landed, from_row, from_col, cells, row, col);
 }
 
+// Whether a motion leads to a pixel whose motion leads back, to two pixels.
+bool comes_home(float x, float y, float u, float v, const Image<float>& back) {
+  constexpr float kApart2 = 4;  // pixels^2
+  const float to_x = std::round(x + u), to_y = std::round(y + v);
+  if (!(to_x >= 0 && to_y >= 0 && to_x < static_cast<float>(back.cols()) &&
+        to_y < static_cast<float>(back.rows())))
+    return false;
+  const int row = static_cast<int>(to_y), col = static_cast<int>(to_x);
+  const float du = u + back.at(0, row, col), dv = v + back.at(1, row, col);
+  return du * du + dv * dv <= kApart2;
+}
+
+// The motion of a pixel at this place goes to the cell there, if it is faster than what came before.
+void land(float x, float y, float u, float v, Image<float>& cells) {
+  constexpr float kCells = 1 / static_cast<float>(kLandingCell);
+  const float across = std::floor(x * kCells), down = std::floor(y * kCells);
+  if (!(across >= 0 && down >= 0 && across < static_cast<float>(cells.cols()) &&
+        down < static_cast<float>(cells.rows())))
+    return;
+  const int row = static_cast<int>(down), col = static_cast<int>(across);
+  if (u * u + v * v > squared_speed(cells, row, col)) cells.at(0, row, col) = u, cells.at(1, row, col) = v;
+}
+
 }  // namespace
 
 Landing::Landing(int rows, int cols) {
@@ -32,22 +55,17 @@ Landing::Landing(int rows, int cols) {
   cells_ = Image<float>(2, cells(rows), cells(cols));
 }
 
-void Landing::throw_ahead(const std::vector<Mover>& movers, float way, float kept) {
-  constexpr float kCells = 1 / static_cast<float>(kLandingCell);
+void Landing::throw_ahead(const Image<float>& there, const Image<float>& back, float least, float share) {
+  constexpr int kEvery = 2;  // pixels: one of four is enough for a cell
   landed_.fill(kNowhere);
-  for (const Mover& mover : movers) {
-    const float across = std::floor((mover.x + way * mover.u) * kCells);
-    const float down = std::floor((mover.y + way * mover.v) * kCells);
-    if (!(across >= 0 && down >= 0 && across < static_cast<float>(cells_.cols()) &&
-          down < static_cast<float>(cells_.rows())))
-      continue;
-    const int row = static_cast<int>(down), col = static_cast<int>(across);
-    const float u = kept * mover.u, v = kept * mover.v;
-    if (u * u + v * v > squared_speed(landed_, row, col))
-      landed_.at(0, row, col) = u, landed_.at(1, row, col) = v;
-  }
+  for (int row = 0; row < there.rows(); row += kEvery)
+    for (int col = 0; col < there.cols(); col += kEvery) {
+      const float u = there.at(0, row, col), v = there.at(1, row, col);
+      const auto x = static_cast<float>(col), y = static_cast<float>(row);
+      if (u * u + v * v >= least * least && comes_home(x, y, u, v, back))
+        land(x + share * u, y + share * v, u, v, landed_);
+    }
   cells_.copy_from(landed_);
-  if (movers.empty()) return;
   for (int row = 0; row < cells_.rows(); ++row)
     for (int col = 0; col < cells_.cols(); ++col)
       if (landed_.at(0, row, col) == kNowhere) fill_from_neighbours(landed_, row, col, cells_);

@@ -1,7 +1,6 @@
 #include "online/priors/motion/state_motion.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "capture/clip_policy.h"
 #include "online/pictures/for_samples.h"
@@ -80,19 +79,6 @@ void rate_flow(FlowField& flow, const FlowField& back, const ExposedFrame* frame
   });
 }
 
-// Whether the motion of a pixel leads to one whose motion leads back, to two pixels.
-bool comes_home(const Image<float>& there, const Image<float>& back, int x, int y) {
-  constexpr float kApart2 = 4;  // pixels^2
-  const float u = there.at(0, y, x), v = there.at(1, y, x);
-  const float to_x = std::round(static_cast<float>(x) + u), to_y = std::round(static_cast<float>(y) + v);
-  if (!(to_x >= 0 && to_y >= 0 && to_x < static_cast<float>(back.cols()) &&
-        to_y < static_cast<float>(back.rows())))
-    return false;
-  const int at_x = static_cast<int>(to_x), at_y = static_cast<int>(to_y);
-  const float du = u + back.at(0, at_y, at_x), dv = v + back.at(1, at_y, at_x);
-  return du * du + dv * dv <= kApart2;
-}
-
 // Whether two steps, one of which takes `ratio` times as long as the other, say how a motion changes.
 bool tells_change(float ratio) {
   constexpr float kMostRatio = 3;  // beyond, the error of the shorter one's motion is most of what differs
@@ -102,12 +88,7 @@ bool tells_change(float ratio) {
 }  // namespace
 
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
-    : rows_(rows),
-      cols_(cols),
-      pool_(pool),
-      flow_(pool),
-      landing_(rows, cols),
-      landing_over_clipped_(rows, cols) {}
+    : rows_(rows), cols_(cols), pool_(pool), flow_(pool), landing_(rows, cols) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, const MatchContext& context,
@@ -149,7 +130,6 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
   predict(context.before_ratio, motion.to_previous.vectors);
-  find_fast(motion.to_previous.confidence);
   copy(motion.to_previous.vectors, last_, pool_);
 }
 
@@ -167,10 +147,9 @@ bool MotionEstimator::is_worth_bridging(After&& after) const {
 
 // Where a search between a frame and the state starts: the motion that was predicted, for `ratio` of the last
 // step's time.
-void MotionEstimator::start_at_prediction(float ratio, FlowRequest& request) {
+void MotionEstimator::start_at_prediction(float ratio, FlowRequest& request) const {
   if (last_.empty()) return;
-  landing_.throw_ahead(movers_, -ratio, ratio);
-  request.start_a_to_b = {&predicted_, ratio, true, &landing_};
+  request.start_a_to_b = {&predicted_, ratio, true};
   request.start_b_to_a = {&predicted_, -ratio};
 }
 
@@ -214,11 +193,8 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                        .measured = changes ? measured_before_.plane(0) : nullptr,
                        .share = r,
                        .before = r / context.before_ratio};
-  find_movers(
-      state_to_after_, kFastOverClipped,
-      [&](int x, int y) { return comes_home(state_to_after_, after_to_state_, x, y); }, movers_over_clipped_);
-  landing_over_clipped_.throw_ahead(movers_over_clipped_, r, 1);
-  const Image<float>& landed = landing_over_clipped_.cells();
+  landing_.throw_ahead(state_to_after_, after_to_state_, kFastOverClipped, r);
+  const Image<float>& landed = landing_.cells();
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().bridge({.at = {rows_, cols_, y},
@@ -242,14 +218,6 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
                                              .u = from.row(0, y),
                                              .v = from.row(1, y)});
   });
-}
-
-// What the next search finds where it lands. confidence: of the motion that was completed.
-void MotionEstimator::find_fast(const Image<float>& confidence) {
-  constexpr float kFast = 8;  // pixels: a patch's size, and it is no longer where it was
-  constexpr float kBelieved = 0.3f;
-  find_movers(
-      predicted_, kFast, [&](int x, int y) { return confidence.at(0, y, x) >= kBelieved; }, movers_);
 }
 
 // ratio: of this motion's time to the last one's.

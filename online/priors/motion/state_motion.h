@@ -4,8 +4,6 @@
 // that one is not clipped too. Both follow a motion that changes. Thread-bound.
 #pragma once
 
-#include <vector>
-
 #include "online/priors/motion/dense_flow.h"
 #include "online/priors/motion/landing.h"
 #include "online/priors/motion/motion_prior.h"
@@ -25,13 +23,12 @@ class MotionEstimator final : public MotionPrior {
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
 
  private:
-  void start_at_prediction(float ratio, FlowRequest& request);
+  void start_at_prediction(float ratio, FlowRequest& request) const;
   void continue_predicted(float ratio, Image<float>& to);
   template <class After>
   bool is_worth_bridging(After&& after) const;
   void match_after(const RadianceState& state, const MotionContext& context, FlowQuality quality);
   void bridge(const MotionContext& context, StateMotion& motion);
-  void find_fast(const Image<float>& confidence);
   void predict(float ratio, const Image<float>& motion);
   void clipped_share(const ExposedFrame& frame, Image<float>& share);
 
@@ -42,9 +39,7 @@ class MotionEstimator final : public MotionPrior {
   Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
   Image<float> measured_before_;  // the same of the step before it
   Image<float> predicted_;        // the motion of the next step, if it takes as long as the last one
-  std::vector<Mover> movers_;     // what is fast in that, and believed
-  std::vector<Mover> movers_over_clipped_;  // what is fast from the state to the frame after
-  Landing landing_, landing_over_clipped_;
+  Landing landing_;  // what is fast from the state to the frame after a clipped one, in the clipped one
   // All others are borrowed during a call.
   Image<float> frame_gray_, state_gray_, blur_;  // codes; the blur that the frame's exposure adds
   Image<float> mask_, clipped_, clipped_after_, after_to_state_, state_to_after_;
