@@ -44,15 +44,8 @@ void add_motion(KernelTasks& tasks, int rows, int cols) {
   const auto piece = static_cast<int>(refinement_kernels().piece_floats(rows, cols));
   room->pieces = Image<float>(kRefinementPieces, 1, piece);
   const auto search = [room, grid] {
-    return PatchSearch{room->pictures[0],
-                       room->pictures[1],
-                       grid,
-                       {room->patches.plane(0), room->patches.plane(1)},
-                       nullptr,
-                       nullptr,
-                       nullptr,
-                       nullptr,
-                       kSteps};
+    return PatchSearch{
+        room->pictures[0], room->pictures[1], grid, {room->patches.plane(0), room->patches.plane(1)}, kSteps};
   };
   const auto task = [&](const char* name, const char* item, double items, auto run) {
     KernelTask added;

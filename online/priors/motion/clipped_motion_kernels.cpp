@@ -11,6 +11,7 @@ namespace {
 struct Vectors {
   Lanes x, y;
 };
+inline Lanes squared(Vectors v) { return v.x * v.x + v.y * v.y; }
 
 // Where eight pixels of the row are, moved by these vectors.
 inline Places places_of(const RowOfPictures& at, int x, Vectors by) {
@@ -84,11 +85,10 @@ inline Vectors bend_of(const PathAhead& path, Vectors whole, Vectors last, Lanes
   const float earlier = 1 / path.before;
   const Lanes scale = trusted(measured) * (kShare * path.share * (1 - path.share) / (1 + path.before));
   const Vectors bend{scale * (whole.x + earlier * last.x), scale * (whole.y + earlier * last.y)};
-  const Lanes limit = 1 / (1 + kPerPixel2 * (bend.x * bend.x + bend.y * bend.y));
+  const Lanes limit = 1 / (1 + kPerPixel2 * squared(bend));
   return {limit * bend.x, limit * bend.y};
 }
 
-inline Lanes squared(Vectors v) { return v.x * v.x + v.y * v.y; }
 inline Vectors either(Whole which, Vectors a, Vectors b) { return {which ? a.x : b.x, which ? a.y : b.y}; }
 
 // Whether motions there and back, read where the former leads, do not come home.
@@ -142,9 +142,11 @@ void bridge(const BridgedRow& r) {
     const float landed_u = r.landed_u[x / kLandingCell], landed_v = r.landed_v[x / kLandingCell];
     const bool lands = landed_u != kNowhere;
     Lanes unseen = hidden(around);
-    if (!lands && !any_negative(unseen > 0)) return;
+    const bool hides = any_negative(unseen > 0);
+    if (!lands && !hides) return;
     constexpr Vectors kStill{};
-    Crossing crossing = settle(r, x, kStill, kStill);
+    Crossing crossing{};
+    if (hides) crossing = settle(r, x, kStill, kStill);
     if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
     const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
     const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, ahead)));
@@ -191,7 +193,7 @@ void predict(const PredictedRow& r) {
     const Vectors change{now.x - r.ratio * last.x, now.y - r.ratio * last.y};
     const Lanes measured =
         trusted(load_some(r.measured + x, count)) * trusted(value_at(r.measured_before, r.at, there));
-    const Lanes share = kShare * measured / (1 + kPerPixel2 * (change.x * change.x + change.y * change.y));
+    const Lanes share = kShare * measured / (1 + kPerPixel2 * squared(change));
     store_some(r.next_u + x, now.x + share * change.x, count);
     store_some(r.next_v + x, now.y + share * change.y, count);
   }

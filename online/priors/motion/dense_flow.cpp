@@ -231,16 +231,8 @@ void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& eff
     }
   d.flow.reshape(2, from.rows, from.cols);
   d.weight.reshape(1, from.rows, from.cols);
-  const bool second_guess = guided && !begins;
-  d.search = {from,
-              to,
-              grid,
-              planes_of(d.patches),
-              second_guess ? d.starts.plane(0) : nullptr,
-              second_guess ? d.starts.plane(1) : nullptr,
-              nullptr,
-              nullptr,
-              effort.steps};
+  d.search = {from, to, grid, planes_of(d.patches), effort.steps};
+  if (guided && !begins) d.search.start_u = d.starts.plane(0), d.search.start_v = d.starts.plane(1);
 }
 
 void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {

@@ -36,10 +36,12 @@ struct FlowPlanes {
 struct PatchSearch {
   FlowPicture from, to;
   PatchGrid grid;
-  FlowPlanes patches;              // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
-  const float *start_u, *start_v;  // [grid.rows, grid.cols], the first guess, before `patches`; or null
-  const float *other_u, *other_v;  // [grid.rows, grid.cols], one more, kNowhere for some; or null
-  int steps;                       // of descent, in each of the two sweeps
+  FlowPlanes patches;  // [grid.rows, grid.cols]: in, the guess of each patch; out, what was found
+  int steps;           // of descent, in each of the two sweeps
+  // [grid.rows, grid.cols] each: the first guess, before `patches`, or null; one more, kNowhere for some, or
+  // null
+  const float *start_u = nullptr, *start_v = nullptr;
+  const float *other_u = nullptr, *other_v = nullptr;
 };
 
 // How far from its place a patch is looked for, and where it was found: whole pixels, [grid.rows, grid.cols],

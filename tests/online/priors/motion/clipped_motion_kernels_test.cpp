@@ -1,6 +1,7 @@
 #include "online/priors/motion/clipped_motion_kernels.h"
 
 #include <cmath>
+#include <vector>
 
 #include "hal/core/interpolate.h"
 #include "online/pictures/between_pixels.h"
@@ -226,6 +227,20 @@ struct Flight {
   PathAhead path() const {
     return {after_to_state.plane(0), state_to_after.plane(0), nullptr, nullptr, 0.5f, 1};
   }
+  // Row y of the motion to the state, where the frame is clipped so far and its own motion back is `from`.
+  void bridge(int y, const Image<float>& clipped, const Image<float>& from, Image<float>& motion) const {
+    std::vector<float> measured(kCols);
+    clipped_motion_kernels().bridge({{kRows, kCols, y},
+                                     clipped.row(0, y),
+                                     none.plane(0),
+                                     path(),
+                                     landed.row(0, 0),
+                                     landed.row(1, 0),
+                                     from.plane(0),
+                                     motion.row(0, y),
+                                     motion.row(1, y),
+                                     measured.data()});
+  }
 };
 
 }  // namespace
@@ -233,42 +248,22 @@ struct Flight {
 TEST_CASE("what moves fast over a clipped frame is where it lands", "[isa]") {
   const Flight flight;
   Image<float> clipped(1, kRows, Flight::kCols), still(2, kRows, Flight::kCols),
-      motion(2, kRows, Flight::kCols), measured(1, kRows, Flight::kCols);
+      motion(2, kRows, Flight::kCols);
   clipped.fill(1);
-  for (int y = 0; y < kRows; ++y)
-    clipped_motion_kernels().bridge({{kRows, Flight::kCols, y},
-                                     clipped.row(0, y),
-                                     flight.none.plane(0),
-                                     flight.path(),
-                                     flight.landed.row(0, 0),
-                                     flight.landed.row(1, 0),
-                                     still.plane(0),
-                                     motion.row(0, y),
-                                     motion.row(1, y),
-                                     measured.row(0, y)});
+  for (int y = 0; y < kRows; ++y) flight.bridge(y, clipped, still, motion);
   for (const int x : {25, 30, 38}) CHECK(motion.at(0, 5, x) == Approx(-kFlight / 2).margin(kRounding));
   for (const int x : {2, 60, 90}) CHECK(motion.at(0, 5, x) == Approx(0).margin(kRounding));
 }
 
 TEST_CASE("what moves fast is believed against a frame's own motion that does not lead back", "[isa]") {
   const Flight flight;
-  Image<float> lost(2, kRows, Flight::kCols), back(2, kRows, Flight::kCols),
-      measured(1, kRows, Flight::kCols);
+  Image<float> lost(2, kRows, Flight::kCols), back(2, kRows, Flight::kCols);
   std::fill_n(lost.plane(0), lost.plane_size(), 5.f);
   const bool leads_back = GENERATE(false, true);
   if (leads_back) std::fill_n(back.plane(0), back.plane_size(), -5.f);
   Image<float> to = lost.clone(), from = lost.clone();
   for (int y = 0; y < kRows; ++y) {
-    clipped_motion_kernels().bridge({{kRows, Flight::kCols, y},
-                                     flight.none.row(0, y),
-                                     flight.none.plane(0),
-                                     flight.path(),
-                                     flight.landed.row(0, 0),
-                                     flight.landed.row(1, 0),
-                                     back.plane(0),
-                                     to.row(0, y),
-                                     to.row(1, y),
-                                     measured.row(0, y)});
+    flight.bridge(y, flight.none, back, to);
     clipped_motion_kernels().bridge_ahead({{kRows, Flight::kCols, y},
                                            flight.none.plane(0),
                                            flight.none.plane(0),

@@ -105,16 +105,7 @@ double moved(const Image<float>& from, const Image<float>& to) {
   const auto places = [&](int size) { return 1 + (size - kPatchSize) / kStride; };
   const PatchGrid grid{places(from.rows()), places(from.cols()), kStride};
   Image<float> patches(2, grid.rows, grid.cols);
-  flow_kernels().search({a.view,
-                         b.view,
-                         grid,
-                         {patches.plane(0), patches.plane(1)},
-                         nullptr,
-                         nullptr,
-                         nullptr,
-                         nullptr,
-                         kSteps},
-                        0, grid.rows);
+  flow_kernels().search({a.view, b.view, grid, {patches.plane(0), patches.plane(1)}, kSteps}, 0, grid.rows);
   double sum = 0;
   for (const float v : patches.samples()) sum += static_cast<double>(v) * v;
   return std::sqrt(sum / static_cast<double>(patches.plane_size()));
