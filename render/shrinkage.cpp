@@ -29,7 +29,7 @@ ThresholdTable table_of(const ShrinkageThresholds& thresholds, float scale) {
 
 Shrinkage::Shrinkage(WorkerPool& pool, GpuDevice* gpu) : pool_(pool) {
   if (gpu == nullptr) return;
-  auto made = VulkanShrinkage::make(*gpu);
+  auto made = VulkanShrinkage::make(*gpu, pool);
   if (made)
     gpu_ = std::move(*made);
   else

@@ -32,18 +32,22 @@ class FaultyGpu final : public GpuDevice {
   class Work final : public GpuWork {
    public:
     explicit Work(FaultyGpu& owner) : owner_(owner) {}
-    using GpuWork::run;
-    void upload(std::span<const std::byte> from, const GpuBuffer& to) override { inner().upload(from, to); }
+    using GpuWork::download, GpuWork::run, GpuWork::upload;
+    void upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) override {
+      inner().upload(from, to, at);
+    }
     void copy(const GpuBuffer& from, const GpuBuffer& to) override { inner().copy(from, to); }
     void clear(const GpuBuffer& buffer) override { inner().clear(buffer); }
     void run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
              std::span<const std::byte> constants, const GpuGrid& grid) override {
       inner().run(kernel, buffers, constants, grid);
     }
-    void download(const GpuBuffer& from, std::span<std::byte> to) override {
+    void download(const GpuBuffer& from, std::size_t at, std::span<std::byte> to) override {
       // what a lost device would have sent never arrives
-      if (owner_.left_.finishes_until_lost > 0) inner().download(from, to);
+      if (owner_.left_.finishes_until_lost > 0) inner().download(from, at, to);
     }
+    void carry_with(WorkerPool* pool) override { inner().carry_with(pool); }
+    void measure(GpuStepTimes* times) override { inner().measure(times); }
     Result<void> finish() override {
       const Result<void> done = inner().finish();
       if (owner_.left_.finishes_until_lost <= 0)

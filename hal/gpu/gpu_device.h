@@ -1,7 +1,7 @@
 // A graphics device as a place to compute: memory of its own, kernels that were compiled with the program
 // (compute shaders in SPIR-V), and work that is recorded, handed over and waited for. Nothing here names the
 // library behind it; hal/gpu/vulkan/ is the only implementation, hal/fault/faulty_gpu.h wraps one that fails.
-// A device outlives its buffers and kernels. Thread-bound, but for users that take turns (turn()).
+// A device outlives its buffers and kernels. Thread-bound, but for users that take turns (GpuTurn).
 //
 // Errors of all calls: NotFound (no driver, no such device), Unsupported (a missing feature, a build without
 // Vulkan), NoSpace (graphics memory is full), Unplugged (the device was lost), Timeout (it does not answer).
@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -19,6 +20,7 @@
 #include <vector>
 
 #include "hal/core/result.h"
+#include "hal/core/worker_pool.h"
 
 namespace hdrcam {
 
@@ -57,23 +59,39 @@ class GpuKernel {
   virtual ~GpuKernel() = default;
 };
 
+// How long the device took for all runs of a kernel, or for all transfers of a kind: "upload", "download",
+// "copy", "clear". What else the device did meanwhile counts, too.
+struct GpuStepTime {
+  double ms = 0;
+  int times = 0;
+};
+using GpuStepTimes = std::map<std::string, GpuStepTime>;
+
 // A list of steps, each of which sees what those before it have done. Nothing happens before finish().
 class GpuWork {
  public:
   virtual ~GpuWork() = default;
 
-  // The bytes are taken at once.
-  virtual void upload(std::span<const std::byte> from, const GpuBuffer& to) = 0;
+  // The bytes are taken at once. at: of the buffer's bytes, the first that is written
+  virtual void upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) = 0;
   virtual void copy(const GpuBuffer& from, const GpuBuffer& to) = 0;  // as many bytes as both have
   virtual void clear(const GpuBuffer& buffer) = 0;                    // to zeros
   virtual void run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
                    std::span<const std::byte> constants, const GpuGrid& grid) = 0;
-  // The bytes are there when finish() returns.
-  virtual void download(const GpuBuffer& from, std::span<std::byte> to) = 0;
+  // The bytes are there when finish() returns. at: of the buffer's bytes, the first that is read
+  virtual void download(const GpuBuffer& from, std::size_t at, std::span<std::byte> to) = 0;
   // Hands everything over and waits for it. Whatever went wrong since the last call is said here; nothing
   // was downloaded then.
   virtual Result<void> finish() = 0;
+  // From now on finish() adds the steps' times to `times`, until it is told null. Steps beyond a thousand
+  // between two finish() are left out; a device without a clock leaves out all.
+  virtual void measure(GpuStepTimes* times) = 0;
+  // Whose threads carry what goes up and comes back: at 1920x1080 that takes longer than the kernels. Null:
+  // the calling thread alone.
+  virtual void carry_with(WorkerPool* pool) = 0;
 
+  void upload(std::span<const std::byte> from, const GpuBuffer& to) { upload(from, to, 0); }
+  void download(const GpuBuffer& from, std::span<std::byte> to) { download(from, 0, to); }
   // constants: a plain struct laid out as the shader's.
   template <class Constants>
   void run(const GpuKernel& kernel, std::initializer_list<const GpuBuffer*> buffers,
@@ -94,12 +112,27 @@ class GpuDevice {
   virtual Result<const GpuKernel*> kernel(const GpuShader& shader) = 0;
   // The one list of steps, empty after finish().
   virtual GpuWork& work() = 0;
-  // Held while a device is used where several threads do: from the first step, or the first buffer, to
-  // finish().
-  std::mutex& turn() { return turn_; }
 
  private:
+  friend class GpuTurn;
   std::mutex turn_;
+};
+
+// Held while a device is used where several threads do: from the first step, or the first buffer, to
+// finish(). pool: of the calling thread, for what is carried meanwhile (GpuWork::carry_with).
+class GpuTurn {
+ public:
+  explicit GpuTurn(GpuDevice& device, WorkerPool* pool = nullptr)
+      : turn_(device.turn_), work_(device.work()) {
+    work_.carry_with(pool);
+  }
+  ~GpuTurn() { work_.carry_with(nullptr); }
+  GpuTurn(const GpuTurn&) = delete;
+  GpuTurn& operator=(const GpuTurn&) = delete;
+
+ private:
+  std::lock_guard<std::mutex> turn_;
+  GpuWork& work_;
 };
 
 struct GpuOptions {

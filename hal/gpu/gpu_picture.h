@@ -20,16 +20,25 @@ struct GpuPicture {
   // One element per pixel of each plane.
   GpuGrid grid() const { return {cols, rows, channels}; }
   GpuGrid pixels() const { return {cols, rows, 1}; }
+  std::size_t bytes_before(int plane) const {
+    return sizeof(float) * static_cast<std::size_t>(plane) * static_cast<std::size_t>(rows) *
+           static_cast<std::size_t>(cols);
+  }
 };
 
-inline void upload(GpuWork& work, const Image<float>& from, const GpuPicture& to) {
-  CHECK(from.channels() == to.channels && from.rows() == to.rows && from.cols() == to.cols);
-  work.upload(std::as_bytes(from.samples()), *to.buffer);
+// Into all planes of `to`, or into those from `first` on.
+inline void upload(GpuWork& work, const Image<float>& from, const GpuPicture& to, int first = 0) {
+  CHECK(first + from.channels() <= to.channels && from.rows() == to.rows && from.cols() == to.cols);
+  work.upload(std::as_bytes(from.samples()), *to.buffer, to.bytes_before(first));
 }
-// `to` takes the picture's shape at once, its samples with finish().
+// All planes, or `channels` of them from `first` on. `to` takes its shape at once, its samples with finish().
+inline void download(GpuWork& work, const GpuPicture& from, int first, int channels, Image<float>& to) {
+  CHECK_LE(first + channels, from.channels);
+  to.reshape(channels, from.rows, from.cols);
+  work.download(*from.buffer, from.bytes_before(first), std::as_writable_bytes(to.samples()));
+}
 inline void download(GpuWork& work, const GpuPicture& from, Image<float>& to) {
-  to.reshape(from.channels, from.rows, from.cols);
-  work.download(*from.buffer, std::as_writable_bytes(to.samples()));
+  download(work, from, 0, from.channels, to);
 }
 
 }  // namespace hdrcam

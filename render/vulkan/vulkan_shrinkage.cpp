@@ -12,17 +12,17 @@ int tiles_along(int pixels, int step) { return (pixels - kShrinkageTile + step -
 
 }  // namespace
 
-Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device) {
-  const std::lock_guard turn(device.turn());
+Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device, WorkerPool& pool) {
+  const GpuTurn turn(device);
   const std::array<GpuShader, kPasses> shaders{
       {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 3}, {"gather", k_gather, 3}}};
-  std::unique_ptr<VulkanShrinkage> made(new VulkanShrinkage(device));
+  std::unique_ptr<VulkanShrinkage> made(new VulkanShrinkage(device, pool));
   for (std::size_t i = 0; i < kPasses; ++i) made->kernels_[i] = TRY(device.kernel(shaders[i]));
   return made;
 }
 
 VulkanShrinkage::~VulkanShrinkage() {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   for (GpuPicture* picture : {&radiance_, &variance_, &opponent_, &sums_, &weights_}) picture->buffer.reset();
 }
 
@@ -60,7 +60,7 @@ void VulkanShrinkage::shrink(GpuWork& work, const Tiles& tiles, const ShrinkageT
 
 Result<void> VulkanShrinkage::apply(Image<float>& radiance, const Image<float>& variance,
                                     const ShrinkageOptions& options) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_, &pool_);
   const int rows = radiance.rows(), cols = radiance.cols();
   const ShrinkageGrid grid = grid_of(options.effort);
   const Tiles tiles{rows, cols, tiles_along(rows, grid.line_step), tiles_along(cols, kShrinkageStep), grid};

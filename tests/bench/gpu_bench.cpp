@@ -1,6 +1,6 @@
-// What runs on a graphics device, beside the same on the processor with two threads: state, look-ahead,
-// shrinkage, a view of the field and its fit, 320x240. HDRCAM_TEST_GPU names the device. Transfers are part
-// of the time. `device` in the label names what computed.
+// What runs on a graphics device, beside the same on the processor with two threads: state, look-ahead and
+// shrinkage at 320x240, 640x480 and 1920x1080; a view of the field and its fit at 320x240. HDRCAM_TEST_GPU
+// names the device. Transfers are part of the time. The label names what computed.
 #include <benchmark/benchmark.h>
 
 #include "capture/unpack.h"
@@ -14,26 +14,59 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kRows = 240, kCols = 320, kFrames = 6;
+constexpr int kWindow = 6;  // frames that a field is fitted to
+
+struct Size {
+  int rows, cols;
+};
+constexpr Size kSmall{240, 320};
+
+Size size_of(const benchmark::State& state) {
+  const auto rows = static_cast<int>(state.range(1));
+  return {rows, rows == 1080 ? 1920 : rows * 4 / 3};
+}
+
+// What the device itself took of each iteration's time, by kernel and by transfer.
+class DeviceTimes {
+ public:
+  DeviceTimes(benchmark::State& state, GpuDevice* gpu) : state_(state), gpu_(gpu) {
+    if (gpu_ != nullptr) gpu_->work().measure(&times_);
+  }
+  ~DeviceTimes() {
+    if (gpu_ == nullptr) return;
+    gpu_->work().measure(nullptr);
+    for (const auto& [step, took] : times_)
+      state_.counters[step + "_us"] = benchmark::Counter(1000 * took.ms, benchmark::Counter::kAvgIterations);
+  }
+  DeviceTimes(const DeviceTimes&) = delete;
+  DeviceTimes& operator=(const DeviceTimes&) = delete;
+
+ private:
+  benchmark::State& state_;
+  GpuDevice* gpu_;
+  GpuStepTimes times_;
+};
 
 struct Bench {
+  Size size;
   test::MovingScene scene;
   WorkerPool pool{2};
   Response response = Response::gamma(2.2f);
   std::unique_ptr<GpuDevice> gpu;
   std::vector<ExposedFrame> frames;
   std::vector<ExposureTables> tables;
-  FlowField motion{Image<float>(2, kRows, kCols), Image<float>(1, kRows, kCols)};
+  FlowField motion;
 
-  // where: 0 the processor, 1 the graphics device.
-  explicit Bench(benchmark::State& state) {
-    scene.rows = kRows, scene.cols = kCols;
+  // The first argument says where: 0 the processor, 1 the graphics device.
+  Bench(benchmark::State& state, const Size& of, int count = 2)
+      : size(of), motion{Image<float>(2, of.rows, of.cols), Image<float>(1, of.rows, of.cols)} {
+    scene.rows = size.rows, scene.cols = size.cols;
     if (state.range(0) == 1 && (gpu = test::open_test_gpu()) == nullptr)
       state.SkipWithError("there is no graphics device");
     state.SetLabel(gpu != nullptr ? gpu->facts().name : "processor");
     UnpackSettings settings;
     settings.reference_exposure = 0.004;
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < count; ++i) {
       frames.push_back(unpack(scene.frame(i), i, 1 / 30., settings).value());
       tables.emplace_back(response, NoiseModel(), frames.back().exposure);
     }
@@ -45,26 +78,32 @@ struct Bench {
 };
 
 void state_on_device(benchmark::State& state) {
-  Bench bench(state);
-  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, bench.gpu.get());
+  Bench bench(state, size_of(state));
+  const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, bench.gpu.get());
   layer->restart(bench.input(0));
+  const DeviceTimes times(state, bench.gpu.get());
   for (auto _ : state) layer->advance(bench.input(1), bench.motion);
 }
 
 void look_ahead_on_device(benchmark::State& state) {
-  Bench bench(state);
-  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, bench.gpu.get());
+  Bench bench(state, size_of(state));
+  const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, bench.gpu.get());
   layer->restart(bench.input(0));
   const LaterFrame later{&bench.frames[1], &bench.motion, &bench.tables[1]};
   JoinedState joined;
-  for (auto _ : state) layer->join(layer->state(), {&later, 1}, 4, joined);
+  const DeviceTimes times(state, bench.gpu.get());
+  for (auto _ : state) {
+    ++bench.frames[1].index;  // another frame, whose codes are not on the device yet
+    layer->join(layer->state(), {&later, 1}, 4, joined);
+  }
 }
 
 void shrinkage_on_device(benchmark::State& state) {
-  Bench bench(state);
-  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  Bench bench(state, size_of(state));
+  const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, nullptr);
   layer->restart(bench.input(0));
   Shrinkage shrink(bench.pool, bench.gpu.get());
+  const DeviceTimes times(state, bench.gpu.get());
   for (auto _ : state) {
     Image<float> radiance = layer->state().radiance.clone();
     shrink.apply(radiance, layer->state().variance, {8e-4f});
@@ -73,7 +112,7 @@ void shrinkage_on_device(benchmark::State& state) {
 
 // A window's frames, all with the first one's state.
 void observe_all(FieldFit& fit, const Bench& bench, const RadianceState& known, benchmark::State& state) {
-  for (std::size_t i = 0; i < kFrames; ++i) {
+  for (std::size_t i = 0; i < kWindow; ++i) {
     FieldObservation seen;
     seen.index = static_cast<int>(i), seen.time_s = static_cast<double>(i) / 30;
     seen.exposure = bench.frames[i].exposure;
@@ -85,33 +124,36 @@ void observe_all(FieldFit& fit, const Bench& bench, const RadianceState& known, 
 }
 
 void view_on_device(benchmark::State& state) {
-  Bench bench(state);
-  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  Bench bench(state, kSmall, kWindow);
+  const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, nullptr);
   layer->restart(bench.input(0));
   const Intrinsics lens = *bench.scene.camera().intrinsics;
-  FieldFit fit({}, lens, kRows, kCols, bench.pool);
+  FieldFit fit({}, lens, bench.size.rows, bench.size.cols, bench.pool);
   observe_all(fit, bench, layer->state(), state);
   SceneView view;
-  view.time_s = 3 / 30.0, view.lens = lens, view.rows = kRows, view.cols = kCols;
+  view.time_s = 3 / 30.0, view.lens = lens, view.rows = kSmall.rows, view.cols = kSmall.cols;
   FieldRenderer renderer(bench.gpu.get());
   FieldPicture picture;
+  const DeviceTimes times(state, bench.gpu.get());
   for (auto _ : state) renderer.render(fit.field(), view, bench.pool, picture);
-  state.SetItemsProcessed(state.iterations() * kRows * kCols * fit.field().samples_per_ray);
+  state.SetItemsProcessed(state.iterations() * kSmall.rows * kSmall.cols * fit.field().samples_per_ray);
 }
 
 // The steps of one frame, as many and of as many rays as by default, on blocks of 2 x 2 pixels: what a stream
 // of this size has.
 void fit_on_device(benchmark::State& state) {
-  Bench bench(state);
-  const auto layer = make_state_layer({}, kRows, kCols, bench.pool, nullptr);
+  Bench bench(state, kSmall, kWindow);
+  const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, nullptr);
   layer->restart(bench.input(0));
   FieldOptions options;
   options.step_px = 2;
-  FieldFit fit(options, *bench.scene.camera().intrinsics, kRows, kCols, bench.pool, bench.gpu.get());
+  FieldFit fit(options, *bench.scene.camera().intrinsics, bench.size.rows, bench.size.cols, bench.pool,
+               bench.gpu.get());
   observe_all(fit, bench, layer->state(), state);
   FitBudget budget;
   budget.samples_without_parallax = static_cast<int>(state.range(1));
   fit.prepare(budget);
+  const DeviceTimes times(state, bench.gpu.get());
   for (auto _ : state) {
     for (int s = 0; s < budget.steps; ++s) fit.step();
     fit.settle();
@@ -120,19 +162,16 @@ void fit_on_device(benchmark::State& state) {
   state.SetItemsProcessed(state.iterations() * budget.steps * budget.rays_per_step * state.range(1));
 }
 
-BENCHMARK(state_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(look_ahead_on_device)
-    ->ArgName("on_gpu")
-    ->Arg(0)
-    ->Arg(1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-BENCHMARK(shrinkage_on_device)
-    ->ArgName("on_gpu")
-    ->Arg(0)
-    ->Arg(1)
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
+void in_all_sizes(benchmark::internal::Benchmark* bench) {
+  bench->ArgNames({"on_gpu", "rows"})
+      ->ArgsProduct({{0, 1}, {240, 480, 1080}})
+      ->Unit(benchmark::kMillisecond)
+      ->UseRealTime();
+}
+
+BENCHMARK(state_on_device)->Apply(in_all_sizes);
+BENCHMARK(look_ahead_on_device)->Apply(in_all_sizes);
+BENCHMARK(shrinkage_on_device)->Apply(in_all_sizes);
 BENCHMARK(view_on_device)->ArgName("on_gpu")->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(fit_on_device)
     ->ArgNames({"on_gpu", "samples_per_ray"})

@@ -64,7 +64,9 @@ Result<void> Device::start(const PhysicalDevice& which, const std::string& cache
   vk_.GetDeviceQueue(device_, which.queue_family, 0, &queue);
   facts_.group = group_size(which);
   memory_ = std::make_unique<Memory>(vk_, device_, which.memory, limits_.maxStorageBufferRange);
-  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, facts_.group);
+  const double tick_ns =
+      limits_.timestampComputeAndGraphics == VK_TRUE ? static_cast<double>(limits_.timestampPeriod) : 0;
+  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, facts_.group, tick_ns);
   TRY(work_->open(which.queue_family));
   cache_path_ = pipeline_cache_path(cache_folder, which.uuid);
   open_cache();

@@ -14,7 +14,9 @@ constexpr std::uint32_t kSetsPerPool = 256, kBuffersPerPool = 2048;
 constexpr std::uint64_t kPatience_ns = 20'000'000'000;  // a step of ours takes milliseconds
 constexpr VkPipelineStageFlags kWorkStages =
     VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-constexpr std::size_t kMostBuffers = 16;  // of a kernel
+constexpr std::size_t kMostBuffers = 16;     // of a kernel
+constexpr std::size_t kCarried = 256 << 10;  // bytes that a thread takes at a time
+constexpr std::uint32_t kMostTimed = 1024;
 
 const Memory::Range& range_of(const GpuBuffer& buffer) { return static_cast<const Memory::Range&>(buffer); }
 
@@ -30,9 +32,10 @@ std::uint32_t groups(int elements, int group) {
 }  // namespace
 
 Work::~Work() {
+  if (clock_ != VK_NULL_HANDLE) vk_.DestroyQueryPool(device_, clock_, nullptr);
   if (fence_ != VK_NULL_HANDLE) vk_.DestroyFence(device_, fence_, nullptr);
   for (VkDescriptorPool pool : descriptors_) vk_.DestroyDescriptorPool(device_, pool, nullptr);
-  if (pool_ != VK_NULL_HANDLE) vk_.DestroyCommandPool(device_, pool_, nullptr);
+  if (command_pool_ != VK_NULL_HANDLE) vk_.DestroyCommandPool(device_, command_pool_, nullptr);
 }
 
 Result<void> Work::open(std::uint32_t queue_family) {
@@ -41,11 +44,11 @@ Result<void> Work::open(std::uint32_t queue_family) {
   pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
   pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
   pool.queueFamilyIndex = queue_family;
-  if (const VkResult r = vk_.CreateCommandPool(device_, &pool, nullptr, &pool_); r != VK_SUCCESS)
+  if (const VkResult r = vk_.CreateCommandPool(device_, &pool, nullptr, &command_pool_); r != VK_SUCCESS)
     return failed(r, kDoing);
   VkCommandBufferAllocateInfo commands{};
   commands.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-  commands.commandPool = pool_;
+  commands.commandPool = command_pool_;
   commands.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   commands.commandBufferCount = 1;
   if (const VkResult r = vk_.AllocateCommandBuffers(device_, &commands, &commands_); r != VK_SUCCESS)
@@ -55,6 +58,17 @@ Result<void> Work::open(std::uint32_t queue_family) {
   if (const VkResult r = vk_.CreateFence(device_, &fence, nullptr, &fence_); r != VK_SUCCESS)
     return failed(r, kDoing);
   return {};
+}
+
+void Work::carry(std::span<const std::byte> from, std::byte* to) const {
+  if (pool_ == nullptr || from.size() <= kCarried) {
+    std::memcpy(to, from.data(), from.size());
+    return;
+  }
+  pool_->for_each(static_cast<int>((from.size() + kCarried - 1) / kCarried), [&](int i) {
+    const std::size_t at = static_cast<std::size_t>(i) * kCarried;
+    std::memcpy(to + at, from.data() + at, std::min(kCarried, from.size() - at));
+  });
 }
 
 bool Work::begin() {
@@ -72,6 +86,7 @@ bool Work::begin() {
     return false;
   }
   recording_ = true;
+  if (times_ != nullptr) vk_.CmdResetQueryPool(commands_, clock_, 0, 2 * kMostTimed);
   return true;
 }
 
@@ -84,33 +99,49 @@ void Work::barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, VkAccessF
   vk_.CmdPipelineBarrier(commands_, from, to, 0, 1, &all, 0, nullptr, 0, nullptr);
 }
 
-void Work::upload(std::span<const std::byte> from, const GpuBuffer& to) {
-  CHECK_LE(from.size(), to.bytes());
+// The barrier before a step lets it begin when those before it have ended: so does its first tick.
+template <class Record>
+void Work::timed(const std::string& step, const Record& record) {
+  if (times_ == nullptr || timed_.size() == kMostTimed) {
+    record();
+    return;
+  }
+  const auto tick = static_cast<std::uint32_t>(2 * timed_.size());
+  timed_.push_back(step);
+  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick);
+  record();
+  vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick + 1);
+}
+
+void Work::upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) {
+  CHECK(at <= to.bytes() && from.size() <= to.bytes() - at);
   if (!begin()) return;
   auto staging = memory_.take(from.size(), MemoryUse::Staging);
   if (!staging) {
     error_ = staging.error();
     return;
   }
-  std::memcpy((*staging)->mapped(), from.data(), from.size());
-  copy(**staging, to);
+  carry(from, (*staging)->mapped());
+  copy("upload", {**staging}, {range_of(to), at}, from.size());
   staged_.push_back(std::move(*staging));
 }
 
 void Work::copy(const GpuBuffer& from, const GpuBuffer& to) {
-  if (!begin()) return;
-  const Memory::Range &source = range_of(from), &target = range_of(to);
+  if (begin()) copy("copy", {range_of(from)}, {range_of(to)}, std::min(from.bytes(), to.bytes()));
+}
+
+void Work::copy(const char* step, const Place& from, const Place& to, std::size_t bytes) {
   barrier(kWorkStages, VK_PIPELINE_STAGE_TRANSFER_BIT,
           VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
-  const VkBufferCopy region{source.offset(), target.offset(), std::min(from.bytes(), to.bytes())};
-  vk_.CmdCopyBuffer(commands_, source.handle(), target.handle(), 1, &region);
+  const VkBufferCopy region{from.range.offset() + from.at, to.range.offset() + to.at, bytes};
+  timed(step, [&] { vk_.CmdCopyBuffer(commands_, from.range.handle(), to.range.handle(), 1, &region); });
 }
 
 void Work::clear(const GpuBuffer& buffer) {
   if (!begin()) return;
   const Memory::Range& range = range_of(buffer);
   barrier(kWorkStages, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
-  vk_.CmdFillBuffer(commands_, range.handle(), range.offset(), buffer.bytes(), 0);
+  timed("clear", [&] { vk_.CmdFillBuffer(commands_, range.handle(), range.offset(), buffer.bytes(), 0); });
 }
 
 void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
@@ -145,20 +176,48 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
                          static_cast<std::uint32_t>(constants.size()), constants.data());
   barrier(kWorkStages, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT);
-  vk_.CmdDispatch(commands_, groups(grid.columns, group_), static_cast<std::uint32_t>(grid.rows),
-                  static_cast<std::uint32_t>(grid.planes));
+  timed(own.name, [&] {
+    vk_.CmdDispatch(commands_, groups(grid.columns, group_), static_cast<std::uint32_t>(grid.rows),
+                    static_cast<std::uint32_t>(grid.planes));
+  });
 }
 
-void Work::download(const GpuBuffer& from, std::span<std::byte> to) {
-  CHECK_LE(to.size(), from.bytes());
+void Work::download(const GpuBuffer& from, std::size_t at, std::span<std::byte> to) {
+  CHECK(at <= from.bytes() && to.size() <= from.bytes() - at);
   if (!begin()) return;
   auto staging = memory_.take(to.size(), MemoryUse::Staging);
   if (!staging) {
     error_ = staging.error();
     return;
   }
-  copy(from, **staging);
+  copy("download", {range_of(from), at}, {**staging}, to.size());
   arrivals_.push_back({std::move(*staging), to});
+}
+
+void Work::measure(GpuStepTimes* times) {
+  CHECK(!recording_);
+  times_ = nullptr;
+  if (times == nullptr || tick_ns_ <= 0) return;
+  VkQueryPoolCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+  info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+  info.queryCount = 2 * kMostTimed;
+  if (clock_ == VK_NULL_HANDLE && vk_.CreateQueryPool(device_, &info, nullptr, &clock_) != VK_SUCCESS) return;
+  times_ = times;
+}
+
+void Work::take_times() {
+  const std::size_t steps = timed_.size();
+  std::vector<std::uint64_t> ticks(2 * steps);
+  if (steps == 0 || vk_.GetQueryPoolResults(device_, clock_, 0, static_cast<std::uint32_t>(ticks.size()),
+                                            ticks.size() * sizeof ticks[0], ticks.data(), sizeof ticks[0],
+                                            VK_QUERY_RESULT_64_BIT) != VK_SUCCESS)
+    return;
+  for (std::size_t i = 0; i < steps; ++i) {
+    GpuStepTime& step = (*times_)[timed_[i]];
+    step.ms += static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * tick_ns_ * 1e-6;
+    ++step.times;
+  }
 }
 
 Result<VkDescriptorSet> Work::set_for(const Kernel& kernel) {
@@ -213,7 +272,9 @@ Result<void> Work::finish() {
           (!done && (done.error().code == ErrorCode::Unplugged || done.error().code == ErrorCode::Timeout));
   if (done)
     for (const Arrival& arrival : arrivals_)
-      std::memcpy(arrival.to.data(), arrival.staging->mapped(), arrival.to.size());
+      carry({arrival.staging->mapped(), arrival.to.size()}, arrival.to.data());
+  if (done && times_ != nullptr) take_times();
+  timed_.clear();
   // what an unanswering device may still read is not given to others: nothing is taken any more
   staged_.clear(), arrivals_.clear();
   if (!lost_)

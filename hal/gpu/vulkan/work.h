@@ -23,20 +23,24 @@ constexpr std::uint32_t kConstantBytes = 128;  // what every device offers
 
 class Work final : public GpuWork {
  public:
-  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory, int group)
-      : vk_(functions), device_(device), queue_(queue), memory_(memory), group_(group) {}
+  // tick_ns: of the queue's clock; 0: it has none
+  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory, int group,
+       double tick_ns)
+      : vk_(functions), device_(device), queue_(queue), memory_(memory), group_(group), tick_ns_(tick_ns) {}
   ~Work() override;
 
   Result<void> open(std::uint32_t queue_family);
 
-  using GpuWork::run;
-  void upload(std::span<const std::byte> from, const GpuBuffer& to) override;
+  using GpuWork::download, GpuWork::run, GpuWork::upload;
+  void upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) override;
   void copy(const GpuBuffer& from, const GpuBuffer& to) override;
   void clear(const GpuBuffer& buffer) override;
   void run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
            std::span<const std::byte> constants, const GpuGrid& grid) override;
-  void download(const GpuBuffer& from, std::span<std::byte> to) override;
+  void download(const GpuBuffer& from, std::size_t at, std::span<std::byte> to) override;
   Result<void> finish() override;
+  void measure(GpuStepTimes* times) override;
+  void carry_with(WorkerPool* pool) override { pool_ = pool; }
 
  private:
   struct Arrival {
@@ -44,8 +48,17 @@ class Work final : public GpuWork {
     std::span<std::byte> to;
   };
 
+  void carry(std::span<const std::byte> from, std::byte* to) const;
   bool begin();  // false: something has failed already
   void barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, VkAccessFlags seen_by);
+  struct Place {
+    const Memory::Range& range;
+    std::size_t at = 0;  // bytes from its start
+  };
+  void copy(const char* step, const Place& from, const Place& to, std::size_t bytes);
+  template <class Record>
+  void timed(const std::string& step, const Record& record);
+  void take_times();
   Result<VkDescriptorSet> set_for(const Kernel& kernel);
   Result<void> submit();
 
@@ -54,7 +67,8 @@ class Work final : public GpuWork {
   VkQueue queue_;
   Memory& memory_;
   int group_;
-  VkCommandPool pool_ = VK_NULL_HANDLE;
+  double tick_ns_;
+  VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   std::vector<VkDescriptorPool> descriptors_;
@@ -63,6 +77,10 @@ class Work final : public GpuWork {
   Result<void> error_;
   std::vector<std::unique_ptr<Memory::Range>> staged_;
   std::vector<Arrival> arrivals_;
+  WorkerPool* pool_ = nullptr;
+  GpuStepTimes* times_ = nullptr;  // null: nothing is measured
+  VkQueryPool clock_ = VK_NULL_HANDLE;
+  std::vector<std::string> timed_;  // the steps with two ticks each
 };
 
 }  // namespace hdrcam::vulkan

@@ -2,22 +2,22 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+
 namespace hdrcam {
 namespace {
 
 constexpr int kCubic = 3;  // planes of a state that are carried by cubic convolution: its radiance
 
-// [a; b] along the channels.
-void stack(const Image<float>& a, const Image<float>& b, Image<float>& both) {
-  both.reshape(a.channels() + b.channels(), a.rows(), a.cols());
-  std::copy(a.samples().begin(), a.samples().end(), both.samples().begin());
-  std::copy(b.samples().begin(), b.samples().end(), both.plane(a.channels()));
+void upload_halves(GpuWork& work, const Image<float>& first, const Image<float>& second,
+                   const GpuPicture& both) {
+  upload(work, first, both);
+  upload(work, second, both, first.channels());
 }
 
-void split(const Image<float>& both, Image<float>& radiance, Image<float>& variance) {
-  for (Image<float>* half : {&radiance, &variance}) half->reshape(3, both.rows(), both.cols());
-  std::copy_n(both.plane(0), radiance.size(), radiance.plane(0));
-  std::copy_n(both.plane(3), variance.size(), variance.plane(0));
+void download_halves(GpuWork& work, const GpuPicture& both, Image<float>& first, Image<float>& second) {
+  download(work, both, 0, 3, first);
+  download(work, both, 3, 3, second);
 }
 
 }  // namespace
@@ -36,10 +36,11 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
       .motion = TRY(picture(kMotionPlanes)),
       .path = TRY(picture(kMotionPlanes)),
       .longer = TRY(picture(kMotionPlanes)),
-      .codes = TRY(picture(3)),
       .seen = TRY(picture(3)),
       .largest = TRY(picture(3)),
       .brightest = TRY(picture(3)),
+      .held = {HeldCodes{-1, TRY(picture(3))}, HeldCodes{-1, TRY(picture(3))},
+               HeldCodes{-1, TRY(picture(3))}},
       .room = TRY(PassRoom::make(device, rows, cols)),
       .contrast = TRY(picture(3)),
       .gate = TRY(picture(1)),
@@ -54,7 +55,7 @@ VulkanState::VulkanState(const StateOptions& options, int rows, int cols, Worker
   known_.variance = Image<float>(3, rows, cols);
   known_.own_share = Image<float>(1, rows, cols);
   auto room = [&] {
-    const std::lock_guard turn(device_.turn());
+    const GpuTurn turn(device_);
     return Room::make(device, options, rows, cols);
   }();
   if (room)
@@ -64,7 +65,7 @@ VulkanState::VulkanState(const StateOptions& options, int rows, int cols, Worker
 }
 
 VulkanState::~VulkanState() {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   room_.reset();
 }
 
@@ -72,7 +73,7 @@ CpuState& VulkanState::fall_back_to_cpu(const Error& why) {
   fallback_reason_ = fmt::format("{}: {}", device_.facts().name, why.message);
   spdlog::warn("the state goes on with the processor: {}", fallback_reason_);
   {
-    const std::lock_guard turn(device_.turn());
+    const GpuTurn turn(device_);
     room_.reset();
   }
   processor_ = std::make_unique<CpuState>(options_, rows_, cols_, pool_);
@@ -105,51 +106,58 @@ void VulkanState::join(const RadianceState& of, std::span<const LaterFrame> late
   }
 }
 
+const GpuPicture& VulkanState::codes_of(const ExposedFrame& frame) {
+  auto& held = room_->held;
+  for (const HeldCodes& known : held)
+    if (known.frame == frame.index) return known.codes;
+  HeldCodes& oldest = *std::min_element(
+      held.begin(), held.end(), [](const HeldCodes& a, const HeldCodes& b) { return a.frame < b.frame; });
+  upload(device_.work(), frame.codes, oldest.codes);
+  oldest.frame = frame.index;
+  return oldest.codes;
+}
+
 void VulkanState::upload_motion(const FlowField& motion) {
-  stack(motion.vectors, motion.confidence, stacked_);
-  upload(device_.work(), stacked_, room_->motion);
+  upload_halves(device_.work(), motion.vectors, motion.confidence, room_->motion);
 }
 
 Result<void> VulkanState::restart_gpu(const StateInput& input) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_, &pool_);
   residuals_ = SampleResiduals();
   Room& on = *room_;
   GpuWork& work = device_.work();
-  upload(work, input.frame.codes, on.codes);
+  for (HeldCodes& held : on.held) held.frame = -1;
+  const GpuPicture& codes = codes_of(input.frame);
   on.tables.take(input.tables, work);
   Image<float> unseen(3, rows_, cols_);
   unseen.fill(kUnseenVariance);
-  on.passes.sample(on.codes, on.codes, on.tables, on.samples);
+  on.passes.sample(codes, codes, on.tables, on.samples);
   // the samples' radiance, with nothing known of it, is the first state
-  download(work, on.samples, fetched_);
+  Image<float> radiance;
+  download(work, on.samples, 0, 3, radiance);
   TRY(work.finish());
-  Image<float> radiance(3, rows_, cols_);
-  std::copy_n(fetched_.plane(0), radiance.size(), radiance.plane(0));
-  stack(radiance, unseen, stacked_);
-  upload(work, stacked_, on.state);
+  upload_halves(work, radiance, unseen, on.state);
   on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share,
                    SampleOrder::FirstFrame);
-  download(work, on.state, fetched_);
-  download(work, on.share, fetched_share_);
-  TRY(work.finish());
-  take_state();
-  return {};
+  download_known(on.state);
+  return work.finish();
 }
 
-void VulkanState::take_state() {
-  split(fetched_, known_.radiance, known_.variance);
-  known_.own_share.copy_from(fetched_share_);
+// With finish(): until then what was known stays.
+void VulkanState::download_known(const GpuPicture& state) {
+  download_halves(device_.work(), state, known_.radiance, known_.variance);
+  download(device_.work(), room_->share, known_.own_share);
 }
 
 Result<void> VulkanState::advance_gpu(const StateInput& input, const FlowField& to_previous) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_, &pool_);
   Room& on = *room_;
   const StatePasses& passes = on.passes;
   GpuWork& work = device_.work();
-  upload(work, input.frame.codes, on.codes);
+  const GpuPicture& codes = codes_of(input.frame);
   upload_motion(to_previous);
   on.tables.take(input.tables, work);
-  passes.sample(on.codes, on.codes, on.tables, on.samples);
+  passes.sample(codes, codes, on.tables, on.samples);
   passes.warp(on.state, on.motion, kCubic, options_.ringing_limit, on.predicted);
   passes.model_blur(on.predicted, on.motion, input.blur_fraction(), on.samples);
   const GpuSeen seen{on.predicted, on.samples, on.tables, input.white};
@@ -158,12 +166,10 @@ Result<void> VulkanState::advance_gpu(const StateInput& input, const FlowField& 
   const bool judges = rows_ > 2 && cols_ > 2;
   if (judges) passes.residuals(seen, on.motion, on.residuals);
   passes.update(seen, on.room, on.share);
-  download(work, on.predicted, fetched_);
-  download(work, on.share, fetched_share_);
+  download_known(on.predicted);
   if (judges) download(work, on.residuals, found_);
   TRY(work.finish());
   std::swap(on.state, on.predicted);
-  take_state();
   if (judges) learn_residuals(input.tables.exposure());
   return {};
 }
@@ -179,7 +185,7 @@ void VulkanState::learn_residuals(float exposure) {
 
 Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
                                    JoinedState& joined) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_, &pool_);
   if (later.empty()) {
     joined.copy_from(of);
     joined.later_share.reshape(1, rows_, cols_);
@@ -192,8 +198,7 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
   if (&of == &known_) {
     work.copy(*on.state.buffer, *on.joined.buffer);
   } else {
-    stack(of.radiance, of.variance, stacked_);
-    upload(work, stacked_, on.joined);
+    upload_halves(work, of.radiance, of.variance, on.joined);
   }
   work.clear(*on.share.buffer);
   int intervals = 0;
@@ -206,10 +211,10 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
       passes.follow(on.motion, on.path, on.longer);
       std::swap(on.path, on.longer);
     }
-    upload(work, ahead.frame->codes, on.codes);
+    const GpuPicture& codes = codes_of(*ahead.frame);
     on.tables.take(*ahead.tables, work);
-    passes.warp(on.codes, on.path, kCubic, 0, on.seen);
-    passes.dilate(on.codes, on.largest);
+    passes.warp(codes, on.path, kCubic, 0, on.seen);
+    passes.dilate(codes, on.largest);
     passes.warp(on.largest, on.path, 0, 0, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
     // the path spans all intervals, the exposure lasts a part of the last one
@@ -219,10 +224,9 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
     passes.gate(seen, on.path, on.room, on.gate, on.contrast);
     passes.join(seen, on.gate, {on.contrast, on.path, intervals}, on.room, on.share);
   }
-  download(work, on.joined, fetched_);
+  download_halves(work, on.joined, joined.radiance, joined.variance);
   download(work, on.share, joined.later_share);
   TRY(work.finish());
-  split(fetched_, joined.radiance, joined.variance);
   joined.own_share.copy_from(of.own_share);
   return {};
 }

@@ -3,6 +3,7 @@
 // copy that is here, with the same frame. Thread-bound; pool and device outlive it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 
@@ -29,12 +30,19 @@ class VulkanState final : public StateLayer {
   std::string fallback_reason() const override { return fallback_reason_; }
 
  private:
+  // A frame's codes go to the device once: it is looked ahead to before it is due.
+  static constexpr std::size_t kHeldFrames = 3;  // it and two later ones
+  struct HeldCodes {
+    int frame = -1;  // ExposedFrame::index; -1: none
+    GpuPicture codes;
+  };
   // What lives on the device.
   struct Room {
     StatePasses passes;
     GpuTables tables;
     GpuPicture state, predicted, joined;  // [kStatePlanes]
-    GpuPicture samples, motion, path, longer, codes, seen, largest, brightest;
+    GpuPicture samples, motion, path, longer, seen, largest, brightest;
+    std::array<HeldCodes, kHeldFrames> held;
     PassRoom room;
     GpuPicture contrast, gate, share, residuals;
 
@@ -45,8 +53,9 @@ class VulkanState final : public StateLayer {
   Result<void> advance_gpu(const StateInput& input, const FlowField& to_previous);
   Result<void> join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
                         JoinedState& joined);
+  const GpuPicture& codes_of(const ExposedFrame& frame);
   void upload_motion(const FlowField& motion);
-  void take_state();
+  void download_known(const GpuPicture& state);
   void learn_residuals(float exposure);
   CpuState& fall_back_to_cpu(const Error& why);
 
@@ -59,7 +68,7 @@ class VulkanState final : public StateLayer {
   std::string fallback_reason_;
   RadianceState known_;
   SampleResiduals residuals_;
-  Image<float> stacked_, fetched_, fetched_share_, found_;
+  Image<float> found_;
 };
 
 }  // namespace hdrcam

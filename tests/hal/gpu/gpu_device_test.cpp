@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <chrono>
 #include <cstring>
 #include <numeric>
 #include <vector>
@@ -85,6 +86,69 @@ TEST_CASE("what goes up to a graphics device comes back, step after step in thei
   CHECK(seen == first);
   CHECK(then == second);
   CHECK(std::all_of(cleared.begin(), cleared.end(), [](float v) { return v == 0; }));
+}
+
+TEST_CASE("a part of a graphics device's buffer is written and read by itself") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  GpuWork& work = gpu->work();
+  const auto buffer = value_of(gpu->buffer(4000));
+  const std::vector<float> whole = ramp(1000), part = ramp(10, 5000);
+  std::vector<float> around(12), all(1000);
+  work.upload(std::as_bytes(std::span(whole)), *buffer);
+  work.upload(std::as_bytes(std::span(part)), *buffer, 4 * 100);
+  work.download(*buffer, 4 * 99, std::as_writable_bytes(std::span(around)));
+  work.download(*buffer, std::as_writable_bytes(std::span(all)));
+  require_done(work.finish());
+  std::vector<float> expected = whole;
+  std::copy(part.begin(), part.end(), expected.begin() + 100);
+  CHECK(all == expected);
+  CHECK(std::equal(around.begin(), around.end(), expected.begin() + 99));
+}
+
+TEST_CASE("what several threads carry to a graphics device and back is what one does") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  WorkerPool pool(3);
+  const std::vector<float> picture = ramp(1'000'003);
+  std::vector<float> back(picture.size());
+  const auto buffer = value_of(gpu->buffer(4 * picture.size()));
+  const GpuTurn turn(*gpu, &pool);
+  gpu->work().upload(std::as_bytes(std::span(picture)), *buffer);
+  gpu->work().download(*buffer, std::as_writable_bytes(std::span(back)));
+  require_done(gpu->work().finish());
+  CHECK(back == picture);
+}
+
+TEST_CASE("a graphics device says how long each kind of step took") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  GpuWork& work = gpu->work();
+  const GpuKernel* mean = value_of(gpu->kernel(kBoxMean));
+  constexpr int kSize = 256, kRuns = 3;
+  std::vector<float> picture(kSize * kSize, 1);
+  const auto in = value_of(gpu->buffer(picture.size() * 4)), out = value_of(gpu->buffer(picture.size() * 4));
+  const auto run = [&] {
+    work.upload(std::as_bytes(std::span(picture)), *in);
+    for (int i = 0; i < kRuns; ++i)
+      work.run(*mean, {in.get(), out.get()}, BoxMean{kSize, kSize, 2}, {kSize, kSize, 1});
+    work.download(*out, std::as_writable_bytes(std::span(picture)));
+    require_done(work.finish());
+  };
+  GpuStepTimes times;
+  work.measure(&times);
+  const auto start = std::chrono::steady_clock::now();
+  run();
+  const double wall_ms =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  CHECK(times["upload"].times == 1);
+  CHECK(times["box_mean"].times == kRuns);
+  CHECK(times["download"].times == 1);
+  CHECK(times["box_mean"].ms > 0);
+  CHECK(times["box_mean"].ms < wall_ms);
+  work.measure(nullptr);
+  run();
+  CHECK(times["box_mean"].times == kRuns);
 }
 
 TEST_CASE("a kernel is made once, sees its constants and leaves out what is beyond its grid") {

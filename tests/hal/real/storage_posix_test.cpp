@@ -1,5 +1,6 @@
 // What only a real file system has: links, FIFOs, devices, permissions.
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -64,7 +65,7 @@ TEST_CASE("a file that is replaced keeps its permissions") {
 TEST_CASE("a file where a folder is needed is named, and so is a folder that takes no files") {
   const TemporaryFolder folder;
   require_done(write_whole(posix_storage(), folder / "notes.txt", bytes_of("old")));
-  const std::string blocker = "'" + (folder / "notes.txt") + "' is a file, and a folder is needed";
+  const std::string blocker = fmt::format("'{}' is a file, and a folder is needed", folder / "notes.txt");
   for (const char* path : {"notes.txt/clip.json", "notes.txt/a/b.json"}) {
     const auto opened = posix_storage().open(folder / path);
     require_error(opened, ErrorCode::Permission);
@@ -85,7 +86,7 @@ TEST_CASE("an error of a file in the making names the file that was asked for") 
   require_done(write_whole(posix_storage(), making.path(), bytes_of("somebody else's")));
   const auto made = making.as_asked(posix_storage().create(making.path(), Creation::New));
   require_error(made, ErrorCode::Exists);
-  CHECK(made.error().message == "'" + (folder / "latest.mkv") + "' exists already");
+  CHECK(made.error().message == fmt::format("'{}' exists already", folder / "latest.mkv"));
 }
 
 TEST_CASE("a FIFO is written through, not replaced") {

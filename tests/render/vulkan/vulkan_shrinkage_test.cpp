@@ -80,8 +80,9 @@ TEST_CASE("a graphics device that is full or lost leaves shrinkage to the proces
 TEST_CASE("the checks of Vulkan find nothing wrong with shrinkage", "[gpu]") {
   test::CheckedGpu checked;
   if (checked.gpu == nullptr) return;
+  WorkerPool pool(1);
   Noisy noisy(30, 41);
-  require_done(value_of(VulkanShrinkage::make(*checked.gpu))
+  require_done(value_of(VulkanShrinkage::make(*checked.gpu, pool))
                    ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
   checked.expect_no_complaints();
 }
@@ -91,9 +92,10 @@ TEST_CASE("shrinkage's kernels are compiled and have run once within three secon
   ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // cold: the driver's own cache would hide it
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
+  WorkerPool pool(1);
   Noisy noisy(30, 41);
   const std::clock_t begin = std::clock();
-  require_done(value_of(VulkanShrinkage::make(*gpu))
+  require_done(value_of(VulkanShrinkage::make(*gpu, pool))
                    ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   ::unsetenv("MESA_SHADER_CACHE_DISABLE");

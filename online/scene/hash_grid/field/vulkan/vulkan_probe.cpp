@@ -29,7 +29,7 @@ struct VulkanProbe::Constants {
 };
 
 Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
-  const std::lock_guard turn(device.turn());
+  const GpuTurn turn(device);
   const std::array<GpuShader, kPasses> shaders{{{"field place", k_place, 4},
                                                 {"field encode", k_encode, 4},
                                                 {"field network", k_network, 3},
@@ -41,7 +41,7 @@ Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
 }
 
 VulkanProbe::~VulkanProbe() {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   static_ = {}, dynamic_ = {};
   for (Room* room : {&rays_, &placed_, &moved_, &views_, &base_, &answers_}) room->buffer.reset();
 }
@@ -49,7 +49,7 @@ VulkanProbe::~VulkanProbe() {
 Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view,
                                std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers) {
   CHECK(answers.size() == rays.size());
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   const std::size_t batch = std::min(kBatchRays, rays.size());
   const int ld = static_cast<int>(batch) * field.samples_per_ray;
   TRY(reserve_for(field, ld));  // all of it before the first step: work that was begun is finished

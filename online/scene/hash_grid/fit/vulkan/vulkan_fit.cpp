@@ -14,7 +14,7 @@ double sum_of(std::span<const float> values) {
 }  // namespace
 
 Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const FieldNetworks<float>& networks) {
-  const std::lock_guard turn(device.turn());
+  const GpuTurn turn(device);
   FitPasses passes = TRY(FitPasses::make(device));
   GpuBranch static_branch = TRY(GpuBranch::make(device, networks.static_, 0));
   GpuBranch dynamic_branch = TRY(GpuBranch::make(device, networks.dynamic, GpuRays::kStaticOutputs));
@@ -23,13 +23,13 @@ Result<std::unique_ptr<VulkanFit>> VulkanFit::make(GpuDevice& device, const Fiel
 }
 
 VulkanFit::~VulkanFit() {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   static_ = {}, dynamic_ = {}, rays_ = {};
 }
 
 Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& static_branch,
                               const OptimisedBranch& dynamic_branch, const StepSize& most) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   due_.reset();
   const int ld = 2 * most.rays * most.samples_per_ray;
   TRY(rays_.reserve(device_, window, most.rays, most.samples_per_ray));
@@ -62,7 +62,7 @@ Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<cons
 
 // From the rays to what is seen along them.
 Result<void> VulkanFit::forward(const StepSetting<float>& step) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   GpuWork& work = device_.work();
   record_due();
   const int n = rays_.count();
@@ -105,7 +105,7 @@ void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingR
 // their places is a part of the gradient of those that displaced them.
 Result<void> VulkanFit::backward(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
                                  StepSums& sums) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   GpuWork& work = device_.work();
   const int n = rays_.count();
   rays_.upload_d_seen(work);
@@ -152,7 +152,7 @@ void VulkanFit::record_due() {
 }
 
 Result<void> VulkanFit::collect(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch) {
-  const std::lock_guard turn(device_.turn());
+  const GpuTurn turn(device_);
   GpuWork& work = device_.work();
   record_due();
   static_.download(work, static_branch, arrived_static_);
