@@ -88,6 +88,21 @@ TEST_CASE("what goes up to a graphics device comes back, step after step in thei
   CHECK(std::all_of(cleared.begin(), cleared.end(), [](float v) { return v == 0; }));
 }
 
+TEST_CASE("a graphics device can be opened again and again") {
+  NEEDS_GPU(test::open_test_gpu());
+  const std::vector<float> picture = ramp(1 << 20);
+  for (int time = 0; time < 60; ++time) {
+    INFO("time " << time);
+    const auto gpu = value_of(open_gpu(test::gpu_options()));
+    std::vector<float> back(picture.size());
+    const auto buffer = value_of(gpu->buffer(4 * picture.size()));
+    gpu->work().upload(std::as_bytes(std::span(picture)), *buffer);
+    gpu->work().download(*buffer, std::as_writable_bytes(std::span(back)));
+    require_done(gpu->work().finish());
+    REQUIRE(back == picture);
+  }
+}
+
 TEST_CASE("a part of a graphics device's buffer is written and read by itself") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
