@@ -81,6 +81,21 @@ constexpr Whole kEachLane{0, 1, 2, 3, 4, 5, 6, 7};
                p[place[4]], p[place[5]], p[place[6]], p[place[7]]};
 }
 
+// The pixels that are nearest to eight places of a picture, which may be outside.
+struct Nearest {
+  Whole place;
+  bool together;  // one after the other
+};
+[[maybe_unused]] inline Nearest nearest(Lanes x, Lanes y, int rows, int cols) {
+  const float right = static_cast<float>(cols - 1), bottom = static_cast<float>(rows - 1);
+  const Whole column = whole(clamped(x, 0, right) + 0.5f), row = whole(clamped(y, 0, bottom) + 0.5f);
+  const Whole place = row * cols + column;
+  return {place, in_a_row(place)};
+}
+[[maybe_unused]] inline Lanes read(const float* p, const Nearest& at) {
+  return at.together ? load(p + at.place[0]) : lanes_at(p, at.place);
+}
+
 // A pixel and its right neighbour, at eight places.
 struct PixelPairs {
   Lanes left, right;

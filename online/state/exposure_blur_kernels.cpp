@@ -31,13 +31,9 @@ struct Seen {
 inline Seen seen(const BlurBand& b, Lanes px, float py, Lanes dx, Lanes dy, Lanes instant) {
   const float right = static_cast<float>(b.cols - 1), bottom = static_cast<float>(b.rows - 1);
   // what is seen then moves as the place does where it is seen
-  const Whole qx = whole(clamped(px + instant * dx, 0, right) + 0.5f);
-  const Whole qy = whole(clamped(py + instant * dy, 0, bottom) + 0.5f);
-  const Whole near = qy * b.cols + qx;
-  const bool together = in_a_row(near);
-  const Lanes sx = clamped(px + instant * (together ? load(b.dx + near[0]) : lanes_at(b.dx, near)), 0, right);
-  const Lanes sy =
-      clamped(py + instant * (together ? load(b.dy + near[0]) : lanes_at(b.dy, near)), 0, bottom);
+  const Nearest near = nearest(px + instant * dx, py + instant * dy, b.rows, b.cols);
+  const Lanes sx = clamped(px + instant * read(b.dx, near), 0, right);
+  const Lanes sy = clamped(py + instant * read(b.dy, near), 0, bottom);
   const Whole ix = least(whole(sx), Whole{} + (b.cols - 2)), iy = least(whole(sy), Whole{} + (b.rows - 2));
   return {iy * b.cols + ix, sx - lanes(ix), sy - lanes(iy)};
 }

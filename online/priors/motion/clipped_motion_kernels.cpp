@@ -101,24 +101,51 @@ inline Whole lost(Vectors there, Vectors back) {
 struct Crossing {
   Vectors back, whole, before, after;
 };
-inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
-  constexpr int kRounds = 3;
-  Crossing at;
-  at.back = back, at.whole = whole;
-  for (int round = 0; round < kRounds; ++round) {
-    const Places there = places_of(r.at, x, at.back);
-    at.after = vectors_at(r.path.after_to_state, r.at,
-                          places_of(r.at, x, {at.back.x + at.whole.x, at.back.y + at.whole.y}));
-    at.before = vectors_at(r.path.state_to_after, r.at, there);
-    at.whole = {0.5f * (at.before.x - at.after.x), 0.5f * (at.before.y - at.after.y)};
-    at.back = {-r.path.share * at.whole.x, -r.path.share * at.whole.y};
-    if (r.path.last != nullptr) {
-      const Vectors last = vectors_at(r.path.last, r.at, there);
-      const Vectors bend = bend_of(r.path, at.whole, last, value_at(r.path.measured, r.at, there));
-      at.back = {at.back.x + bend.x, at.back.y + bend.y};
-    }
+
+// How flows are read where a crossing leads.
+struct ReadBetween {
+  const RowOfPictures& at;
+  int x;
+  Places where(Vectors by) const { return places_of(at, x, by); }
+  Lanes value(const float* picture, const Places& there) const { return value_at(picture, at, there); }
+  Vectors vectors(const float* motion, const Places& there) const { return vectors_at(motion, at, there); }
+};
+struct ReadNearest {
+  const RowOfPictures& at;
+  int x;
+  Nearest where(Vectors by) const {
+    return nearest(lanes(x + kEachLane) + by.x, static_cast<float>(at.y) + by.y, at.rows, at.cols);
   }
-  return at;
+  Lanes value(const float* picture, const Nearest& there) const { return read(picture, there); }
+  Vectors vectors(const float* motion, const Nearest& there) const {
+    return {read(motion, there), read(motion + static_cast<std::ptrdiff_t>(at.rows) * at.cols, there)};
+  }
+};
+
+// The crossing that the flows tell where this one leads.
+template <class Read>
+inline Crossing step(const PathAhead& path, const Crossing& from, const Read& read) {
+  const auto there = read.where(from.back);
+  Crossing to;
+  to.after =
+      read.vectors(path.after_to_state, read.where({from.back.x + from.whole.x, from.back.y + from.whole.y}));
+  to.before = read.vectors(path.state_to_after, there);
+  to.whole = {0.5f * (to.before.x - to.after.x), 0.5f * (to.before.y - to.after.y)};
+  to.back = {-path.share * to.whole.x, -path.share * to.whole.y};
+  if (path.last != nullptr) {
+    const Vectors last = read.vectors(path.last, there);
+    const Vectors bend = bend_of(path, to.whole, last, read.value(path.measured, there));
+    to.back = {to.back.x + bend.x, to.back.y + bend.y};
+  }
+  return to;
+}
+
+// A fixed point: where the flows are read is told by what is read. The nearest pixels are near enough to find
+// the place.
+inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
+  Crossing at{back, whole, {}, {}};
+  for (int round = 0; round < 2; ++round) at = step(r.path, at, ReadNearest{r.at, x});
+  return step(r.path, at, ReadBetween{r.at, x});
 }
 
 // Takes over what lands at eight pixels, where it is there; `unseen` becomes 1 where the frame's own motion,
@@ -126,11 +153,15 @@ inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) 
 inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Crossing& crossing,
                         Lanes& unseen) {
   constexpr float kFarOff2 = 64;  // pixels^2: what is that far from where it started is something else
-  const Crossing fast = settle(r, x, {-r.path.share * start.x, -r.path.share * start.y}, start);
+  constexpr float kKnown2 = 1;    // pixels^2: what is that near to what lands is what lands
+  const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
+  const Vectors back{-r.path.share * start.x, -r.path.share * start.y};
+  const Vectors known = either(unseen > 0, crossing.back, own);
+  if (!any_negative(squared({known.x - back.x, known.y - back.y}) > kKnown2)) return;
+  const Crossing fast = settle(r, x, back, start);
   const Whole there =
       ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);
   if (!any_negative(there)) return;
-  const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
   unseen = there & lost(own, vectors_at(r.from, r.at, places_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
   crossing.back = either(there, fast.back, crossing.back);
   crossing.whole = either(there, fast.whole, crossing.whole);
@@ -148,6 +179,7 @@ void bridge(const BridgedRow& r) {
     Crossing crossing{};
     if (hides) crossing = settle(r, x, kStill, kStill);
     if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
+    if (!any_negative(unseen > 0)) return;
     const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
     const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, ahead)));
     take_over(r.u + x, r.v + x, count, share, crossing.back);

@@ -1,7 +1,6 @@
 #include "online/priors/motion/landing.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace hdrcam {
 namespace {
@@ -26,8 +25,8 @@ void fill_from_neighbours(const Image<float>& landed, int row, int col, Image<fl
 
 // Whether a motion leads to a pixel whose motion leads back, to two pixels.
 bool comes_home(float x, float y, float u, float v, const Image<float>& back) {
-  constexpr float kApart2 = 4;  // pixels^2
-  const float to_x = std::round(x + u), to_y = std::round(y + v);
+  constexpr float kApart2 = 4;                           // pixels^2
+  const float to_x = x + u + 0.5f, to_y = y + v + 0.5f;  // what is left of the point is the nearest pixel's
   if (!(to_x >= 0 && to_y >= 0 && to_x < static_cast<float>(back.cols()) &&
         to_y < static_cast<float>(back.rows())))
     return false;
@@ -39,7 +38,7 @@ bool comes_home(float x, float y, float u, float v, const Image<float>& back) {
 // The motion of a pixel at this place goes to the cell there, if it is faster than what came before.
 void land(float x, float y, float u, float v, Image<float>& cells) {
   constexpr float kCells = 1 / static_cast<float>(kLandingCell);
-  const float across = std::floor(x * kCells), down = std::floor(y * kCells);
+  const float across = x * kCells, down = y * kCells;
   if (!(across >= 0 && down >= 0 && across < static_cast<float>(cells.cols()) &&
         down < static_cast<float>(cells.rows())))
     return;
@@ -58,14 +57,18 @@ Landing::Landing(int rows, int cols) {
 void Landing::throw_ahead(const Image<float>& there, const Image<float>& back, float least, float share) {
   constexpr int kEvery = 2;  // pixels: one of four is enough for a cell
   landed_.fill(kNowhere);
-  for (int row = 0; row < there.rows(); row += kEvery)
+  bool any = false;
+  for (int row = 0; row < there.rows(); row += kEvery) {
+    const float *us = there.row(0, row), *vs = there.row(1, row);
     for (int col = 0; col < there.cols(); col += kEvery) {
-      const float u = there.at(0, row, col), v = there.at(1, row, col);
+      const float u = us[col], v = vs[col];
+      if (u * u + v * v < least * least) continue;
       const auto x = static_cast<float>(col), y = static_cast<float>(row);
-      if (u * u + v * v >= least * least && comes_home(x, y, u, v, back))
-        land(x + share * u, y + share * v, u, v, landed_);
+      if (comes_home(x, y, u, v, back)) land(x + share * u, y + share * v, u, v, landed_), any = true;
     }
+  }
   cells_.copy_from(landed_);
+  if (!any) return;
   for (int row = 0; row < cells_.rows(); ++row)
     for (int col = 0; col < cells_.cols(); ++col)
       if (landed_.at(0, row, col) == kNowhere) fill_from_neighbours(landed_, row, col, cells_);
