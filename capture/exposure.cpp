@@ -79,8 +79,12 @@ double usual_gain(const CameraCapabilities& camera) { return std::max(1.0, camer
 Result<std::vector<Exposure>> parse_exposures(std::string_view shutter, std::string_view gain,
                                               double gain_otherwise) {
   std::vector<Exposure> exposures;
-  for (const std::string_view part : split(shutter, ','))
-    exposures.push_back({TRY(parse_duration(part)), gain_otherwise});
+  for (const std::string_view part : split(shutter, ',')) {
+    const auto time = parse_duration(part);
+    if (!time)
+      return Error{time.error().code, fmt::format("shutter times '{}': {}", shutter, time.error().message)};
+    exposures.push_back({time.value(), gain_otherwise});
+  }
   if (trimmed(gain).empty()) return exposures;
 
   const auto gains = split(gain, ',');

@@ -12,6 +12,7 @@
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 
@@ -101,7 +102,8 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
   int frames = 0;
   Result<void> ended;
   for (;; ++frames) {
-    if (around.stop) return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", frames)};
+    if (around.stop)
+      return Error{ErrorCode::Interrupted, fmt::format("interrupted after {}", counted(frames, "frame"))};
     auto frame = reader->next();
     if (!frame && (frame.error().code != ErrorCode::Truncated || options.strict)) return frame.error();
     if (!frame) ended = frame.error();
@@ -115,7 +117,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
   if (with_poses) TRY(write_poses(around.storage, options, posed));
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
-  say("{}: {} frames\n", options.folder, frames);
+  say("{}: {}\n", options.folder, counted(frames, "frame"));
   return ended;
 }
 

@@ -21,6 +21,7 @@
 #include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {
@@ -58,7 +59,7 @@ auto* teller_of(const Settings& settings) {
 
 std::string recorded_line(const Settings& settings, std::uint64_t recorded, std::uint64_t captured) {
   if (settings.record.file.empty() || recorded == 0) return "";  // no frame, no file
-  return fmt::format("{}: {} of {} frames\n", settings.record.file, recorded, captured);
+  return fmt::format("{}: {} of {}\n", settings.record.file, recorded, counted(captured, "frame"));
 }
 
 void print_summary(const LiveCounters& counters, const std::string& trigger, const Settings& settings) {
@@ -82,7 +83,7 @@ Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, 
       {.settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)},
       around.storage);
   const CaptureCounters counters = source->counters();
-  teller_of(settings)(fmt::format("{} frames; {}\n{}", counters.captured, proof_of(counters),
+  teller_of(settings)(fmt::format("{}; {}\n{}", counted(counters.captured, "frame"), proof_of(counters),
                                   recorded_line(settings, counters.emitted, counters.captured)));
   return ended;
 }

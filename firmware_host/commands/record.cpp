@@ -18,6 +18,7 @@
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {
@@ -48,7 +49,7 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   Result<void> ended = source->finish(record);
   show_warnings(*source);
   const CaptureCounters counters = source->counters();
-  say("{} frames; {}\n", counters.emitted, proof_of(counters));
+  say("{}; {}\n", counted(counters.emitted, "frame"), proof_of(counters));
   if (counters.emitted > 0) say("{}\n", settings.record.file);
   TRY(failed);
   return ended;

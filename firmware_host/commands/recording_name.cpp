@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "hal/core/counted.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
@@ -15,8 +16,8 @@ Result<void> check_recording_name(Storage& storage, const char* flag, const std:
 }
 
 std::string describe_recording(const std::string& path, const CameraFacts& camera, std::uint64_t frames) {
-  return fmt::format("{}: {} frames, {}x{}, {} bits, {}", path, frames, camera.width, camera.height,
-                     camera.bits, name(camera.layout));
+  return fmt::format("{}: {}, {}x{}, {} bits, {}", path, counted(frames, "frame"), camera.width,
+                     camera.height, camera.bits, name(camera.layout));
 }
 
 }  // namespace hdrcam

@@ -9,6 +9,7 @@
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
@@ -32,7 +33,8 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
   std::uint64_t left_out = 0;
   for (;; ++saved.frames) {
     if (around.stop)
-      return Error{ErrorCode::Interrupted, fmt::format("interrupted after {} frames", saved.frames)};
+      return Error{ErrorCode::Interrupted,
+                   fmt::format("interrupted after {}", counted(saved.frames, "frame"))};
     auto frame = from.next();
     if (!frame && frame.error().code != ErrorCode::Truncated) return frame.error();
     if (!frame) saved.cut = frame.error().message;
@@ -61,7 +63,7 @@ Result<void> repair(Surroundings& around, const RepairOptions& options) {
   if (!saved.cut.empty()) remark("warning: {}\n", saved.cut);
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
-  say("{}: {} frames\n", options.output, saved.frames);
+  say("{}: {}\n", options.output, counted(saved.frames, "frame"));
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "capture/exposure_schedule.h"
+#include "hal/core/counted.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
 
@@ -225,8 +226,8 @@ std::string described(const FootagePlan& plan) {
   constexpr std::size_t kShown = 12;  // frames
   const CameraFacts& camera = plan.camera;
   std::string text =
-      fmt::format("{}: {}; {}x{}, {} frames, {:.4g} frames per second; recorded as {} of {} bits\n",
-                  camera.name, plan.about, camera.width, camera.height, plan.facts.size(),
+      fmt::format("{}: {}; {}x{}, {}, {:.4g} frames per second; recorded as {} of {} bits\n", camera.name,
+                  plan.about, camera.width, camera.height, counted(plan.facts.size(), "frame"),
                   camera.framerate_hz, name(camera.layout), camera.bits);
   if (plan.times == TimeOrigin::Exif) text += "times: as EXIF says, when each still was taken\n";
   if (!plan.time_trouble.empty())

@@ -1,4 +1,5 @@
 #include "firmware_host/run/budget_ladder.h"
+#include "hal/core/counted.h"
 
 #include <fmt/format.h>
 
@@ -30,7 +31,7 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
     int& steps = rung.budget.fit.steps;
     while (steps > 1) {
       steps = fewer(steps);
-      add(fmt::format("{} step{} of the fit", steps, steps == 1 ? "" : "s"));
+      add(fmt::format("{} of the fit", counted(steps, "step")));
     }
   }
   if (field == FieldUse::Fills) {
@@ -67,7 +68,7 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
   }
   for (const auto& [emitted, of] : {std::pair(3, 4), {1, 2}}) {
     rung.emitted = emitted, rung.of = of;
-    add(fmt::format("{} frame{} in {}", emitted, emitted == 1 ? "" : "s", of));
+    add(fmt::format("{} in {}", counted(emitted, "frame"), of));
   }
   return ladder;
 }

@@ -1,4 +1,5 @@
 #include "firmware_host/run/recording_source.h"
+#include "hal/core/counted.h"
 
 #include <fmt/format.h>
 
@@ -36,7 +37,8 @@ Result<const RawFrame*> RecordingSource::next() {
   if (options_.frames > 0 && read_ == options_.frames) return nullptr;
   if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout) return nullptr;
   if (stop_) {
-    end_ = Error{ErrorCode::Interrupted, fmt::format("stopped after {} frames; they are complete", read_)};
+    end_ = Error{ErrorCode::Interrupted,
+                 fmt::format("stopped after {}; the output is complete", counted(read_, "frame"))};
     return nullptr;
   }
   auto more = recording_->next(frame_);

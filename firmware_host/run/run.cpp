@@ -19,6 +19,7 @@
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
@@ -85,7 +86,7 @@ std::string written(const RunPlan& plan, const SinkSet& sinks, const RunRecord& 
     const bool numbered = path.find('%') != std::string::npos;
     const bool some = sink->frames + sink->left_out > 0;
     if (numbered ? !some : !sinks.is_whole(kind.name) || !exists(path, storage)) continue;
-    text += numbered ? fmt::format("{}: {} frames", path, sink->frames) : path;
+    text += numbered ? fmt::format("{}: {}", path, counted(sink->frames, "frame")) : path;
     if (numbered && sink->left_out > 0) text += fmt::format(", {} left out to keep up", sink->left_out);
     text += '\n';
   }
@@ -316,8 +317,8 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   add_findings(pipeline_, record_);
   if (choice_) record_.notes.push_back(choice_->summary());
   if (film_)
-    record_.notes.push_back(fmt::format("film: {} frames; {:.1f} % of their pixels filled by the field",
-                                        film_->shown(), 100 * film_->filled_share()));
+    record_.notes.push_back(fmt::format("film: {}; {:.1f} % of their pixels filled by the field",
+                                        counted(film_->shown(), "frame"), 100 * film_->filled_share()));
   close_record(pace_, wall.lap_ms() / 1e3, record_);
   const Result<void> ended = source_.finish(record_);
   if (worked && ended) worked = add_scores(plan_, storage_, record_);

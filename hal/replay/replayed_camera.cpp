@@ -5,6 +5,7 @@
 #include <mutex>
 #include <utility>
 
+#include "hal/core/counted.h"
 #include "hal/pixel_pack.h"
 #include "hal/recording/exposure_cycle.h"
 #include "hal/recording/recording.h"
@@ -145,7 +146,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     next_ = TRY(reader_->next());
     if (!next_)
       return Error{ErrorCode::Unplugged,
-                   fmt::format("the recording '{}' ended after {} frames", path_, delivered_)};
+                   fmt::format("the recording '{}' ended after {}", path_, counted(delivered_, "frame"))};
     if (delivered_ == 0) first_ = next_->facts.timestamp;
     return {};
   }

@@ -46,6 +46,11 @@ TEST_CASE("durations are read as photographers write them", "[capture]") {
   CHECK(parse_duration("33").error().message == "the time '33' has no unit; write 33ms or 33s");
 }
 
+TEST_CASE("an error in one of a cycle's times quotes the cycle, too", "[capture]") {
+  CHECK(parse_exposures("1ms,,4ms", "").error().message ==
+        "shutter times '1ms,,4ms': '' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s");
+}
+
 TEST_CASE("a time before or after another one has a sign, or is 0", "[capture]") {
   CHECK(parse_signed_duration("250us").value() == 250us);
   CHECK(parse_signed_duration(" -2ms").value() == -2ms);
