@@ -55,8 +55,8 @@ class Image {
   std::span<T> samples() { return {data_.get(), size()}; }
   std::span<const T> samples() const { return {data_.get(), size()}; }
 
-  // Changes the shape; the content is undefined afterwards. Allocates only when the picture is larger than
-  // ever before.
+  // Changes the shape; the content is undefined afterwards, but stays where the shape does. Allocates only
+  // when the picture is larger than ever before.
   void reshape(int channels, int rows, int cols) {
     CHECK(channels >= 0 && rows >= 0 && cols >= 0);
     channels_ = channels, rows_ = rows, cols_ = cols;

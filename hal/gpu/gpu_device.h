@@ -20,9 +20,10 @@
 #include <vector>
 
 #include "hal/core/result.h"
-#include "hal/core/worker_pool.h"
 
 namespace hdrcam {
+
+class WorkerPool;
 
 // A compute shader as the build made it. It reads and writes `buffers` storage buffers, bound from 0 on, and
 // may read up to 128 bytes of constants. Work group sizes are a specialization constant (id 0), set by the
@@ -84,7 +85,7 @@ class GpuWork {
   // was downloaded then.
   virtual Result<void> finish() = 0;
   // From now on finish() adds the steps' times to `times`, until it is told null. Steps beyond a thousand
-  // between two finish() are left out; a device without a clock leaves out all.
+  // between two finish() are left out; a device without a clock leaves out all. Not between steps.
   virtual void measure(GpuStepTimes* times) = 0;
   // Whose threads carry what goes up and comes back: at 1920x1080 that takes longer than the kernels. Null:
   // the calling thread alone.

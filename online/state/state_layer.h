@@ -14,7 +14,8 @@
 
 namespace hdrcam {
 
-// A frame as the state takes it.
+// A frame as the state takes it. Its index stands for its codes: from one restart() to the next they are the
+// same whenever the frame comes, also as a later one.
 struct StateInput {
   const ExposedFrame& frame;
   const ExposureTables& tables;  // at its exposure

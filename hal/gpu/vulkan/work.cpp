@@ -7,6 +7,8 @@
 #include <array>
 #include <cstring>
 
+#include "hal/core/worker_pool.h"
+
 namespace hdrcam::vulkan {
 namespace {
 

@@ -156,8 +156,10 @@ inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Cr
   constexpr float kKnown2 = 1;    // pixels^2: what is that near to what lands is what lands
   const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
   const Vectors back{-r.path.share * start.x, -r.path.share * start.y};
-  const Vectors known = either(unseen > 0, crossing.back, own);
-  if (!any_negative(squared({known.x - back.x, known.y - back.y}) > kKnown2)) return;
+  // what will be there without it
+  const Vectors known{own.x + unseen * (crossing.back.x - own.x), own.y + unseen * (crossing.back.y - own.y)};
+  const Whole differs = squared({known.x - back.x, known.y - back.y}) > kKnown2;
+  if (!any_negative(differs & (kEachLane < count))) return;
   const Crossing fast = settle(r, x, back, start);
   const Whole there =
       ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);

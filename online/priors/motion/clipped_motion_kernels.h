@@ -44,9 +44,10 @@ constexpr float kFastOverClipped = 12;
 
 // A pixel x of the clipped frame, with motion u to the state, is at x + u in the state and at x + u + D in
 // the frame after, where D is the motion between these. Both flows are read there (a fixed point, three
-// iterations) and averaged, where the frame is clipped and the one after is not. What moves fast is sought
-// from where it lands, too; where the flows agree that it is there, it counts, and it counts where the frame
-// is not clipped, if that one's own flows, there and back, lead elsewhere.
+// iterations, of which the first two read the nearest pixels) and averaged, where the frame is clipped and
+// the one after is not. What moves fast is sought from where it lands, too, unless that is known to a pixel;
+// where the flows agree that it is there, it counts, and it counts where the frame is not clipped, if that
+// one's own flows, there and back, lead elsewhere.
 struct BridgedRow {
   RowOfPictures at;
   const float* clipped;        // [cols] share of the pixels around each, in the frame

@@ -26,7 +26,7 @@ void fill_from_neighbours(const Image<float>& landed, int row, int col, Image<fl
 // Whether a motion leads to a pixel whose motion leads back, to two pixels.
 bool comes_home(float x, float y, float u, float v, const Image<float>& back) {
   constexpr float kApart2 = 4;                           // pixels^2
-  const float to_x = x + u + 0.5f, to_y = y + v + 0.5f;  // what is left of the point is the nearest pixel's
+  const float to_x = x + u + 0.5f, to_y = y + v + 0.5f;  // cut to whole numbers: the nearest pixel
   if (!(to_x >= 0 && to_y >= 0 && to_x < static_cast<float>(back.cols()) &&
         to_y < static_cast<float>(back.rows())))
     return false;

@@ -9,13 +9,13 @@ namespace {
 
 constexpr int kCubic = 3;  // planes of a state that are carried by cubic convolution: its radiance
 
-void upload_halves(GpuWork& work, const Image<float>& first, const Image<float>& second,
-                   const GpuPicture& both) {
+void upload_both(GpuWork& work, const Image<float>& first, const Image<float>& second,
+                 const GpuPicture& both) {
   upload(work, first, both);
   upload(work, second, both, first.channels());
 }
 
-void download_halves(GpuWork& work, const GpuPicture& both, Image<float>& first, Image<float>& second) {
+void download_both(GpuWork& work, const GpuPicture& both, Image<float>& first, Image<float>& second) {
   download(work, both, 0, 3, first);
   download(work, both, 3, 3, second);
 }
@@ -106,6 +106,7 @@ void VulkanState::join(const RadianceState& of, std::span<const LaterFrame> late
   }
 }
 
+// Until the next call.
 const GpuPicture& VulkanState::codes_of(const ExposedFrame& frame) {
   auto& held = room_->held;
   for (const HeldCodes& known : held)
@@ -118,7 +119,7 @@ const GpuPicture& VulkanState::codes_of(const ExposedFrame& frame) {
 }
 
 void VulkanState::upload_motion(const FlowField& motion) {
-  upload_halves(device_.work(), motion.vectors, motion.confidence, room_->motion);
+  upload_both(device_.work(), motion.vectors, motion.confidence, room_->motion);
 }
 
 Result<void> VulkanState::restart_gpu(const StateInput& input) {
@@ -136,7 +137,7 @@ Result<void> VulkanState::restart_gpu(const StateInput& input) {
   Image<float> radiance;
   download(work, on.samples, 0, 3, radiance);
   TRY(work.finish());
-  upload_halves(work, radiance, unseen, on.state);
+  upload_both(work, radiance, unseen, on.state);
   on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share,
                    SampleOrder::FirstFrame);
   download_known(on.state);
@@ -145,7 +146,7 @@ Result<void> VulkanState::restart_gpu(const StateInput& input) {
 
 // With finish(): until then what was known stays.
 void VulkanState::download_known(const GpuPicture& state) {
-  download_halves(device_.work(), state, known_.radiance, known_.variance);
+  download_both(device_.work(), state, known_.radiance, known_.variance);
   download(device_.work(), room_->share, known_.own_share);
 }
 
@@ -198,7 +199,7 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
   if (&of == &known_) {
     work.copy(*on.state.buffer, *on.joined.buffer);
   } else {
-    upload_halves(work, of.radiance, of.variance, on.joined);
+    upload_both(work, of.radiance, of.variance, on.joined);
   }
   work.clear(*on.share.buffer);
   int intervals = 0;
@@ -224,7 +225,7 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
     passes.gate(seen, on.path, on.room, on.gate, on.contrast);
     passes.join(seen, on.gate, {on.contrast, on.path, intervals}, on.room, on.share);
   }
-  download_halves(work, on.joined, joined.radiance, joined.variance);
+  download_both(work, on.joined, joined.radiance, joined.variance);
   download(work, on.share, joined.later_share);
   TRY(work.finish());
   joined.own_share.copy_from(of.own_share);

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "hal/core/worker_pool.h"
 #include "hal/fault/faulty_gpu.h"
 #include "hal/gpu/gpu_list.h"
 #include "online/pictures/vulkan/box_mean.comp.h"
@@ -91,7 +92,7 @@ TEST_CASE("what goes up to a graphics device comes back, step after step in thei
 TEST_CASE("a graphics device can be opened again and again") {
   NEEDS_GPU(test::open_test_gpu());
   const std::vector<float> picture = ramp(1 << 20);
-  for (int time = 0; time < 60; ++time) {
+  for (int time = 0; time < 20; ++time) {
     INFO("time " << time);
     const auto gpu = value_of(open_gpu(test::gpu_options()));
     std::vector<float> back(picture.size());
@@ -156,6 +157,10 @@ TEST_CASE("a graphics device says how long each kind of step took") {
   run();
   const double wall_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+  if (times.empty()) {
+    WARN("not tested: the graphics device has no clock");
+    return;
+  }
   CHECK(times["upload"].times == 1);
   CHECK(times["box_mean"].times == kRuns);
   CHECK(times["download"].times == 1);

@@ -280,6 +280,19 @@ TEST_CASE("what moves fast is believed against a frame's own motion that does no
   }
 }
 
+TEST_CASE("what moves fast is believed against a lost motion where a frame is clipped in part, too",
+          "[isa]") {
+  Flight flight;  // all of it is known from rest
+  std::fill_n(flight.state_to_after.plane(0), flight.state_to_after.plane_size(), kFlight);
+  std::fill_n(flight.after_to_state.plane(0), flight.after_to_state.plane_size(), -kFlight);
+  Image<float> clipped(1, kRows, Flight::kCols), lost(2, kRows, Flight::kCols);
+  clipped.fill(0.5f);
+  std::fill_n(lost.plane(0), lost.plane_size(), 5.f);
+  Image<float> to = lost.clone();
+  for (int y = 0; y < kRows; ++y) flight.bridge(y, clipped, lost, to);
+  for (const int x : {24, 30, 40}) CHECK(to.at(0, 5, x) == Approx(-kFlight / 2).margin(kRounding));
+}
+
 TEST_CASE("half of a motion's change is predicted to go on, less of a large one and none of a guess",
           "[isa]") {
   for (const int cols : {3, 8, 64, 83}) {

@@ -371,6 +371,20 @@ TEST_CASE("a state that runs on the graphics device knows what the processor's d
   CHECK(both.there.fallback_reason().empty());
 }
 
+TEST_CASE("after a restart a frame's codes go to the graphics device anew", "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  TwoLayers both(*gpu);
+  both.take(0);
+  both.join_after(0, 2);  // 1 and 2 are there
+  for (int i = 0; i < 3; ++i) both.frames[i] = exposed(i + 3), both.frames[i].index = i;
+  for (int i = 0; i < 3; ++i) {
+    INFO("frame " << i);
+    both.take(i);
+    both.compare();
+  }
+}
+
 TEST_CASE("a graphics device without memory leaves the state to the processor, to the same bytes", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
