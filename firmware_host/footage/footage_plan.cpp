@@ -218,8 +218,8 @@ std::string describe_missing(const FootagePlan& plan) {
       if (++losses <= kShown) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
     }
   if (lost == 0) return "";
-  return fmt::format("{} frame{} missing, before frame {}{}", lost, lost == 1 ? " is" : "s are", places,
-                     losses > kShown ? ".." : "");
+  return fmt::format("{} {} missing, before frame {}{}", counted(lost, "frame"), lost == 1 ? "is" : "are",
+                     places, losses > kShown ? ".." : "");
 }
 
 std::string described(const FootagePlan& plan) {

@@ -1,9 +1,10 @@
 #include "firmware_host/run/budget_ladder.h"
-#include "hal/core/counted.h"
 
 #include <fmt/format.h>
 
 #include <utility>
+
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 namespace {

@@ -1,10 +1,11 @@
 #include "firmware_host/run/recording_source.h"
-#include "hal/core/counted.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "hal/core/counted.h"
 
 namespace hdrcam {
 

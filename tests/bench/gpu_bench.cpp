@@ -137,12 +137,13 @@ void view_on_device(benchmark::State& state) {
   FieldFit fit({}, lens, bench.size.rows, bench.size.cols, bench.pool);
   observe_all(fit, bench, layer->state(), state);
   SceneView view;
-  view.time_s = 3 / 30.0, view.lens = lens, view.rows = kSmall.rows, view.cols = kSmall.cols;
+  view.time_s = 3 / 30.0, view.lens = lens, view.rows = bench.size.rows, view.cols = bench.size.cols;
   FieldRenderer renderer(bench.gpu);
   FieldPicture picture;
   const DeviceTimes times(state, bench.gpu);
   for (auto _ : state) renderer.render(fit.field(), view, bench.pool, picture);
-  state.SetItemsProcessed(state.iterations() * kSmall.rows * kSmall.cols * fit.field().samples_per_ray);
+  state.SetItemsProcessed(state.iterations() * bench.size.rows * bench.size.cols *
+                          fit.field().samples_per_ray);
 }
 
 // The steps of one frame, as many and of as many rays as by default, on blocks of 2 x 2 pixels: what a stream

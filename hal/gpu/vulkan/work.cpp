@@ -103,13 +103,13 @@ void Work::barrier(VkPipelineStageFlags from, VkPipelineStageFlags to, VkAccessF
 
 // The barrier before a step lets it begin when those before it have ended: so does its first tick.
 template <class Record>
-void Work::timed(const std::string& step, const Record& record) {
+void Work::timed(std::string_view step, const Record& record) {
   if (times_ == nullptr || timed_.size() == kMostTimed) {
     record();
     return;
   }
   const auto tick = static_cast<std::uint32_t>(2 * timed_.size());
-  timed_.push_back(step);
+  timed_.emplace_back(step);
   vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick);
   record();
   vk_.CmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, clock_, tick + 1);

@@ -2,7 +2,8 @@
 // memory: steps are few and long, and what depends on what need not be told. Thread-bound.
 #pragma once
 
-#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "hal/gpu/vulkan/memory.h"
@@ -57,7 +58,7 @@ class Work final : public GpuWork {
   };
   void copy(const char* step, const Place& from, const Place& to, std::size_t bytes);
   template <class Record>
-  void timed(const std::string& step, const Record& record);
+  void timed(std::string_view step, const Record& record);
   void take_times();
   Result<VkDescriptorSet> set_for(const Kernel& kernel);
   Result<void> submit();

@@ -143,8 +143,9 @@ inline Crossing step(const PathAhead& path, const Crossing& from, const Read& re
 // A fixed point: where the flows are read is told by what is read. The nearest pixels are near enough to find
 // the place.
 inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
+  constexpr int kNearRounds = 2;
   Crossing at{back, whole, {}, {}};
-  for (int round = 0; round < 2; ++round) at = step(r.path, at, ReadNearest{r.at, x});
+  for (int round = 0; round < kNearRounds; ++round) at = step(r.path, at, ReadNearest{r.at, x});
   return step(r.path, at, ReadBetween{r.at, x});
 }
 

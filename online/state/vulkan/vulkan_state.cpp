@@ -26,7 +26,7 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
                                                   int cols) {
   const auto picture = [&](int planes) { return GpuPicture::make(device, planes, rows, cols); };
   const int lines = kResidualSampling.line_step_px(rows, cols);
-  return Room{
+  Room room{
       .passes = TRY(StatePasses::make(device, options)),
       .tables = TRY(GpuTables::make(device)),
       .state = TRY(picture(kStatePlanes)),
@@ -39,14 +39,15 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
       .seen = TRY(picture(3)),
       .largest = TRY(picture(3)),
       .brightest = TRY(picture(3)),
-      .held = {HeldCodes{-1, TRY(picture(3))}, HeldCodes{-1, TRY(picture(3))},
-               HeldCodes{-1, TRY(picture(3))}},
+      .held = {},
       .room = TRY(PassRoom::make(device, rows, cols)),
       .contrast = TRY(picture(3)),
       .gate = TRY(picture(1)),
       .share = TRY(picture(1)),
       .residuals = TRY(GpuPicture::make(device, kResidualPlanes, std::max(1, (rows - 2 + lines - 1) / lines),
                                         std::max(1, (cols - 1) / 2)))};
+  for (HeldCodes& held : room.held) held.codes = TRY(picture(3));
+  return room;
 }
 
 VulkanState::VulkanState(const StateOptions& options, int rows, int cols, WorkerPool& pool, GpuDevice& device)

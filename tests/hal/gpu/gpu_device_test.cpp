@@ -24,6 +24,15 @@ std::vector<float> ramp(std::size_t n, float first = 0) {
   return values;
 }
 
+std::vector<float> there_and_back(GpuDevice& gpu, const std::vector<float>& picture) {
+  const auto buffer = value_of(gpu.buffer(4 * picture.size()));
+  std::vector<float> back(picture.size());
+  gpu.work().upload(std::as_bytes(std::span(picture)), *buffer);
+  gpu.work().download(*buffer, std::as_writable_bytes(std::span(back)));
+  require_done(gpu.work().finish());
+  return back;
+}
+
 struct BoxMean {
   int rows, cols, radius;
 };
@@ -95,12 +104,7 @@ TEST_CASE("a graphics device can be opened again and again") {
   for (int time = 0; time < 20; ++time) {
     INFO("time " << time);
     const auto gpu = value_of(open_gpu(test::gpu_options()));
-    std::vector<float> back(picture.size());
-    const auto buffer = value_of(gpu->buffer(4 * picture.size()));
-    gpu->work().upload(std::as_bytes(std::span(picture)), *buffer);
-    gpu->work().download(*buffer, std::as_writable_bytes(std::span(back)));
-    require_done(gpu->work().finish());
-    REQUIRE(back == picture);
+    REQUIRE(there_and_back(*gpu, picture) == picture);
   }
 }
 
@@ -127,13 +131,8 @@ TEST_CASE("what several threads carry to a graphics device and back is what one 
   NEEDS_GPU(gpu);
   WorkerPool pool(3);
   const std::vector<float> picture = ramp(1'000'003);
-  std::vector<float> back(picture.size());
-  const auto buffer = value_of(gpu->buffer(4 * picture.size()));
   const GpuTurn turn(*gpu, &pool);
-  gpu->work().upload(std::as_bytes(std::span(picture)), *buffer);
-  gpu->work().download(*buffer, std::as_writable_bytes(std::span(back)));
-  require_done(gpu->work().finish());
-  CHECK(back == picture);
+  CHECK(there_and_back(*gpu, picture) == picture);
 }
 
 TEST_CASE("a graphics device says how long each kind of step took") {
