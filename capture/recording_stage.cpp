@@ -22,7 +22,7 @@ RecordingStage::RecordingStage(std::unique_ptr<RecordingReader> recording, Contr
 
 bool RecordingStage::read(CapturedFrame& frame) {
   if (end_) return false;
-  auto raw = recording_->next();
+  auto raw = recording_->next(std::move(frame.raw));
   if (!raw) return end_ = raw.error(), false;
   if (!raw.value()) return end_ = false, false;
   frame = {};

@@ -29,13 +29,17 @@ constexpr int kMaxSide = 1 << 16;
 
 class BytesOut : public Imf::OStream {
  public:
-  BytesOut() : OStream("memory") {}
+  explicit BytesOut(std::vector<std::byte> room) : OStream("memory"), bytes_(std::move(room)) {
+    bytes_.clear();
+  }
 
   void write(const char c[], int n) override {
-    const std::size_t end = position_ + static_cast<std::size_t>(n);
-    if (end > bytes_.size()) bytes_.resize(end);
-    std::memcpy(bytes_.data() + position_, c, static_cast<std::size_t>(n));
-    position_ = end;
+    const auto bytes = std::as_bytes(std::span(c, static_cast<std::size_t>(n)));
+    if (position_ > bytes_.size()) bytes_.resize(position_);
+    const std::size_t replaced = std::min(bytes.size(), bytes_.size() - position_);
+    std::copy_n(bytes.begin(), replaced, bytes_.data() + position_);
+    bytes_.insert(bytes_.end(), bytes.begin() + static_cast<std::ptrdiff_t>(replaced), bytes.end());
+    position_ += bytes.size();
   }
   std::uint64_t tellp() override { return position_; }
   void seekp(std::uint64_t position) override { position_ = position; }
@@ -178,7 +182,7 @@ Imf::Slice slice_of(const void* samples, Imf::PixelType type, std::size_t bytes_
           bytes_per_sample * static_cast<std::size_t>(cols)};
 }
 
-std::vector<std::byte> write_file(const ExrPicture& picture) {
+std::vector<std::byte> write_file(const ExrPicture& picture, std::vector<std::byte> room) {
   Imf::Header header(picture.cols, picture.rows);
   header.compression() = library_name(picture.compression);
   add_attributes(header, picture.attributes);
@@ -195,7 +199,7 @@ std::vector<std::byte> write_file(const ExrPicture& picture) {
     frame.insert(channel.name,
                  slice_of(samples, type, half ? sizeof(std::uint16_t) : sizeof(float), picture.cols));
   }
-  BytesOut out;
+  BytesOut out(std::move(room));
   {
     Imf::OutputFile file(out, header, 0);
     file.setFrameBuffer(frame);
@@ -271,7 +275,7 @@ std::optional<int> ExrImage::find(std::string_view name) const {
   return static_cast<int>(it - names.begin());
 }
 
-Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture) {
+Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector<std::byte> room) {
   CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
   for (const ExrChannel& channel : picture.channels) {
     CHECK_EQ(channel.samples.size(),
@@ -279,7 +283,7 @@ Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture) {
     if (channel.stored == ExrSample::Float) CHECK(all_finite(channel.samples));
   }
   try {
-    return write_file(picture);
+    return write_file(picture, std::move(room));
   } catch (const std::exception& e) {
     return Error{ErrorCode::Io, fmt::format("cannot encode a {}x{} picture as OpenEXR: {}", picture.cols,
                                             picture.rows, e.what())};

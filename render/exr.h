@@ -92,8 +92,9 @@ struct ExrImage {
   std::optional<int> find(std::string_view name) const;
 };
 
-// Errors: Io where the library fails (out of memory).
-Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture);
+// room: a file that is done with, whose memory this one may take. Errors: Io where the library fails (out of
+// memory).
+Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector<std::byte> room = {});
 
 // Any pixel type becomes float; values are the file's own, NaN and Inf included. `name` is for messages.
 // Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).

@@ -147,11 +147,9 @@ class PlannedFootage : public RecordingReader {
 
   const CameraFacts& camera() const override { return plan_.camera; }
   std::optional<int> frame_count() const override { return static_cast<int>(plan_.facts.size()); }
-  Result<std::optional<RawFrame>> next() override {
-    RawFrame frame;
-    if (next_ == plan_.facts.size() || !TRY(footage_->next(frame))) return std::optional<RawFrame>();
-    frame.facts = plan_.facts[next_++];
-    return std::optional(std::move(frame));
+  Result<std::optional<RawFrame>> next(RawFrame room) override {
+    if (next_ == plan_.facts.size() || !TRY(footage_->next(room))) return std::optional<RawFrame>();
+    return std::optional(RawFrame{plan_.facts[next_++], std::move(room.codes)});
   }
 
  private:

@@ -134,14 +134,14 @@ class DerivedPlanes {
 };
 
 Result<std::vector<std::byte>> encoded(const HdrFrame& frame, const ExrSequenceOptions& options,
-                                       Instant start, DerivedPlanes& planes) {
+                                       Instant start, DerivedPlanes& planes, std::vector<std::byte> room) {
   ExrPicture picture;
   picture.rows = frame.radiance.rows();
   picture.cols = frame.radiance.cols();
   picture.channels = planes.channels_of(frame, options.layers);
   picture.attributes = attributes_of(frame, options, start);
   picture.compression = options.compression;
-  return encode_exr(picture);
+  return encode_exr(picture, std::move(room));
 }
 
 class ExrSequence : public FrameSink {
@@ -155,9 +155,9 @@ class ExrSequence : public FrameSink {
   Result<void> emit(const EmittedFrame& emitted) override {
     const HdrFrame& frame = emitted.hdr;
     if (!start_) start_ = frame.facts.timestamp;
-    const std::vector<std::byte> bytes = TRY(encoded(frame, options_, *start_, planes_));
+    file_ = TRY(encoded(frame, options_, *start_, planes_, std::move(file_)));
     const std::string path = pattern_.path(frame.facts.sequence);
-    TRY(write_whole(storage_, path, bytes, Durability::WrittenBack));
+    TRY(write_whole(storage_, path, file_, Durability::WrittenBack));
     return ledger_.append(frame.facts, path.substr(path.rfind('/') + 1));
   }
 
@@ -168,6 +168,7 @@ class ExrSequence : public FrameSink {
   const ExrSequenceOptions options_;
   std::optional<Instant> start_;
   DerivedPlanes planes_;  // of the frame being written
+  std::vector<std::byte> file_;
 };
 
 }  // namespace
@@ -179,7 +180,7 @@ RunFacts run_facts_of(const ExrAttributes& attributes) {
 Result<std::vector<std::byte>> encode_frame(const HdrFrame& frame, const ExrSequenceOptions& options,
                                             Instant start) {
   DerivedPlanes planes;
-  return encoded(frame, options, start, planes);
+  return encoded(frame, options, start, planes, {});
 }
 
 Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::string_view pattern,

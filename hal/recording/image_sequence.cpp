@@ -99,7 +99,7 @@ class ClipReader : public RecordingReader {
   explicit ClipReader(ImageSequence clip) : clip_(std::move(clip)) {}
   const CameraFacts& camera() const override { return clip_.camera(); }
   std::optional<int> frame_count() const override { return clip_.frame_count(); }
-  Result<std::optional<RawFrame>> next() override {
+  Result<std::optional<RawFrame>> next(RawFrame /*room*/) override {
     if (at_ == clip_.frame_count()) return std::optional<RawFrame>();
     return std::optional<RawFrame>(TRY(clip_.read(at_++)));
   }

@@ -143,7 +143,7 @@ class MatroskaReader : public RecordingReader {
   const CameraFacts& camera() const override { return camera_; }
   RecordingCodec codec() const override { return decoder_.codec(); }
   std::optional<int> frame_count() const override { return count_; }
-  Result<std::optional<RawFrame>> next() override;
+  Result<std::optional<RawFrame>> next(RawFrame room) override;
   Result<std::optional<FrameFacts>> next_facts() override { return advance(); }
   const LeftOut& left_out() const override { return left_out_; }
 
@@ -326,14 +326,12 @@ MatroskaReader::Advance MatroskaReader::prove_found(const FoundCluster& found) {
   return std::optional<FrameFacts>(read.facts);
 }
 
-Result<std::optional<RawFrame>> MatroskaReader::next() {
+Result<std::optional<RawFrame>> MatroskaReader::next(RawFrame room) {
   for (;;) {
     auto facts = TRY(advance());
     if (!facts) return std::optional<RawFrame>();
-    RawFrame frame;
-    frame.facts = *facts;
-    const auto decoded = decoder_.decode(*picture_, frame.codes);
-    if (decoded) return std::optional<RawFrame>(std::move(frame));
+    const auto decoded = decoder_.decode(*picture_, room.codes);
+    if (decoded) return std::optional(RawFrame{std::move(*facts), std::move(room.codes)});
     if (damage_ == Damage::IsSkipped) {
       leave_out(frames_ - 1, frames_, decoded.error().message);
       continue;

@@ -143,7 +143,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
 
   Result<void> read_ahead() {
     if (next_) return {};
-    next_ = TRY(reader_->next());
+    next_ = TRY(reader_->next(std::move(room_)));
     if (!next_)
       return Error{ErrorCode::Unplugged,
                    fmt::format("the recording '{}' ended after {}", path_, counted(delivered_, "frame"))};
@@ -178,6 +178,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     buffer.stride = packed_stride(mode_.format, mode_.width);
     buffer.pixels = bytes;
     buffer.lease = BufferLease(*this, static_cast<int>(free));
+    room_ = std::move(*next_);
     next_.reset();
     return buffer;
   }
@@ -194,6 +195,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
   bool started_ = false;
   std::unique_ptr<RecordingReader> reader_;
   std::optional<RawFrame> next_;
+  RawFrame room_;                // the frame before it, for its memory
   Instant begin_, first_;        // of this replay; of the recording
   std::uint64_t delivered_ = 0;  // frames
   std::vector<std::vector<std::byte>> buffers_;

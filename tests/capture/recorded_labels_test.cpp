@@ -34,7 +34,7 @@ class Reel : public RecordingReader {
       : camera_(std::move(camera)), frames_(std::move(frames)) {}
   const CameraFacts& camera() const override { return camera_; }
   std::optional<int> frame_count() const override { return static_cast<int>(frames_.size()); }
-  Result<std::optional<RawFrame>> next() override {
+  Result<std::optional<RawFrame>> next(RawFrame /*room*/) override {
     if (at_ == frames_.size()) return std::optional<RawFrame>();
     return std::optional<RawFrame>(std::move(frames_[at_++]));
   }

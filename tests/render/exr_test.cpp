@@ -13,6 +13,8 @@
 #include <string>
 #include <utility>
 
+#include "tests/contracts/expect.h"
+
 #include <catch2/catch.hpp>
 
 namespace hdrcam {
@@ -82,6 +84,20 @@ TEST_CASE("the compression that was asked for is the one that the header names")
     REQUIRE(bytes.ok());
     const std::string text(reinterpret_cast<const char*>(bytes.value().data()), bytes.value().size());
     CHECK(text.find(attribute(method)) != std::string::npos);
+  }
+}
+
+TEST_CASE("a file that takes the memory of a longer or a shorter one has the same bytes") {
+  const Image<float> half = ramp(0.01f, 900), full = ramp(-3e5f, 1e6f);
+  ExrPicture picture = picture_of(half, full);
+  picture.compression = ExrCompression::None;
+  const std::vector<std::byte> fresh = value_of(encode_exr(picture));
+  for (const std::size_t before : {std::size_t{1}, fresh.size(), 3 * fresh.size()}) {
+    std::vector<std::byte> room(before, std::byte{0x55});
+    const std::byte* memory = room.data();
+    const std::vector<std::byte> again = value_of(encode_exr(picture, std::move(room)));
+    CHECK(again == fresh);
+    if (before >= fresh.size()) CHECK(again.data() == memory);
   }
 }
 

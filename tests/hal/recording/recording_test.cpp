@@ -157,6 +157,22 @@ TEST_CASE("next_facts lists a recording without its pixels") {
   CHECK(!end.value());
 }
 
+TEST_CASE("a frame takes the memory of one that is done with") {
+  const std::string path = sample::scratch_folder("room") + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 64, 48);
+  const auto frames = sample::frames(camera, 3, 4);
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto reader = value_of(open_recording(posix_storage(), path));
+  RawFrame frame = std::move(*value_of(reader->next()));
+  const std::uint16_t* memory = frame.codes.plane(0);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    frame = std::move(*value_of(reader->next(std::move(frame))));
+    CHECK(frame.codes.plane(0) == memory);
+    CHECK(std::ranges::equal(frame.codes.samples(), frames[i].codes.samples()));
+    CHECK(frame.facts.sequence == frames[i].facts.sequence);
+  }
+}
+
 TEST_CASE("a growing recording is readable up to the last appended frame") {
   const std::string path = sample::scratch_folder("live") + "/x.mkv";
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
