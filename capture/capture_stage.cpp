@@ -33,8 +33,8 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
   if (!offers.sets_exposure && walked.empty())
     return Error{
         ErrorCode::Unsupported,
-        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle; choose a "
-                    "camera that does",
+        fmt::format("'{}' does not let its exposure be set, and its frames follow no cycle; choose another "
+                    "camera, or read a recording without --pace realtime",
                     offers.id)};
   for (const auto& delays : {options.delays, offers.delays})
     if (delays && (std::min(delays->exposure, delays->gain) < 0 ||
@@ -123,7 +123,7 @@ void CaptureStage::restart_matching() {
   if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
   queued_requests_ = lost_since_emitted_ = 0;
   last_place_.reset(), not_decoded_.reset();
-  not_decoded_in_a_row_ = 0;
+  dropped_in_a_row_ = 0;
 }
 
 Result<void> CaptureStage::start() {
@@ -210,14 +210,15 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   trigger_.settle(buffer.timestamp);
   counters_.trigger = trigger_.counters();
   if (buffer.damaged) {
-    ++counters_.damaged, ++lost_since_emitted_;
+    ++counters_.damaged;
+    TRY(drop_frame());
     return false;
   }
   if (const Result<void> unpacked = unpack_pixels(buffer, options_.unpack, frame.raw.codes); !unpacked) {
     TRY(drop_undecodable(unpacked.error()));
     return false;
   }
-  not_decoded_.reset(), not_decoded_in_a_row_ = 0;
+  not_decoded_.reset(), dropped_in_a_row_ = 0;
   judge(buffer, matched, frame);
   follow_light(frame);
   ++counters_.emitted;
@@ -225,14 +226,25 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   return true;
 }
 
-// A frame that does not decode is one frame less; a format that cannot be unpacked, and a camera none of
-// whose frames decode, end the run with the first reason.
+// A frame that does not decode is one frame less; a format that cannot be unpacked ends the run.
 Result<void> CaptureStage::drop_undecodable(const Error& why) {
-  constexpr int kMostInARow = 30;
-  ++counters_.undecodable, ++lost_since_emitted_;
+  ++counters_.undecodable;
   if (!not_decoded_) not_decoded_ = why;
   if (why.code != ErrorCode::Corrupt) return why;
-  if (++not_decoded_in_a_row_ < kMostInARow) return {};
+  return drop_frame();
+}
+
+// A camera that delivers nothing but frames that are damaged or do not decode ends the run.
+Result<void> CaptureStage::drop_frame() {
+  constexpr int kMostInARow = 30;
+  ++lost_since_emitted_;
+  if (++dropped_in_a_row_ < kMostInARow) return {};
+  if (!not_decoded_)
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("{} frames of '{}' in a row were damaged: the driver reports incomplete pixels; "
+                             "check the camera's cable, hub or sensor link, or choose a smaller size or "
+                             "frame rate",
+                             kMostInARow, camera_.capabilities().id)};
   return Error{
       ErrorCode::Corrupt,
       fmt::format("{} frames of '{}' in a row did not decode, the first for this reason: {}; choose another "

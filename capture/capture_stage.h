@@ -49,7 +49,7 @@ class CaptureStage {
   Result<void> start();
   // Writes the next frame into `frame`, whose storage is reused. Errors: the camera's own; Interrupted after
   // stop(); Invalid or Unsupported for a pixel format that cannot be unpacked, Corrupt once many frames in a
-  // row did not decode.
+  // row were damaged or did not decode.
   Result<void> next(CapturedFrame& frame);
   // Ends a waiting next(); may be called from any thread. start() may follow.
   Result<void> stop();
@@ -87,6 +87,7 @@ class CaptureStage {
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
   Result<void> drop_undecodable(const Error& why);
+  Result<void> drop_frame();
   void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
   void place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure, FrameFacts& facts);
@@ -118,8 +119,8 @@ class CaptureStage {
   int queued_requests_ = 0, depth_ = 0;     // queued requests now, and at most
   int lost_since_emitted_ = 0;
   std::optional<Place> last_place_;   // of the last emitted frame
-  std::optional<Error> not_decoded_;  // why the first of them was not
-  int not_decoded_in_a_row_ = 0;      // frames
+  int dropped_in_a_row_ = 0;          // frames, damaged or not decoded
+  std::optional<Error> not_decoded_;  // the first reason why one of them did not decode
   CaptureCounters counters_;
 };
 

@@ -10,11 +10,9 @@
 namespace hdrcam {
 namespace {
 
-bool is_exposure(const FrameFacts& facts) { return facts.exposure() > 0 && std::isfinite(facts.exposure()); }
-
 bool judgeable(const FrameFacts& facts) {
   const bool unlabelled = facts.exposure_source == ExposureSource::Unknown;
-  return (facts.flags & kFrameDamaged) == 0 && (is_exposure(facts) || unlabelled);
+  return (facts.flags & kFrameDamaged) == 0 && (facts.has_exposure() || unlabelled);
 }
 
 PhotometricResponse response_of(const CameraFacts& camera, const std::optional<BlackLevel>& black) {
@@ -56,7 +54,7 @@ RecordedLabels::RecordedLabels(const CameraFacts& camera)
 std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts) const {
   if (!judgeable(facts)) return std::nullopt;
   FrameEvidence evidence;
-  if (is_exposure(facts))
+  if (facts.has_exposure())
     evidence.add(
         {{from_seconds(facts.exposure_s), facts.analogue_gain}, facts.digital_gain, facts.exposure_source});
   return evidence;
@@ -65,7 +63,7 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
 // The candidates are the distinct exposures of the last labels.
 void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   constexpr std::size_t kRemembered = 16;  // labels: four rounds of the longest cycle
-  if (!is_exposure(facts)) return;
+  if (!facts.has_exposure()) return;
   const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot,
                     facts.exposure_source == ExposureSource::Estimated};
   const auto same = [](const Label& a) {
@@ -139,7 +137,7 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
 void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   FrameFacts& facts = frame.raw.facts;
   const bool flagged = (facts.flags & kFrameExposureUnproved) != 0;
-  if (judgement.unique && (judgement.relabelled || !is_exposure(facts))) {
+  if (judgement.unique && (judgement.relabelled || !facts.has_exposure())) {
     relabel(facts, judgement);
   } else if (flagged && judgement.trusted() && !judgement.unique) {
     const bool contradicted = facts.verdict == Verdict::Contradicted;
@@ -148,7 +146,7 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
     frame.proof.verdict = Verdict::Proved;
   }
   frame.proof.limit_to(facts.exposure_source);
-  if (frame.proof.verdict == Verdict::Contradicted && is_exposure(facts)) {
+  if (frame.proof.verdict == Verdict::Contradicted && facts.has_exposure()) {
     contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
                          described(facts.exposure_s, facts.analogue_gain * facts.digital_gain));
   }
@@ -166,7 +164,7 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
     return std::abs(a.log_value() - value) < std::abs(b.log_value() - value);
   });
   if (found == cycle_.end()) return;
-  if (is_exposure(facts))
+  if (facts.has_exposure())
     relabelled_.object("frame {}: its pictures changed its exposure from {} to {}", facts.sequence,
                        described(facts.exposure_s, facts.analogue_gain * facts.digital_gain),
                        described(found->exposure_s, found->analogue_gain * found->digital_gain));

@@ -75,6 +75,8 @@ Result<bool> RecordingStage::next(CapturedFrame& frame) {
 }
 
 void RecordingStage::compare_exposure(const FrameFacts& facts) {
+  if (!facts.has_exposure()) return;
+  ++with_exposure_;
   const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain};
   if (!first_exposure_) first_exposure_ = exposure;
   exposures_differ_ =
@@ -107,11 +109,11 @@ std::vector<std::string> RecordingStage::warnings() const {
   if (std::string damage = recording_->left_out().sentence(); !damage.empty())
     warnings.push_back(std::move(damage));
   // Contradicted exposures have their warning already, and a part of a cycle may be of equal ones.
-  if (!exposures_differ_ && counters_.contradicted == 0 && counters_.emitted > ExposureSchedule::kMaxSlots)
+  if (!exposures_differ_ && counters_.contradicted == 0 && with_exposure_ > ExposureSchedule::kMaxSlots)
     warnings.push_back(
         fmt::format("all {} frames have the same exposure, {}, and give no HDR; record a "
                     "cycle such as --shutter 1ms,4ms,16ms",
-                    counters_.emitted, describe(*first_exposure_)));
+                    with_exposure_, describe(*first_exposure_)));
   return warnings;
 }
 

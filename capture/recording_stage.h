@@ -58,6 +58,7 @@ class RecordingStage {
   std::optional<Result<bool>> end_;
   CaptureCounters counters_;
   std::optional<std::uint64_t> last_sequence_;
+  std::uint64_t with_exposure_ = 0;  // frames whose exposure is known
   std::optional<Exposure> first_exposure_;
   bool exposures_differ_ = false;
   std::uint64_t left_out_ = 0;  // up to the frame that was read last

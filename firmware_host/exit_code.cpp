@@ -14,8 +14,9 @@ constexpr std::array kExitCodes{
     ExitCode{4, ErrorCode::NotRecording, "the file exists but is not a recording"},
     ExitCode{5, ErrorCode::Truncated, "the recording is truncated; the frames before the cut were used"},
     ExitCode{6, ErrorCode::Corrupt, "a checksum or structure in the file is wrong"},
-    ExitCode{7, ErrorCode::BadExposure,
-             "an exposure is missing, not positive, does not fit or contradicts the pictures"},
+    ExitCode{
+        7, ErrorCode::BadExposure,
+        "an exposure is missing or not positive, does not fit sensor or frame, or contradicts the pictures"},
     ExitCode{8, ErrorCode::SizeChanged, "frames of different size within one clip"},
     ExitCode{9, ErrorCode::TooShort, "fewer frames than the method needs"},
     ExitCode{10, ErrorCode::Permission, "exists, but may not be read or written"},

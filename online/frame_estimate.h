@@ -15,8 +15,10 @@ namespace hdrcam {
 
 struct FrameEstimate {
   const ExposedFrame& frame;
-  const JoinedState& state;      // includes this frame and its look-ahead
-  const FlowField* to_previous;  // null at the first frame
+  const RadianceEstimate& state;              // with this frame, and the later ones that join it
+  const Image<float>& own_share;              // of this frame in the state, before later ones joined it
+  const Image<float>* later_share = nullptr;  // theirs in the result; null where none joins
+  const FlowField* to_previous;               // null at the first frame
   // Vectors alone: only what joins later frames asks for their confidence. Null without look-ahead, and at
   // the last frame.
   const Image<float>* to_next = nullptr;

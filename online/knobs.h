@@ -1,6 +1,7 @@
-// Every knob of the method in one table: its name in `--set NAME=VALUE` and TOML, unit, range, the value of
-// each preset, its cost and its effect. `Knobs::budget` holds the knobs that may change from frame to frame
-// and is passed with each call; all others are fixed at the start of a run. Plain values; reentrant.
+// Every knob of the method in one table: its name in `--set NAME=VALUE` and TOML, unit, range, its cost and
+// its effect; knobs_of() has the values of each preset. `Knobs::budget` holds the knobs that may change from
+// frame to frame and is passed with each call; all others are fixed at the start of a run. Plain values;
+// reentrant.
 #pragma once
 
 #include <cstdint>

@@ -11,16 +11,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr std::size_t kMaxLookAhead = 2;  // frames
-
-// As the recording states it; none where it states none that can be.
-std::optional<FramePose> given_pose(const FrameFacts& facts) {
-  if (!facts.T_world_camera) return std::nullopt;
-  const RigidTransform T_world_camera = from_matrix(*facts.T_world_camera);
-  if (!T_world_camera.finite()) return std::nullopt;
-  return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
-}
-
 // Of intervals between time stamps, which may be wrong.
 float ratio(Duration interval, Duration other) {
   if (interval <= Duration::zero() || other <= Duration::zero()) return 1;
@@ -31,16 +21,14 @@ float ratio(Duration interval, Duration other) {
 
 struct OnlineStage::Step {
   ExposedFrame frame;
-  float stated_blur = 0;  // share of its motion that blurs it by its facts
-  StateMotion motion;     // between the state at the frame before and this one
-  // After this frame, where a later one has taken its place before this one was emitted; borrowed.
+  float stated_blur = 0;               // share of its motion that blurs it by its facts
+  StateMotion motion;                  // between the state at the frame before and this one
+  std::optional<SceneEstimate> scene;  // none where the second layer rests
+  // After this frame, where a later one has taken its place before this one was emitted. The state's pictures
+  // are borrowed.
   RadianceState state;
   DepthMap depth;
-  RigidTransform T_world_camera;
-  std::optional<FramePose> pose;  // of a frame in the field
-  FitReport fit;
   bool advanced = false, emitted = false;
-  bool in_field = false;
 };
 
 OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
@@ -49,19 +37,18 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       budget_(knobs.budget),
       camera_(camera),
       look_ahead_(look_ahead_of(knobs, camera.height, camera.width)),
-      field_step_(field_step_px(knobs.field_step, camera.height, camera.width)),
-      lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
       pool_(pool),
-      gpu_(gpu),
       motion_(make_motion_prior(camera.height, camera.width, pool)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)),
-      sensor_(knobs, camera, response, *state_, pool) {}
+      sensor_(knobs, camera, response, *state_, pool),
+      second_layer_(knobs, camera, pool, gpu) {}
 
 OnlineStage::~OnlineStage() = default;
 
 Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget, const Emit& emit) {
   budget_ = budget;
-  budget_.render_step = std::max(budget.render_step, field_step_);  // nothing more between the field's pixels
+  // nothing more between the field's pixels
+  budget_.render_step = std::max(budget.render_step, second_layer_.field_step_px());
   sensor_.meet(frame);
   if (!sensor_.is_known()) {
     waiting_.emplace_back(frame, camera_.bits);
@@ -95,7 +82,7 @@ Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame
   state_->forget_residuals();
   sensor_.begin_anew(estimate, frame);
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
-  field_rested_ = field_ != nullptr;
+  second_layer_.rest();
   white_ = 1;
   darkest_ = kAllBlack;
   return {};
@@ -159,12 +146,12 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
     context.after_ratio = ratio(step.frame.facts.timestamp - before, after->frame.facts.timestamp - before);
   }
   motion_->complete(state_->state(), step.frame, context, budget_.flow,
-                    {.from_previous = field_takes_part() || look_ahead_ > 1}, step.motion);
+                    {.from_previous = second_layer_takes_part() || look_ahead_ > 1}, step.motion);
   if (timing_) timing_(Stage::Motion, watch.lap_ms());
 
   // before the state takes the frame in: the frame must not be compared with itself
   sensor_.compare(step.frame, step.stated_blur, step.motion.to_previous, white_);
-  if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep_state(*steps_[at - 1]);
+  if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep(*steps_[at - 1]);
   state_->advance({step.frame, sensor_.tables_for(step.frame), white_, budget_.blurs},
                   step.motion.to_previous);
   lower_darkest(sensor_.tables_for(step.frame));
@@ -176,15 +163,18 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   return {};
 }
 
-// The state goes on from this step, which is emitted later.
-void OnlineStage::keep_state(Step& step) {
-  const auto keep = [this](const Image<float>& part, Image<float>& kept) {
+// State and depth go on from this step, which is emitted later.
+void OnlineStage::keep(Step& step) {
+  const auto keep_part = [this](const Image<float>& part, Image<float>& kept) {
     pool_.scratch().acquire(kept, part.channels(), part.rows(), part.cols());
     copy(part, kept, pool_);
   };
-  keep(state_->state().radiance, step.state.radiance);
-  keep(state_->state().variance, step.state.variance);
-  keep(state_->state().own_share, step.state.own_share);
+  keep_part(state_->state().radiance, step.state.radiance);
+  keep_part(state_->state().variance, step.state.variance);
+  keep_part(state_->state().own_share, step.state.own_share);
+  if (!step.scene) return;
+  step.depth.copy_from(*step.scene->depth);
+  step.scene->depth = &step.depth;
 }
 
 // No earlier frame looks along the motion to this one any more.
@@ -206,53 +196,14 @@ float OnlineStage::before_ratio(std::size_t at) const {
 }
 
 Result<void> OnlineStage::fit(Step& step) {
-  step.in_field = field_takes_part();
-  if (!step.in_field) {
-    field_rested_ = true;
-    step.T_world_camera = {};
+  step.scene.reset();
+  if (!second_layer_takes_part()) {
+    second_layer_.rest();
     return {};
   }
-  Stopwatch watch;
-  const bool starts = !field_ || field_rested_;
-  if (starts) start_second_layer(step.frame);
-  const StateMotion none;  // the frame before is not in the field
-  const StateMotion& motion = starts ? none : step.motion;
-  const SeenFrame seen{step.frame, state_->state(), motion};
-  const CameraPose& pose = poses_->estimate(seen);
-  const DepthMap& depth = *(depth_map_ = &depth_->estimate(seen, pose));
-  step.T_world_camera = pose.T_world_camera;
-  step.pose = stated_pose(step.frame, pose);
-  if (look_ahead_ > 1) step.depth.copy_from(depth);
-  if (timing_) timing_(Stage::Pose, watch.lap_ms());
-  TRY(field_->observe({step.frame, state_->state(), white_, motion, pose, depth, sensor_.response()}));
-  step.fit = field_->fit(budget_.fit);
-  if (timing_) timing_(Stage::Fit, watch.lap_ms());
+  step.scene = TRY(second_layer_.take({step.frame, state_->state(), step.motion}, white_, sensor_.response(),
+                                      budget_.fit));
   return {};
-}
-
-// What outputs state of a pose that the prior found. A given one keeps the recording's own numbers.
-std::optional<FramePose> OnlineStage::stated_pose(const ExposedFrame& frame, const CameraPose& pose) const {
-  if (poses_->source() == PoseSource::Given) return given_pose(frame.facts);
-  return FramePose{pose.T_world_camera, poses_->source(), pose.lost, world_};
-}
-
-// Pose, depth and field begin, or begin anew after a rest: what they knew is of another time.
-void OnlineStage::start_second_layer(const ExposedFrame& first) {
-  field_rested_ = false;
-  ++world_;
-  if (!field_) has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
-  poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
-  DepthOptions depth = knobs_.depth;
-  // no finer than the field's blocks can use, and half as fine where nobody looks at it
-  const bool seen = knobs_.field_step != FieldStep::Auto;
-  depth.step_px = std::max(depth.step_px, seen ? field_step_ / 2 : 2 * field_step_);
-  depth_ = std::make_unique<DynamicDepth>(depth, knobs_.dynamic_depth, lens_, camera_.height, camera_.width,
-                                          pool_);
-  if (field_) return field_->restart();
-  FieldOptions options = knobs_.hash_grid;
-  options.step_px = field_step_;
-  field_ = make_scene_field(knobs_.field, options,
-                            {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
 }
 
 Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
@@ -291,33 +242,32 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
     const Step& next = *steps_[i + 1 + k];
     later[k] = {&next.frame, &next.motion.from_previous, &sensor_.tables_for(next.frame)};
   }
-  const ScratchLease room(
-      pool_.scratch(), camera_.height, camera_.width,
-      {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.own_share, 1}, {&joined_.later_share, 1}});
-  const bool kept = !step.state.radiance.empty();
+  const RadianceState& state = step.state.radiance.empty() ? state_->state() : step.state;
   const std::size_t joining = std::min(ahead, static_cast<std::size_t>(budget_.later_frames));
-  state_->join(kept ? step.state : state_->state(), {later.data(), joining}, white_, joined_);
+  const ScratchLease room(pool_.scratch(), joining > 0 ? camera_.height : 0, camera_.width,
+                          {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.later_share, 1}});
+  if (joining > 0) state_->join(state, {later.data(), joining}, white_, joined_);
+  const std::optional<SceneEstimate>& scene = step.scene;
   SceneView view;
-  view.T_world_camera = step.T_world_camera;
+  if (scene) view.T_world_camera = scene->T_world_camera;
   view.time_s = step.frame.facts.timestamp.seconds();
-  view.lens = lens_, view.rows = camera_.height, view.cols = camera_.width;
+  view.lens = second_layer_.lens(), view.rows = camera_.height, view.cols = camera_.width;
   step.emitted = true;
-  const bool given = knobs_.pose == PoseKind::Given;
   const FrameEstimate estimate{
       .frame = step.frame,
-      .state = joined_,
+      .state = joining > 0 ? static_cast<const RadianceEstimate&>(joined_) : state,
+      .own_share = state.own_share,
+      .later_share = joining > 0 ? &joined_.later_share : nullptr,
       .to_previous = step.motion.to_previous.empty() ? nullptr : &step.motion.to_previous,
       .to_next = ahead > 0 ? &later[0].from_previous->vectors : nullptr,
-      .field = FieldNow(step.in_field ? field_.get() : nullptr),
+      .field = scene ? second_layer_.field() : FieldNow(),
       .view = view,
-      .pose = step.in_field ? step.pose
-              : given       ? given_pose(step.frame.facts)
-                            : std::nullopt,
-      .depth = step.in_field ? (look_ahead_ > 1 ? &step.depth : depth_map_) : nullptr,
-      .depth_unit = poses_ ? poses_->near() : 1,
-      .length_unit = poses_ ? unit_of(poses_->source()) : LengthUnit::Metre,
+      .pose = scene ? scene->pose : second_layer_.given_pose(step.frame.facts),
+      .depth = scene ? scene->depth : nullptr,
+      .depth_unit = second_layer_.depth_unit(),
+      .length_unit = second_layer_.length_unit(),
       .lens_is_assumed = !camera_.intrinsics,
-      .fit = step.in_field ? &step.fit : nullptr,
+      .fit = scene ? &scene->fit : nullptr,
       .noise_origin = sensor_.noise_origin(),
       .budget = budget_,
       .darkest = darkest_,

@@ -1,6 +1,7 @@
 // The online part of the pipeline, in processing order: what codes mean (sensor_model.h), from the first
-// frames on; then for each frame motion, state, pose, depth and field. It delivers an estimate of each frame
-// as soon as its look-ahead has arrived. Thread-bound; deterministic for any number of threads.
+// frames on; then for each frame motion and state, and the second layer: pose, depth and field
+// (second_layer.h). It delivers an estimate of each frame as soon as its look-ahead has arrived.
+// Thread-bound; deterministic for any number of threads.
 #pragma once
 
 #include <array>
@@ -14,6 +15,7 @@
 #include "hal/core/stage_timing.h"
 #include "online/frame_estimate.h"
 #include "online/knobs.h"
+#include "online/second_layer.h"
 #include "online/sensor_model.h"
 #include "online/state/state_layer.h"
 
@@ -37,16 +39,17 @@ class OnlineStage {
   // Ends the stream and emits the rest.
   Result<void> finish(const Emit& emit);
 
-  void set_timing(StageTiming timing) { timing_ = std::move(timing); }
+  void set_timing(const StageTiming& timing) {
+    timing_ = timing;
+    second_layer_.set_timing(timing);
+  }
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const SensorModel& sensor() const { return sensor_; }
   // Why the state, or the fit of the field, no longer runs on the graphics device; "" while it does, or was
   // not asked to.
   std::string fallback_reason() const { return state_->fallback_reason(); }
-  std::string field_fallback_reason() const {
-    return field_ != nullptr ? field_->fallback_reason() : std::string();
-  }
+  std::string field_fallback_reason() const { return second_layer_.fallback_reason(); }
 
  private:
   struct Step;  // one frame in progress
@@ -59,10 +62,8 @@ class OnlineStage {
   Instant time_before(std::size_t at, std::size_t n) const;
   float before_ratio(std::size_t at) const;
   Result<void> fit(Step& step);
-  void start_second_layer(const ExposedFrame& first);
-  void keep_state(Step& step);
+  void keep(Step& step);
   void end_look_along(Step& step);
-  std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
   Result<void> emit_step(std::size_t i, std::size_t ahead, const Emit& emit);
   Result<void> emit_ready(bool all, const Emit& emit);
   void retire_oldest();
@@ -70,34 +71,24 @@ class OnlineStage {
   bool joins_newest() const {
     return look_ahead_ > 0 && budget_.later_frames >= look_ahead_ && budget_.emits;
   }
-  bool field_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
+  bool second_layer_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void lower_darkest(const ExposureTables& tables);
 
   const Knobs knobs_;
   FrameBudget budget_;
   const CameraFacts camera_;
-  const int look_ahead_;   // frames
-  const int field_step_;   // px
-  const Intrinsics lens_;  // assumed where the camera does not report it
+  const int look_ahead_;  // frames
   WorkerPool& pool_;
-  GpuDevice* const gpu_;
   std::vector<CompactFrame> waiting_;  // until codes mean something
 
   std::unique_ptr<MotionPrior> motion_;
   std::unique_ptr<StateLayer> state_;
   SensorModel sensor_;
+  SecondLayer second_layer_;
   float white_ = 1;  // radiance that saturates the shortest exposure so far
   static constexpr std::array<float, 3> kAllBlack{1e9f, 1e9f, 1e9f};
   std::array<float, 3> darkest_ = kAllBlack;  // radiance up to which even the longest one so far is black
   JoinedState joined_;                        // borrowed during an emission
-  bool has_poses_ = false;                    // the recording states poses: its first frame in the field does
-  // created with the first frame that the field takes part in
-  std::unique_ptr<PosePrior> poses_;
-  std::unique_ptr<DepthPrior> depth_;
-  const DepthMap* depth_map_ = nullptr;  // of the newest frame; the prior's
-  std::unique_ptr<SceneField> field_;
-  bool field_rested_ = false;                 // since its last frame
-  int world_ = -1;                            // of the poses: counts their beginnings
   std::vector<std::unique_ptr<Step>> steps_;  // not yet emitted, oldest first; the newest in any case
   std::vector<std::unique_ptr<Step>> spare_;  // for reuse
   std::size_t retired_ = 0;                   // number of the frames before them

@@ -49,7 +49,7 @@ class SensorModel {
   void compare(const ExposedFrame& frame, float stated, const FlowField& motion, float white);
   // Whether learn_noise() wants the pair that the frame makes with the one before it.
   bool learns_noise(const ExposedFrame& frame) const;
-  // older_to_newer and newer_to_older: rated along the pixels of the shorter exposure (is_seen_in_newer).
+  // motion: between the two, rated along the pixels of the shorter exposure (noise_is_seen_in_newer).
   void learn_noise(const ExposedFrame& older, const ExposedFrame& newer, const StateMotion& motion);
   // The noise of two frames is compared at the pixels of the shorter exposure.
   static bool noise_is_seen_in_newer(const ExposedFrame& older, const ExposedFrame& newer) {

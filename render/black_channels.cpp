@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <utility>
 
 #include "render/channel_rows.h"
 
@@ -15,14 +14,13 @@ using Colour = std::array<float, 3>;
 constexpr float kSure = 0.02f, kUnsure = 0.3f;  // variance of ln radiance
 
 // Of the pixels that are sure of all channels: what each has of their mean. None where there are few.
-std::optional<Colour> usual_colour(const BlackChannels& black, const Image<float>& variance,
-                                   const Image<float>& radiance) {
+std::optional<Colour> usual_colour(const BlackChannels& black, const RadianceEstimate& seen) {
   constexpr int kStride = 6, kEnough = 20;  // pixels
   Colour sum{};
   int count = 0;
-  for (int y = kStride / 2; y < radiance.rows(); y += kStride) {
-    const auto light = rows_of(radiance, y), unsure = rows_of(variance, y);
-    for (int x = kStride / 2; x < radiance.cols(); x += kStride) {
+  for (int y = kStride / 2; y < seen.radiance.rows(); y += kStride) {
+    const auto light = rows_of(seen.radiance, y), unsure = rows_of(seen.variance, y);
+    for (int x = kStride / 2; x < seen.radiance.cols(); x += kStride) {
       Colour r;
       bool sure = true;
       for (std::size_t c = 0; c < 3; ++c) {
@@ -56,15 +54,19 @@ float level_of(const Colour& r, const Colour& unsure, const Colour& usual, float
 
 }  // namespace
 
-void colour_black_channels(const BlackChannels& black, const Image<float>& variance, Image<float>& radiance,
+void colour_black_channels(const BlackChannels& black, const RadianceEstimate& seen, Image<float>& coloured,
                            WorkerPool& pool) {
-  const auto found = usual_colour(black, variance, radiance);
-  if (!found) return;
-  const Colour usual = *found;
-  pool.for_rows(radiance.rows(), [&](int y0, int y1) {
+  const std::optional<Colour> found = usual_colour(black, seen);
+  const int rows = seen.radiance.rows(), cols = seen.radiance.cols();
+  coloured.reshape_like(seen.radiance);
+  pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const auto light = rows_of(std::as_const(radiance), y), doubt = rows_of(variance, y);
-      for (int x = 0; x < radiance.cols(); ++x) {
+      const auto light = rows_of(seen.radiance, y), doubt = rows_of(seen.variance, y);
+      const auto out = rows_of(coloured, y);
+      for (std::size_t c = 0; c < 3; ++c) std::copy_n(light[c], cols, out[c]);
+      if (!found) continue;
+      const Colour& usual = *found;
+      for (int x = 0; x < cols; ++x) {
         if (light[0][x] > black.darkest[0] && light[1][x] > black.darkest[1] &&
             light[2][x] > black.darkest[2])
           continue;
@@ -76,8 +78,7 @@ void colour_black_channels(const BlackChannels& black, const Image<float>& varia
           const float spread = unsure[c] / (r[c] * r[c]), likely = usual[c] * level;
           if (spread < kUnsure || likely >= r[c]) continue;
           const float share = spread / (spread + 1);  // colours vary by about a factor of e
-          radiance.at(static_cast<int>(c), y, x) =
-              std::max(0.f, r[c] + share * (likely - r[c]) - black.offset);
+          out[c][x] = std::max(0.f, r[c] + share * (likely - r[c]) - black.offset);
         }
       }
     }

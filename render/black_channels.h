@@ -8,6 +8,7 @@
 
 #include "hal/core/image.h"
 #include "hal/core/worker_pool.h"
+#include "online/state/radiance_state.h"
 
 namespace hdrcam {
 
@@ -17,8 +18,8 @@ struct BlackChannels {
   float offset;                  // radiance below which a difference does not matter
 };
 
-// radiance, variance: [rgb, rows, cols]; in place.
-void colour_black_channels(const BlackChannels& black, const Image<float>& variance, Image<float>& radiance,
+// coloured: becomes the radiance with these channels coloured; another picture than that of `seen`.
+void colour_black_channels(const BlackChannels& black, const RadianceEstimate& seen, Image<float>& coloured,
                            WorkerPool& pool);
 
 }  // namespace hdrcam

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "online/mu_law.h"
-#include "online/pictures/for_samples.h"
 #include "render/black_channels.h"
 #include "render/channel_rows.h"
 
@@ -26,8 +25,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.lens = estimate.view.lens;
   frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
-  copy(estimate.state.radiance, frame.radiance, pool_);
-  colour_black_channels({estimate.darkest, known_limit(estimate.white), offset}, estimate.state.variance,
+  colour_black_channels({estimate.darkest, known_limit(estimate.white), offset}, estimate.state,
                         frame.radiance, pool_);
   shrinkage_.apply(frame.radiance, estimate.state.variance,
                    {offset, estimate.noise_origin, estimate.budget.shrinkage});
@@ -35,7 +33,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
 
 // The source of each pixel and its uncertainty.
 void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& frame) {
-  const JoinedState& state = estimate.state;
+  const RadianceEstimate& state = estimate.state;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float known = known_limit(estimate.white);
   frame.sigma.reshape(1, rows, cols);
@@ -43,7 +41,8 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
       const auto radiance = rows_of(state.radiance, y), variance = rows_of(state.variance, y);
-      const float *later = state.later_share.row(0, y), *own = state.own_share.row(0, y);
+      const float* own = estimate.own_share.row(0, y);
+      const float* later = estimate.later_share != nullptr ? estimate.later_share->row(0, y) : nullptr;
       float* sigma = frame.sigma.row(0, y);
       std::uint8_t* provenance = frame.provenance.row(0, y);
       for (int x = 0; x < cols; ++x) {
@@ -56,8 +55,9 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
       }
       for (int x = 0; x < cols; ++x) {  // without branches, so that it becomes vectors
         const float worst = std::max(std::max(std::max(0.f, variance[0][x]), variance[1][x]), variance[2][x]);
-        int from = own[x] * (1 - later[x]) > 0.5f ? code(Provenance::Own) : code(Provenance::Carried);
-        from = later[x] > 0.5f ? code(Provenance::LookAhead) : from;
+        const float joined = later != nullptr ? later[x] : 0;
+        int from = own[x] * (1 - joined) > 0.5f ? code(Provenance::Own) : code(Provenance::Carried);
+        from = joined > 0.5f ? code(Provenance::LookAhead) : from;
         from = worst >= known ? code(Provenance::Bound) : from;
         provenance[x] = static_cast<std::uint8_t>(from);
       }

@@ -19,6 +19,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "hal/core/geometry.h"
 #include "render/half_kernels.h"
 
 namespace hdrcam {
@@ -90,33 +91,24 @@ Imf::Compression library_name(ExrCompression compression) {
   return Imf::ZIP_COMPRESSION;
 }
 
-// OpenEXR multiplies row vectors from the left, p_camera = p_world * m, so m is the transpose of
-// T_camera_world; the inverse of a rigid [R t] is [R' -R't].
+// OpenEXR multiplies row vectors from the left, p_camera = p_world * m: m is the transpose of T_camera_world.
 Imath::M44f world_to_camera(const PoseMatrix& T_world_camera) {
-  const auto& T = T_world_camera;
+  const RigidTransform T_camera_world = transform_of(T_world_camera).inverse();
   Imath::M44f m;
   for (int row = 0; row < 3; ++row) {
-    double t_camera_world = 0;
-    for (int k = 0; k < 3; ++k) {
-      const double R = T[4 * static_cast<std::size_t>(k) + static_cast<std::size_t>(row)];  // R'(row, k)
-      m[k][row] = static_cast<float>(R);
-      t_camera_world -= R * T[4 * static_cast<std::size_t>(k) + 3];
-    }
-    m[3][row] = static_cast<float>(t_camera_world);
+    for (int k = 0; k < 3; ++k) m[k][row] = static_cast<float>(T_camera_world.R(row, k));
+    m[3][row] = static_cast<float>(T_camera_world.t[row] + 0.0);  // never -0
   }
   return m;
 }
 
 PoseMatrix world_from_camera(const Imath::M44f& m) {
-  PoseMatrix T{};
+  RigidTransform T_camera_world;
   for (int row = 0; row < 3; ++row) {
-    const auto first = 4 * static_cast<std::size_t>(row);
-    for (int k = 0; k < 3; ++k) {
-      T[first + static_cast<std::size_t>(k)] = static_cast<double>(m[row][k]);
-      T[first + 3] -= static_cast<double>(m[row][k]) * static_cast<double>(m[3][k]);
-    }
+    for (int k = 0; k < 3; ++k) T_camera_world.R(row, k) = static_cast<double>(m[k][row]);
+    T_camera_world.t[row] = static_cast<double>(m[3][row]);
   }
-  return T;
+  return pose_matrix_of(T_camera_world.inverse());
 }
 
 Imath::V2f library_point(const std::array<float, 2>& xy) { return {xy[0], xy[1]}; }

@@ -1,7 +1,5 @@
 #include "firmware_host/bench/cost_walk.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <limits>
@@ -70,10 +68,7 @@ std::vector<CostPoint> cost_points(const Settings::Fit& base) {
     points.push_back({name(preset), "preset", base});
     points.back().fit.preset = preset;
   }
-  for (const int frames : {0, 1}) {
-    points.push_back({fmt::format("look-ahead {}", frames), "look-ahead", base});
-    points.back().fit.lookahead = frames;
-  }
+  for (const char* frames : {"0", "1"}) points.push_back(with_knob(base, "look-ahead", "look_ahead", frames));
   for (const char* flow : {"fast", "medium"}) points.push_back(with_knob(base, "flow", "flow", flow));
   points.push_back(with_knob(base, "field", "field", "none"));
   for (const char* steps : {"0", "10", "30"}) points.push_back(with_knob(base, "steps", "steps", steps));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/settings/settings_flags.h"
@@ -36,6 +37,17 @@ struct NumberedFile {
   std::uint64_t sequence;
   std::string path;
 };
+
+// text: as the user names the frames. A folder, or one file of many, leads to the pattern.
+Result<FramePattern> pattern_of(Storage& storage, const std::string& text) {
+  if (text.find('%') != std::string::npos) return FramePattern::parse("frames", text, ".exr");
+  const std::filesystem::path named(text);
+  const bool folder = TRY(storage.look_at(text)).kind == FileKind::Folder;
+  const std::filesystem::path place = folder ? named : named.parent_path();
+  return Error{ErrorCode::Invalid,
+               fmt::format("'{}' {}; name the frames by their pattern, such as '{}'", text,
+                           folder ? "is a folder" : "names one file", (place / "%06d.exr").string())};
+}
 
 // In the order of their numbers.
 Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const std::string& text) {
@@ -85,7 +97,11 @@ Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
                  fmt::format("'{}' is no name of a video; give -o x.mp4 (.mov, .mkv), or - for "
                              "the standard output",
                              output)};
-  const FramePattern pattern = TRY(FramePattern::parse("frames", flags.frames, ".exr"));
+  // A file of settings serves other verbs, too: what it says of a camera or of other outputs does not count.
+  Settings used;
+  used.output.paths["frames"] = output;
+  TRY(check_ignored_flags(*flags.settings, used));
+  const FramePattern pattern = TRY(pattern_of(around.storage, flags.frames));
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
   TRY(flags.kept.check(around.storage, {}, outputs_of(settings, "")));
 

@@ -26,6 +26,8 @@ struct ExportOptions {
   std::unique_ptr<SettingsFlags> settings;
 
   Damage damage() const { return strict ? Damage::Ends : Damage::IsSkipped; }
+  // Whether an error of the reader is no more than its end: the whole frames before a cut count.
+  bool is_end(const Error& error) const { return error.code == ErrorCode::Truncated && !strict; }
   std::string transforms_path() const { return transforms ? folder + "/transforms.json" : ""; }
   std::string model() const { return folder + "/colmap"; }
 };
@@ -35,6 +37,7 @@ Result<void> check_poses(Storage& storage, const ExportOptions& options) {
   const auto reader = TRY(open_recording(storage, options.recording, options.damage()));
   for (;;) {
     auto facts = reader->next_facts();
+    if (!facts && !options.is_end(facts.error())) return facts.error();
     if (!facts || !facts.value())
       return Error{
           ErrorCode::Invalid,
@@ -73,7 +76,7 @@ void add(const FrameFacts& facts, const std::string& path, Instant start, PosedC
                            .depth_path = "",
                            .time_s = to_seconds(facts.timestamp - start),
                            .exposure_s = facts.exposure_s,
-                           .T_world_camera = from_matrix(*facts.T_world_camera)});
+                           .T_world_camera = transform_of(*facts.T_world_camera)});
 }
 
 Result<void> write_poses(Storage& storage, const ExportOptions& options, const PosedClip& clip) {
@@ -105,7 +108,7 @@ Result<void> export_recording(Surroundings& around, const ExportOptions& options
     if (around.stop)
       return Error{ErrorCode::Interrupted, fmt::format("interrupted after {}", counted(frames, "frame"))};
     auto frame = reader->next();
-    if (!frame && (frame.error().code != ErrorCode::Truncated || options.strict)) return frame.error();
+    if (!frame && !options.is_end(frame.error())) return frame.error();
     if (!frame) ended = frame.error();
     if (!frame || !frame.value()) break;
     const FrameFacts& facts = (**frame).facts;

@@ -181,6 +181,10 @@ std::string takes_framerate(const std::string& text) {
 Result<void> import_any(Surroundings& around, const ImportOptions& options) {
   const Settings settings = TRY(options.settings->read(around.storage));
   if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+  if (options.list && (!options.output.empty() || options.kept.replaces()))
+    return Error{
+        ErrorCode::Invalid,
+        "--list says what would be imported and writes nothing; leave it out, or --output and --force"};
   if (!options.list && options.output.empty())
     return Error{ErrorCode::Invalid,
                  "no output file; give -o walk.mkv, or --list to see what would be imported"};
@@ -192,6 +196,10 @@ Result<void> import_any(Surroundings& around, const ImportOptions& options) {
         ErrorCode::Invalid,
         fmt::format("'{}' says exposures and times itself; leave out --shutter, --gain and --framerate",
                     footage.files.front())};
+  if (!clip && options.allow_outside)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is no clip.json and no folder of one; leave out --allow-outside",
+                             footage.files.front())};
   if (!footage.gain.empty() && (footage.shutter.empty() || footage.shutter == kAutoShutter))
     return Error{ErrorCode::Invalid, "--gain goes with the exposure times of --shutter; give both"};
   return clip ? import_clip(around, options) : import_footage(around, options);

@@ -21,6 +21,7 @@ class KeptWork {
  public:
   void add_to(CLI::App& verb);             // --force; the verb outlives this
   void add_without_force(CLI::App& verb);  // for a verb whose outputs every run replaces
+  bool replaces() const { return force_; }
 
   // Also makes the folders of the outputs. Errors: those of check_outputs and of make_room_for.
   Result<void> check(Storage& storage, const std::vector<NamedInput>& inputs,

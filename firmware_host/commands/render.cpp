@@ -15,6 +15,7 @@
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/ldr_frames.h"
+#include "firmware_host/sinks/run_record.h"
 #include "firmware_host/terminal.h"
 #include "hal/video/video_writer.h"
 
@@ -70,6 +71,16 @@ Result<void> admit(const Settings& settings, const FilmedRecording& recording, c
                      need);
 }
 
+// A view past all that was recorded is filmed all the same.
+void warn_of_view(const RunRecord& record, const Settings& settings) {
+  constexpr double kMostFromField = 0.9;
+  if (settings.fit.emit == EmitLayer::Field || record.film_from_field < kMostFromField) return;
+  remark(
+      "warning: no recorded frame shows {:.0f} % of the film, which the field made up; take the view "
+      "nearer to the recorded camera\n",
+      100 * record.film_from_field);
+}
+
 std::string as_flags(const FilmOptions& options) {
   const FilmOptions usual;
   std::string text;
@@ -107,15 +118,19 @@ Result<void> render(const RenderFlags& flags, Surroundings& around) {
   TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "", sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
-  return run_on(*source,
-                {.settings = settings,
-                 .title = title_of(source->camera(), flags.recording),
-                 .command = "hdrcam render " + shell_word(flags.recording) + as_flags(flags.options) +
-                            flags.settings->as_flags(settings),
-                 .film = &plan,
-                 .sinks = sinks,
-                 .stop = &around.stop},
-                around.storage);
+  RunRecord record;
+  Result<void> ended = run_on(*source,
+                              {.settings = settings,
+                               .title = title_of(source->camera(), flags.recording),
+                               .command = "hdrcam render " + shell_word(flags.recording) +
+                                          as_flags(flags.options) + flags.settings->as_flags(settings),
+                               .film = &plan,
+                               .sinks = sinks,
+                               .stop = &around.stop,
+                               .record = &record},
+                              around.storage);
+  warn_of_view(record, settings);
+  return ended;
 }
 
 void add_view_flags(CLI::App& verb, FilmOptions& options) {

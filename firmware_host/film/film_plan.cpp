@@ -8,7 +8,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/film/steady_path.h"
-#include "firmware_host/settings/field_setting.h"
+#include "firmware_host/settings/without_field.h"
 #include "hal/core/parse_number.h"
 #include "hal/recording/recording.h"
 

@@ -22,6 +22,7 @@ done
 [ -n "$out" ] && [ ${#recordings[@]} -gt 0 ] || { echo "give recordings and -o FOLDER" >&2; exit 2; }
 [ "$manner" != slurm ] || command -v sbatch >/dev/null ||
   { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
+. "$here/fingerprint.sh" # stops where there is no program
 twice=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort | uniq -d)
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
 mkdir -p "$out"
@@ -32,11 +33,14 @@ last=$((${#recordings[@]} - 1))
 threads=2 # of a job: beyond two the fit gains little
 
 submit() {
-  local code=0
-  # A failed recording is in the table; it is no reason to leave the others.
-  sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" --job-name=hdrcam-fleet \
-    --output="$out/slurm-%a.log" --export=ALL --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" || code=$?
-  [ "$code" -le 1 ] || [ -e "$out/slurm-0.log" ] || { echo "sbatch failed with $code" >&2; exit "$code"; }
+  local code=0 submitted
+  rm -f "$out"/slurm-*.log # of an earlier array
+  # It fails where a job failed, and where none was submitted; then it names no array. A failed recording is in the
+  # table; it is no reason to leave the others.
+  submitted=$(stdbuf -oL sbatch --wait --array="0-$last${at_once:+%$at_once}" --cpus-per-task="$threads" \
+    --job-name=hdrcam-fleet --output="$out/slurm-%a.log" --export=ALL \
+    --wrap="'$here/replay_one.sh' '$out' \$SLURM_ARRAY_TASK_ID" | tee >(cat >&2)) || code=$?
+  [ "$code" = 0 ] || [ -n "$submitted" ] || { echo "sbatch failed with $code; no job was submitted" >&2; exit "$code"; }
 }
 
 case "$manner" in

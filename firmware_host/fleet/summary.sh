@@ -1,23 +1,31 @@
 #!/usr/bin/env bash
 # The table at the end of a fleet: each recording of OUT/recordings, its frames and times from stats.json, how it ended.
-# Fails unless all ended well.
+# Fails unless all ended well. A result of another recording, program or flags is none.
 #   summary.sh OUT
 set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+. "$here/fingerprint.sh"
 out=$1
+mapfile -t flags <"$out/flags"
+same=$(same_for_all "${flags[@]}")
 verdict=0
 printf '%-24s %8s %9s %8s  %s\n' recording frames 'ms/frame' 'wall s' result
+without_figures() {
+  printf '%-24s %8s %9s %8s  %s\n' "$name" - - - "$1"
+  verdict=1
+}
 while IFS= read -r recording; do
   name=$(basename "${recording%.*}")
   job=$out/$name/job
   if [ ! -e "$job" ]; then
-    printf '%-24s %8s %9s %8s  %s\n' "$name" - - - 'not run'
-    verdict=1
-  elif [ "$(sed -n 's/^exit //p' "$job")" = 0 ]; then
+    without_figures 'not run'
+  elif [ "$(job_says fingerprint "$job")" != "$(fingerprint "$recording" "$same")" ]; then
+    without_figures 'not run; what is there is of another recording, program or flags'
+  elif [ "$(job_says exit "$job")" = 0 ]; then
     jq -r --arg name "$name" '[$name, .emitted, .ms_per_frame, .wall_s] | @tsv' "$out/$name/stats.json" |
       awk -F'\t' '{ printf "%-24s %8d %9.1f %8.1f  done\n", $1, $2, $3, $4 }'
   else
-    printf '%-24s %8s %9s %8s  exit %s: %s\n' "$name" - - - "$(sed -n 's/^exit //p' "$job")" "$(sed -n 's/^said //p' "$job")"
-    verdict=1
+    without_figures "exit $(job_says exit "$job"): $(job_says said "$job")"
   fi
 done <"$out/recordings"
 exit $verdict

@@ -155,7 +155,7 @@ std::optional<LiveEnd> LiveSession::reason_to_end(const std::atomic<bool>& stop)
   {
     const std::lock_guard lock(mutex_);
     for (const auto* recorder : {recorder_.get(), completing_.get()})
-      if (recorder != nullptr && recorder->failed()) return LiveEnd::Stopped;
+      if (recorder != nullptr && !recorder->outcome()) return LiveEnd::Stopped;
   }
   if (options_.timeout > Duration::zero() && posix_clock().now() - begin_ >= options_.timeout)
     return LiveEnd::Timeout;
@@ -227,7 +227,7 @@ Result<void> LiveSession::may_record() const {
   if (recorder_) return Error{ErrorCode::Busy, "a recording is open; stop it first"};
   if (completing_ && !completing_->ended())
     return Error{ErrorCode::Busy, "the last recording is still being completed; try again"};
-  return {};
+  return completing_ ? completing_->outcome() : Result<void>();
 }
 
 Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recording) {

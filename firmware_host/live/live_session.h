@@ -97,7 +97,8 @@ class LiveSession {
   LiveCounters counters() const;
 
   // What a person may change while it runs: any thread, one at a time.
-  // Busy while a recording is open or is being completed.
+  // Errors: Busy while a recording is open or is being completed; that of the last recording, which also ends
+  // the run.
   Result<void> may_record() const;
   // Records from the next frame on. Errors: those of may_record().
   Result<void> start_recording(std::unique_ptr<RecordingWriter> recording);

@@ -37,9 +37,9 @@ void Recorder::close() {
   changed_.notify_one();
 }
 
-bool Recorder::failed() const {
+Result<void> Recorder::outcome() const {
   const std::lock_guard lock(mutex_);
-  return !result_.ok();
+  return result_;
 }
 
 bool Recorder::ended() const {

@@ -29,7 +29,8 @@ class Recorder {
   bool put(FrameShare frame);
   // No more frames: the recorder's thread writes those in the queue and the end of the recording.
   void close();
-  bool failed() const;
+  // Of the work so far: the first error of the writer.
+  Result<void> outcome() const;
   bool ended() const;  // everything is written, or nothing more will be
   // Writes all queued frames, then the end of the recording. Errors: the first one of the writer.
   Result<void> finish();

@@ -66,7 +66,7 @@ void Governor::done(const FrameWork& work, Backlog backlog) {
   since_return_ = std::min(since_return_ + 1, kProven);
   pass_waits();
   add(work);
-  if (samples_ % kWindow == 0 && samples_ > 0 && upper(kWindow).total_ms <= deadline_ms_) remember();
+  if (samples_ % kWindow == 0 && samples_ > 0 && usual().total_ms <= deadline_ms_) remember();
   if (is_hopeless())
     give_up();
   else if (const auto cheaper = rung_to_shed_to())
@@ -97,15 +97,26 @@ Governor::Sample Governor::upper(std::size_t newest) const {
                   [](const Sample& a, const Sample& b) { return a.total_ms < b.total_ms; });
 }
 
-// Of a whole window, in which the longest frame, perhaps an outlier, counts as the second longest.
-double Governor::mean_ms() const {
-  double sum = 0, longest = 0, second = 0;
-  for (const Sample& sample : window_) {
-    sum += sample.total_ms;
-    second = std::max(second, std::min(longest, sample.total_ms));
-    longest = std::max(longest, sample.total_ms);
+// Of the window, in which the longest frame, perhaps an outlier, counts as the second longest.
+Governor::Sample Governor::mean() const {
+  const std::size_t count = std::min(samples_, kWindow);
+  Sample sum, longest, second;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Sample& sample = window_[i];
+    sum.total_ms += sample.total_ms, sum.steady_ms += sample.steady_ms;
+    const bool longer = sample.total_ms > longest.total_ms;
+    if (longer || sample.total_ms > second.total_ms) second = longer ? longest : sample;
+    if (longer) longest = sample;
   }
-  return (sum - longest + second) / static_cast<double>(kWindow);
+  const auto n = static_cast<double>(count);
+  return {(sum.total_ms - longest.total_ms + second.total_ms) / n,
+          (sum.steady_ms - longest.steady_ms + second.steady_ms) / n};
+}
+
+// What a frame takes. Frames of a cycle are uneven: those whose long exposure is clipped take half as long
+// again. A queue evens them out; without one all have to be in time.
+Governor::Sample Governor::usual() const {
+  return backlog_ == Backlog::Unknown ? upper(std::min(samples_, kWindow)) : mean();
 }
 
 // The speed of the machine: the median time of the steady work.
@@ -120,10 +131,10 @@ std::optional<std::size_t> Governor::rung_to_shed_to() const {
   if (at_ + 1 == end() || backlog_ == Backlog::None) return std::nullopt;
   const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * allowed_ms();
   // Frames of uneven cost wait for each other: none is left out before they are late in the mean.
-  const double late_ms = at_ < emits_all_ ? upper(kWindow).total_ms : mean_ms();
+  const double late_ms = at_ < emits_all_ ? usual().total_ms : mean().total_ms;
   const bool steady = samples_ >= kWindow && late_ms > allowed_ms();
   if (!sudden && !steady) return std::nullopt;
-  const Sample now = upper(sudden ? kSudden : kWindow);
+  const Sample now = sudden ? upper(kSudden) : usual();
   for (std::size_t r = at_ + 1; r < end(); ++r) {
     const auto ratio = expected_ratio(r, now.ratio());
     if (!ratio || *ratio * now.steady_ms <= kRoomToShedTo * allowed_ms()) return r;
@@ -155,7 +166,7 @@ std::optional<std::size_t> Governor::rung_to_return_to() const {
 // of the next one it is enough that the present one leaves room.
 std::optional<std::size_t> Governor::rung_to_try() const {
   const double room_ms = room_to_return() * deadline_ms_;
-  double most_ms = upper(std::min(samples_, kWindow)).total_ms;
+  double most_ms = usual().total_ms;
   if (most_ms > room_ms) return std::nullopt;
   std::size_t best = at_;
   while (best > 0 && !ratios_[best - 1] && !is_blocked(best - 1)) {
@@ -197,6 +208,10 @@ double Governor::allowed_ms() const {
 // What this rung takes, learned from frames in time: late ones tell more about the moment than about the
 // rung.
 void Governor::remember() {
+  if (backlog_ != Backlog::Unknown) {
+    ratios_[at_] = mean().ratio();
+    return;
+  }
   const std::size_t count = std::min(samples_, kWindow);
   std::array<double, kWindow> ratios{};
   for (std::size_t i = 0; i < count; ++i) ratios[i] = window_[i].ratio();

@@ -1,6 +1,8 @@
 // Holds a run's deadline per frame: from the times of the frames so far it chooses the rung of the ladder
 // (budget_ladder.h) for the next one. Its rules, and their constants here and in governor.cpp:
 //   start     the cheapest rung that emits every frame, so that the first frames come early
+//   judge     a rung by the upper quartile of its last kWindow frames, or by their mean where a queue evens
+//             out what is uneven: frames whose long exposure is clipped take half as long again
 //   predict   a rung takes what it took when it was last in use, in units of the work that no rung changes:
 //             a machine that is slowed by other work slows both alike. One that was never in use is taken to
 //             lie between its neighbours when time is short
@@ -75,7 +77,8 @@ class Governor {
 
   void add(const FrameWork& work);
   Sample upper(std::size_t newest) const;
-  double mean_ms() const;
+  Sample mean() const;
+  Sample usual() const;
   double steady_ms() const;
   void begin(Wait& wait) const;
   bool is_faster_than_in(const Wait& wait) const;

@@ -34,7 +34,7 @@ Result<void> NovelViews::render(const FrameEstimate& estimate) {
 
   const PosePair& cameras = *truth_.novel_camera(frame);
   RigidTransform T_own_novel =
-      from_matrix(cameras.T_world_own).inverse() * from_matrix(cameras.T_world_novel);
+      transform_of(cameras.T_world_own).inverse() * transform_of(cameras.T_world_novel);
   T_own_novel.t *=
       static_cast<double>(estimate.depth_unit) / static_cast<double>(numpy_median(metres_per_unit));
   SceneView view = estimate.view;

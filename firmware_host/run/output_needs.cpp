@@ -4,7 +4,8 @@
 
 #include <utility>
 
-#include "firmware_host/settings/field_setting.h"
+#include "firmware_host/run/pipeline.h"
+#include "firmware_host/settings/without_field.h"
 #include "firmware_host/sinks/sink_set.h"
 
 namespace hdrcam {
@@ -74,9 +75,10 @@ ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
 }
 
 Result<void> check_needs(const Settings& settings) {
-  if (needs_of(settings.output).flow_forward && settings.fit.lookahead == 0)
+  if (needs_of(settings.output).flow_forward && options_of(settings, FieldUse::Fills).knobs.look_ahead == 0)
     return Error{ErrorCode::Invalid,
-                 "motion to the next frame is known once that frame is there; give --lookahead 1"};
+                 "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
+                 "look_ahead=1"};
   for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
     if (!settings.output.path(sink).empty()) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
   const std::string shown = first_asked(settings.output, &MotionOrDepth::is_of_field);

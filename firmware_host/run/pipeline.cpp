@@ -51,8 +51,6 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   const Settings::Fit& fit = settings.fit;
   PipelineOptions options = options_of(fit.preset, fit.emit);
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
-  if (fit.lookahead >= 0) options.knobs.look_ahead = fit.lookahead;
-  options.knobs.code_noise = static_cast<float>(fit.code_noise);
   const OutputNeeds needs = needs_of(settings.output);
   options.render.shows_flow_backward = needs.flow_backward;
   options.render.shows_flow_forward = needs.flow_forward;

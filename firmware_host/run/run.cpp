@@ -316,9 +316,11 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   if (governor_) add_deadline(*governor_, record_);
   add_findings(pipeline_, record_);
   if (choice_) record_.notes.push_back(choice_->summary());
-  if (film_)
+  if (film_) {
+    record_.film_from_field = film_->filled_share();
     record_.notes.push_back(fmt::format("film: {}; {:.1f} % of their pixels filled by the field",
-                                        counted(film_->shown(), "frame"), 100 * film_->filled_share()));
+                                        counted(film_->shown(), "frame"), 100 * record_.film_from_field));
+  }
   close_record(pace_, wall.lap_ms() / 1e3, record_);
   const Result<void> ended = source_.finish(record_);
   if (worked && ended) worked = add_scores(plan_, storage_, record_);

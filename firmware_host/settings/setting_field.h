@@ -41,7 +41,7 @@ struct SettingField {
   SettingRange range;                // of a number
   std::vector<std::string> choices;  // of Choice and Words; one that ends in ":NAME" accepts any name there
   bool list = false;                 // parts joined by commas; TOML also accepts an array
-  const Knob* knob = nullptr;        // of a Knob
+  const Knob* knob = nullptr;        // of a Knob, and of a number whose flag sets one
   bool secret = false;               // left out of the command line that a run records
   bool names_file = false;           // its flag takes no empty name
 };

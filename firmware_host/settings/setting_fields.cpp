@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "firmware_host/sinks/sink_table.h"
+#include "hal/core/parse_number.h"
 
 namespace hdrcam {
 namespace {
@@ -140,6 +141,28 @@ SettingField field_of(const Knob& knob) {
   return field;
 }
 
+// A flag of its own for a number among the knobs. otherwise: stands for the value of the preset.
+template <class T>
+SettingField flag_of_knob(const char* knob, const char* key, const char* flag, const char* about,
+                          SettingRange range, T otherwise, const char* unset = "") {
+  SettingField field;
+  field.type = kTypeOf<T>;
+  field.key = key, field.flag = flag, field.about = about, field.unset = unset;
+  field.range = range;
+  field.knob = &*std::ranges::find(knob_table(), knob, &Knob::name);
+  field.read = [knob, otherwise](const Settings& s) -> SettingValue {
+    const auto set = s.fit.knobs.find(knob);
+    return set == s.fit.knobs.end() ? otherwise : parse_number<T>(set->second).value_or(otherwise);
+  };
+  field.write = [knob, otherwise](Settings& s, const SettingValue& value) {
+    if (std::get<T>(value) == otherwise)
+      s.fit.knobs.erase(knob);
+    else
+      s.fit.knobs[knob] = to_text(value);
+  };
+  return field;
+}
+
 std::vector<SettingField> camera_fields() {
   using C = Settings::Camera;
   using enum StampMeaning;
@@ -162,7 +185,7 @@ std::vector<SettingField> camera_fields() {
                                                  "exposure,gain control latency in frames, such as 2,1",
                                                  "as the driver reports"),
       number<&Settings::camera, &C::black_level>("camera.black_level", "--black-level",
-                                                 "black level of raw formats, in codes of 255", {0, 255, -1},
+                                                 "black level of raw formats, in codes of 255", {0, 254, -1},
                                                  "from the table of sensors"),
       choice<kGroup, &C::timestamp, AsDriverSays, ExposureBegin, ExposureEnd>(
           "camera.timestamp", "--timestamp",
@@ -265,17 +288,16 @@ std::vector<SettingField> fit_fields() {
           "HDR frames of the state with the field fitted beside it, of the state alone, or of the field",
           {"merged", "state", "field"}),
       deadline_field(),
-      number<&Settings::fit, &F::lookahead>("fit.lookahead", "--lookahead",
-                                            "later frames that an HDR frame waits for", {0, 2, -1},
-                                            "those of the preset"),
+      flag_of_knob("look_ahead", "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
+                   {0, 2, -1}, -1, "those of the preset"),
       number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
                                           "all processors"),
       backend_field(),
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
                                        {0, kMostInt, {}}),
-      number<&Settings::fit, &F::code_noise>(
-          "fit.code_noise", "--code-noise",
-          "where the estimate of compression noise starts, codes rms: 1 clean, 2 MJPEG", {0, 20, {}}),
+      flag_of_knob("code_noise", "fit.code_noise", "--code-noise",
+                   "where the estimate of compression noise starts, codes rms: 1 clean, 2 MJPEG", {0, 20, {}},
+                   1.0),
   };
 }
 

@@ -65,12 +65,11 @@ struct Settings {
     std::string deadline;  // per frame; "": a camera's frame interval, none of a recording; "33ms"; kOff
     Preset preset = Preset::Balanced;
     EmitLayer emit = EmitLayer::Merged;
-    int lookahead = -1;           // frames, 0..2; -1: the preset's
     int threads = 0;              // 0: all processors
     std::string backend = "cpu";  // or "vulkan", "vulkan:NAME": the compute device (run/backend.h)
     int seed = 1;                 // of the fit's random rays
-    double code_noise = 1;        // codes rms, 0..20: 1 clean, 2 MJPEG
-    // Knobs of the method (online/knobs.h) that were set, by name; all others have the preset's values.
+    // Knobs of the method (online/knobs.h) that were set, by name, also those with a flag of their own:
+    // --lookahead. All others have the preset's values.
     std::map<std::string, std::string> knobs;
   } fit;
   struct Output {

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "firmware_host/settings/setting_fields.h"
@@ -163,14 +164,17 @@ std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& ke
 
 std::string SettingsFlags::as_flags(const Settings& settings) const {
   std::string text;
+  std::map<std::string, std::string> to_set = settings.fit.knobs;
   for (std::size_t i = 0; i < given_->fields.size(); ++i) {
-    const SettingValue value = given_->fields[i]->read(settings);
-    if (given_->fields[i]->secret) continue;
-    if (value == given_->fields[i]->read(Settings{})) continue;
+    const SettingField& field = *given_->fields[i];
+    const SettingValue value = field.read(settings);
+    if (field.secret) continue;
+    if (value == field.read(Settings{})) continue;
     const std::string word = to_text(value);
     text += fmt::format(" {}={}", given_->options[i]->get_name(), shell_word(word));
+    if (field.knob != nullptr) to_set.erase(field.knob->name);
   }
-  for (const auto& [name, value] : settings.fit.knobs)
+  for (const auto& [name, value] : to_set)
     if (!given_->knobs.empty()) text += " --set " + shell_word(fmt::format("{}={}", name, value));
   return text;
 }

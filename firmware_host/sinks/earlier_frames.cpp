@@ -26,12 +26,22 @@ EarlierFrames::EarlierFrames(Storage& storage, const std::string& pattern)
 }
 
 // A file that was replaced is another one of the same name (FileInMaking).
+bool EarlierFrames::remains(const File& file) const {
+  const auto facts = storage_.look_at(file.path);
+  return facts && facts.value().kind != FileKind::Missing && facts.value().inode == file.inode;
+}
+
+bool EarlierFrames::remains(const std::string& path) const {
+  const std::filesystem::path name = std::filesystem::path(path).filename();
+  const std::string known = (std::filesystem::path(pattern_).parent_path() / name).string();
+  const auto file = std::ranges::lower_bound(files_, known, {}, &File::path);
+  return file != files_.end() && file->path == known && remains(*file);
+}
+
 std::string EarlierFrames::warning() const {
   std::vector<std::string> left;
   for (const File& file : files_)
-    if (const auto facts = storage_.look_at(file.path);
-        facts && facts.value().kind != FileKind::Missing && facts.value().inode == file.inode)
-      left.push_back(file.path);
+    if (remains(file)) left.push_back(file.path);
   if (left.empty()) return "";
   return fmt::format(
       "{} file(s) of an earlier run remain beside the new ones, from '{}' to '{}'; remove them "

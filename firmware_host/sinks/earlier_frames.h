@@ -22,6 +22,8 @@ class EarlierFrames {
   std::size_t count() const { return files_.size(); }
   const std::string& first() const { return files_.front().path; }  // by name; there is one
 
+  // Whether that file, of the pattern's folder, was there before the run and the run has not replaced it.
+  bool remains(const std::string& path) const;
   // After the run: a sentence about the files that it did not replace; "" where there are none.
   std::string warning() const;
 
@@ -30,10 +32,11 @@ class EarlierFrames {
     std::string path;
     std::uint64_t inode;
   };
+  bool remains(const File& file) const;
 
   Storage& storage_;
   const std::string pattern_;
-  std::vector<File> files_;
+  std::vector<File> files_;  // by path
 };
 
 }  // namespace hdrcam

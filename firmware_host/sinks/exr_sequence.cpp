@@ -53,7 +53,7 @@ void describe(const ExrLayers& layers, LengthUnit length_unit, std::map<std::str
 }
 
 void describe(const FramePose& pose, ExrAttributes& attributes) {
-  attributes.T_world_camera = to_matrix(pose.T_world_camera);
+  attributes.T_world_camera = pose_matrix_of(pose.T_world_camera);
   attributes.texts["hdrcam.poseSource"] = name(pose.source);
   attributes.texts["hdrcam.lengthUnit"] = name(unit_of(pose.source));
   if (pose.world > 0) attributes.texts["hdrcam.poseWorld"] = fmt::format("{}", pose.world);

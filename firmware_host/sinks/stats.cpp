@@ -24,7 +24,7 @@ Json deadline_of(const RunRecord& record) {
 Json json_of(const FramePose& pose) {
   Json json{{"source", name(pose.source)},
             {"length_unit", name(unit_of(pose.source))},
-            {"T_world_camera", to_matrix(pose.T_world_camera)}};
+            {"T_world_camera", pose_matrix_of(pose.T_world_camera)}};
   if (pose.lost) json["lost"] = true;
   if (pose.world > 0) json["world"] = pose.world;
   return json;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include "hal/core/black_level.h"
 #include "hal/core/image.h"
 #include "hal/core/instant.h"
+#include "hal/core/pose_matrix.h"
 
 namespace hdrcam {
 
@@ -19,9 +21,6 @@ struct Intrinsics {
   double fx_px = 0, fy_px = 0;  // focal lengths
   double cx_px = 0, cy_px = 0;  // principal point, pixel centres at +0.5
 };
-
-// A rigid transform T_world_camera, row-major 3x4; camera axes x right, y down, z forward, metres.
-using PoseMatrix = std::array<double, 12>;
 
 // Where the exposure value of a frame comes from, best first. Estimated: nobody stated any exposure of the
 // clip; the pictures' ratios gave them all, so they are relative to each other and no times.
@@ -71,9 +70,11 @@ struct FrameFacts {
   std::optional<Verdict> verdict;            // on the exposure; none: not judged yet
   std::optional<double> exposure_within_ev;  // uncertainty of a judged exposure, stops
   std::uint32_t flags = 0;                   // FrameFlag bits
-  std::optional<PoseMatrix> T_world_camera;
+  std::optional<PoseMatrix> T_world_camera;  // metres
 
   double exposure() const { return exposure_s * analogue_gain * digital_gain; }
+  // Whether exposure() is one; 0 and NaN stand for an unknown one.
+  bool has_exposure() const { return exposure() > 0 && std::isfinite(exposure()); }
   // Whether exposure_s is a time, and not only a ratio to the clip's other exposures.
   bool has_exposure_time() const { return exposure_source != ExposureSource::Estimated; }
 };

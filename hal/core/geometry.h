@@ -3,8 +3,9 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <array>
 #include <cmath>
+
+#include "hal/core/pose_matrix.h"
 
 namespace hdrcam {
 
@@ -42,16 +43,13 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
 }
 
-// A transform as files and facts store it: row-major 3x4, [R t].
-using TransformRows = std::array<double, 12>;
-
-inline RigidTransform from_matrix(const TransformRows& rows) {
+inline RigidTransform transform_of(const PoseMatrix& rows) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
   return {m.leftCols<3>(), m.col(3)};
 }
 
-inline TransformRows to_matrix(const RigidTransform& T) {
-  TransformRows rows{};
+inline PoseMatrix pose_matrix_of(const RigidTransform& T) {
+  PoseMatrix rows{};
   Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
   m.leftCols<3>() = T.R;
   m.col(3) = T.t;

@@ -76,12 +76,12 @@ std::optional<std::string> objection_to(const CameraFacts& camera) {
 }
 
 std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before) {
-  // one that is not known, or none, is judged by the pictures (capture/recorded_labels.h)
-  if (facts.exposure_s > kLongest_s)
-    return fmt::format("its exposure is {:g} s; at most {:g} s are possible", facts.exposure_s, kLongest_s);
+  // NaN or 0, which is no known exposure, is judged by the pictures (capture/recorded_labels.h)
+  if (facts.exposure_s < 0 || facts.exposure_s > kLongest_s)
+    return fmt::format("its exposure is {:g} s; 0 to {:g} s are possible", facts.exposure_s, kLongest_s);
   for (const double gain : {facts.analogue_gain, facts.digital_gain})
-    if (gain > kMostFactor)
-      return fmt::format("its gain is {:g}; at most {:g} is possible", gain, kMostFactor);
+    if (gain < 0 || gain > kMostFactor)
+      return fmt::format("its gain is {:g}; 0 to {:g} are possible", gain, kMostFactor);
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);

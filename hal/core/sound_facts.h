@@ -21,8 +21,9 @@ std::optional<std::string> objection_to(const ChannelGains& gains);
 // What can be filmed at all: the lens, the white balance, and 0.001 to 100000 frames a second.
 std::optional<std::string> objection_to(const CameraFacts& camera);
 
-// The frame's own pose and black level (0 to below the largest code), a time within 126 years of the clock's
-// zero, and its number and time after those of the frame before it.
+// The frame's own pose and black level (0 to below the largest code), an exposure of at most a day and gains
+// of at most 1e6, none negative (NaN is unknown), a time within 126 years of the clock's zero, and its number
+// and time after those of the frame before it.
 std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFacts* before);
 
 }  // namespace hdrcam

@@ -8,8 +8,6 @@ namespace {
 
 constexpr std::uint64_t kLongestPeriod = 64;  // no schedule is longer; bounds the search
 
-bool is_exposure(double exposure) { return exposure > 0 && std::isfinite(exposure); }
-
 // The cycle in which `slot_at` gives the slot of each frame (-1: none), or one of period 0 where the
 // exposures of a slot do not agree or a slot does not occur.
 template <class SlotAt>
@@ -22,7 +20,7 @@ ExposureCycle cycle_of(std::span<const FrameFacts> frames, std::size_t period, d
   std::vector<Slot> slots(period);
   const auto each = [&](const auto& visit) {
     for (const FrameFacts& frame : frames)
-      if (const int slot = slot_at(frame); slot >= 0 && is_exposure(frame.exposure()))
+      if (const int slot = slot_at(frame); slot >= 0 && frame.has_exposure())
         visit(slots[static_cast<std::size_t>(slot)], std::log2(frame.exposure()));
   };
   each([](Slot& slot, double ev) { slot.sum_ev += ev, slot.count += 1; });

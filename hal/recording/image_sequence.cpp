@@ -123,9 +123,9 @@ Result<ImageSequenceWriter> ImageSequenceWriter::create(Storage& storage, const 
   if (held && how == Creation::New)
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' already holds a clip; name another folder or remove it", folder)};
-  if (held) TRY(storage.remove(file));
   TRY(storage.make_directories(folder + "/" + ImageSequence::kPictures));
   ImageSequenceWriter writer(storage, folder);
+  writer.replaces_ = held.ok();
   writer.clip_.camera = camera;
   return writer;
 }
@@ -137,6 +137,8 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
     return Error{ErrorCode::SizeChanged,
                  fmt::format("frame {} is {}x{}, the clip is {}x{}", clip_.frames.size(), frame.codes.cols(),
                              frame.codes.rows(), camera.width, camera.height)};
+  if (replaces_) TRY(storage_->remove(folder_ + "/" + ImageSequence::kFile));
+  replaces_ = false;
   PngImage image{camera.bits > 8 ? 16 : 8, frame.codes.clone()};
   if (camera.bits > 8) to_samples(image.samples, camera.bits);
   const std::string file = fmt::format("{}/{:04}.png", ImageSequence::kPictures, clip_.frames.size());
@@ -148,6 +150,7 @@ Result<void> ImageSequenceWriter::append(const RawFrame& frame) {
 std::string ImageSequenceWriter::last_path() const { return folder_ + "/" + clip_.frames.back().file; }
 
 Result<void> ImageSequenceWriter::finish() {
+  if (clip_.frames.empty()) return {};
   const std::string text = clip_to_json(clip_);
   return write_whole(*storage_, folder_ + "/" + ImageSequence::kFile, std::as_bytes(std::span(text)));
 }

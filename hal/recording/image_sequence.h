@@ -59,15 +59,18 @@ std::unique_ptr<RecordingReader> reader_of(ImageSequence clip);
 
 class ImageSequenceWriter {
  public:
-  // Makes the folder. how: Replace removes the clip.json of an earlier clip. Errors: Invalid where it already
-  // holds a clip and none is to be replaced; Permission. The storage outlives the writer.
+  // Makes the folder. how: Replace keeps the clip.json of an earlier clip until the first image. Errors:
+  // Invalid where it already holds a clip and none is to be replaced; Permission. The storage outlives the
+  // writer.
   static Result<ImageSequenceWriter> create(Storage& storage, const std::string& folder,
                                             const CameraFacts& camera, Creation how = Creation::New);
 
-  // Writes the whole image. Errors: SizeChanged, Permission, NoSpace, Io.
+  // Writes the whole image; the first one takes the place of an earlier clip. Errors: SizeChanged,
+  // Permission, NoSpace, Io.
   Result<void> append(const RawFrame& frame);
   std::string last_path() const;  // of the image written last
-  // Writes the clip.json; until then the folder holds images but no clip.
+  // Writes the clip.json; until then the folder holds images but no clip. Without an image it writes nothing,
+  // and an earlier clip stays.
   Result<void> finish();
 
  private:
@@ -76,6 +79,7 @@ class ImageSequenceWriter {
 
   Storage* storage_;
   std::string folder_;
+  bool replaces_ = false;  // the clip.json of an earlier clip is still there
   Clip clip_;
 };
 

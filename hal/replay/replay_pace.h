@@ -4,7 +4,8 @@
 namespace hdrcam {
 
 enum class ReplayPace {
-  AsRecorded,     // a frame comes no earlier after start() than it did after the first frame
+  AsRecorded,     // a frame comes no earlier after start() than it did after the first frame, but for long
+                  // pauses, which are cut (replayed_camera.h)
   AsFastAsAsked,  // as soon as it is waited for
 };
 

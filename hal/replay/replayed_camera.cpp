@@ -13,7 +13,9 @@
 namespace hdrcam {
 namespace {
 
-Instant begin_of(const FrameFacts& facts) { return facts.timestamp + from_seconds(-facts.exposure_s / 2); }
+Instant begin_of(const FrameFacts& facts) {
+  return facts.has_exposure() ? facts.timestamp + from_seconds(-facts.exposure_s / 2) : facts.timestamp;
+}
 
 // What a camera's capabilities state and a recording states with its frames, of the first ones.
 Result<std::vector<FrameFacts>> first_facts(RecordingReader& reader) {
@@ -34,7 +36,7 @@ std::vector<ExposureRequest> recorded_cycle(const std::vector<FrameFacts>& frame
   const ExposureCycle found = find_exposure_cycle(frames);
   std::vector<ExposureRequest> cycle(static_cast<std::size_t>(found.period));
   for (const FrameFacts& frame : frames)
-    if (const int slot = slot_of(found, frames.front(), frame); slot >= 0)
+    if (const int slot = slot_of(found, frames.front(), frame); slot >= 0 && frame.has_exposure())
       cycle[static_cast<std::size_t>(slot)] = {0, from_seconds(frame.exposure_s),
                                                frame.analogue_gain * frame.digital_gain};
   return cycle;
@@ -88,7 +90,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     reader_ = TRY(open_recording(storage_, path_));
     next_.reset();
     delivered_ = 0;
-    begin_ = clock_.now();
+    due_ = clock_.now();
     started_ = true;
     return {};
   }
@@ -114,13 +116,13 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
         return Error{ErrorCode::Interrupted, fmt::format("the replay of '{}' was stopped", path_)};
       if (queued_ > 0) {
         TRY(read_ahead());
-        if (due() <= clock_.now()) return deliver();
+        if (due_ <= clock_.now()) return deliver();
       }
       const Instant now = clock_.now();
       if (now >= deadline)
         return Error{ErrorCode::Timeout,
                      fmt::format("no frame was due within {:.0f} ms", to_seconds(timeout) * 1e3)};
-      const Instant until = queued_ > 0 ? std::min(due(), deadline) : deadline;
+      const Instant until = queued_ > 0 ? std::min(due_, deadline) : deadline;
       changed_.wait_for(lock, until - now);
     }
   }
@@ -147,13 +149,18 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     if (!next_)
       return Error{ErrorCode::Unplugged,
                    fmt::format("the recording '{}' ended after {}", path_, counted(delivered_, "frame"))};
-    if (delivered_ == 0) first_ = next_->facts.timestamp;
+    const Instant at = next_->facts.timestamp;
+    if (pace_ == ReplayPace::AsRecorded && delivered_ > 0)
+      due_ = due_ + std::min(at - last_, longest_pause());
+    last_ = at;
     return {};
   }
 
-  // When the frame read ahead is due, by this replay's clock.
-  Instant due() const {
-    return pace_ == ReplayPace::AsRecorded ? begin_ + (next_->facts.timestamp - first_) : begin_;
+  // Whoever waits for a camera gives up after some frames without one: a longer pause is cut.
+  Duration longest_pause() const {
+    constexpr Duration kLeast = std::chrono::seconds(1);
+    constexpr int kFrames = 5;
+    return std::max(kLeast, kFrames * mode_.frame_duration);
   }
 
   CapturedBuffer deliver() {
@@ -169,7 +176,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
     buffer.sequence = facts.sequence;
     buffer.timestamp = begin_of(facts);
     buffer.damaged = (facts.flags & kFrameDamaged) != 0;
-    if (facts.exposure_source != ExposureSource::Unknown) {
+    if (facts.exposure_source != ExposureSource::Unknown && facts.has_exposure()) {
       buffer.exposure = from_seconds(facts.exposure_s);
       buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
     }
@@ -196,7 +203,8 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
   std::unique_ptr<RecordingReader> reader_;
   std::optional<RawFrame> next_;
   RawFrame room_;                // the frame before it, for its memory
-  Instant begin_, first_;        // of this replay; of the recording
+  Instant due_;                  // when the frame read ahead is, by this replay's clock
+  Instant last_;                 // of the frame read last, as recorded
   std::uint64_t delivered_ = 0;  // frames
   std::vector<std::vector<std::byte>> buffers_;
   std::vector<bool> in_use_;

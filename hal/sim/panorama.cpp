@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 #include "hal/sim/texture.h"
 #include "hal/sim/value_noise.h"
 

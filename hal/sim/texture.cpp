@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 #include "hal/sim/counter_random.h"
 #include "hal/sim/value_noise.h"
 

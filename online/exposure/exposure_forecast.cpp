@@ -5,7 +5,7 @@
 
 #include "capture/amplified_noise.h"
 #include "capture/clip_policy.h"
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 #include "online/mu_law.h"
 #include "online/state/state_filter.h"
 

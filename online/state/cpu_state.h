@@ -19,7 +19,7 @@ class CpuState final : public StateLayer {
     filter_.fusion().set_white(input.white);
     filter_.advance(input.frame, input.tables, to_previous, input.blur_fraction());
   }
-  void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
+  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
             JoinedState& joined) override {
     filter_.fusion().set_white(white);
     look_ahead_.join(of, later, filter_.fusion(), joined);

@@ -1,6 +1,6 @@
 #include "online/state/exposure_tables.h"
 
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 
 namespace hdrcam {
 

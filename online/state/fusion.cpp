@@ -30,13 +30,13 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
   });
 }
 
-void Fusion::model_blur(const RadianceState& state, const Image<float>& flow, float fraction,
+void Fusion::model_blur(const RadianceEstimate& state, const Image<float>& flow, float fraction,
                         Samples& samples) {
   samples.blurred = exposure_blurs(flow, fraction, pool_);
   if (samples.blurred) blur_difference(state.radiance, flow, fraction, samples.blur, pool_);
 }
 
-void Fusion::gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
+void Fusion::gate(const RadianceEstimate& state, const Samples& samples, const ExposureTables& tables,
                   const Image<float>& confidence, Image<float>& gate, Image<float>& contrast) {
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
@@ -84,9 +84,9 @@ void Fusion::gate(const RadianceState& state, const Samples& samples, const Expo
   });
 }
 
-void Fusion::update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
-                    const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
-                    SampleOrder order) {
+void Fusion::update(const RadianceEstimate& before, const Samples& samples, const ExposureTables& tables,
+                    const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
+                    Image<float>& share, SampleOrder order) {
   CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
   const int rows = before.radiance.rows(), cols = before.radiance.cols();

@@ -74,20 +74,20 @@ class Fusion {
   // Fills samples.blur where the exposure blurs anything: the change of the state's picture by its motion at
   // these pixels, so that a long exposure is compared with the blurred state and corrected by the difference.
   // flow: pixels per interval; fraction: of the interval that the exposure lasts.
-  void model_blur(const RadianceState& state, const Image<float>& flow, float fraction, Samples& samples);
+  void model_blur(const RadianceEstimate& state, const Image<float>& flow, float fraction, Samples& samples);
 
   // The confidence that state and samples show the same surface: [1, rows, cols] 0..1, from agreement over
   // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives. contrast:
   // becomes the local contrast of the state, [rgb, rows, cols].
-  void gate(const RadianceState& state, const Samples& samples, const ExposureTables& tables,
+  void gate(const RadianceEstimate& state, const Samples& samples, const ExposureTables& tables,
             const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
 
   // Inverse-variance update of the state `before` by the samples, after subtracting the blur as far as the
   // state is certain of it; gate, and what was moved to these pixels, may be null. Where no frame saw the
-  // pixel unclipped, the radiance becomes the larger of the bounds. Writes radiance and variance of `after`,
-  // another state than `before`, and each pixel's share of this sample into `share`.
-  void update(const RadianceState& before, const Samples& samples, const ExposureTables& tables,
-              const Image<float>* gate, const Moved* moved, RadianceState& after, Image<float>& share,
+  // pixel unclipped, the radiance becomes the larger of the bounds. Writes `after`, another estimate than
+  // `before`, and each pixel's share of this sample into `share`.
+  void update(const RadianceEstimate& before, const Samples& samples, const ExposureTables& tables,
+              const Image<float>* gate, const Moved* moved, RadianceEstimate& after, Image<float>& share,
               SampleOrder order = SampleOrder::AfterFirst);
 
   // Variance that reading along the flow adds to row y, per local contrast: misalignment, of each interval

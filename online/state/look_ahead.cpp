@@ -24,17 +24,10 @@ void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
 
 }  // namespace
 
-void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> later, Fusion& fusion,
+void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> later, Fusion& fusion,
                      JoinedState& joined) {
+  CHECK(!later.empty());
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
-  copy(state.own_share, joined.own_share, pool_);
-  joined.later_share.reshape(1, rows, cols);
-  if (later.empty()) {
-    copy(state.radiance, joined.radiance, pool_);
-    copy(state.variance, joined.variance, pool_);
-    joined.later_share.fill(0);
-    return;
-  }
   const SamplesLease room(pool_.scratch(), state.radiance, samples_);
   const int rows_of_more = later.size() > 1 ? rows : 0;  // what only more than one later frame needs
   const ScratchLease for_more(pool_.scratch(), rows_of_more, cols,
@@ -43,7 +36,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
                                {&between_.radiance, 3},
                                {&between_.variance, 3},
                                {&share_, 1}});
-  const RadianceState* before = &state;
+  const RadianceEstimate* before = &state;
   const FlowField* path = later[0].from_previous;
   for (std::size_t i = 0; i < later.size(); ++i) {
     const LaterFrame& ahead = later[i];
@@ -54,7 +47,7 @@ void LookAhead::join(const RadianceState& state, std::span<const LaterFrame> lat
     const ScratchLease more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
     fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
-    RadianceState& after = (later.size() - i) % 2 == 1 ? joined : between_;
+    RadianceEstimate& after = (later.size() - i) % 2 == 1 ? joined : between_;
     const Moved moved{contrast_, path->vectors, static_cast<int>(i) + 1};
     fusion.update(*before, samples_, *ahead.tables, &gate_, &moved, after,
                   i == 0 ? joined.later_share : share_);

@@ -2,6 +2,7 @@
 // a moment later. The result is a copy that never feeds back, so the state stays causal. Thread-bound.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "capture/exposed_frame.h"
@@ -16,8 +17,10 @@ struct LaterFrame {
   const ExposureTables* tables;    // at its exposure
 };
 
-// A state with the contribution of the look-ahead.
-struct JoinedState : RadianceState {
+constexpr std::size_t kMaxLookAhead = 2;  // frames
+
+// What a state becomes with later frames.
+struct JoinedState : RadianceEstimate {
   Image<float> later_share;  // [1, rows, cols] 0..1: how much of the estimate is later frames' samples
 };
 
@@ -25,8 +28,8 @@ class LookAhead {
  public:
   explicit LookAhead(WorkerPool& pool) : pool_(pool) {}
 
-  // later: the following frames, nearest first; none leaves the state as it is.
-  void join(const RadianceState& state, std::span<const LaterFrame> later, Fusion& fusion,
+  // later: the following frames, nearest first; one at least.
+  void join(const RadianceEstimate& state, std::span<const LaterFrame> later, Fusion& fusion,
             JoinedState& joined);
 
  private:
@@ -36,8 +39,8 @@ class LookAhead {
   WorkerPool& pool_;
   // all borrowed during a call
   Samples samples_;
-  FlowField path_;         // from the state's frame to a later frame than the next
-  RadianceState between_;  // of two later frames, without shares
+  FlowField path_;            // from the state's frame to a later frame than the next
+  RadianceEstimate between_;  // of two later frames
   Image<float> share_, brightest_, dilated_, gate_, contrast_, onward_, trust_;
 };
 

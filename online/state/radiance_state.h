@@ -11,9 +11,12 @@ constexpr float kUnseenVariance = 1e9f;
 // white: the radiance that saturates the shortest exposure of the clip.
 inline float known_limit(float white) { return 0.1f * white * white; }
 
-struct RadianceState {
-  Image<float> radiance;   // [rgb, rows, cols]
-  Image<float> variance;   // [rgb, rows, cols]
+struct RadianceEstimate {
+  Image<float> radiance;  // [rgb, rows, cols]
+  Image<float> variance;  // [rgb, rows, cols]
+};
+
+struct RadianceState : RadianceEstimate {
   Image<float> own_share;  // [1, rows, cols] 0..1: how much of the estimate is the newest frame's own sample
 
   void copy_from(const RadianceState& other) {

@@ -34,7 +34,7 @@ int SampleResiduals::slot_of(float exposure) {
   return static_cast<int>(std::lround(2 * std::log2(exposure)));
 }
 
-void SampleResiduals::observe(const RadianceState& predicted, const Samples& samples,
+void SampleResiduals::observe(const RadianceEstimate& predicted, const Samples& samples,
                               const Image<float>& confidence, const ExposureTables& tables, float white,
                               WorkerPool& pool) {
   begin();
@@ -45,7 +45,7 @@ void SampleResiduals::observe(const RadianceState& predicted, const Samples& sam
   });
 }
 
-void SampleResiduals::take_all(int c, const RadianceState& predicted, const Samples& samples,
+void SampleResiduals::take_all(int c, const RadianceEstimate& predicted, const Samples& samples,
                                const Image<float>& confidence, const ExposureTables& tables, float known) {
   const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();

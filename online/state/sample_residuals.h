@@ -35,7 +35,7 @@ class SampleResiduals {
 
   // predicted: the state carried to the frame, before its samples are fused. white: as for
   // known_limit().
-  void observe(const RadianceState& predicted, const Samples& samples, const Image<float>& confidence,
+  void observe(const RadianceEstimate& predicted, const Samples& samples, const Image<float>& confidence,
                const ExposureTables& tables, float white, WorkerPool& pool);
 
   // The same in three steps, for callers that select the pixels themselves (kResidualSampling): start a
@@ -51,7 +51,7 @@ class SampleResiduals {
 
  private:
   static int slot_of(float exposure);
-  void take_all(int channel, const RadianceState& predicted, const Samples& samples,
+  void take_all(int channel, const RadianceEstimate& predicted, const Samples& samples,
                 const Image<float>& confidence, const ExposureTables& tables, float known);
   void learn(std::size_t channel, VarianceExcess& slot);
 

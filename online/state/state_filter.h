@@ -51,7 +51,7 @@ class StateFilter {
   Fusion fusion_;
   RadianceState state_;
   SampleResiduals residuals_;
-  RadianceState predicted_;  // without shares; this and the following are borrowed during a call
+  RadianceEstimate predicted_;  // this and the following are borrowed during a call
   Samples samples_;
   Image<float> gate_, contrast_;
   Image<float> per_contrast_;  // lines

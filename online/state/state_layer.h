@@ -34,7 +34,7 @@ class StateLayer {
   virtual void forget_residuals() = 0;
   virtual void advance(const StateInput& input, const FlowField& to_previous) = 0;
   // As LookAhead::join; of: state(), or a copy of an earlier one.
-  virtual void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
+  virtual void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
                     JoinedState& joined) = 0;
 
   virtual const RadianceState& state() const = 0;

@@ -1,6 +1,7 @@
 // The exposures that a recording states, against its pictures: right ones stay, wrong ones are found.
 #include "capture/recording_stage.h"
 
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -163,6 +164,26 @@ TEST_CASE("a recording whose frames all have one exposure is said to give no HDR
         "all 12 frames have the same exposure, 4 ms, and give no HDR; record a cycle such as --shutter "
         "1ms,4ms,16ms");
   CHECK(judged(scene, filmed(scene, 4)).warnings.empty());  // perhaps a part of a cycle
+}
+
+TEST_CASE("frames of unknown exposure are left out of what is said about equal exposures", "[capture]") {
+  const auto unknown_up_to = [](const test::MovingScene& scene, int count) {
+    auto frames = filmed(scene, 12);
+    for (int i = 0; i < 12; ++i) {
+      RawFrame& frame = frames[static_cast<std::size_t>(i)];
+      frame.codes.fill(0);  // the pictures say nothing
+      if (i >= count) continue;
+      frame.facts.exposure_s = std::nan("");
+      frame.facts.exposure_source = ExposureSource::Unknown;
+    }
+    return judged(scene, std::move(frames));
+  };
+  const auto cycle = scene_of({0.001, 0.004, 0.016}), one = scene_of({0.004});
+  CHECK(unknown_up_to(cycle, 1).warnings.empty());
+  CHECK(unknown_up_to(cycle, 12).warnings.empty());
+  const Judged result = unknown_up_to(one, 3);
+  REQUIRE(result.warnings.size() == 1);
+  CHECK(result.warnings.front().find("all 9 frames have the same exposure, 4 ms,") == 0);
 }
 
 TEST_CASE("one wrong label among right ones is put right alone", "[capture]") {

@@ -82,6 +82,25 @@ TEST_CASE("exposures that came from the pictures stay estimated through the capt
   }
 }
 
+TEST_CASE("a recording that follows no cycle is no camera, and the error names both ways out") {
+  const CameraFacts facts = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+  auto frames = sample::frames(facts, 5, 1);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].facts.exposure_s = std::ldexp(0.001, static_cast<int>(i));
+    frames[i].facts.analogue_gain = frames[i].facts.digital_gain = 1;
+    frames[i].facts.slot = -1;
+  }
+  const std::string path = sample::scratch_folder("stage_no_cycle") + "/r.mkv";
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()));
+  CaptureOptions options;
+  options.mode = camera->capabilities().modes.front();
+  const auto refused = CaptureStage::open(*camera, nullptr, {}, Mains::Off, options);
+  require_error(refused, ErrorCode::Unsupported);
+  CHECK(refused.error().message.find("choose another camera, or read a recording without --pace realtime") !=
+        std::string::npos);
+}
+
 namespace {
 
 // A camera whose driver's counter begins again at 0 with this buffer.
@@ -167,6 +186,41 @@ TEST_CASE("frames that do not decode are counted, and thirty in a row end the ru
   CHECK(ended.error().message.find("30 frames of '") == 0);
   CHECK(ended.error().message.find("frame 11 has ") != std::string::npos);
   CHECK(stage->counters().undecodable == 38);
+}
+
+TEST_CASE("thirty damaged frames in a row end the run, and the error says what to check") {
+  std::vector<CameraFault> faults;
+  for (std::uint64_t i = 2; i < 60; ++i)
+    if (i != 10) faults.push_back({i, CameraFaultKind::Damaged});
+  VirtualClock clock;
+  FaultyCamera camera(simulated(clock), faults);
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
+  require_done(stage->start());
+  CapturedFrame frame;
+  for (int i = 0; i < 3; ++i) require_done(stage->next(frame));
+  CHECK(frame.lost_before == 8);
+  const auto ended = stage->next(frame);
+  require_error(ended, ErrorCode::Corrupt);
+  CHECK(ended.error().message.find("30 frames of '") == 0);
+  CHECK(ended.error().message.find("incomplete pixels; check the camera's cable") != std::string::npos);
+  CHECK(stage->counters().damaged == 38);
+}
+
+TEST_CASE("damaged frames and frames that do not decode are one row, which ends the run") {
+  std::vector<CameraFault> faults;
+  for (std::uint64_t i = 2; i < 60; ++i)
+    faults.push_back({i, i % 2 == 0 ? CameraFaultKind::Damaged : CameraFaultKind::Short});
+  VirtualClock clock;
+  FaultyCamera camera(simulated(clock), faults);
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
+  require_done(stage->start());
+  CapturedFrame frame;
+  for (int i = 0; i < 2; ++i) require_done(stage->next(frame));
+  const auto ended = stage->next(frame);
+  require_error(ended, ErrorCode::Corrupt);
+  CHECK(ended.error().message.find("frame 3 has ") != std::string::npos);
+  CHECK(stage->counters().damaged == 15);
+  CHECK(stage->counters().undecodable == 15);
 }
 
 TEST_CASE("a pixel format that cannot be unpacked ends the run at its first frame") {

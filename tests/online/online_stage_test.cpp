@@ -120,8 +120,10 @@ TEST_CASE(
     Stream stream(scene, options, pool);
     std::vector<Emitted> frames;
     const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
-      const auto radiance = estimate.state.radiance.samples(), later = estimate.state.later_share.samples();
-      frames.push_back({{radiance.begin(), radiance.end()}, *std::ranges::max_element(later)});
+      const auto radiance = estimate.state.radiance.samples();
+      const Image<float>* later = estimate.later_share;
+      frames.push_back({{radiance.begin(), radiance.end()},
+                        later != nullptr ? *std::ranges::max_element(later->samples()) : 0});
       return {};
     };
     for (int i = 0; i < kFrames; ++i) {
@@ -389,7 +391,7 @@ TEST_CASE("of a lens that is covered at first the response is learned when it no
         sequences.push_back(frame.facts.sequence);
         const std::vector<int>& anew = stream.online().sensor().relearned();
         if (look_ahead == 0 && !anew.empty() && estimate.frame.index == anew.front()) {
-          const auto own = estimate.state.own_share.samples();
+          const auto own = estimate.own_share.samples();
           std::vector<float> shares(own.begin(), own.end());
           CHECK(median(shares) > 0.99f);  // nothing of before is in it
         }

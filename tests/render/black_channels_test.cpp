@@ -13,7 +13,8 @@ constexpr float kDarkest = 0.02f;  // of green; red and blue show much less
 
 // A bluish grey scene of which a part is too dark for green: it stands at the green of a dark code.
 struct Scene {
-  Image<float> radiance{3, kRows, kCols}, variance{3, kRows, kCols};
+  RadianceEstimate seen{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols)};
+  Image<float>&radiance = seen.radiance, &variance = seen.variance;
   WorkerPool pool{2};
   const BlackChannels black{{0.001f, kDarkest, 0.001f}, 10, 1e-4f};
   const int y = 40, x = 50;  // a pixel of that part
@@ -36,8 +37,8 @@ struct Scene {
     }
   }
   std::array<float, 3> coloured() {
-    Image<float> result = radiance.clone();
-    colour_black_channels(black, variance, result, pool);
+    Image<float> result;
+    colour_black_channels(black, seen, result, pool);
     return {result.at(0, y, x), result.at(1, y, x), result.at(2, y, x)};
   }
 };

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
@@ -27,8 +28,13 @@ std::optional<FramePattern> pattern_of(const std::string& text, std::string_view
 // The pictures, as a sink of frames; what is written in the end is up to the subclass.
 class PoseFile : public FrameSink {
  public:
-  PoseFile(Storage& storage, std::string_view flag, FramePattern pictures, std::optional<FramePattern> depths)
-      : storage_(storage), flag_(flag), pictures_(std::move(pictures)), depths_(std::move(depths)) {}
+  // pictures: as pictures_of() found them in the patterns
+  PoseFile(Storage& storage, std::string_view flag, FramePattern pictures, const PicturePatterns& patterns)
+      : storage_(storage),
+        flag_(flag),
+        pictures_(std::move(pictures)),
+        depths_(pattern_of(patterns.depths, ".png")),
+        earlier_(storage, patterns.pictures) {}
 
   Result<void> emit(const EmittedFrame& emitted) override {
     const HdrFrame& frame = emitted.hdr;
@@ -89,13 +95,17 @@ class PoseFile : public FrameSink {
     if (points_.size() > kFramesWithPoints) points_.pop_front();
   }
 
-  // A camera's run sheds pictures of some frames.
+  bool was_written(const std::string& picture) const {
+    const auto found = storage_.look_at(picture);
+    return found && found.value().kind != FileKind::Missing && !earlier_.remains(picture);
+  }
+
+  // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
   void leave_out_missing_pictures() {
     std::vector<std::optional<std::size_t>> place(clip_.pictures.size());
     std::vector<PosedPicture> there;
     for (std::size_t i = 0; i < clip_.pictures.size(); ++i) {
-      auto found = storage_.look_at(clip_.pictures[i].path);
-      if (!found || found->kind == FileKind::Missing) {
+      if (!was_written(clip_.pictures[i].path)) {
         ++clip_.left_out;
         continue;
       }
@@ -116,6 +126,7 @@ class PoseFile : public FrameSink {
   const std::string flag_;
   const FramePattern pictures_;
   const std::optional<FramePattern> depths_;
+  const EarlierFrames earlier_;
   std::optional<Instant> start_;
   PosedClip clip_;
   std::deque<std::vector<ColouredPoint>> points_;  // of the newest frames that have any
@@ -124,9 +135,8 @@ class PoseFile : public FrameSink {
 
 class TransformsFile final : public PoseFile {
  public:
-  TransformsFile(Storage& storage, std::string path, FramePattern pictures,
-                 std::optional<FramePattern> depths)
-      : PoseFile(storage, "--transforms", std::move(pictures), std::move(depths)), path_(std::move(path)) {}
+  TransformsFile(Storage& storage, std::string path, FramePattern pictures, const PicturePatterns& patterns)
+      : PoseFile(storage, "--transforms", std::move(pictures), patterns), path_(std::move(path)) {}
 
  private:
   Result<void> write(Storage& storage, const PosedClip& clip, const std::string&) override {
@@ -139,8 +149,8 @@ class TransformsFile final : public PoseFile {
 
 class ColmapModel final : public PoseFile {
  public:
-  ColmapModel(Storage& storage, std::string model, FramePattern pictures)
-      : PoseFile(storage, "--colmap", std::move(pictures), std::nullopt), model_(std::move(model)) {}
+  ColmapModel(Storage& storage, std::string model, FramePattern pictures, const PicturePatterns& patterns)
+      : PoseFile(storage, "--colmap", std::move(pictures), patterns), model_(std::move(model)) {}
 
  private:
   Result<void> write(Storage& storage, const PosedClip& clip, const std::string& folder) override {
@@ -165,15 +175,16 @@ Result<std::unique_ptr<FrameSink>> create_transforms(Storage& storage, const std
                                                      const PicturePatterns& patterns) {
   auto pictures = TRY(pictures_of("--transforms", patterns));
   TRY(make_folder_of(storage, path));
-  return std::unique_ptr<FrameSink>(std::make_unique<TransformsFile>(storage, path, std::move(pictures),
-                                                                     pattern_of(patterns.depths, ".png")));
+  return std::unique_ptr<FrameSink>(
+      std::make_unique<TransformsFile>(storage, path, std::move(pictures), patterns));
 }
 
 Result<std::unique_ptr<FrameSink>> create_colmap(Storage& storage, const std::string& model,
                                                  const PicturePatterns& patterns) {
   auto pictures = TRY(pictures_of("--colmap", patterns));
   TRY(storage.make_directories(model));
-  return std::unique_ptr<FrameSink>(std::make_unique<ColmapModel>(storage, model, std::move(pictures)));
+  return std::unique_ptr<FrameSink>(
+      std::make_unique<ColmapModel>(storage, model, std::move(pictures), patterns));
 }
 
 }  // namespace hdrcam

@@ -14,7 +14,7 @@ CameraMotion motion_between(const RigidTransform& before, const RigidTransform& 
 }  // namespace
 
 const CameraPose& GivenPose::next(const FrameFacts& facts) {
-  const RigidTransform given = facts.T_world_camera ? from_matrix(*facts.T_world_camera) : RigidTransform{};
+  const RigidTransform given = facts.T_world_camera ? transform_of(*facts.T_world_camera) : RigidTransform{};
   pose_.lost = !facts.T_world_camera || !given.finite();
   pose_.inlier_share = pose_.lost ? 0.0f : 1.0f;
   pose_.motion = CameraMotion::Static;

@@ -98,7 +98,7 @@ void VulkanState::advance(const StateInput& input, const FlowField& to_previous)
     fall_back_to_cpu(done.error()).advance(input, to_previous);
 }
 
-void VulkanState::join(const RadianceState& of, std::span<const LaterFrame> later, float white,
+void VulkanState::join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
                        JoinedState& joined) {
   if (processor_) return processor_->join(of, later, white, joined);
   if (const Result<void> done = join_gpu(of, later, white, joined); !done) {
@@ -185,19 +185,13 @@ void VulkanState::learn_residuals(float exposure) {
   residuals_.learn(exposure);
 }
 
-Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
+Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
                                    JoinedState& joined) {
   const GpuTurn turn(device_, &pool_);
-  if (later.empty()) {
-    joined.copy_from(of);
-    joined.later_share.reshape(1, rows_, cols_);
-    joined.later_share.fill(0);
-    return {};
-  }
   Room& on = *room_;
   const StatePasses& passes = on.passes;
   GpuWork& work = device_.work();
-  if (&of == &known_) {
+  if (&of == static_cast<const RadianceEstimate*>(&known_)) {
     work.copy(*on.state.buffer, *on.joined.buffer);
   } else {
     upload_both(work, of.radiance, of.variance, on.joined);
@@ -228,9 +222,7 @@ Result<void> VulkanState::join_gpu(const RadianceState& of, std::span<const Late
   }
   download_both(work, on.joined, joined.radiance, joined.variance);
   download(work, on.share, joined.later_share);
-  TRY(work.finish());
-  joined.own_share.copy_from(of.own_share);
-  return {};
+  return work.finish();
 }
 
 }  // namespace hdrcam

@@ -21,7 +21,7 @@ class VulkanState final : public StateLayer {
   void restart(const StateInput& input) override;
   void forget_residuals() override;
   void advance(const StateInput& input, const FlowField& to_previous) override;
-  void join(const RadianceState& of, std::span<const LaterFrame> later, float white,
+  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
             JoinedState& joined) override;
   const RadianceState& state() const override { return processor_ ? processor_->state() : known_; }
   const SampleResiduals& residuals() const override {
@@ -31,7 +31,6 @@ class VulkanState final : public StateLayer {
 
  private:
   // A frame's codes go to the device once: it is looked ahead to before it is due.
-  static constexpr std::size_t kHeldFrames = 3;  // it and two later ones
   struct HeldCodes {
     int frame = -1;  // ExposedFrame::index; -1: none
     GpuPicture codes;
@@ -42,7 +41,7 @@ class VulkanState final : public StateLayer {
     GpuTables tables;
     GpuPicture state, predicted, joined;  // [kStatePlanes]
     GpuPicture samples, motion, path, longer, seen, largest, brightest;
-    std::array<HeldCodes, kHeldFrames> held;
+    std::array<HeldCodes, 1 + kMaxLookAhead> held;
     PassRoom room;
     GpuPicture contrast, gate, share, residuals;
 
@@ -51,7 +50,7 @@ class VulkanState final : public StateLayer {
 
   Result<void> restart_gpu(const StateInput& input);
   Result<void> advance_gpu(const StateInput& input, const FlowField& to_previous);
-  Result<void> join_gpu(const RadianceState& of, std::span<const LaterFrame> later, float white,
+  Result<void> join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
                         JoinedState& joined);
   const GpuPicture& codes_of(const ExposedFrame& frame);
   void upload_motion(const FlowField& motion);

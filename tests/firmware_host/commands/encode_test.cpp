@@ -112,3 +112,32 @@ TEST_CASE("encode says what is missing") {
   CHECK(nowhere.exit_code == 2);
   CHECK_THAT(nowhere.err, Contains("no video; give -o x.mp4"));
 }
+
+TEST_CASE("encode leads from a folder, and from one of its files, to the pattern of the frames") {
+  const std::string out = sample::scratch_folder("encode_folder");
+  for (const auto& [frames, what] : {std::pair(out, "is a folder"), std::pair(out + "/", "is a folder"),
+                                     std::pair(out + "/000001.exr", "names one file")}) {
+    const RanHere refused = ran_here({"encode", frames, "-o", out + "/x.mp4"});
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Contains("'" + frames + "' " + what +
+                                     "; name the frames by their pattern, such as '" + out + "/%06d.exr'"));
+  }
+}
+
+TEST_CASE("encode refuses flags that its output does not use, and leaves what a file of settings says") {
+  const std::string out = sample::scratch_folder("encode_ignored"), frames = out + "/%06d.exr";
+  const RanHere piped = ran_here({"encode", frames, "-o", "-", "--codec", "av1", "--crf", "20"});
+  CHECK(piped.exit_code == 2);
+  CHECK_THAT(piped.err, Contains("compresses no video; give -o out.mp4, or leave out --codec, --crf"));
+  const RanHere filed = ran_here({"encode", frames, "-o", out + "/x.mp4", "--pipe-format", "y4m"});
+  CHECK(filed.exit_code == 2);
+  CHECK_THAT(filed.err, Contains("give -o -, or leave out --pipe-format"));
+
+  const std::string config = out + "/live.toml",
+                    text = "[camera]\nid = \"replay:walk.mkv\"\n[video]\npipe_format = \"y4m\"\n";
+  REQUIRE(write_whole(posix_storage(), config, std::as_bytes(std::span(text))).ok());
+  const RanHere none =
+      ran_here({"encode", frames, "-o", out + "/x.mp4", "--framerate", "25", "--config", config});
+  CHECK(none.exit_code == 3);
+  CHECK_THAT(none.err, Contains("there are no frames"));
+}

@@ -295,6 +295,15 @@ TEST_CASE("flags that would not be heeded are refused") {
   CHECK(sample::error_of(import_verb(path + " --gain 2 --list")).code == ErrorCode::Invalid);
   CHECK(sample::error_of(import_verb(path + " --gain 1,2,4 --shutter auto --list")).code ==
         ErrorCode::Invalid);
+  for (const std::string& writes : {" -o " + folder + "/y.mkv", std::string(" --force")}) {
+    const auto list = import_verb(path + " --shutter 1ms,4ms,16ms --list" + writes);
+    CHECK(sample::error_of(list).code == ErrorCode::Invalid);
+    CHECK_THAT(sample::error_of(list).message, Contains("leave it out, or --output and --force"));
+  }
+  const auto outside = import_verb(path + " --shutter 1ms,4ms,16ms --list --allow-outside");
+  CHECK(sample::error_of(outside).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(outside).message,
+             Contains("no clip.json") && Contains("leave out --allow-outside"));
   std::ofstream(folder + "/clip.json") << "{}";
   const auto clip = import_verb(folder + " --shutter 1ms,4ms,16ms -o " + folder + "/y.mkv");
   CHECK(sample::error_of(clip).code == ErrorCode::Invalid);

@@ -201,6 +201,29 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
   }
 }
 
+TEST_CASE("export does not call a recording that it cannot read one without poses") {
+  const std::string folder = sample::scratch_folder("export_poses"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  auto frames = sample::frames(camera, 5, 2);
+  for (RawFrame& frame : frames) frame.facts.T_world_camera.reset();
+  REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
+  const auto bytes = std::filesystem::file_size(path);
+  const auto refused = [&](const std::string& flags, StorageFaults faults) {
+    FaultyStorage disk(posix_storage(), std::move(faults));
+    return sample::error_of(
+        hdrcam_verb("export " + path + " -o " + folder + "/out --transforms" + flags, disk));
+  };
+  const StorageFaults damaged{.flipped_bits = {bytes * 4}}, cut{.cut_at_bytes = bytes * 3 / 5};
+  CHECK(refused(" --strict", damaged).code == ErrorCode::Corrupt);
+  CHECK(refused(" --strict", cut).code == ErrorCode::Truncated);
+  for (const StorageFaults& faults : {damaged, cut}) {
+    const Error none = refused("", faults);
+    CHECK(none.code == ErrorCode::Invalid);
+    CHECK(none.message.find("states no poses") != std::string::npos);
+  }
+  CHECK_FALSE(std::filesystem::exists(folder + "/out"));
+}
+
 TEST_CASE("repair writes the whole frames of a cut or damaged recording, each with its number") {
   const std::string folder = sample::scratch_folder("repair");
   const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);

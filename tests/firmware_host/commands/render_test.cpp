@@ -16,6 +16,8 @@
 #include "tests/support/ran_here.h"
 #include "tests/support/stopping_storage.h"
 
+#include "tests/support/ran.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -173,6 +175,19 @@ TEST_CASE("a shutter angle blurs what moves along its way and leaves the picture
   };
   CHECK(slopes(blurred[0]) < 0.95 * slopes(sharp[0]));
   CHECK(light(blurred[0]) == Approx(light(sharp[0])).epsilon(0.05));
+}
+
+TEST_CASE("a film of what no recorded frame shows is told from one of the scene", "[film]") {
+  const std::string folder = sample::scratch_folder("render_far");
+  const auto told = [&](const std::string& view) {
+    const test::Ran run = test::ran({"render", clip(), "--preset", "fast", "--time", "0.2", "--view", view,
+                                     "--force", "-o", folder + "/%06d.exr"});
+    INFO(run.output);
+    CHECK(run.exit_code == 0);
+    return run.output.find("warning: no recorded frame shows") != std::string::npos;
+  };
+  CHECK(told("1000,0,0"));
+  CHECK_FALSE(told("0.05,0,0"));
 }
 
 TEST_CASE("an exposure of its own shows what the camera recorded at that exposure", "[film]") {

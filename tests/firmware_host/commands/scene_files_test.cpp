@@ -412,6 +412,7 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
   refused(with({"--depth", out + "/%06d.exr"}), "does not end in '.png'");
   refused(with({"--flow-forward", out + "/%06d.flo", "--lookahead", "0"}), "--lookahead 1");
   refused(with({"-o", frames, "--layers", "flow_forward", "--lookahead", "0"}), "--lookahead 1");
+  refused(with({"--flow-forward", out + "/%06d.flo", "--set", "look_ahead=0"}), "--set look_ahead=1");
   refused(with({"--depth", out + "/%06d.png", "--emit", "state"}), "--emit state");
   refused(with({"-o", frames, "--layers", "depth", "--emit", "state"}),
           "--layers depth comes from the field");

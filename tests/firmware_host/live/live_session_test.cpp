@@ -181,6 +181,25 @@ TEST_CASE("the ledger of a recording adds up when the disk fills: what was not w
   CHECK(said.find("not written, the recording failed") != std::string::npos);
 }
 
+TEST_CASE("a recording that failed while it was completed keeps its error, and no new one hides it") {
+  constexpr int kPatience = 2000;  // looks, a millisecond or more apart
+  const auto pause = [] { std::this_thread::sleep_for(milliseconds(1)); };
+  Stand stand("still?size=64x48&fps=200");
+  FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
+  LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
+  require_done(session.start());
+  for (int i = 0; i < kPatience && session.counters().captured() < 100; ++i) pause();
+  require_done(session.stop_recording());
+  Result<void> allowed = session.may_record();
+  for (int i = 0; i < kPatience && !allowed && allowed.error().code == ErrorCode::Busy; ++i) {
+    pause();
+    allowed = session.may_record();
+  }
+  require_error(allowed, ErrorCode::NoSpace);
+  require_error(session.start_recording(stand.record(posix_storage())), ErrorCode::NoSpace);
+  require_error(session.finish(), ErrorCode::NoSpace);
+}
+
 TEST_CASE("frames whose exposure is not proved are recorded, but kept out of the fit") {
   Stand stand("still?size=64x48&fps=200&reports=no");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60});

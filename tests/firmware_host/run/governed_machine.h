@@ -18,6 +18,7 @@ struct Machine {
   double load = 1;      // on every stage
   double noise = 0;     // sigma of ln time, of each stage
   int spike_every = 0;  // frames; a spike takes three times as long
+  double third = 1;     // how much longer every third frame takes, as one whose long exposure is clipped
   std::uint64_t draws = 0;
   int frames = 0;
 
@@ -25,8 +26,9 @@ struct Machine {
 
   FrameWork work(const FrameBudget& budget, bool previews) {
     FrameWork work{.frames = 1};
-    const bool spike = spike_every > 0 && frames++ % spike_every == spike_every / 2;
-    const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1);
+    const int frame = frames++;
+    const bool spike = spike_every > 0 && frame % spike_every == spike_every / 2;
+    const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1) * (frame % 3 == 0 ? third : 1);
     work.steady_ms = slow * 5 * jitter();
     const double motion_ms[] = {3, 3.8, 4.8, 7};  // coarse, fast, medium, fine
     const double shrinkage_ms[] = {0, 1.3, 2};    // off, on, dense

@@ -181,6 +181,27 @@ TEST_CASE("frames of uneven cost that are in time in the mean are all emitted") 
   CHECK(left_out < kSecond);
 }
 
+TEST_CASE("frames of uneven cost count as their mean where a queue evens them out, and else all are in time") {
+  for (const Backlog backlog : {Backlog::None, Backlog::Unknown}) {
+    Governor governor(ladder(), kDeadline);
+    Machine machine{.noise = 0.03, .third = 1.4};  // as asked 26.6, 26.6 and 37.2 ms
+    const auto go_on = [&](int frames) {
+      for (int i = 0; i < frames; ++i)
+        governor.done(machine.work(governor.next(), governor.previews()), backlog);
+    };
+    go_on(4 * kSecond);
+    const int before = governor.late(), as_asked = governor.frames_at().front();
+    go_on(20 * kSecond);
+    CAPTURE(governor.rung(), governor.late() - before);
+    if (backlog == Backlog::None) {
+      CHECK(governor.frames_at().front() - as_asked == 20 * kSecond);
+    } else {
+      CHECK(governor.rung() > 0);
+      CHECK(governor.late() - before < kSecond);
+    }
+  }
+}
+
 TEST_CASE("as the load grows, what is shed follows the order, and comes back in the opposite one") {
   Governor governor(ladder(), kDeadline);
   Machine machine;

@@ -51,6 +51,25 @@ TEST_CASE("a layer or an output of the field is refused by name where the field 
         "--depth comes from the field, which --set field=none leaves out; leave out one of them");
 }
 
+TEST_CASE("motion to the next frame is refused where the run does not wait for it, whoever says so") {
+  Settings settings;
+  settings.output.paths["flow_forward"] = "flow/%06d.flo";
+  for (const Preset preset : {Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best}) {
+    settings.fit.preset = preset;
+    CHECK(check_needs(settings).ok());
+  }
+  for (const char* frames : {"-1", "1", "2"}) {
+    settings.fit.knobs["look_ahead"] = frames;
+    CHECK(check_needs(settings).ok());
+  }
+  settings.fit.knobs["look_ahead"] = "0";
+  REQUIRE_FALSE(check_needs(settings).ok());
+  CHECK(check_needs(settings).error().code == ErrorCode::Invalid);
+  CHECK(check_needs(settings).error().message ==
+        "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
+        "look_ahead=1");
+}
+
 TEST_CASE("motion is found among the layers and among the outputs of its own") {
   Settings::Output output;
   output.paths["frames"] = "out/%06d.exr";

@@ -179,7 +179,7 @@ TEST_CASE("the preset says how far a run looks ahead, unless the run does") {
   settings.fit.preset = Preset::Best;
   CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == 2);
   for (const int frames : {0, 1, 2}) {
-    settings.fit.lookahead = frames;
+    settings.fit.knobs["look_ahead"] = std::to_string(frames);
     CHECK(options_of(settings, FieldUse::None).knobs.look_ahead == frames);
   }
 }

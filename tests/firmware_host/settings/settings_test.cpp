@@ -265,6 +265,8 @@ TEST_CASE("what a flag does not take is refused in the same words") {
   CHECK_THAT(sentence(from_flags({"--width", "12px"})), Contains("not '12px'"));
   CHECK_THAT(sentence(from_flags({"--framerate", ""})), Contains("0.1..1000 or 0, not ''"));
   CHECK_THAT(sentence(from_flags({"--code-noise", "inf"})), Contains("0..20, not 'inf'"));
+  CHECK_THAT(sentence(from_flags({"--black-level", "255"})), Contains("0..254 or -1, not 255"));
+  CHECK(from_flags({"--black-level", "254"}).ok());
   CHECK_THAT(sentence(from_flags({"--compression", "zap"})), Contains("(did you mean 'zip'?)"));
   CHECK_THAT(sentence(from_flags({"--sync-active-low=maybe"})), Contains("true or false, not 'maybe'"));
 }
@@ -287,6 +289,11 @@ TEST_CASE("settings that differ from the defaults can be typed again as flags") 
   settings.fit.preset = Preset::Fast;
   settings.output.paths["frames"] = "my out/%06d.exr";
   CHECK(flags.as_flags(settings) == " --preset=fast --output='my out/%06d.exr'");
+  Settings knobs;
+  knobs.fit.knobs = {{"code_noise", "2"}, {"look_ahead", "1"}, {"steps", "7"}};
+  CHECK(flags.as_flags(knobs) == " --lookahead=1 --code-noise=2 --set steps=7");
+  knobs.fit.knobs = {{"look_ahead", "-1"}};
+  CHECK(flags.as_flags(knobs) == " --set look_ahead=-1");
 }
 
 TEST_CASE("what is not TOML is refused with line and column") {
@@ -371,6 +378,20 @@ TEST_CASE("a knob is set by --set and by the file, and is checked where it is re
   CHECK_THAT(sentence(from_flags({"--set", "steps"})), Contains("write NAME=VALUE"));
   CHECK_THAT(sentence(from_toml("[knobs]\nsteps = -1\n")), Contains("live.toml:2: knobs.steps takes"));
   CHECK_THAT(sentence(from_toml("[knobs]\nstpes = 1\n")), Contains("(did you mean 'knobs.steps'?)"));
+}
+
+TEST_CASE("a knob with a flag of its own has one value, of whichever of the two was given last") {
+  using Set = std::map<std::string, std::string>;
+  CHECK(from_flags({"--lookahead", "0", "--code-noise", "2.5"}).value().fit.knobs ==
+        Set{{"look_ahead", "0"}, {"code_noise", "2.5"}});
+  CHECK(from_flags({"--set", "look_ahead=2", "--lookahead", "0"}).value().fit.knobs ==
+        Set{{"look_ahead", "2"}});
+  const std::string path = file_with("[knobs]\nlook_ahead = 0\ncode_noise = 3\n");
+  CHECK(from_flags({"--config", path, "--lookahead", "1", "--code-noise", "2"}).value().fit.knobs ==
+        Set{{"look_ahead", "1"}, {"code_noise", "2"}});
+  CHECK(from_flags({"--config", path, "--lookahead=-1", "--code-noise", "1"}).value().fit.knobs.empty());
+  const std::string text = to_toml(from_flags({"--set", "look_ahead=1"}).value(), kAllGroups);
+  CHECK_THAT(text, Contains("\nlookahead = 1\n") && Contains("\nlook_ahead = \"1\"\n"));
 }
 
 TEST_CASE("the printed configuration shows each knob as the preset has it, in a comment") {

@@ -47,4 +47,8 @@ TEST_CASE("files that the run replaced or that are gone are no remains, the othe
   CHECK_THAT(earlier.warning(),
              Contains("2 file(s) of an earlier run remain") &&
                  Contains("from '" + folder + "/000003.exr' to '" + folder + "/0004.exr'"));
+  put(folder + "/000005.exr");
+  for (const char* name : {"/000001.exr", "/000002.exr", "/000005.exr"})
+    CHECK_FALSE(earlier.remains(folder + name));
+  for (const char* name : {"/000003.exr", "/0004.exr"}) CHECK(earlier.remains(folder + name));
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <catch2/catch.hpp>
 
@@ -72,6 +73,27 @@ TEST_CASE("an exposure lasts a day at most, and its gains are factors that a cam
   FrameFacts night;
   night.exposure_s = 3600, night.analogue_gain = 640;
   CHECK_FALSE(objection_to(night, nullptr));
+}
+
+TEST_CASE("an exposure and its gains are not negative, and NaN or 0 where they are not known") {
+  for (const double wrong : {-1e-9, -0.004, -1e300, -HUGE_VAL}) {
+    INFO(wrong);
+    FrameFacts exposed, amplified, scaled;
+    exposed.exposure_s = amplified.analogue_gain = scaled.digital_gain = wrong;
+    for (const auto& [facts, word] :
+         {std::pair{exposed, "exposure"}, std::pair{amplified, "gain"}, std::pair{scaled, "gain"}}) {
+      const auto objection = objection_to(facts, nullptr);
+      REQUIRE(objection);
+      CHECK(objection->find(word) != std::string::npos);
+    }
+  }
+  for (const double unknown : {0., -0., kNan}) {
+    INFO(unknown);
+    FrameFacts facts;
+    facts.exposure_s = facts.analogue_gain = facts.digital_gain = unknown;
+    CHECK_FALSE(objection_to(facts, nullptr));
+    CHECK_FALSE(facts.has_exposure());
+  }
 }
 
 TEST_CASE("a black level is below the largest code, and a number") {

@@ -337,6 +337,36 @@ TEST_CASE("a damaged PNG is an error, never a crash, wherever the damage is") {
   }
 }
 
+TEST_CASE("an earlier clip stays until the first image of the clip that replaces it") {
+  const std::string folder = sample::scratch_folder("replaced_clip");
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  const auto frames = sample::frames(camera, 4, 3);
+  auto earlier = ImageSequenceWriter::create(posix_storage(), folder, camera);
+  REQUIRE(earlier.ok());
+  for (const RawFrame& frame : frames) REQUIRE(earlier.value().append(frame).ok());
+  REQUIRE(earlier.value().finish().ok());
+  const auto frame_count = [&] {
+    const auto clip = ImageSequence::open(posix_storage(), folder);
+    INFO(sample::error_of(clip).message);
+    REQUIRE(clip.ok());
+    return clip.value().frame_count();
+  };
+
+  auto writer = ImageSequenceWriter::create(posix_storage(), folder, camera, Creation::Replace);
+  REQUIRE(writer.ok());
+  CHECK(frame_count() == 4);
+  REQUIRE(writer.value().finish().ok());  // without an image
+  CHECK(frame_count() == 4);
+  const RawFrame larger{frames[0].facts, Image<std::uint16_t>(3, 23, 38)};
+  CHECK(sample::error_of(writer.value().append(larger)).code == ErrorCode::SizeChanged);
+  CHECK(frame_count() == 4);
+  REQUIRE(writer.value().append(frames[2]).ok());
+  CHECK(sample::error_of(ImageSequence::open(posix_storage(), folder)).code == ErrorCode::NotFound);
+  REQUIRE(writer.value().append(frames[3]).ok());
+  REQUIRE(writer.value().finish().ok());
+  CHECK(frame_count() == 2);
+}
+
 TEST_CASE("writing a clip and reading it gives back every bit, in every layout and depth") {
   for (const auto layout : {PixelLayout::Rgb, PixelLayout::Mono, PixelLayout::BayerGbrg})
     for (const int bits : {8, 10, 11, 16}) {

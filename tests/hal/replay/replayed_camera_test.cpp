@@ -1,6 +1,7 @@
 #include "hal/replay/replayed_camera.h"
 
 #include <chrono>
+#include <cmath>
 
 #include "hal/pixel_pack.h"
 #include "hal/recording/recording.h"
@@ -107,6 +108,73 @@ TEST_CASE("a paced replay takes as long as the recording did") {
   CHECK(std::chrono::steady_clock::now() - begin >= milliseconds(199));
   require_done(camera->queue({0, milliseconds(1), 1}));
   require_error(camera->wait(Duration::zero()), ErrorCode::Timeout);  // the next is 10 ms away
+}
+
+TEST_CASE("a pause of a recording is cut in its paced replay, and the instants of the frames stay") {
+  constexpr Duration kPause = std::chrono::hours(1);
+  const CameraFacts facts = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+  const std::string path = sample::scratch_folder("replay_pause") + "/r.mkv";
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 4; ++i) {
+    frames.push_back(frame_of(facts, i));
+    if (i >= 2) frames.back().facts.timestamp = frames.back().facts.timestamp + kPause;
+  }
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()));
+  value_of(camera->configure(camera->capabilities().modes.front(), 2));
+  require_done(camera->start());
+  const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < 4; ++i) {
+    require_done(camera->queue({0, milliseconds(1), 1}));
+    const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(2)));
+    const Instant recorded = Instant::from_seconds(5 + 0.01 * i) + (i >= 2 ? kPause : Duration::zero());
+    CHECK(std::abs((buffer.timestamp - recorded).count()) <= 1);
+  }
+  CHECK(std::chrono::steady_clock::now() - begin >= std::chrono::seconds(1));
+}
+
+TEST_CASE("a recording of a slow camera has no pauses, and its paced replay is as slow") {
+  CameraFacts facts = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+  facts.framerate_hz = 0.5;
+  const std::string path = sample::scratch_folder("replay_slow") + "/r.mkv";
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 2; ++i) {
+    frames.push_back(frame_of(facts, i));
+    frames.back().facts.timestamp = Instant::from_seconds(5 + 2 * i);
+  }
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  auto camera = value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsRecorded, posix_clock()));
+  value_of(camera->configure(camera->capabilities().modes.front(), 2));
+  require_done(camera->start());
+  for (int i = 0; i < 2; ++i) require_done(camera->queue({0, milliseconds(1), 1}));
+  value_of(camera->wait(std::chrono::seconds(2)));
+  require_error(camera->wait(milliseconds(1200)), ErrorCode::Timeout);
+}
+
+TEST_CASE("frames of unknown exposure are replayed without one, and are in no cycle") {
+  const CameraFacts facts = sample::camera(PixelLayout::Rgb, 8, 32, 16);
+  const std::string path = sample::scratch_folder("replay_unknown") + "/r.mkv";
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 8; ++i) {
+    frames.push_back(frame_of(facts, i));
+    frames.back().facts.analogue_gain = 1;
+    if (i >= 6) frames.back().facts.exposure_s = std::nan("");
+  }
+  require_done(sample::record(posix_storage(), path, facts, frames));
+  auto camera =
+      value_of(open_replayed_camera(posix_storage(), path, ReplayPace::AsFastAsAsked, posix_clock()));
+  const auto& cycle = camera->capabilities().cycle;
+  REQUIRE(cycle.size() == 2);
+  CHECK(cycle[0].exposure == milliseconds(1));
+  CHECK(cycle[1].exposure == milliseconds(8));
+  value_of(camera->configure(camera->capabilities().modes.front(), 2));
+  require_done(camera->start());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    require_done(camera->queue({0, milliseconds(1), 1}));
+    const CapturedBuffer buffer = value_of(camera->wait(std::chrono::seconds(2)));
+    CHECK(buffer.exposure.has_value() == (i < 6));
+    if (i >= 6) CHECK(buffer.timestamp == frames[i].facts.timestamp);
+  }
 }
 
 TEST_CASE("what cannot be replayed is refused in a sentence") {

@@ -77,6 +77,7 @@ class Loop {
       for (int x = 0; x < kCols; ++x) flow_.vectors.at(0, y, x) = -pattern_.speed_px;
     const FrameEstimate estimate{.frame = frame_,
                                  .state = state_,
+                                 .own_share = state_.own_share,
                                  .to_previous = &flow_,
                                  .field = {},
                                  .view = {},
@@ -98,7 +99,7 @@ class Loop {
   double reference_;
   std::uint64_t frames_ = 0;
   ExposedFrame frame_;
-  JoinedState state_;
+  RadianceState state_;
   FlowField flow_;
   std::optional<CycleRequest> request_;
   std::vector<Exposure> last_;

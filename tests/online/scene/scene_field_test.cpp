@@ -73,7 +73,7 @@ class OneColour final : public SceneField {
 struct Told {
   MovingScene scene;
   ExposedFrame frame;
-  JoinedState state;
+  RadianceState state;
   StateMotion motion;
   CameraPose pose;
   DepthMap depth;
@@ -87,7 +87,6 @@ struct Told {
     state.radiance.copy_from(scene.radiance);
     state.variance.copy_from(scene.variance);
     state.own_share.reshape(1, scene.rows, scene.cols), state.own_share.fill(1);
-    state.later_share.reshape(1, scene.rows, scene.cols), state.later_share.fill(0);
     if (i > 0)
       for (auto [to, from] : {std::pair{&motion.to_previous, &scene.to_previous},
                               std::pair{&motion.from_previous, &scene.from_previous}})
@@ -282,6 +281,7 @@ TEST_CASE("merged asks the field for what it fills only, and for all where depth
     RenderStage({.layer = EmitLayer::Merged, .depth = depth}, pool)
         .render({.frame = told.frame,
                  .state = told.state,
+                 .own_share = told.state.own_share,
                  .to_previous = nullptr,
                  .field = FieldNow(&field),
                  .view = told.view(),
@@ -319,6 +319,7 @@ TEST_CASE("a field that is nothing like hash grids is emitted through the same s
   HdrFrame frame;
   stage.render({.frame = told.frame,
                 .state = told.state,
+                .own_share = told.state.own_share,
                 .to_previous = nullptr,
                 .field = FieldNow(&field),
                 .view = told.view(),

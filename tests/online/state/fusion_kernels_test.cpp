@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "capture/clip_policy.h"
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 #include "online/state/exposure_blur_kernels.h"
 #include "online/state/exposure_tables.h"
 #include "tests/support/numbers.h"

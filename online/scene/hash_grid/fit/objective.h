@@ -4,6 +4,8 @@
 // Reentrant.
 #pragma once
 
+#include <algorithm>
+
 #include "online/scene/hash_grid/field/ray_rendering.h"
 #include "online/scene/hash_grid/fit/learned_response.h"
 #include "online/scene/hash_grid/fit/loss_table.h"
@@ -37,14 +39,49 @@ struct TrainingRay {
   float depth_prior = 0, depth_confidence = 0;
 };
 
+// What the losses of a ray are taken with; borrowed for the call.
+template <class T>
+struct LossSetting {
+  T share;  // of the ray in the objective: one over the rays of the step
+  const LossWeights& weights;
+  const LearnedResponse<T>& response;
+  T exposure;  // of the ray's frame, relative to the reference
+
+  T weight(LossTerm term) const { return share * T(weights[static_cast<std::size_t>(term)]); }
+};
+
+// A ray as it was rendered; borrowed for the call.
+template <class T>
+struct RenderedRay {
+  const RaySamples<T>& samples;
+  const RayTrace<T>& trace;
+  const RayPicture<T>& picture;
+};
+
+// The gradient of a ray's losses with respect to what was rendered. Of the samples it has the FieldSamples
+// alone.
+template <class T>
+struct RayGradient {
+  RaySamples<T> samples;
+  T weight[kMaxSamples] = {};  // of the combined trace
+  RayPicture<T> picture;
+
+  // To zero, for a ray of `count` samples.
+  void clear(int count) {
+    const FieldSample<T> none;
+    for (FieldSample<T>* of : {samples.static_, samples.dynamic, samples.static_there, samples.warped})
+      std::fill_n(of, count, none);
+    std::fill_n(weight, count, T(0));
+    picture = {};
+  }
+};
+
 // The terms on the scene flow of all samples: means over samples and, where both neighbours count, over
 // directions.
 template <class T>
-void flow_regularisers(const LossWeights& weights, T share, const RaySamples<T>& ray, LossValues<T>& values,
+void flow_regularisers(const LossSetting<T>& setting, const RaySamples<T>& ray, LossValues<T>& values,
                        RaySamples<T>& d_ray) {
-  const auto weight = [&](LossTerm term) {
-    return share * T(weights[static_cast<std::size_t>(term)]) / T(ray.count);
-  };
+  const auto weight = [&](LossTerm term) { return setting.weight(term) / T(ray.count); };
   const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
   for (int k = 0; k < ray.count; ++k) {
     const FieldSample<T>& here = ray.dynamic[k];
@@ -67,21 +104,24 @@ void flow_regularisers(const LossWeights& weights, T share, const RaySamples<T>&
   }
 }
 
-// Losses of one ray, each times `share` (one over the rays of the step). Adds to the gradients of the
-// picture, the samples' flows and occlusions, and the ray's weights; fills the values by term.
+// Losses of one ray by term, each weighted and times its share. Adds to the gradient of the picture, of the
+// samples' flows and occlusions, and of the ray's weights, and, if not null, to that of the response.
 template <class T>
-void ray_losses(const TrainingRay& target, T share, const LossWeights& weights,
-                const LearnedResponse<T>& response, T exposure, const RaySamples<T>& ray,
-                const RayTrace<T>& trace, const RayPicture<T>& picture, LossValues<T>& values,
-                RayPicture<T>& d_picture, RaySamples<T>& d_ray, T* d_ray_weight,
-                typename LearnedResponse<T>::Gradient* d_response) {
-  const auto weight = [&](LossTerm term) { return share * T(weights[static_cast<std::size_t>(term)]); };
+LossValues<T> ray_losses(const LossSetting<T>& setting, const TrainingRay& target,
+                         const RenderedRay<T>& rendered, RayGradient<T>& gradient,
+                         typename LearnedResponse<T>::Gradient* d_response) {
+  const RaySamples<T>& ray = rendered.samples;
+  const RayPicture<T>& picture = rendered.picture;
+  RaySamples<T>& d_ray = gradient.samples;
+  RayPicture<T>& d_picture = gradient.picture;
+  LossValues<T> values{};
+  const auto weight = [&](LossTerm term) { return setting.weight(term); };
   const auto value = [&](LossTerm term) -> T& { return values[static_cast<std::size_t>(term)]; };
   const T sharp = T(target.sharpness);
 
   value(LossTerm::Combined) +=
-      photometric_loss(weight(LossTerm::Combined) * sharp, response, exposure, picture.radiance,
-                       target.values, d_picture.radiance, d_response);
+      photometric_loss(weight(LossTerm::Combined) * sharp, setting.response, setting.exposure,
+                       picture.radiance, target.values, d_picture.radiance, d_response);
   const T state[3] = {T(target.state_log_radiance[0]), T(target.state_log_radiance[1]),
                       T(target.state_log_radiance[2])};
   const T trust[3] = {T(target.state_trust[0]), T(target.state_trust[1]), T(target.state_trust[2])};
@@ -92,18 +132,19 @@ void ray_losses(const TrainingRay& target, T share, const LossWeights& weights,
         depth_loss(weight(LossTerm::Depth) * T(target.depth_confidence), picture.inverse_depth,
                    T(target.depth_prior), d_picture.inverse_depth);
   if (ray.count > 1)
-    value(LossTerm::Distortion) += distortion_loss(weight(LossTerm::Distortion), ray.count,
-                                                   trace.combined.weight, ray.inverse_depth, d_ray_weight);
-  if (!ray.has_dynamic) return;
+    value(LossTerm::Distortion) +=
+        distortion_loss(weight(LossTerm::Distortion), ray.count, rendered.trace.combined.weight,
+                        ray.inverse_depth, gradient.weight);
+  if (!ray.has_dynamic) return values;
   if (ray.has_static)
     value(LossTerm::BlendEntropy) +=
         blend_entropy_loss(weight(LossTerm::BlendEntropy), picture.share, d_picture.share);
-  flow_regularisers(weights, share, ray, values, d_ray);
-  if (!ray.warps) return;
+  flow_regularisers(setting, ray, values, d_ray);
+  if (!ray.warps) return values;
 
-  value(LossTerm::Warped) +=
-      warped_photometric_loss(weight(LossTerm::Warped) * sharp, response, exposure, picture.warped_radiance,
-                              target.values, picture.visible, d_picture.warped_radiance, d_picture.visible);
+  value(LossTerm::Warped) += warped_photometric_loss(
+      weight(LossTerm::Warped) * sharp, setting.response, setting.exposure, picture.warped_radiance,
+      target.values, picture.visible, d_picture.warped_radiance, d_picture.visible);
   value(LossTerm::Occlusion) +=
       occlusion_loss(weight(LossTerm::Occlusion), picture.visible, d_picture.visible);
   const T prior[2] = {T(target.flow_prior[0]), T(target.flow_prior[1])};
@@ -118,6 +159,7 @@ void ray_losses(const TrainingRay& target, T share, const LossWeights& weights,
         cycle_loss(weight(LossTerm::Cycle) / T(ray.count), ray.dynamic[k].flow[there],
                    ray.warped[k].flow[back], ray.dynamic[k].occlusion[there], d_ray.dynamic[k].flow[there],
                    d_ray.warped[k].flow[back], d_ray.dynamic[k].occlusion[there]);
+  return values;
 }
 
 }  // namespace hdrcam

@@ -27,8 +27,7 @@ void RayShard<T>::zero(BranchPass<T>& pass) {
 template <class T>
 void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random) {
   CHECK(rays.size() <= ray_.size());
-  losses_.fill(0);
-  for (auto& channel : d_response_) channel.fill(0);
+  sums_ = {};
   std::fill(d_static_.begin(), d_static_.end(), T(0));
   std::fill(d_dynamic_.begin(), d_dynamic_.end(), T(0));
   for (BranchPass<T>* pass : {&static_, &dynamic_, &warped_}) zero(*pass);
@@ -116,24 +115,13 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
   }
   RayTrace<T> trace;
   const RayPicture<T> picture = render_ray(ray, step.networks.blend, trace);
+  misfit_[static_cast<std::size_t>(r)] = sums_.add(step, target, {ray, trace, picture}, gradient_);
 
-  const FieldSample<T> none;
-  std::fill_n(d_.static_, ray.count, none), std::fill_n(d_.dynamic, ray.count, none),
-      std::fill_n(d_.warped, ray.count, none);
-  std::fill_n(d_.static_there, ray.count, none);
-  RayPicture<T> d_picture;
-  T d_ray_weight[kMaxSamples] = {};
-  LossValues<T> losses{};
-  ray_losses(target, step.ray_share, step.weights, step.response, T(step.window.frame(target.frame).exposure),
-             ray, trace, picture, losses, d_picture, d_, d_ray_weight,
-             step.fits_response ? &d_response_ : nullptr);
-  for (std::size_t i = 0; i < losses.size(); ++i) losses_[i] += losses[i];
-  misfit_[static_cast<std::size_t>(r)] =
-      static_cast<float>(losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share);
   T unit[3];
   flow_units(step.window.frustum(), unit);
-  render_ray_backward(ray, step.networks.blend, trace, d_picture, d_ray_weight, unit, d_);
-  samples_backward(step, target, r, d_);
+  render_ray_backward(ray, step.networks.blend, trace, gradient_.picture, gradient_.weight, unit,
+                      gradient_.samples);
+  samples_backward(step, target, r, gradient_.samples);
 }
 
 template <class T>

@@ -5,7 +5,7 @@
 // buffers are allocated by the constructor. Thread-compatible.
 #pragma once
 
-#include "online/scene/hash_grid/fit/step_setting.h"
+#include "online/scene/hash_grid/fit/shard_losses.h"
 
 namespace hdrcam {
 
@@ -25,10 +25,10 @@ class RayShard {
     grid.scatter(level, warped_.samples(), warped_.d_features);
   }
 
-  const LossValues<T>& losses() const { return losses_; }
+  const LossValues<T>& losses() const { return sums_.losses; }
   std::span<T> d_static() { return d_static_; }
   std::span<T> d_dynamic() { return d_dynamic_; }
-  const typename LearnedResponse<T>::Gradient& d_response() const { return d_response_; }
+  const typename LearnedResponse<T>::Gradient& d_response() const { return sums_.d_response; }
   // photometric misfit per ray, for the choice of pixels
   std::span<const float> misfits() const { return misfit_; }
   // sum of squares of d_features: finite only if every gradient that reaches the tables is
@@ -54,9 +54,8 @@ class RayShard {
   std::vector<RaySamples<T>> ray_;
   std::vector<std::array<T, kBaseChannels>> base_;  // of each ray, at its own pixel
   std::vector<float> misfit_;
-  LossValues<T> losses_{};
-  typename LearnedResponse<T>::Gradient d_response_{};
-  RaySamples<T> d_;
+  ShardLosses<T> sums_;
+  RayGradient<T> gradient_;  // of one ray after the other
 };
 
 }  // namespace hdrcam

@@ -2,6 +2,8 @@
 #include "firmware_host/sinks/scene_files/pose_files.h"
 
 #include <fstream>
+#include <span>
+#include <string>
 
 #include "tests/firmware_host/sinks/example_frames.h"
 #include "tests/hal/recording/sample_recordings.h"
@@ -56,6 +58,33 @@ TEST_CASE("a frame whose pose is lost, and one whose picture is not there, are l
   const auto& [id, point] = *model.points.begin();
   CHECK(point.p_world.z == 5);
   CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
+}
+
+TEST_CASE("a new pose is not that of an earlier run's picture, where the run shed its own") {
+  const std::string folder = sample::scratch_folder("pose_files_earlier");
+  const auto picture = [&](int sequence) { return folder + "/000" + std::to_string(sequence) + ".png"; };
+  for (const int sequence : {0, 1, 2}) write_picture(picture(sequence));
+  const PicturePatterns patterns{folder + "//%04d.png", ""};
+  auto transforms = create_transforms(posix_storage(), folder + "/transforms.json", patterns);
+  auto colmap = create_colmap(posix_storage(), folder + "/colmap", patterns);
+  REQUIRE((transforms.ok() && colmap.ok()));
+  const std::string text = "a new picture";
+  const auto replace = [&](int sequence) {
+    REQUIRE(write_whole(posix_storage(), picture(sequence), std::as_bytes(std::span(text))).ok());
+  };
+  replace(0);  // a sink of pictures may be faster than that of poses
+  for (const int sequence : {0, 1, 2})
+    for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+      REQUIRE(test::emit(*sink, posed_frame(static_cast<std::uint64_t>(sequence))).ok());
+  replace(2);
+  for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+    REQUIRE((sink->finish().ok() && sink->conclude({}).ok()));
+
+  const auto read = test::read_transforms(folder + "/transforms.json");
+  CHECK(read.cameras.size() == 2);
+  CHECK((read.cameras.contains("0000.png") && read.cameras.contains("0002.png")));
+  CHECK(read.json["hdrcam"]["frames_left_out"] == 1);
+  CHECK(test::read_colmap(folder + "/colmap").images.size() == 2);
 }
 
 TEST_CASE("a full disk ends the run with its own error and leaves no half of a file") {

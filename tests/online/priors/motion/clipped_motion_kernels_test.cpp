@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "hal/core/interpolate.h"
+#include "hal/core/smooth_step.h"
 #include "online/pictures/between_pixels.h"
 #include "online/priors/motion/flow_kernels.h"
 #include "tests/support/numbers.h"

@@ -11,7 +11,7 @@ const RigidTransform kIdentity;
 
 FrameFacts at(const RigidTransform& T_world_camera) {
   FrameFacts facts;
-  facts.T_world_camera = to_matrix(T_world_camera);
+  facts.T_world_camera = pose_matrix_of(T_world_camera);
   return facts;
 }
 

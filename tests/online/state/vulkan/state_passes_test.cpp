@@ -342,7 +342,6 @@ struct TwoLayers {
     check_alike(b.radiance, a.radiance, "joined radiance", kRecursion);
     check_alike(b.variance, a.variance, "joined variance", kRecursion);
     check_alike(b.later_share, a.later_share, "later share", kRecursion);
-    check_alike(b.own_share, a.own_share, "own share of the joined", kRecursion);
   }
 };
 

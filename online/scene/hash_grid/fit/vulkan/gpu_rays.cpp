@@ -125,8 +125,9 @@ void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, 
   }
 }
 
-void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayPicture<float>& d_picture,
-                   const RaySamples<float>& d_ray, const float* d_ray_weight) {
+void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayGradient<float>& gradient) {
+  const RaySamples<float>& d_ray = gradient.samples;
+  const RayPicture<float>& d_picture = gradient.picture;
   for (int c = 0; c < 3; ++c) {
     seen_of_ray(d_seen_, kRadiance + c, r) = d_picture.radiance[c];
     seen_of_ray(d_seen_, kWarped + c, r) = d_picture.warped_radiance[c];
@@ -139,7 +140,7 @@ void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayPicture
   for (int k = 0; k < samples_; ++k) {
     const std::size_t s = r * static_cast<std::size_t>(samples_) + static_cast<std::size_t>(k);
     const FieldSample<float>& dynamic = d_ray.dynamic[k];
-    seen_of_sample(d_seen_, kWeight, s) = d_ray_weight[k];
+    seen_of_sample(d_seen_, kWeight, s) = gradient.weight[k];
     for (int n = 0; n < 2; ++n)
       for (int a = 0; a < 3; ++a)
         seen_of_sample(d_seen_, kFlow + 3 * n + a, s) = dynamic.flow[n][a] + dynamic.flow_residual[n][a];
@@ -149,23 +150,15 @@ void GpuRays::pack(std::size_t r, const RaySamples<float>& ray, const RayPicture
 }
 
 void GpuRays::losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
-                     ShardLosses& sums, std::span<float> misfit) {
-  RaySamples<float> ray, d_ray;
+                     ShardLosses<float>& sums, std::span<float> misfit) {
+  RaySamples<float> ray;
   RayTrace<float> trace;
   RayPicture<float> picture;
-  const FieldSample<float> none;
+  RayGradient<float> gradient;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     unpack(step, rays[i], first + i, ray, picture, trace);
-    std::fill_n(d_ray.dynamic, samples_, none), std::fill_n(d_ray.warped, samples_, none);
-    RayPicture<float> d_picture;
-    float d_ray_weight[kMaxSamples] = {};
-    LossValues<float> losses{};
-    ray_losses(rays[i], step.ray_share, step.weights, step.response,
-               step.window.frame(rays[i].frame).exposure, ray, trace, picture, losses, d_picture, d_ray,
-               d_ray_weight, step.fits_response ? &sums.d_response : nullptr);
-    for (std::size_t term = 0; term < losses.size(); ++term) sums.losses[term] += losses[term];
-    misfit[i] = losses[static_cast<std::size_t>(LossTerm::Combined)] / step.ray_share;
-    pack(first + i, ray, d_picture, d_ray, d_ray_weight);
+    misfit[i] = sums.add(step, rays[i], {ray, trace, picture}, gradient);
+    pack(first + i, ray, gradient);
   }
 }
 

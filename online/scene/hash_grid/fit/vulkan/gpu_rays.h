@@ -4,16 +4,10 @@
 // distinct threads.
 #pragma once
 
-#include "online/scene/hash_grid/fit/step_setting.h"
+#include "online/scene/hash_grid/fit/shard_losses.h"
 #include "online/scene/hash_grid/fit/vulkan/gpu_branch.h"
 
 namespace hdrcam {
-
-// Losses of one shard of the rays, and their gradient with respect to the response.
-struct ShardLosses {
-  LossValues<float> losses{};
-  LearnedResponse<float>::Gradient d_response{};
-};
 
 class GpuRays {
  public:
@@ -41,7 +35,7 @@ class GpuRays {
   // Adds the losses of rays first .. first + rays.size() - 1, from `seen`, to `sums`, and writes their
   // d_seen; misfit: photometric, of each.
   void losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::size_t first,
-              ShardLosses& sums, std::span<float> misfit);
+              ShardLosses<float>& sums, std::span<float> misfit);
   void upload_d_seen(GpuWork& work) const;
 
   int rays() const { return rays_; }
@@ -68,8 +62,7 @@ class GpuRays {
   }
   void unpack(const StepSetting<float>& step, const TrainingRay& target, std::size_t r,
               RaySamples<float>& ray, RayPicture<float>& picture, RayTrace<float>& trace);
-  void pack(std::size_t r, const RaySamples<float>& ray, const RayPicture<float>& d_picture,
-            const RaySamples<float>& d_ray, const float* d_ray_weight);
+  void pack(std::size_t r, const RaySamples<float>& ray, const RayGradient<float>& gradient);
 
   int rays_ = 0, samples_ = 0;
   bool has_dynamic_ = false, weighted_ = false;

@@ -91,7 +91,7 @@ void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingR
   });
   sums.losses.fill(0);
   for (auto& channel : sums.d_response) channel.fill(0);
-  for (const ShardLosses& shard : shard_losses_) {
+  for (const ShardLosses<float>& shard : shard_losses_) {
     for (std::size_t i = 0; i < sums.losses.size(); ++i)
       sums.losses[i] += static_cast<double>(shard.losses[i]);
     if (!step.fits_response) continue;

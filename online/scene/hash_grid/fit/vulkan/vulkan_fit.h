@@ -70,7 +70,7 @@ class VulkanFit {
   GpuBranch static_, dynamic_;
   GpuRays rays_;
   std::optional<Due> due_;
-  std::vector<ShardLosses> shard_losses_;  // by shard
+  std::vector<ShardLosses<float>> shard_losses_;  // by shard
   Fetched fetched_static_, fetched_dynamic_;
   GpuBranch::Arrival arrived_static_, arrived_dynamic_;
 };

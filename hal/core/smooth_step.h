@@ -1,4 +1,4 @@
-// Small scalar functions of numerical code. Reentrant.
+// A soft threshold. Reentrant.
 #pragma once
 
 #include <algorithm>

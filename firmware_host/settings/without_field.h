@@ -1,4 +1,5 @@
-// Whether the settings leave out the field, which depth, other views and the field's motion need. Reentrant.
+// Whether the settings leave out the radiance field, which depth, other views and the field's motion need.
+// Reentrant.
 #pragma once
 
 #include "firmware_host/settings/settings.h"

@@ -1,4 +1,4 @@
-#include "firmware_host/settings/field_setting.h"
+#include "firmware_host/settings/without_field.h"
 
 namespace hdrcam {
 

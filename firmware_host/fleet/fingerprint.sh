@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Sourced by what starts, does and lists jobs. What the result of a job depends on: a changed recording, program or
+# flag makes the job new.
+hdrcam=${HDRCAM:-hdrcam}
+command -v "$hdrcam" >/dev/null || { echo "there is no program '$hdrcam' here; set HDRCAM to it" >&2; exit 2; }
+
+# same_for_all FLAG..: what all jobs of a fleet share; give it to fingerprint.
+same_for_all() { sha256sum <"$(command -v "$hdrcam")" && printf '%s\n' "$@"; }
+
+# fingerprint RECORDING SAME_FOR_ALL: a recording that is gone has one, too.
+fingerprint() {
+  { stat -c '%s %Y' "$1" 2>/dev/null || true; printf '%s\n' "$2"; } | sha256sum | cut -c1-16
+}
+
+# job_says WORD FILE: what the file of a job says under that word; nothing where there is none.
+job_says() { sed -n "s/^$1 //p" "$2" 2>/dev/null || true; }

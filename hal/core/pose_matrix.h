@@ -1,0 +1,11 @@
+// A rigid transform as files and facts store it. geometry.h calculates with it.
+#pragma once
+
+#include <array>
+
+namespace hdrcam {
+
+// Row-major 3x4, [R t].
+using PoseMatrix = std::array<double, 12>;
+
+}  // namespace hdrcam

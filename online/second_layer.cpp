@@ -1,0 +1,63 @@
+#include "online/second_layer.h"
+
+#include <algorithm>
+
+#include "hal/core/stopwatch.h"
+
+namespace hdrcam {
+
+SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPool& pool, GpuDevice* gpu)
+    : knobs_(knobs),
+      camera_(camera),
+      lens_(camera.intrinsics ? *camera.intrinsics : assumed_intrinsics(camera.height, camera.width)),
+      field_step_px_(hdrcam::field_step_px(knobs.field_step, camera.height, camera.width)),
+      pool_(pool),
+      gpu_(gpu) {}
+
+Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float white, const Response& response,
+                                        const FitBudget& budget) {
+  Stopwatch watch;
+  const bool begins = !field_ || rested_;
+  if (begins) begin(seen.frame);
+  const StateMotion none;  // the frame before was not taken
+  const SeenFrame input{seen.frame, seen.state, begins ? none : seen.motion};
+  const CameraPose& pose = poses_->estimate(input);
+  const DepthMap& depth = depth_->estimate(input, pose);
+  if (timing_) timing_(Stage::Pose, watch.lap_ms());
+  TRY(field_->observe({input.frame, input.state, white, input.motion, pose, depth, response}));
+  const FitReport fit = field_->fit(budget);
+  if (timing_) timing_(Stage::Fit, watch.lap_ms());
+  return SceneEstimate{pose.T_world_camera, stated_pose(seen.frame, pose), &depth, fit};
+}
+
+void SecondLayer::begin(const ExposedFrame& first) {
+  rested_ = false;
+  ++world_;
+  if (!field_) has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
+  poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
+  DepthOptions depth = knobs_.depth;
+  // no finer than the field's blocks can use, and half as fine where nobody looks at it
+  const bool seen = knobs_.field_step != FieldStep::Auto;
+  depth.step_px = std::max(depth.step_px, seen ? field_step_px_ / 2 : 2 * field_step_px_);
+  depth_ = std::make_unique<DynamicDepth>(depth, knobs_.dynamic_depth, lens_, camera_.height, camera_.width,
+                                          pool_);
+  if (field_) return field_->restart();
+  FieldOptions options = knobs_.hash_grid;
+  options.step_px = field_step_px_;
+  field_ = make_scene_field(knobs_.field, options,
+                            {lens_, camera_.height, camera_.width, poses_->near(), gpu_}, pool_);
+}
+
+std::optional<FramePose> SecondLayer::stated_pose(const ExposedFrame& frame, const CameraPose& pose) const {
+  if (poses_->source() == PoseSource::Given) return given_pose(frame.facts);
+  return FramePose{pose.T_world_camera, poses_->source(), pose.lost, world_};
+}
+
+std::optional<FramePose> SecondLayer::given_pose(const FrameFacts& facts) const {
+  if (knobs_.pose != PoseKind::Given || !facts.T_world_camera) return std::nullopt;
+  const RigidTransform T_world_camera = transform_of(*facts.T_world_camera);
+  if (!T_world_camera.finite()) return std::nullopt;
+  return FramePose{.T_world_camera = T_world_camera, .source = PoseSource::Given};
+}
+
+}  // namespace hdrcam

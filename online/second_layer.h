@@ -1,0 +1,80 @@
+// The second layer of the method, above the state: where a frame was seen from, how deep its scene is, and
+// the field that is fitted to both (docs/architecture.md, "Two layers"). It is made with the first frame that
+// it takes and may rest: after a rest pose, depth and field begin anew, in another world, because what they
+// knew is of another time. World, axes and unit of length: priors/pose/frame_pose.h. Thread-bound but for
+// snapshots of the field, which it owns; the result does not depend on the number of threads.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "hal/core/stage_timing.h"
+#include "online/knobs.h"
+#include "online/priors/depth/depth_prior.h"
+#include "online/priors/pose/pose_prior.h"
+#include "online/scene/scene_fields.h"
+
+namespace hdrcam {
+
+// What the second layer says of one frame.
+struct SceneEstimate {
+  RigidTransform T_world_camera;    // in the world of the field
+  std::optional<FramePose> pose;    // as outputs state it: a given one keeps the recording's own numbers
+  const DepthMap* depth = nullptr;  // the layer's own: valid until it takes the next frame
+  FitReport fit;
+};
+
+class SecondLayer {
+ public:
+  // pool: of the thread that owns the layer. gpu: fits and renders the field; null for the processor. Both
+  // outlive the layer.
+  SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPool& pool, GpuDevice* gpu);
+
+  // --- each frame, in the order of the stream: one of the two ---
+  // Takes the frame into pose, depth and field, and fits the field within the budget. seen.motion: not read
+  // at the first frame and after a rest. white: radiance that saturates the shortest exposure so far. Needs a
+  // field (FieldKind). Errors: those of SceneField::observe.
+  Result<SceneEstimate> take(const SeenFrame& seen, float white, const Response& response,
+                             const FitBudget& budget);
+  // The layer has no part in the frame, and begins anew with the next one that it takes.
+  void rest() { rested_ = true; }
+
+  // --- what is known ---
+  // The pose that the recording states, also of a frame that is not taken; none where it states none that can
+  // be, or is not asked.
+  std::optional<FramePose> given_pose(const FrameFacts& facts) const;
+  // Fitted up to the frame that was taken last; empty before the first one.
+  FieldNow field() { return FieldNow(field_.get()); }
+  // One unit of the field's depth (FieldPicture::depth), in length_unit().
+  float depth_unit() const { return poses_ ? poses_->near() : 1; }
+  LengthUnit length_unit() const { return poses_ ? unit_of(poses_->source()) : LengthUnit::Metre; }
+  const Intrinsics& lens() const { return lens_; }      // assumed where the camera does not report it
+  int field_step_px() const { return field_step_px_; }  // side of the blocks that are the field's pixels
+  // Why the fit no longer runs on the graphics device; "" while it does, or was not asked to.
+  std::string fallback_reason() const { return field_ ? field_->fallback_reason() : std::string(); }
+
+  void set_timing(StageTiming timing) { timing_ = std::move(timing); }
+
+ private:
+  void begin(const ExposedFrame& first);
+  std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
+
+  const Knobs knobs_;
+  const CameraFacts camera_;
+  const Intrinsics lens_;
+  const int field_step_px_;
+  WorkerPool& pool_;
+  GpuDevice* const gpu_;
+
+  bool has_poses_ = false;  // the recording states poses: its first frame here does
+  int world_ = -1;          // of the poses: counts their beginnings
+  bool rested_ = false;     // since its last frame
+  std::unique_ptr<PosePrior> poses_;
+  std::unique_ptr<DepthPrior> depth_;
+  std::unique_ptr<SceneField> field_;
+  StageTiming timing_;
+};
+
+}  // namespace hdrcam

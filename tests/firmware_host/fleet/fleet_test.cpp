@@ -1,0 +1,128 @@
+// The scripts of a fleet, with programs of the test in place of hdrcam, Slurm and jq: which results count,
+// and which files of an earlier job stay.
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using Catch::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Said {
+  int exit_code = -1;
+  std::string text;  // of both streams
+};
+
+// Two recordings, and programs that a fleet finds before those of the system.
+class Fleet {
+ public:
+  explicit Fleet(const std::string& name) : place_(sample::scratch_folder(name)) {
+    fs::create_directories(place_ + "/bin");
+    for (const char* recording : {"/a.mkv", "/b.mkv"}) std::ofstream(place_ + recording) << recording;
+    // replay RECORDING -o FOLDER/%06d.exr --stats FILE --force FRAMES
+    program("hdrcam",
+            "[ \"$8\" != none ] || { echo 'hdrcam: there is no frame.' >&2; exit 9; }\n"
+            "for i in $(seq \"$8\"); do echo \"$8\" >\"${4%/*}/00000$i.exr\"; done\n"
+            "echo file >\"${4%/*}/frames.csv\"; echo '{}' >\"$6\"");
+    program("jq", "printf '%s\\t3\\t1\\t2\\n' \"$4\"");
+  }
+
+  void program(const std::string& name, const std::string& lines) const {
+    const std::string path = place_ + "/bin/" + name;
+    std::ofstream(path) << "#!/bin/sh\n" << lines << "\n";
+    fs::permissions(path, fs::perms::owner_all);
+  }
+  // flags: of run_fleet.sh; frames: what every job leaves.
+  Said run(const std::string& flags, const std::string& frames) const {
+    return shell(
+        fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames));
+  }
+  Said summary() const { return shell("summary.sh " + out()); }
+
+  std::string out() const { return place_ + "/out"; }
+  bool has(const std::string& file) const { return fs::exists(out() + "/" + file); }
+
+ private:
+  Said shell(const std::string& line) const {
+    const std::string command =
+        fmt::format("PATH={0}/bin:$PATH HDRCAM={0}/bin/hdrcam {1}/firmware_host/fleet/{2} 2>&1", place_,
+                    HDRCAM_SOURCE_DIR, line);
+    std::FILE* const pipe = ::popen(command.c_str(), "r");
+    REQUIRE(pipe != nullptr);
+    Said said;
+    char block[512];
+    for (std::size_t n = 0; (n = std::fread(block, 1, sizeof block, pipe)) > 0;) said.text.append(block, n);
+    const int status = ::pclose(pipe);
+    if (WIFEXITED(status)) said.exit_code = WEXITSTATUS(status);
+    return said;
+  }
+
+  const std::string place_;
+};
+
+constexpr const char* kOfAnother = "not run; what is there is of another recording, program or flags";
+
+}  // namespace
+
+TEST_CASE("a fleet does each recording once, and anew under other flags, without frames of the job before") {
+  const Fleet fleet("fleet_anew");
+  const Said first = fleet.run("--plain", "3");
+  INFO(first.text);
+  REQUIRE(first.exit_code == 0);
+  CHECK(fleet.has("a/000003.exr"));
+  std::ofstream(fleet.out() + "/a/mine.exr") << "of the user";
+  CHECK_THAT(fleet.run("--plain", "3").text,
+             Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
+
+  const Said fewer = fleet.run("--plain", "2");
+  INFO(fewer.text);
+  CHECK(fewer.exit_code == 0);
+  CHECK_THAT(fewer.text, !Contains("done earlier"));
+  CHECK(fleet.has("a/000002.exr"));
+  CHECK_FALSE(fleet.has("a/000003.exr"));
+
+  const Said failed = fleet.run("--plain", "none");
+  CHECK(failed.exit_code == 1);
+  CHECK_THAT(failed.text, Contains("exit 9: hdrcam: there is no frame."));
+  for (const char* file : {"a/000001.exr", "a/frames.csv", "a/stats.json"}) CHECK_FALSE(fleet.has(file));
+  CHECK(fleet.has("a/mine.exr"));
+}
+
+TEST_CASE("an array that Slurm does not take ends the fleet, and no earlier result counts as its own") {
+  const Fleet fleet("fleet_refused");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  std::ofstream(fleet.out() + "/slurm-0.log") << "of an earlier array";
+  fleet.program("sbatch", "echo 'sbatch: error: invalid partition' >&2; exit 1");
+  const Said refused = fleet.run("", "2");
+  INFO(refused.text);
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.text, Contains("sbatch failed with 1; no job was submitted") && !Contains("done"));
+  CHECK_FALSE(fleet.has("slurm-0.log"));
+
+  const Said table = fleet.summary();
+  INFO(table.text);
+  CHECK(table.exit_code == 1);
+  CHECK_THAT(table.text, Contains(kOfAnother) && !Contains("done"));
+}
+
+TEST_CASE("a job of an array that fails is in the table beside the others") {
+  const Fleet fleet("fleet_array");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  std::ofstream(fleet.out() + "/../b.mkv") << "another recording";
+  fleet.program("sbatch", "echo 'Submitted batch job 7'; exit 1");  // and b's job never starts
+  const Said run = fleet.run("", "3");
+  INFO(run.text);
+  CHECK(run.exit_code == 1);
+  CHECK_THAT(run.text, Contains("Submitted batch job 7") && Contains("done") && Contains(kOfAnother));
+}
