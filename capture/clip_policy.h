@@ -1,7 +1,7 @@
 // The codes that are too near to the ends of their range to measure light, because they may be clipped. All
 // limits stand here; they differ because their uses differ: a code that may still enter a weighted mean may
 // be too near to clipping to compare two pictures. Unit: codes of 255 unless stated otherwise. The values
-// were settled by ablation on clips with ground truth (docs/decisions.md).
+// were settled by ablation on clips with ground truth (docs/decisions).
 #pragma once
 
 namespace hdrcam::clip_policy {

@@ -1,5 +1,4 @@
 // The process: signals, the real disk, the real standard streams, the log. Everything else is program.cpp.
-#include <malloc.h>
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
@@ -15,6 +14,7 @@
 
 #include "firmware_host/program.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/freed_pictures.h"
 #include "hal/storage.h"
 
 namespace {
@@ -55,21 +55,10 @@ void log_to_standard_error() {
   spdlog::set_default_logger(std::make_shared<spdlog::logger>("hdrcam", std::make_shared<RemarkSink>()));
 }
 
-// Memory of pictures goes back to the system when it is freed. By default the C library keeps it for later as
-// soon as a large block was freed once, in a heap that no other size fits into. Smaller blocks stay: a
-// library that writes a frame frees and takes them dozens of times, and each time the system would clear
-// them.
-void give_back_large_blocks() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
-  mallopt(M_TRIM_THRESHOLD, 16 << 20);
-#endif
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  give_back_large_blocks();
+  hdrcam::give_back_freed_pictures();
   hdrcam::occupy_standard_streams();
   std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is a write error, not the end of a recording
   std::signal(SIGXFSZ, SIG_IGN);  // and so is a file that reaches the limit of ulimit -f

@@ -20,7 +20,7 @@
 
 namespace hdrcam {
 
-// Points on the measured Pareto front of quality and time (docs/decisions.md).
+// Points on the measured Pareto front of quality and time (docs/decisions).
 enum class Preset { Realtime, Fast, Balanced, Best };
 const char* name(Preset preset);
 

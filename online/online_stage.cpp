@@ -51,6 +51,7 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
   budget_.render_step = std::max(budget.render_step, second_layer_.field_step_px());
   sensor_.meet(frame);
   if (!sensor_.is_known()) {
+    sensor_.see_first(frame, waiting_.empty() ? nullptr : &waiting_.back());
     waiting_.emplace_back(frame, camera_.bits);
     return static_cast<int>(waiting_.size()) < knobs_.bootstrap_frames ? Result<void>() : bootstrap(emit);
   }

@@ -41,7 +41,7 @@ void SensorModel::meet(const ExposedFrame& frame) {
 
 void SensorModel::learn_first(std::span<const CompactFrame> frames) {
   known_ = true;
-  go_over_to(learner_.first(frames, noise_));
+  go_over_to(learner_.first(frames, noise_, pool_));
 }
 
 std::optional<ResponseEstimate> SensorModel::learn_response(const ExposedFrame& frame) {

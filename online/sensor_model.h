@@ -30,8 +30,10 @@ class SensorModel {
   // --- the way of a frame, in this order ---
   // Takes note of what the frame states. Where the response is unknown, it has its black level still.
   void meet(const ExposedFrame& frame);
-  // Whether codes mean something: else frames wait until there are enough for learn_first().
+  // Whether codes mean something: else frames are seen, and wait until there are enough for learn_first().
   bool is_known() const { return known_; }
+  // before: the frame before it, or null.
+  void see_first(const ExposedFrame& frame, const CompactFrame* before) { learner_.see_first(frame, before); }
   void learn_first(std::span<const CompactFrame> frames);
   // Where this frame shows the response to be another one, what it is: the caller ends what goes on under the
   // last one and calls begin_anew(). Nearly always nothing.

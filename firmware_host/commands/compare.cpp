@@ -8,6 +8,7 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
+#include "hal/core/freed_pictures.h"
 #include "render/scores/scores.h"
 
 namespace hdrcam {
@@ -61,6 +62,7 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
   const bool json_alone = flags.json == kStandardOutput;
   TRY(flags.kept.check(around.storage, files_of_clip(flags.clip),
                        {{"--json", json_alone ? "" : flags.json}}));
+  const FreedPicturesStay stay;
   const ClipScores scores =
       TRY(score_clip(around.storage, flags.clip, flags.estimates, {flags.skip, &around.stop}));
   const std::string clip = folder_name(flags.clip);

@@ -2,7 +2,7 @@
 // about the same scene, so the share q of the pixels that is darker than code z1 in one, at exposure E1, is
 // darker than z2 in the other, at E2. The boundaries between codes are matched, whose place in a histogram is
 // exact, not codes, which are half a step wide at worst. No alignment, no flow: matches along the flow made
-// the response worse (docs/decisions.md). Thread-bound.
+// the response worse (docs/decisions/response.md). Thread-bound.
 #pragma once
 
 #include <array>

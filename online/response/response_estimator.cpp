@@ -23,6 +23,14 @@ constexpr int kIterations = 4;   // of the robust fit to matches
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
+// body(channel), on the threads of the pool if there is one.
+template <class Body>
+void for_each_channel(WorkerPool* pool, Body&& body) {
+  const auto of_index = [&](int c) { body(static_cast<std::size_t>(c)); };
+  if (pool != nullptr) return pool->for_each(3, of_index);
+  for (int c = 0; c < 3; ++c) of_index(c);
+}
+
 void make_monotone(Vector& g) {
   for (int z = 1; z < kKnots; ++z) g[z] = std::max(g[z], g[z - 1] + 1e-4);
 }
@@ -94,7 +102,7 @@ struct Fit {
 
 // Curves and what they share together: each channel's curve is eliminated from the equations of the shared.
 Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLevel>, 3>& levels,
-          const BlackLevel& black_level, const NoiseModel& noise) {
+          const BlackLevel& black_level, const NoiseModel& noise, WorkerPool* pool) {
   constexpr int kIterationsWithNoise = 12;  // it may lead far from the mean of real cameras
   const std::vector<int> keys = matches.exposure_keys();
   const bool shows_noise =
@@ -103,21 +111,24 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
   Fit fit{{}, Vector::Zero(shared_precision.rows()), {}};
   for (Fit::Curve& curve : fit.curves) curve = {curve_prior().mean, {}};
   for (int iteration = 0; iteration < (shows_noise ? kIterationsWithNoise : kIterations); ++iteration) {
-    Matrix Q = shared_precision;
-    Vector q = Vector::Zero(Q.rows());
     std::array<Vector, 3> alone;  // curves, and their change with the shared
     std::array<Matrix, 3> change;
-    for (std::size_t c = 0; c < 3; ++c) {
+    std::array<Matrix, 3> Qs;  // of the shared, what each channel adds to their equations
+    std::array<Vector, 3> qs;
+    for_each_channel(pool, [&](std::size_t c) {
       Fit::Curve& curve = fit.curves[c];
       const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
       Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, keys, fit.shared);
       add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), shared_unknowns::kFullWell, agreed);
       const Eigen::LLT<Matrix> factor(agreed.A);
       alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
-      Q += agreed.C - agreed.B.transpose() * change[c];
-      q += agreed.d - change[c].transpose() * agreed.b;
+      Qs[c] = agreed.C - agreed.B.transpose() * change[c];
+      qs[c] = agreed.d - change[c].transpose() * agreed.b;
       curve.precision = std::move(agreed.A);
-    }
+    });
+    Matrix Q = shared_precision;
+    Vector q = Vector::Zero(Q.rows());
+    for (std::size_t c = 0; c < 3; ++c) Q += Qs[c], q += qs[c];
     fit.shared = Q.ldlt().solve(q);
     for (std::size_t c = 0; c < 3; ++c) {
       Vector& g = fit.curves[c].g;
@@ -131,15 +142,20 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
 
 }  // namespace
 
-ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model) const {
+ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model,
+                                             WorkerPool* pool) const {
   const std::vector<int> keys = matches_.exposure_keys();
   BlackLevel black;
-  for (std::size_t c = 0; c < 3; ++c)
-    black.set(c, stated_black_
-                     ? (*stated_black_)[c]
-                     : find_black_level(matches_.darkest(c), matches_.most_black(c), [&](float level) {
-                         return misfit_at(level, matches_.of(c), keys, noise);
-                       }));
+  if (stated_black_) {
+    black = *stated_black_;
+  } else {
+    std::array<float, 3> found;
+    for_each_channel(pool, [&](std::size_t c) {
+      found[c] = find_black_level(matches_.darkest(c), matches_.most_black(c),
+                                  [&](float level) { return misfit_at(level, matches_.of(c), keys, noise); });
+    });
+    for (std::size_t c = 0; c < 3; ++c) black.set(c, found[c]);
+  }
   if (model == ResponseModel::Linear) return {Response::linear(), black, {}, {}};
   if (model == ResponseModel::Mean) return {prior_mean_response(), black, {}, {}};
   if (model == ResponseModel::Network) {
@@ -153,17 +169,17 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
       });
     return {Response(curves_of(g)), black, {}, {}};
   }
-  const Fit fit = solve(matches_, noise_levels_.levels(), black, noise);
+  const Fit fit = solve(matches_, noise_levels_.levels(), black, noise, pool);
   // The uncertainty of the fit: the posterior deviation of ln x against the middle code, where the gauge is
   // fixed.
   std::array<Response::Curve, 3> uncertainty;
-  for (std::size_t c = 0; c < 3; ++c) {
+  for_each_channel(pool, [&](std::size_t c) {
     const Vector variance =
         fit.curves[c].precision.llt().solve(Matrix::Identity(kKnots, kKnots)).diagonal().cwiseMax(0);
     for (int z = 0; z < kKnots; ++z)
       uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
     uncertainty[c][0] = uncertainty[c][1];
-  }
+  });
   ExposureCorrections exposures;
   for (std::size_t k = 0; k < keys.size(); ++k)
     exposures.set(std::exp2(static_cast<float>(keys[k]) / 64),

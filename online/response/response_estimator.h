@@ -16,6 +16,7 @@
 #include "capture/exposed_frame.h"
 #include "capture/noise_model.h"
 #include "hal/core/black_level.h"
+#include "hal/core/worker_pool.h"
 #include "online/response/exposure_corrections.h"
 #include "online/response/histogram_matches.h"
 #include "online/response/noise_levels.h"
@@ -58,9 +59,11 @@ class ResponseEstimator {
   // noise tells; where frames do not show that either, the mean of real cameras.
   int pairs() const { return matches_.pairs(); }
 
-  // Takes 50 to 100 ms, the more levels are tried. `noise` gives the uncertainty of the codes. Every model
-  // has the black level of the curve.
-  ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve) const;
+  // Takes 50 to 100 ms of one thread, the more levels are tried. `noise` gives the uncertainty of the codes.
+  // Every model has the black level of the curve. pool: whose threads take a channel each; null for the
+  // calling thread alone.
+  ResponseEstimate estimate(const NoiseModel& noise, ResponseModel model = ResponseModel::Curve,
+                            WorkerPool* pool = nullptr) const;
 
  private:
   std::optional<BlackLevel> stated_black_;

@@ -14,12 +14,20 @@ long pause_after(long frames, long least) {
 
 }  // namespace
 
-ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, const NoiseModel& noise) {
-  estimator_ = ResponseEstimator(frames.front().facts().black_level, options_.code_step);
-  look(frames, SceneCuts::Possible);
+void ResponseLearner::see_first(const ExposedFrame& frame, const CompactFrame* before) {
+  if (before == nullptr) estimator_ = ResponseEstimator(frame.facts.black_level, options_.code_step);
+  estimator_.add_noise(frame);
+  if (before == nullptr) return;
+  ExposedFrame restored;
+  before->restore(restored);
+  estimator_.add_pair(restored, frame);
+}
+
+ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, const NoiseModel& noise,
+                                        WorkerPool& pool) {
   if (estimator_.pairs() == 0) look(frames, SceneCuts::None);  // not every pair of frames spans a cut
   frames_ = look_at_ = static_cast<long>(frames.size());
-  ResponseEstimate estimate = estimator_.estimate(noise, options_.model);
+  ResponseEstimate estimate = estimator_.estimate(noise, options_.model, &pool);
   measured_ = is_measured(estimate);
   uncertainty_ = uncertainty_of(estimate.response);
   return estimate;

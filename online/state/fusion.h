@@ -1,6 +1,6 @@
 // Weighs a sample of a pixel against the state: saturation, noise, motion blur, misalignment and
 // disagreement. Shared by the state (each frame's own sample) and by the emission (later frames' samples).
-// Constants were settled by ablation on clips with ground truth (docs/decisions.md). Thread-bound;
+// Constants were settled by ablation on clips with ground truth (docs/decisions/state.md). Thread-bound;
 // borrows from its pool.
 #pragma once
 

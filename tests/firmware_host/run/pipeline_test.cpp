@@ -50,7 +50,7 @@ double cpu_ms() { return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SE
 
 TEST_CASE("the first HDR frame comes with the sixth frame, after the work of a few frames") {
   constexpr int kBootstrap = 6, kFrames = 24;
-  constexpr double kMostFrames = 18;  // of work: three times what was measured (docs/decisions.md)
+  constexpr double kMostFrames = 18;  // of work: three times what was measured (docs/decisions/kernels.md)
   test::MovingScene scene;
   scene.rows = 240, scene.cols = 320;
   WorkerPool pool(1);
