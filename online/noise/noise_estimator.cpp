@@ -179,10 +179,16 @@ NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector
 
 NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
   constexpr std::size_t kMinSamples = 60;
-  equations_.clear();
+  telling_.clear();
   for (const auto& [ratio, bins] : bins_)
     for (const Bin& bin : bins)
-      if (bin.differences.size() >= kMinSamples) equations_.push_back(equation_of(bin, sorted_));
+      if (bin.differences.size() >= kMinSamples) telling_.push_back(&bin);
+  equations_.resize(telling_.size());
+  pool_.for_each(static_cast<int>(kShares), [&](int share) {
+    const auto first = static_cast<std::size_t>(share);
+    for (std::size_t i = first; i < telling_.size(); i += kShares)
+      equations_[i] = equation_of(*telling_[i], sorted_[first]);
+  });
   if (equations_.size() < 4) return seen_.value_or(otherwise);
 
   // Gauss-Newton on ln variance, robust against single bins; the prior determines every direction.

@@ -28,8 +28,8 @@ class NoiseEstimator {
  public:
   explicit NoiseEstimator(WorkerPool& pool) : pool_(pool) {
     constexpr std::size_t kUsualRatios = 16;
-    sorted_.reserve(Bin::kCapacity);
-    equations_.reserve(kUsualRatios * kBrightnesses);
+    for (std::vector<float>& share : sorted_) share.reserve(Bin::kCapacity);
+    telling_.reserve(kUsualRatios * kBrightnesses), equations_.reserve(kUsualRatios * kBrightnesses);
   }
 
   // a -> b: flow from frame a's pixels into frame b. The shorter exposure must be `a`: its noise is larger,
@@ -82,8 +82,11 @@ class NoiseEstimator {
   Image<float> warped_, warped_mean_, compared_;        // borrowed during a call
   std::vector<int> found_;                              // by row of compared_
   std::optional<NoiseModel> seen_;                      // by expect()
-  std::vector<Equation> equations_;                     // of the last solve()
-  std::vector<float> sorted_;
+  // of the last solve()
+  std::vector<const Bin*> telling_;  // those with samples enough
+  std::vector<Equation> equations_;  // one each
+  static constexpr std::size_t kShares = 4;
+  std::array<std::vector<float>, kShares> sorted_;  // each for a share of the bins
 };
 
 }  // namespace hdrcam

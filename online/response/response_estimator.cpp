@@ -26,7 +26,7 @@ using Matrix = Eigen::MatrixXd;
 // body(channel), on the threads of the pool if there is one.
 template <class Body>
 void for_each_channel(WorkerPool* pool, Body&& body) {
-  const auto of_index = [&](int c) { body(static_cast<std::size_t>(c)); };
+  auto of_index = [&](int c) { body(static_cast<std::size_t>(c)); };
   if (pool != nullptr) return pool->for_each(3, of_index);
   for (int c = 0; c < 3; ++c) of_index(c);
 }

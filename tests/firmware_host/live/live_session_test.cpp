@@ -45,7 +45,8 @@ class Stand {
       frames.push_back(**facts);
     }
   }
-  ~Stand() { std::filesystem::remove(path_); }
+  void remove_recording() const { std::filesystem::remove(path_); }
+  ~Stand() { remove_recording(); }
 
  private:
   const std::string path_ =
@@ -196,6 +197,7 @@ TEST_CASE("a recording that failed while it was completed keeps its error, and n
     allowed = session.may_record();
   }
   require_error(allowed, ErrorCode::NoSpace);
+  stand.remove_recording();
   require_error(session.start_recording(stand.record(posix_storage())), ErrorCode::NoSpace);
   require_error(session.finish(), ErrorCode::NoSpace);
 }
