@@ -50,7 +50,8 @@ inline V limited(V cubic, V linear, float limit) {
 }
 
 // One pixel near the left or right border: the four of each row are a Quad.
-[[gnu::noinline]] void read_cubic(const WarpBand& w, int x, int y, float fx, float fy, float* out) {
+[[gnu::noinline]] void read_cubic(const WarpBand& w, int x, int y, float fx, float fy, float* out,
+                                  float* largest) {
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
   const auto [across_x] = cubic_weights(fx);
   const auto [down] = cubic_weights(fy);
@@ -76,6 +77,7 @@ inline V limited(V cubic, V linear, float limit) {
       value = limited(value, between[1] + between[2], w.limit);
     }
     out[channel * plane] = value;
+    if (w.largest != nullptr) largest[channel * plane] = most(most(p[1][1], p[1][2]), most(p[2][1], p[2][2]));
   }
 }
 
@@ -103,7 +105,8 @@ inline Fours fours_at(const float* p, Whole place) {
 // Eight pixels whose columns are all within the picture: the same sums as for one, a lane each. fours(in, k)
 // reads row k of a plane.
 template <class Rows>
-inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, float* out, Rows&& fours) {
+inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, float* out, float* largest,
+                              Rows&& fours) {
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
   const auto [across_x] = cubic_weights(at.fx);
   const auto [down] = cubic_weights(at.fy);
@@ -120,15 +123,20 @@ inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, fl
       value = limited(value, rounded((1 - at.fx) * middle(1)) + rounded(at.fx * middle(2)), w.limit);
     }
     store_some(out + channel * plane, value, count);
+    if (w.largest != nullptr)
+      store_some(largest + channel * plane,
+                 most(most(b.column[1], b.column[2]), most(c.column[1], c.column[2])), count);
   }
 }
 
 void warp_cubic(const WarpBand& w) {
   for (int y = w.y0; y < w.y1; ++y)
     across(w, y, [&](int x, int count, const Places& at) {
-      float* out = w.out + static_cast<std::ptrdiff_t>(y) * w.cols + x;
+      const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(y) * w.cols + x;
+      float *out = w.out + place, *largest = w.largest + place;
       if (any_negative((at.x - 1) | (w.cols - 3 - at.x))) {
-        for (int i = 0; i < count; ++i) read_cubic(w, at.x[i], at.y[i], at.fx[i], at.fy[i], out + i);
+        for (int i = 0; i < count; ++i)
+          read_cubic(w, at.x[i], at.y[i], at.fx[i], at.fy[i], out + i, largest + i);
         return;
       }
       const auto row = [&](auto top, int k) { return clamped(top + (k - 1), w.rows - 1) * w.cols; };
@@ -137,13 +145,14 @@ void warp_cubic(const WarpBand& w) {
         const int left = at.x[0] - 1, top = at.y[0];
         const std::ptrdiff_t first[4] = {row(top, 0) + left, row(top, 1) + left, row(top, 2) + left,
                                          row(top, 3) + left};
-        read_cubic_inside(w, at, count, out,
+        read_cubic_inside(w, at, count, out, largest,
                           [&](const float* in, int k) { return fours_in_a_row(in + first[k]); });
       } else {
         const Whole left = at.x - 1;
-        const Whole place[4] = {row(at.y, 0) + left, row(at.y, 1) + left, row(at.y, 2) + left,
+        const Whole first[4] = {row(at.y, 0) + left, row(at.y, 1) + left, row(at.y, 2) + left,
                                 row(at.y, 3) + left};
-        read_cubic_inside(w, at, count, out, [&](const float* in, int k) { return fours_at(in, place[k]); });
+        read_cubic_inside(w, at, count, out, largest,
+                          [&](const float* in, int k) { return fours_at(in, first[k]); });
       }
     });
 }

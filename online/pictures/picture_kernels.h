@@ -13,8 +13,9 @@ struct WarpBand {
   float* out;            // the same
   const float *dx, *dy;  // [rows, cols] pixels
   int channels, rows, cols;
-  int y0, y1;   // the rows of `out` to be written
-  float limit;  // of the cubic against the bilinear value; 0: none
+  int y0, y1;                // the rows of `out` to be written
+  float limit;               // of the cubic against the bilinear value; 0: none
+  float* largest = nullptr;  // [channels, rows, cols] of the four pixels around; of the cubic; or null
 };
 
 // One row of a small-window statistic (local_statistics.h) of a plane.

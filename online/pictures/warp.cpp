@@ -6,11 +6,11 @@ namespace hdrcam {
 namespace {
 
 void warp(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out, WorkerPool& pool,
-          void (*kernel)(const WarpBand&)) {
+          void (*kernel)(const WarpBand&), float* largest = nullptr) {
   out.reshape_like(in);
   pool.for_rows(in.rows(), [&](int y0, int y1) {
     kernel({in.plane(0), out.plane(0), flow.plane(0), flow.plane(1), in.channels(), in.rows(), in.cols(), y0,
-            y1, limit});
+            y1, limit, largest});
   });
 }
 
@@ -19,6 +19,12 @@ void warp(const Image<float>& in, const Image<float>& flow, float limit, Image<f
 void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
                 WorkerPool& pool) {
   warp(in, flow, limit, out, pool, picture_kernels().warp_cubic);
+}
+
+void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, Image<float>& largest,
+                WorkerPool& pool) {
+  largest.reshape_like(in);
+  warp(in, flow, 0, out, pool, picture_kernels().warp_cubic, largest.plane(0));
 }
 
 void warp_linear(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool) {

@@ -13,6 +13,9 @@ namespace hdrcam {
 // [dx dy, rows, cols] pixels.
 void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
                 WorkerPool& pool);
+// The same without a limit; largest: becomes the largest of the four pixels around each place.
+void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, Image<float>& largest,
+                WorkerPool& pool);
 
 void warp_linear(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
 

@@ -4,25 +4,6 @@
 #include "online/pictures/warp.h"
 
 namespace hdrcam {
-namespace {
-
-// The largest of each pixel and its left, upper and upper left neighbours, which may contribute to a warped
-// pixel.
-void dilate_2x2(const Image<float>& in, Image<float>& out, WorkerPool& pool) {
-  out.reshape_like(in);
-  pool.for_rows(in.rows(), [&](int y0, int y1) {
-    for (int c = 0; c < in.channels(); ++c)
-      for (int y = y0; y < y1; ++y) {
-        const float *line = in.row(c, y), *above = in.row(c, std::max(0, y - 1));
-        float* target = out.row(c, y);
-        target[0] = std::max(line[0], above[0]);
-        for (int x = 1; x < in.cols(); ++x)
-          target[x] = std::max(std::max(line[x], line[x - 1]), std::max(above[x], above[x - 1]));
-      }
-  });
-}
-
-}  // namespace
 
 void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> later, Fusion& fusion,
                      JoinedState& joined) {
@@ -64,11 +45,9 @@ void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> 
 // The samples of a later frame, at the pixels of the state's frame.
 void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, Fusion& fusion) {
   const Image<float>& codes = ahead.frame->codes;
-  const ScratchLease room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}, {&dilated_, 3}});
+  const ScratchLease room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}});
   Image<float>& warped = samples_.blur;  // its memory is idle until the blur is modelled
-  warp_cubic(codes, path, 0, warped, pool_);
-  dilate_2x2(codes, dilated_, pool_);
-  warp_linear(dilated_, path, brightest_, pool_);
+  warp_cubic(codes, path, warped, brightest_, pool_);
   fusion.sample(warped, brightest_, *ahead.tables, samples_);
 }
 

@@ -41,7 +41,7 @@ class LookAhead {
   Samples samples_;
   FlowField path_;            // from the state's frame to a later frame than the next
   RadianceEstimate between_;  // of two later frames
-  Image<float> share_, brightest_, dilated_, gate_, contrast_, onward_, trust_;
+  Image<float> share_, brightest_, gate_, contrast_, onward_, trust_;
 };
 
 }  // namespace hdrcam

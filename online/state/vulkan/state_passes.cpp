@@ -2,13 +2,13 @@
 
 #include "capture/clip_policy.h"
 #include "online/pictures/vulkan/box_mean.comp.h"
+#include "online/pictures/vulkan/largest_around.comp.h"
 #include "online/pictures/vulkan/local_contrast.comp.h"
 #include "online/pictures/vulkan/warp.comp.h"
 #include "online/state/pass_constants.h"
 #include "online/state/sample_residuals.h"
 #include "online/state/vulkan/age.comp.h"
 #include "online/state/vulkan/blur.comp.h"
-#include "online/state/vulkan/dilate.comp.h"
 #include "online/state/vulkan/disagreement.comp.h"
 #include "online/state/vulkan/follow.comp.h"
 #include "online/state/vulkan/gate.comp.h"
@@ -61,7 +61,7 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
                                                 {"residuals", k_residuals, 6},
                                                 {"guess", k_guess, 3},
                                                 {"update", k_update, 9},
-                                                {"dilate", k_dilate, 2},
+                                                {"largest_around", k_largest_around, 3},
                                                 {"follow", k_follow, 3}}};
   StatePasses passes(device, options);
   for (std::size_t i = 0; i < kPasses; ++i) passes.kernels_[i] = TRY(device.kernel(shaders[i]));
@@ -217,9 +217,10 @@ void StatePasses::join(const GpuSeen& seen, const GpuPicture& gate, const GpuMov
   fuse(Taking::Later, seen, gate, moved, room, share);
 }
 
-void StatePasses::dilate(const GpuPicture& in, const GpuPicture& out) const {
+void StatePasses::largest_around(const GpuPicture& in, const GpuPicture& motion,
+                                 const GpuPicture& out) const {
   const struct { int rows, cols; } constants{in.rows, in.cols};
-  run(kDilate, {*in, *out}, constants, out.grid());
+  run(kLargestAround, {*in, *motion, *out}, constants, out.grid());
 }
 
 void StatePasses::follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const {

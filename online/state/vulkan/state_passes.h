@@ -78,8 +78,8 @@ class StatePasses {
   // Fusion::update with a later frame's samples, whose gate and local contrast count; share is joined to
   void join(const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved, const PassRoom& room,
             const GpuPicture& share) const;
-  // LookAhead: the brightest code that may have gone into a warped one; a path made longer
-  void dilate(const GpuPicture& in, const GpuPicture& out) const;
+  // The largest value around each place, as warp_cubic finds it; LookAhead: a path made longer
+  void largest_around(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const;
   void follow(const GpuPicture& motion, const GpuPicture& path, const GpuPicture& longer) const;
 
  private:
@@ -95,7 +95,7 @@ class StatePasses {
     kResiduals,
     kGuess,
     kUpdate,
-    kDilate,
+    kLargestAround,
     kFollow,
     kPasses
   };

@@ -37,7 +37,6 @@ Result<VulkanState::Room> VulkanState::Room::make(GpuDevice& device, const State
       .path = TRY(picture(kMotionPlanes)),
       .longer = TRY(picture(kMotionPlanes)),
       .seen = TRY(picture(3)),
-      .largest = TRY(picture(3)),
       .brightest = TRY(picture(3)),
       .held = {},
       .room = TRY(PassRoom::make(device, rows, cols)),
@@ -210,8 +209,7 @@ Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const L
     const GpuPicture& codes = codes_of(*ahead.frame);
     on.tables.take(*ahead.tables, work);
     passes.warp(codes, on.path, kCubic, 0, on.seen);
-    passes.dilate(codes, on.largest);
-    passes.warp(on.largest, on.path, 0, 0, on.brightest);
+    passes.largest_around(codes, on.path, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
     // the path spans all intervals, the exposure lasts a part of the last one
     passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / static_cast<float>(intervals),

@@ -40,7 +40,7 @@ class VulkanState final : public StateLayer {
     StatePasses passes;
     GpuTables tables;
     GpuPicture state, predicted, joined;  // [kStatePlanes]
-    GpuPicture samples, motion, path, longer, seen, largest, brightest;
+    GpuPicture samples, motion, path, longer, seen, brightest;
     std::array<HeldCodes, 1 + kMaxLookAhead> held;
     PassRoom room;
     GpuPicture contrast, gate, share, residuals;

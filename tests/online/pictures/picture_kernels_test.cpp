@@ -85,17 +85,28 @@ float cubic_of(const Scene& s, int c, Place x, Place y, float limit) {
   return limit > 0 ? std::clamp(cubic, linear * (1 - limit), linear * (1 + limit)) : cubic;
 }
 
-// Calls check(scene, channels, x, y, c, i) for each sample of each scene, after `warp` of it.
+float largest_of(const Scene& s, int c, Place x, Place y) {
+  const auto row = [&](int v) { return std::max(s.picture(c, v, x.pixel), s.picture(c, v, x.pixel + 1)); };
+  return std::max(row(y.pixel), row(y.pixel + 1));
+}
+
+// Checks each sample of each scene after `warp` of it: what it writes to `out`, or to `largest`.
+enum class Written { Out, Largest };
 template <class Expected>
-void require_warp(void (*warp)(const WarpBand&), float limit, Expected&& expected) {
+void require_warp(void (*warp)(const WarpBand&), float limit, Expected&& expected,
+                  Written written = Written::Out) {
   for (const Size size : kSizes)
     for (const Motion motion : {Motion::Shift, Motion::Zoom, Motion::Chaos})
       for (const int channels : {1, 2, 3}) {
         const Scene s = scene(size, motion);
         const auto pixels = static_cast<std::size_t>(size.rows * size.cols);
-        std::vector<float> out(static_cast<std::size_t>(channels) * pixels);
+        std::vector<float> out(static_cast<std::size_t>(channels) * pixels), largest(out.size());
         const float *dx = s.flow.data(), *dy = dx + pixels;
-        warp({s.pictures.data(), out.data(), dx, dy, channels, size.rows, size.cols, 0, size.rows, limit});
+        WarpBand band{s.pictures.data(), out.data(), dx, dy,        channels,
+                      size.rows,         size.cols,  0,  size.rows, limit};
+        if (written == Written::Largest) band.largest = largest.data();
+        warp(band);
+        if (written == Written::Largest) out = largest;
         for (std::size_t i = 0; i < out.size(); ++i) {
           const int c = static_cast<int>(i / pixels), at = static_cast<int>(i % pixels);
           const int y = at / size.cols, x = at % size.cols;
@@ -118,4 +129,8 @@ TEST_CASE("a bicubic warp reads among sixteen pixels, wherever neighbours go", "
   for (const float limit : {0.f, 0.3f})
     require_warp(picture_kernels().warp_cubic, limit,
                  [=](const Scene& s, int c, Place x, Place y) { return cubic_of(s, c, x, y, limit); });
+}
+
+TEST_CASE("beside a bicubic warp stands the largest of the four pixels around each place", "[isa]") {
+  require_warp(picture_kernels().warp_cubic, 0, largest_of, Written::Largest);
 }

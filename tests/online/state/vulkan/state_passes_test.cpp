@@ -177,6 +177,17 @@ TEST_CASE("a warp on the graphics device is the processor's", "[gpu]") {
   check_alike(planes_of(bench.get(out), 0, 3), cubic, "cubic without a limit");
 }
 
+TEST_CASE("the largest pixel around a place is the same on the graphics device", "[gpu]") {
+  Bench bench(test::open_test_gpu());
+  NEEDS_GPU(bench.gpu);
+  Scene s;
+  const GpuPicture in = bench.put({&s.state.radiance}), motion = bench.put(s.motion), out = bench.empty(3);
+  bench.passes->largest_around(in, motion, out);
+  Image<float> moved, largest;
+  warp_cubic(s.state.radiance, s.motion.vectors, moved, largest, s.pool);
+  check_alike(bench.get(out), largest, "largest");
+}
+
 TEST_CASE("what does not move is copied bit for bit on the graphics device, too", "[gpu]") {
   Bench bench(test::open_test_gpu());
   NEEDS_GPU(bench.gpu);
