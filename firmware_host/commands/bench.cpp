@@ -10,7 +10,7 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
-#include "firmware_host/settings/settings_flags.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -43,9 +43,7 @@ Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
   return points;
 }
 
-Result<void> bench_pareto(Surroundings& around, const BenchFlags& flags) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+Result<void> bench_pareto(const BenchFlags& flags, const Settings& settings, Surroundings& around) {
   if (!settings.machine.trace.empty())
     return Error{ErrorCode::Invalid, "--trace is of one run, and bench makes many; trace a replay"};
   CostWalk plan = flags.walk;
@@ -161,8 +159,7 @@ void add_bench(CLI::App& app, Verb& chosen) {
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine});
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_pareto(around, *flags); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, bench_pareto); });
 }
 
 }  // namespace hdrcam

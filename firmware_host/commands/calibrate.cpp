@@ -7,8 +7,8 @@
 #include "capture/delay_calibration.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/capture_setup.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/settings/settings_toml.h"
 #include "firmware_host/terminal.h"
 
@@ -76,9 +76,7 @@ void print(const char* control, const DelayEstimate& estimate) {
         *estimate.delay, 100 * estimate.agreement, estimate.comparisons);
 }
 
-Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
-  Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Surroundings& around) {
   if (flags.what != "delay")
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
@@ -116,14 +114,15 @@ Result<void> calibrate(const CalibrateFlags& flags, Surroundings& around) {
     gain = TRY(measure(*camera, setup.options, gains, around.stop));
     print("gain", gain);
   }
-  if (settings.camera.id.empty()) settings.camera.id = camera->capabilities().id;
-  settings.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
+  Settings measured = settings;
+  if (measured.camera.id.empty()) measured.camera.id = camera->capabilities().id;
+  measured.camera.control_delay = fmt::format("{},{}", *exposure.delay, gain.delay.value_or(*exposure.delay));
   if (flags.output.empty()) {
     say("use it with --control-delay {}, or write a configuration with -o FILE\n",
-        settings.camera.control_delay);
+        measured.camera.control_delay);
     return {};
   }
-  const std::string toml = to_toml(settings, {SettingGroup::Camera});
+  const std::string toml = to_toml(measured, {SettingGroup::Camera});
   TRY(write_whole(around.storage, flags.output, std::as_bytes(std::span(toml))));
   say("use it with --config {}\n", flags.output);
   return {};
@@ -142,8 +141,7 @@ void add_calibrate(CLI::App& app, Verb& chosen) {
       ->check(names_file);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return calibrate(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, calibrate); });
 }
 
 }  // namespace hdrcam

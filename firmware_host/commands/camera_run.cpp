@@ -1,11 +1,21 @@
 #include "firmware_host/commands/camera_run.h"
 
 #include "capture/exposure.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/live/capture_setup.h"
+#include "firmware_host/live/live_report.h"
 #include "firmware_host/live/trigger_setup.h"
+#include "firmware_host/settings/start_time.h"
+#include "firmware_host/terminal.h"
+#include "hal/clock.h"
 
 namespace hdrcam {
+
+Result<Settings> started_settings(const SettingsFlags& flags, const Settings& asked) {
+  TRY(check_ignored_flags(flags, asked));
+  return with_start_time(asked, posix_clock().wall_time());
+}
 
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
                               Storage& storage) {
@@ -15,17 +25,36 @@ Result<void> check_camera_run(const Settings& settings, const char* recording_fl
   return check_lines(settings);
 }
 
+Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& settings, LiveOptions limits,
+                                                         TraceFile& trace, Surroundings& around) {
+  limits.trace = trace.trace();
+  auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
+  for (const std::string& warning : camera->warnings()) remark("note: {}\n", warning);
+  return camera;
+}
+
+std::string account_of(CameraSource& camera) {
+  const LiveCounters counters = camera.session().counters();
+  std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.fits()), proof_of(counters.camera));
+  if (camera.fits())
+    text += fmt::format("latency: {:.0f} ms at most\n", to_seconds(counters.longest_latency) * 1e3);
+  if (const std::string trigger = camera.trigger_account(); !trigger.empty()) text += trigger + "\n";
+  return text;
+}
+
 bool is_read_as_fast_as_asked(const Settings::Camera& camera) {
   return is_replayed(camera.id) && camera.pace == ReplayPace::AsFastAsAsked;
 }
 
-RecordingSourceOptions recording_options(const Settings& settings, const RunLimits& limits) {
+Result<std::unique_ptr<RecordingSource>> open_replayed(const Settings& settings, const RunLimits& limits,
+                                                       Contradiction contradiction, Surroundings& around) {
   RecordingSourceOptions options{.frames = static_cast<int>(limits.frames),
                                  .timeout = from_seconds(limits.timeout_s),
+                                 .contradiction = contradiction,
                                  .copy_to = settings.record.file,
                                  .copy_codec = settings.record.codec};
   if (settings.camera.black_level >= 0) options.black_level = BlackLevel(settings.camera.black_level);
-  return options;
+  return RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop);
 }
 
 }  // namespace hdrcam

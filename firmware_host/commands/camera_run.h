@@ -1,24 +1,41 @@
-// What `live` and `record` share: the checks before a camera is opened, and what of the settings holds where
-// a recording stands in for it. Reentrant.
+// What `live` and `record` share: their settings, the checks before a camera is opened, the camera, its
+// account at the end, and what of it holds where a recording stands in for the camera. Thread-bound.
 #pragma once
 
+#include <memory>
+#include <string>
+
+#include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/run_limits.h"
+#include "firmware_host/commands/trace_file.h"
+#include "firmware_host/live/camera_source.h"
 #include "firmware_host/run/recording_source.h"
-#include "firmware_host/settings/settings.h"
-#include "hal/core/result.h"
-#include "hal/storage.h"
+#include "firmware_host/settings/settings_flags.h"
 
 namespace hdrcam {
+
+// The settings with the time of this start in the names of files. Errors: those of check_ignored_flags.
+Result<Settings> started_settings(const SettingsFlags& flags, const Settings& asked);
 
 // The cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record". Errors: those
 // of check_recording_name, parse_exposures, KeptWork::check and check_lines.
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
                               Storage& storage);
 
+// Opens the camera and shows what the user should know of it. trace: outlives the camera. Errors: those of
+// CameraSource::open.
+Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& settings, LiveOptions limits,
+                                                         TraceFile& trace, Surroundings& around);
+// At the end of the run: what became of the captured frames, and how their exposures were proved; lines for
+// the user.
+std::string account_of(CameraSource& camera);
+
 // Whether the camera is a recording that is read as fast as it is worked on.
 bool is_read_as_fast_as_asked(const Settings::Camera& camera);
-// Of such a recording; the one that the settings name for the camera's frames becomes its copy.
-RecordingSourceOptions recording_options(const Settings& settings, const RunLimits& limits);
+// Opens such a recording; the one that the settings name for the camera's frames becomes its copy. Errors:
+// those of RecordingSource::open.
+Result<std::unique_ptr<RecordingSource>> open_replayed(const Settings& settings, const RunLimits& limits,
+                                                       Contradiction contradiction, Surroundings& around);
 
 }  // namespace hdrcam

@@ -11,12 +11,11 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/progress.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/sink_table.h"
-#include "firmware_host/terminal.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 
@@ -84,9 +83,7 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
   return frame;
 }
 
-Result<void> encode(const EncodeFlags& flags, Surroundings& around) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
   const std::string& output = settings.output.path("frames");
   if (output.empty())
     return Error{ErrorCode::Invalid,
@@ -143,8 +140,7 @@ void add_encode(CLI::App& app, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",
                                       "video.white", "video.peak", "video.crf", "video.pipe_format"});
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return encode(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, encode); });
 }
 
 }  // namespace hdrcam

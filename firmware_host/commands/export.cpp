@@ -7,8 +7,8 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
@@ -90,9 +90,7 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
 }
 
 // A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
-Result<void> export_recording(Surroundings& around, const ExportOptions& options) {
-  const Settings settings = TRY(options.settings->read(around.storage));
-  if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
   const bool with_poses = options.transforms || options.colmap;
   if (with_poses) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
@@ -138,9 +136,7 @@ void add_export(CLI::App& app, Verb& chosen) {
   verb->add_flag("--strict", options->strict, "fail where the recording is cut or damaged");
   options->kept.add_to(*verb);
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
-  verb->callback([options, &chosen] {
-    chosen = [options](Surroundings& around) { return export_recording(around, *options); };
-  });
+  verb->callback([options, &chosen] { chosen = with_settings(options, export_recording); });
 }
 
 }  // namespace hdrcam

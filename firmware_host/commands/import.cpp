@@ -11,9 +11,9 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/footage/footage_plan.h"
 #include "firmware_host/run/memory_need.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/image_sequence.h"
@@ -178,9 +178,7 @@ std::string takes_framerate(const std::string& text) {
   return objection_to(camera).value_or("");
 }
 
-Result<void> import_any(Surroundings& around, const ImportOptions& options) {
-  const Settings settings = TRY(options.settings->read(around.storage));
-  if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+Result<void> import_any(const ImportOptions& options, const Settings&, Surroundings& around) {
   if (options.list && (!options.output.empty() || options.kept.replaces()))
     return Error{
         ErrorCode::Invalid,
@@ -236,9 +234,7 @@ void add_import(CLI::App& app, Verb& chosen) {
   options->kept.add_to(*verb);
   options->settings =
       std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"record.codec", "machine.memory_mib"});
-  verb->callback([options, &chosen] {
-    chosen = [options](Surroundings& around) { return import_any(around, *options); };
-  });
+  verb->callback([options, &chosen] { chosen = with_settings(options, import_any); });
 }
 
 }  // namespace hdrcam

@@ -5,22 +5,12 @@
 #include <string>
 
 #include "firmware_host/commands/camera_run.h"
-#include "firmware_host/commands/command.h"
-#include "firmware_host/commands/ignored_flags.h"
-#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
-#include "firmware_host/commands/run_limits.h"
-#include "firmware_host/commands/trace_file.h"
-#include "firmware_host/live/camera_source.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/capture_setup.h"
-#include "firmware_host/live/live_report.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/run.h"
-#include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/settings/start_time.h"
-#include "firmware_host/sinks/sink_table.h"
 #include "firmware_host/terminal.h"
-#include "hal/clock.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -52,48 +42,30 @@ bool keeps_nothing(const Settings& settings) {
   return !writes_outputs(settings.output) && settings.record.file.empty();
 }
 
-// Where the results of a run are told: the standard output may be taken by the frames.
-auto* teller_of(const Settings& settings) {
-  return settings.output.path("frames") == kStandardOutput ? write_remark : write_result;
-}
-
 std::string recorded_line(const Settings& settings, std::uint64_t recorded, std::uint64_t captured) {
   if (settings.record.file.empty() || recorded == 0) return "";  // no frame, no file
   return fmt::format("{}: {} of {}\n", settings.record.file, recorded, counted(captured, "frame"));
 }
 
-void print_summary(const LiveCounters& counters, const std::string& trigger, const Settings& settings) {
-  const auto tell = teller_of(settings);
-  tell(fmt::format("{}\n{}\nlatency: {:.0f} ms at most\n", sentence_of(counters, true),
-                   proof_of(counters.camera), to_seconds(counters.longest_latency) * 1e3));
-  if (!trigger.empty()) tell(trigger + "\n");
-  if (const std::string line = recorded_line(settings, counters.recorded, counters.captured()); !line.empty())
-    tell(line);
-}
-
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
-  RecordingSourceOptions options = recording_options(settings, flags.limits);
-  if (flags.strict) options.contradiction = Contradiction::Fails;
-  const auto source =
-      TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id), options, around.stop));
+  const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
+  const auto source = TRY(open_replayed(settings, flags.limits, contradiction, around));
   TRY(admit_fit(settings, source->camera()));
   Result<void> ended = run_on(
       *source,
       {.settings = settings, .title = source->camera().name, .command = command_line_of(flags, settings)},
       around.storage);
   const CaptureCounters counters = source->counters();
-  teller_of(settings)(fmt::format("{}; {}\n{}", counted(counters.captured, "frame"), proof_of(counters),
-                                  recorded_line(settings, counters.emitted, counters.captured)));
+  write_result_beside_frames(
+      settings.output, fmt::format("{}; {}\n{}", counted(counters.captured, "frame"), proof_of(counters),
+                                   recorded_line(settings, counters.emitted, counters.captured)));
   return ended;
 }
 
-Result<void> live(const LiveFlags& flags, Surroundings& around) {
-  Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  TRY(check_ignored_flags(*flags.settings, settings));
+Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& around) {
+  const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_strict(flags, settings.camera));
-  settings = with_start_time(std::move(settings), posix_clock().wall_time());
   TRY(check_needs(settings));
   if (is_replayed(settings.camera.id) && replayed_file(settings.camera.id).empty())
     return Error{ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv"};
@@ -102,11 +74,7 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
-  LiveOptions limits = flags.limits.options(true);
-  limits.trace = trace.trace();
-  const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
-  for (const std::string& warning : camera->warnings()) remark("note: {}\n", warning);
-
+  const auto camera = TRY(open_camera_source(settings, flags.limits.options(true), trace, around));
   RunPlan plan{.settings = settings,
                .title = camera->camera().name,
                .command = command_line_of(flags, settings),
@@ -114,7 +82,10 @@ Result<void> live(const LiveFlags& flags, Surroundings& around) {
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   const LiveCounters counters = camera->session().counters();
-  if (counters.captured() > 0) print_summary(counters, camera->trigger_account(), settings);
+  if (counters.captured() > 0)
+    write_result_beside_frames(
+        settings.output,
+        account_of(*camera) + recorded_line(settings, counters.recorded, counters.captured()));
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
   if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {
     remark("note: stopped before the first HDR frame\n");
@@ -138,8 +109,7 @@ void add_live(CLI::App& app, Verb& chosen) {
       *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
                                        SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
                                        SettingGroup::Record, SettingGroup::Machine});
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return live(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, live); });
 }
 
 }  // namespace hdrcam

@@ -5,19 +5,10 @@
 #include <memory>
 
 #include "firmware_host/commands/camera_run.h"
-#include "firmware_host/commands/command.h"
-#include "firmware_host/commands/ignored_flags.h"
-#include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
-#include "firmware_host/commands/run_limits.h"
-#include "firmware_host/commands/trace_file.h"
-#include "firmware_host/live/camera_source.h"
-#include "firmware_host/live/capture_setup.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/live_report.h"
-#include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
-#include "hal/clock.h"
 #include "hal/core/counted.h"
 
 namespace hdrcam {
@@ -36,8 +27,7 @@ const std::vector<SettingGroup> kGroups{SettingGroup::Camera, SettingGroup::Sche
 // disk takes them.
 Result<void> record_again(const RecordFlags& flags, const Settings& settings, Trace* trace,
                           Surroundings& around) {
-  const auto source = TRY(RecordingSource::open(around.storage, replayed_file(settings.camera.id),
-                                                recording_options(settings, flags.limits), around.stop));
+  const auto source = TRY(open_replayed(settings, flags.limits, Contradiction::Warns, around));
   Result<void> failed;
   for (;;) {
     const TraceSpan span(trace, "record");
@@ -55,23 +45,16 @@ Result<void> record_again(const RecordFlags& flags, const Settings& settings, Tr
   return ended;
 }
 
-Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
-  Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
-  TRY(check_ignored_flags(*flags.settings, settings));
-  settings = with_start_time(std::move(settings), posix_clock().wall_time());
+Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surroundings& around) {
+  const Settings settings = TRY(started_settings(*flags.settings, asked));
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
   TRY(check_camera_run(settings, "--output", flags.kept, around.storage));
   TraceFile trace(settings);
   if (is_read_as_fast_as_asked(settings.camera))
     return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);
-  LiveOptions limits = flags.limits.options(false);
-  limits.trace = trace.trace();
-  const auto camera = TRY(CameraSource::open(settings, limits, around.storage, around.stop));
+  const auto camera = TRY(open_camera_source(settings, flags.limits.options(false), trace, around));
   LiveSession& session = camera->session();
-  for (const std::string& warning : camera->warnings()) remark("note: {}\n", warning);
-
   TRY(camera->start());
   {
     LiveStatus status(session, false);
@@ -81,8 +64,7 @@ Result<void> record_frames(const RecordFlags& flags, Surroundings& around) {
   RunRecord record;
   const Result<void> ended = trace.write_after(camera->finish(record), around.storage);
   const LiveCounters counters = session.counters();
-  say("{}\n{}\n", sentence_of(counters, false), proof_of(counters.camera));
-  if (const std::string account = camera->trigger_account(); !account.empty()) say("{}\n", account);
+  write_result(account_of(*camera));
   if (counters.recorded > 0) say("{}\n", settings.record.file);
   TRY(ended);
   return flags.limits.ended_by(camera->end(), counters.captured());
@@ -97,8 +79,7 @@ void add_record(CLI::App& app, Verb& chosen) {
   flags->limits.add_to(*verb);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return record_frames(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, record_frames); });
 }
 
 }  // namespace hdrcam

@@ -10,10 +10,10 @@
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/film/film_plan.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/ldr_frames.h"
 #include "firmware_host/sinks/run_record.h"
 #include "firmware_host/terminal.h"
@@ -98,9 +98,7 @@ std::string as_flags(const FilmOptions& options) {
   return text;
 }
 
-Result<void> render(const RenderFlags& flags, Surroundings& around) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+Result<void> render(const RenderFlags& flags, const Settings& settings, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "render"));
   if (!writes_outputs(settings.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
@@ -189,8 +187,7 @@ void add_render(CLI::App& app, Verb& chosen) {
       std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
                                 SettingGroup::Machine},
       std::vector<std::string>{"fit.deadline"});  // all frames of a film count
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return render(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 
 }  // namespace hdrcam

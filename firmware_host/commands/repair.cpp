@@ -6,8 +6,8 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/recording/recording.h"
@@ -47,9 +47,7 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
   return saved;
 }
 
-Result<void> repair(Surroundings& around, const RepairOptions& options) {
-  const Settings settings = TRY(options.settings->read(around.storage));
-  if (options.settings->print_config()) return say("{}", options.settings->printed(settings)), Result<void>{};
+Result<void> repair(const RepairOptions& options, const Settings& settings, Surroundings& around) {
   TRY(check_recording_name(around.storage, "--output", options.output));
   TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
                          {{"--output", options.output, OutputKind::Recording}}));
@@ -79,8 +77,7 @@ void add_repair(CLI::App& app, Verb& chosen) {
       ->check(names_file);
   options->kept.add_to(*verb);
   options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
-  verb->callback(
-      [options, &chosen] { chosen = [options](Surroundings& around) { return repair(around, *options); }; });
+  verb->callback([options, &chosen] { chosen = with_settings(options, repair); });
 }
 
 }  // namespace hdrcam

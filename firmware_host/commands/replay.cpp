@@ -9,9 +9,8 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/settings/settings_flags.h"
-#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -40,9 +39,7 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
   return inputs;
 }
 
-Result<void> replay(const ReplayFlags& flags, Surroundings& around) {
-  const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+Result<void> replay(const ReplayFlags& flags, const Settings& settings, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "replay"));
   if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
@@ -89,8 +86,7 @@ void add_replay(CLI::App& app, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
                                        SettingGroup::Machine});
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return replay(*flags, around); }; });
+  verb->callback([flags, &chosen] { chosen = with_settings(flags, replay); });
 }
 
 }  // namespace hdrcam

@@ -11,9 +11,9 @@
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_name.h"
+#include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
-#include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/sinks/truth_folder.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
@@ -220,13 +220,15 @@ std::string scene_list() {
   return text + "Effects:\n  " + effect_names() + "\n";
 }
 
-Result<void> simulate(Surroundings& around, const SimulateFlags& flags) {
-  if (flags.list && !(flags.output.empty() && flags.truth.empty()))
+Result<void> list_scenes(const SimulateFlags& flags) {
+  if (!flags.output.empty() || !flags.truth.empty())
     return Error{ErrorCode::Invalid,
                  "--list prints the scenes and films none; leave it out, or --output and --truth"};
-  if (flags.list) return say("{}", scene_list()), Result<void>{};
-  const Settings settings = TRY(flags.settings->read(around.storage));
-  if (flags.settings->print_config()) return say("{}", flags.settings->printed(settings)), Result<void>{};
+  write_result(scene_list());
+  return {};
+}
+
+Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surroundings& around) {
   if (flags.scene.empty())
     return Error{ErrorCode::Invalid, "no scene given; 'hdrcam simulate --list' prints the scenes"};
   if (flags.output.empty() && flags.truth.empty() && !flags.explain)
@@ -281,8 +283,10 @@ void add_simulate(CLI::App& app, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "record.codec",
                                       "machine.memory_mib"});
-  verb->callback(
-      [flags, &chosen] { chosen = [flags](Surroundings& around) { return simulate(around, *flags); }; });
+  verb->callback([flags, &chosen] {
+    chosen =
+        flags->list ? [flags](Surroundings&) { return list_scenes(*flags); } : with_settings(flags, simulate);
+  });
 }
 
 }  // namespace hdrcam

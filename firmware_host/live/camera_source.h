@@ -50,6 +50,7 @@ class CameraSource : public FrameSource, public RunControl {
   // The account of the trigger line so far, as a sentence; "" without one.
   std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
   LiveSession& session() { return *session_; }
+  bool fits() const { return fits_; }  // or only records
   // Why the run ended, if it ended without an error.
   LiveEnd end() const { return end_; }
 

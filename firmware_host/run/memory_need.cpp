@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "capture/recorded_labels.h"
-#include "firmware_host/run/pipeline.h"
+#include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/sinks/async_sink.h"
 
 namespace hdrcam {

@@ -4,9 +4,10 @@
 
 #include <utility>
 
-#include "firmware_host/run/pipeline.h"
+#include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/settings/without_field.h"
 #include "firmware_host/sinks/sink_set.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -72,6 +73,10 @@ ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
       break;
   }
   return pace == RunPace::Camera ? ExrCompression::None : kUsualCompression;
+}
+
+void write_result_beside_frames(const Settings::Output& output, std::string_view text) {
+  (output.path("frames") == kStandardOutput ? write_remark : write_result)(text);
 }
 
 Result<void> check_needs(const Settings& settings) {

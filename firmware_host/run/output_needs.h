@@ -1,7 +1,9 @@
-// What the outputs of a run need of the method besides the HDR frames, and how these are written. Reentrant.
+// What the outputs of a run need of the method besides the HDR frames, how these are written, and where
+// results are told beside them. Reentrant.
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "firmware_host/run_pace.h"
 #include "firmware_host/settings/settings.h"
@@ -26,6 +28,9 @@ OutputNeeds needs_of(const Settings::Output& output);
 std::string motion_output(const Settings::Output& output);
 
 ExrCompression compression_of(const Settings::Output& output, RunPace pace);
+
+// Writes a result to the standard output; to the standard error stream where the frames take that.
+void write_result_beside_frames(const Settings::Output& output, std::string_view text);
 
 // Invalid where the settings switch off what an output needs, or where there are no pictures for its poses.
 Result<void> check_needs(const Settings& settings);

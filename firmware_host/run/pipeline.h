@@ -7,9 +7,8 @@
 #include <optional>
 
 #include "capture/exposed_stream.h"
-#include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/governor.h"
-#include "firmware_host/settings/settings.h"
+#include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
@@ -19,17 +18,6 @@
 #include "render/render_stage.h"
 
 namespace hdrcam {
-
-struct PipelineOptions {
-  Knobs knobs;
-  RenderOptions render;
-};
-// The knobs of a preset for one layer: the state alone needs no field.
-PipelineOptions options_of(Preset preset, EmitLayer layer);
-// use: Fills or Seen, beside what the settings show of the field. A field that is seen takes more steps.
-PipelineOptions options_of(const Settings& settings, FieldUse use);
-// What a run with these settings and options has the field for.
-FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use);
 
 class Pipeline {
  public:

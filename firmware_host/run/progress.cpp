@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "firmware_host/log_format.h"
+#include "firmware_host/run/frame_source.h"
 #include "firmware_host/terminal.h"
 
 namespace hdrcam {
@@ -69,6 +70,19 @@ void Progress::frame_done(double ms, std::optional<double> loss, Clock::time_poi
   state_.frame_done(ms, loss);
   const bool last = state_.total && state_.done == *state_.total;
   if (last || line_.due(now)) line_.show(progress_line(state_), now);
+}
+
+void show_progress(std::FILE* stream, const FrameSource& source, const SharedProgress& progress,
+                   const std::future<Result<void>>& work) {
+  constexpr auto kLook = std::chrono::milliseconds(20);
+  StatusLine line(stream);
+  ProgressState shown;
+  while (work.wait_for(kLook) != std::future_status::ready) {
+    const ProgressState now = progress.now();
+    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line keeps changing
+    if (line.due()) line.show(source.status(shown = now));
+  }
+  if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));
 }
 
 }  // namespace hdrcam

@@ -5,10 +5,16 @@
 
 #include <chrono>
 #include <cstdio>
+#include <future>
+#include <mutex>
 #include <optional>
 #include <string>
 
+#include "hal/core/result.h"
+
 namespace hdrcam {
+
+class FrameSource;
 
 struct ProgressState {
   int done = 0;
@@ -58,5 +64,27 @@ class Progress {
   StatusLine line_;
   ProgressState state_;
 };
+
+// The progress of a run: written by the working thread, read by the one that shows it. Thread-safe.
+class SharedProgress {
+ public:
+  explicit SharedProgress(std::optional<int> total) { state_.total = total; }
+  void frame_done(double ms, std::optional<double> loss) {
+    const std::lock_guard lock(mutex_);
+    state_.frame_done(ms, loss);
+  }
+  ProgressState now() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  ProgressState state_;
+};
+
+// Rewrites the line that says how far the run is until the work is done.
+void show_progress(std::FILE* stream, const FrameSource& source, const SharedProgress& progress,
+                   const std::future<Result<void>>& work);
 
 }  // namespace hdrcam

@@ -8,6 +8,8 @@
 
 #include "firmware_host/run/governor.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/sinks/output_folder.h"
+#include "render/scores/scores.h"
 
 namespace hdrcam {
 namespace {
@@ -83,6 +85,22 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+}
+
+Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {
+  if (plan.truth.empty()) return {};
+  const ClipScores scores = TRY(
+      score_clip(storage, plan.truth, folder_of(plan.settings.output.path("frames")), {.stop = plan.stop}));
+  record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
+  record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
+  if (scores.mean.psnr_mu_moving_db)
+    record.scores.push_back({"PSNR-mu, moving objects", "dB", *scores.mean.psnr_mu_moving_db, true});
+  if (scores.flicker_stops)
+    record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
+  if (scores.novel_psnr_mu_db)
+    record.scores.push_back({"PSNR-mu, novel view", "dB", *scores.novel_psnr_mu_db, true});
+  record.scores.push_back({"phase pumping", "stops", scores.phase_stops, false});
+  return {};
 }
 
 void close_record(RunPace pace, double wall_s, RunRecord& record) {

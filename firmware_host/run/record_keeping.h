@@ -1,5 +1,5 @@
 // What a run writes into its record (sinks/run_record.h): its settings at the start, one entry per emitted
-// frame, and at the end what the method found. Reentrant.
+// frame, and at the end what the method found and how good the frames are. Reentrant.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,8 @@
 #include "firmware_host/run_pace.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"
+#include "hal/core/result.h"
+#include "hal/storage.h"
 
 namespace hdrcam {
 
@@ -26,6 +28,9 @@ FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record);
 void add_deadline(const Governor& governor, RunRecord& record);
 // The camera parameters that the method estimated.
 void add_findings(const Pipeline& pipeline, RunRecord& record);
+// The scores of the HDR frames on disk, where the plan has a clip with ground truth. Errors: those of
+// score_clip.
+Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record);
 // The frames in order, and what the whole run took. wall_s: seconds.
 void close_record(RunPace pace, double wall_s, RunRecord& record);
 

@@ -2,11 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
-#include <filesystem>
 #include <future>
-#include <mutex>
 #include <utility>
 
 #include "firmware_host/film/virtual_camera.h"
@@ -15,8 +11,10 @@
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/run/progress.h"
 #include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
+#include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
@@ -24,74 +22,10 @@
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"
 #include "online/exposure/cycle_choice.h"
-#include "render/scores/scores.h"
 #include "render/white_balance.h"
 
 namespace hdrcam {
 namespace {
-
-// The progress of the run: written by the working thread, read by the one that shows it.
-class SharedProgress {
- public:
-  explicit SharedProgress(std::optional<int> total) { state_.total = total; }
-  void frame_done(double ms, std::optional<double> loss) {
-    const std::lock_guard lock(mutex_);
-    state_.frame_done(ms, loss);
-  }
-  ProgressState now() const {
-    const std::lock_guard lock(mutex_);
-    return state_;
-  }
-
- private:
-  mutable std::mutex mutex_;
-  ProgressState state_;
-};
-
-std::string folder_of_frames(const Settings& settings) {
-  const std::string folder = std::filesystem::path(settings.output.path("frames")).parent_path().string();
-  return folder.empty() ? "." : folder;
-}
-
-Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {
-  if (plan.truth.empty()) return {};
-  const ClipScores scores =
-      TRY(score_clip(storage, plan.truth, folder_of_frames(plan.settings), {.stop = plan.stop}));
-  record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
-  record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
-  if (scores.mean.psnr_mu_moving_db)
-    record.scores.push_back({"PSNR-mu, moving objects", "dB", *scores.mean.psnr_mu_moving_db, true});
-  if (scores.flicker_stops)
-    record.scores.push_back({"flicker", "stops per frame", *scores.flicker_stops, false});
-  if (scores.novel_psnr_mu_db)
-    record.scores.push_back({"PSNR-mu, novel view", "dB", *scores.novel_psnr_mu_db, true});
-  record.scores.push_back({"phase pumping", "stops", scores.phase_stops, false});
-  return {};
-}
-
-bool exists(const std::string& path, Storage& storage) {
-  auto facts = storage.look_at(path);
-  return facts && facts->kind != FileKind::Missing;
-}
-
-// One line for each output that is whole: where it is, and how many frames. Of numbered frames each is a file
-// of its own, so that those before a failure count.
-std::string written(const RunPlan& plan, const SinkSet& sinks, const RunRecord& record, Storage& storage) {
-  std::string text;
-  for (const SinkKind& kind : plan.sinks) {
-    const std::string& path = plan.settings.output.path(kind.name);
-    const auto sink = std::ranges::find(record.sinks, std::string_view(kind.name), &SinkTimes::name);
-    const bool files = kind.target != SinkTarget::Address && path != kStandardOutput;
-    if (path.empty() || !files || sink == record.sinks.end()) continue;
-    const bool numbered = path.find('%') != std::string::npos;
-    const bool some = sink->frames + sink->left_out > 0;
-    if (numbered ? !some : !sinks.is_whole(kind.name) || !exists(path, storage)) continue;
-    text += numbered ? fmt::format("{}: {}", path, counted(sink->frames, "frame")) : path;
-    if (numbered && sink->left_out > 0) text += fmt::format(", {} left out to keep up", sink->left_out);
-    text += '\n';
-  }
-  return text;
-}
 
 // If the stream ended early, that error explains why it is too short.
 Result<void> first_cause(Result<void> worked, Result<void> ended) {
@@ -192,7 +126,7 @@ Result<void> Run::to_end(std::string& where) {
   TRY(source_.start());
   const Result<void> worked = take_frames();
   Result<void> ended = conclude(worked, wall);
-  where = written(plan_, sinks_, record_, storage_);
+  where = sinks_.whole_outputs(storage_);
   if (plan_.record != nullptr) *plan_.record = std::move(record_);
   return ended;
 }
@@ -206,7 +140,7 @@ Result<void> Run::open_outputs() {
                               storage_, output.http_token, source_.control(), plan_.trace},
                              pace_));
   if (!plan_.truth.empty())
-    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of_frames(plan_.settings), pool_));
+    novel_views_ = TRY(NovelViews::open(storage_, plan_.truth, folder_of(output.path("frames")), pool_));
   return {};
 }
 
@@ -339,32 +273,11 @@ Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& stora
   return run.to_end(where);
 }
 
-std::vector<EarlierFrames> earlier_frames(const RunPlan& plan, Storage& storage) {
-  std::vector<EarlierFrames> earlier;
-  for (const SinkKind& kind : plan.sinks)
-    if (kind.extension != nullptr) earlier.emplace_back(storage, plan.settings.output.path(kind.name));
-  return earlier;
-}
-
-// Rewrites the line that says how far the run is until the work is done.
-void show_progress(std::FILE* stream, FrameSource& source, const SharedProgress& progress,
-                   const std::future<Result<void>>& work) {
-  constexpr auto kLook = std::chrono::milliseconds(20);
-  StatusLine line(stream);
-  ProgressState shown;
-  while (work.wait_for(kLook) != std::future_status::ready) {
-    const ProgressState now = progress.now();
-    if (now.done == shown.done && source.pace() == RunPace::Clip) continue;  // a camera's line keeps changing
-    if (line.due()) line.show(source.status(shown = now));
-  }
-  if (const ProgressState last = progress.now(); last.done > shown.done) line.show(source.status(last));
-}
-
 }  // namespace
 
 Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   SharedProgress progress(plan.film != nullptr ? plan.film->frames : source.frame_count());
-  const std::vector<EarlierFrames> earlier = earlier_frames(plan, storage);
+  const std::vector<EarlierFrames> earlier = earlier_frames(storage, plan.sinks, plan.settings.output.paths);
   std::string where;
   std::future<Result<void>> work = std::async(std::launch::async, [&] {
     name_this_thread("fit");
@@ -376,9 +289,7 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   Result<void> ended = work.get();
   for (const EarlierFrames& frames : earlier)
     if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
-  if (plan.progress == nullptr) return ended;
-  const bool taken = plan.settings.output.path("frames") == kStandardOutput;  // by the frames
-  (taken ? write_remark : write_result)(where);
+  if (plan.progress != nullptr) write_result_beside_frames(plan.settings.output, where);
   return ended;
 }
 

@@ -10,6 +10,7 @@
 #include "firmware_host/settings/setting_fields.h"
 #include "firmware_host/settings/settings_toml.h"
 #include "firmware_host/settings/suggestion.h"
+#include "firmware_host/terminal.h"
 
 namespace hdrcam {
 namespace {
@@ -144,7 +145,12 @@ std::string shell_word(std::string_view word) {
   return quoted + "'";
 }
 
-bool SettingsFlags::print_config() const { return given_->print_config; }
+Result<std::optional<Settings>> SettingsFlags::read_or_print(Storage& storage) const {
+  Settings settings = TRY(read(storage));
+  if (!given_->print_config) return std::optional(std::move(settings));
+  write_result(printed(settings));
+  return std::optional<Settings>();
+}
 
 std::string SettingsFlags::printed(const Settings& settings) const {
   std::vector<const SettingField*> all;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,10 +37,9 @@ class SettingsFlags {
   // another type or outside its range, naming file, line and valid values. A file may hold keys of groups
   // that this verb does not use: one file serves all verbs. The format of the log holds from here on.
   Result<Settings> read(Storage& storage) const;
-  // Whether to print the settings instead of running.
-  bool print_config() const;
-  // The settings of this verb, as --print-config prints them.
-  std::string printed(const Settings& settings) const;
+  // The same for a verb: with --print-config it prints the settings of this verb, and there are none to run
+  // with.
+  Result<std::optional<Settings>> read_or_print(Storage& storage) const;
   // Those of these settings that the command line set, as flags: "--width".
   std::vector<std::string> given(const std::vector<std::string>& keys) const;
   // The settings that differ from their default, as flags for a command line: " --preset fast".
@@ -47,6 +47,8 @@ class SettingsFlags {
 
  private:
   struct Given;
+  std::string printed(const Settings& settings) const;
+
   std::unique_ptr<Given> given_;
 };
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/sink_table.h"
 
 namespace hdrcam {
 
@@ -47,6 +48,16 @@ std::string EarlierFrames::warning() const {
       "{} file(s) of an earlier run remain beside the new ones, from '{}' to '{}'; remove them "
       "before '{}' is read as one clip",
       left.size(), left.front(), left.back(), pattern_);
+}
+
+std::vector<EarlierFrames> earlier_frames(Storage& storage, std::span<const SinkKind> kinds,
+                                          const std::map<std::string, std::string, std::less<>>& paths) {
+  std::vector<EarlierFrames> earlier;
+  for (const SinkKind& kind : kinds) {
+    const auto path = paths.find(kind.name);
+    if (kind.extension != nullptr && path != paths.end()) earlier.emplace_back(storage, path->second);
+  }
+  return earlier;
 }
 
 }  // namespace hdrcam

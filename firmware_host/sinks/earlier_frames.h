@@ -6,12 +6,16 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "hal/storage.h"
 
 namespace hdrcam {
+
+struct SinkKind;
 
 class EarlierFrames {
  public:
@@ -38,5 +42,9 @@ class EarlierFrames {
   const std::string pattern_;
   std::vector<File> files_;  // by path
 };
+
+// Of all outputs of a run that are numbered files. paths: by name of the sink; "" or missing: not wanted.
+std::vector<EarlierFrames> earlier_frames(Storage& storage, std::span<const SinkKind> kinds,
+                                          const std::map<std::string, std::string, std::less<>>& paths);
 
 }  // namespace hdrcam

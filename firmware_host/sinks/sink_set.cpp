@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 
 namespace hdrcam {
@@ -28,6 +29,11 @@ Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths&
   return {};
 }
 
+bool exists(const std::string& path, Storage& storage) {
+  auto facts = storage.look_at(path);
+  return facts && facts->kind != FileKind::Missing;
+}
+
 }  // namespace
 
 PicturePatterns patterns_of(const Paths& paths) {
@@ -44,7 +50,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
   for (const SinkKind& kind : kinds) {
     const auto path = paths.find(kind.name);
     if (path == paths.end() || path->second.empty()) continue;
-    Open open{.name = kind.name, .pace = kind.pace};
+    Open open{.kind = &kind, .path = path->second};
     SinkRequest its = request;
     its.path = path->second;
     its.patterns = patterns_of(paths);
@@ -66,7 +72,7 @@ Result<SinkSet> SinkSet::open(std::span<const SinkKind> kinds,
 
 Result<void> SinkSet::emit(const EmittedFrame& frame, Previews previews) {
   for (Open& open : open_) {
-    if (previews == Previews::LeftOut && open.pace == SinkPace::Latest) {
+    if (previews == Previews::LeftOut && open.kind->pace == SinkPace::Latest) {
       ++open.left_out;
       continue;
     }
@@ -100,22 +106,36 @@ Result<void> SinkSet::noted(Result<void> done, Open& open) {
   return done;
 }
 
-bool SinkSet::is_whole(std::string_view name) const {
-  const auto found = std::ranges::find(open_, name, [](const Open& open) { return open.name; });
-  return found != open_.end() && !found->failed;
+std::string SinkSet::whole_outputs(Storage& storage) const {
+  std::string text;
+  for (const Open& open : open_) {
+    if (open.kind->target == SinkTarget::Address || open.path == kStandardOutput) continue;
+    const SinkTimes times = times_of(open);
+    const bool numbered = open.path.find('%') != std::string::npos;
+    const bool some = times.frames + times.left_out > 0;
+    if (numbered ? !some : open.failed || !exists(open.path, storage)) continue;
+    text += numbered ? fmt::format("{}: {}", open.path, counted(times.frames, "frame")) : open.path;
+    if (numbered && times.left_out > 0) text += fmt::format(", {} left out to keep up", times.left_out);
+    text += '\n';
+  }
+  return text;
 }
 
 bool SinkSet::has_previews() const {
-  return std::ranges::any_of(open_, [](const Open& open) { return open.pace == SinkPace::Latest; });
+  return std::ranges::any_of(open_, [](const Open& open) { return open.kind->pace == SinkPace::Latest; });
+}
+
+SinkTimes SinkSet::times_of(const Open& open) {
+  SinkTimes times = open.async != nullptr ? open.async->times() : open.here;
+  times.name = open.kind->name;
+  times.left_out += open.left_out;
+  return times;
 }
 
 std::vector<SinkTimes> SinkSet::times() const {
   std::vector<SinkTimes> all;
-  for (const Open& open : open_) {
-    all.push_back(open.async != nullptr ? open.async->times() : open.here);
-    all.back().name = open.name;
-    all.back().left_out += open.left_out;
-  }
+  all.reserve(open_.size());
+  for (const Open& open : open_) all.push_back(times_of(open));
   return all;
 }
 

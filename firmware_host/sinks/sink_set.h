@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "firmware_host/run_pace.h"
@@ -22,8 +21,8 @@ enum class Previews { Written, LeftOut };
 
 class SinkSet {
  public:
-  // paths: by name of the sink; "" or missing: not wanted. The rest of the request is the same for all.
-  // Errors: Invalid for an unusable path, and those of the disk.
+  // kinds: outlive the set. paths: by name of the sink; "" or missing: not wanted. The rest of the request is
+  // the same for all. Errors: Invalid for an unusable path, and those of the disk.
   static Result<SinkSet> open(std::span<const SinkKind> kinds,
                               const std::map<std::string, std::string, std::less<>>& paths,
                               const SinkRequest& request, RunPace pace);
@@ -35,23 +34,25 @@ class SinkSet {
   // Concludes every sink, also after an error of one of them. Returns the first error.
   Result<void> conclude(const RunRecord& record);
 
-  // Whether a sink of that name is open and none of its calls failed.
-  bool is_whole(std::string_view name) const;
+  // One line for each output that is whole: where it is, and how many frames. Of numbered frames each is a
+  // file of its own, so that those before a failure count. storage: that of the request.
+  std::string whole_outputs(Storage& storage) const;
   bool empty() const { return open_.empty(); }
   bool has_previews() const;
   std::vector<SinkTimes> times() const;
 
  private:
   struct Open {
-    const char* name;
+    const SinkKind* kind;
+    std::string path;
     std::unique_ptr<FrameSink> sink = nullptr;
     const AsyncSink* async = nullptr;  // the same one, where it has a thread
     SinkTimes here = {};               // where it has none
-    SinkPace pace = SinkPace::Light;
-    int left_out = 0;  // frames that emit() kept from it
+    int left_out = 0;                  // frames that emit() kept from it
     bool failed = false;
   };
   static Result<void> noted(Result<void> done, Open& open);  // done, and open.failed where it is an error
+  static SinkTimes times_of(const Open& open);
 
   std::vector<Open> open_;
 };

@@ -1,6 +1,6 @@
 // Hard cases of the field, by name: whatever comes in, what is rendered is finite and the fit goes on.
 #include "online/scene/hash_grid/field/field_renderer.h"
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+#include "tests/online/scene/hash_grid/fit/fit_stream.h"
 
 #include <limits>
 
@@ -14,14 +14,14 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::nume
 
 struct Stream {
   WorkerPool pool{1};
-  MovingScene scene;
+  FitStream scene;
   FieldFit fit;
   FieldRenderer renderer;
   FieldPicture view;
 
-  explicit Stream(const FieldOptions& options = MovingScene::small_options())
+  explicit Stream(const FieldOptions& options = FitStream::small_options())
       : fit(options, {}, scene.rows, scene.cols, pool) {
-    fit.prepare(MovingScene::small_budget());
+    fit.prepare(FitStream::small_budget());
   }
 
   // Lets `spoil` change each frame before it is observed; every picture must be fit to be emitted.
@@ -45,7 +45,7 @@ struct Stream {
     }
   }
   void check(double time_s) {
-    renderer.render(fit.field(), MovingScene::view(fit, {}, time_s, 2), pool, view);
+    renderer.render(fit.field(), FitStream::view(fit, {}, time_s, 2), pool, view);
     for (const Image<float>* plane :
          {&view.radiance, &view.depth, &view.flow[0], &view.flow[1], &view.dynamic_share, &view.confidence})
       for (float v : plane->samples()) REQUIRE(std::isfinite(v));
@@ -117,7 +117,7 @@ TEST_CASE("a view behind the scene or at the edge of time is finite", "[isa][sta
   for (double time_s : {-100.0, 0.0, 1.5 / 30, 4.0 / 30, 4.49 / 30, 1e9}) {
     stream.check(time_s);
     stream.renderer.render(stream.fit.field(),
-                           MovingScene::view(stream.fit, {rotation({0, M_PI, 0}), {0, 0, -3}}, time_s, 4),
+                           FitStream::view(stream.fit, {rotation({0, M_PI, 0}), {0, 0, -3}}, time_s, 4),
                            stream.pool, stream.view);
     for (float v : stream.view.radiance.samples()) REQUIRE((std::isfinite(v) && v >= 0));
   }

@@ -213,7 +213,23 @@ TEST_CASE("the help shows every flag with its default, under the title of its gr
   }
   CHECK_THAT(help, Contains("--buffers INT=8") && Contains("--shutter TEXT=1ms,4ms,16ms"));
   CHECK_THAT(help, Contains("--config") && Contains("--print-config"));
-  CHECK_FALSE(flags.print_config());
+}
+
+TEST_CASE("a verb gets its settings, or none where they are printed instead") {
+  const auto given = [](std::vector<std::string> words) {
+    CLI::App verb("", "live");
+    const SettingsFlags flags(verb, {SettingGroup::Camera});
+    verb.parse(std::move(words));
+    return flags.read_or_print(posix_storage());
+  };
+  const auto run = given({"--width=320"});
+  REQUIRE(run.ok());
+  REQUIRE(run.value().has_value());
+  CHECK(run.value()->camera.width == 320);
+  const auto printed = given({"--print-config"});
+  REQUIRE(printed.ok());
+  CHECK_FALSE(printed.value().has_value());
+  CHECK_FALSE(given({"--width=-1"}).ok());
 }
 
 TEST_CASE("an unknown key names the file, the line and the setting that was meant") {

@@ -100,7 +100,24 @@ TEST_CASE("every sink is finished, also after another one failed") {
   REQUIRE(sinks.ok());
   CHECK_FALSE(sinks.value().finish().ok());
   CHECK(read_whole(posix_storage(), folder + "/b").value() == "0");
-  CHECK_FALSE(sinks.value().is_whole("tally"));
-  CHECK(sinks.value().is_whole("light"));
-  CHECK_FALSE(sinks.value().is_whole("other"));
+  CHECK(sinks.value().whole_outputs(posix_storage()) == folder + "/b\n");
+}
+
+TEST_CASE("a numbered output is told with the frames that arrived and those left out, once there are any") {
+  const std::string frames = sample::scratch_folder("sink_set_numbered") + "/%06d.txt";
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  const SinkKind kinds[] = {
+      {"previews", "--previews", "a picture of each frame", SinkPace::Latest, SinkTarget::Files, open_tally}};
+  auto sinks = SinkSet::open(kinds, {{"previews", frames}}, request, RunPace::Clip);
+  REQUIRE(sinks.ok());
+  CHECK(sinks.value().whole_outputs(posix_storage()).empty());
+  const HdrFrame frame = example_frame(0);
+  const ExposedFrame input;
+  const FrameRecord record;
+  const EmittedFrame emitted{frame, input, record};
+  REQUIRE(sinks.value().emit(emitted).ok());
+  REQUIRE(sinks.value().emit(emitted, Previews::LeftOut).ok());
+  REQUIRE(sinks.value().finish().ok());
+  CHECK(sinks.value().whole_outputs(posix_storage()) == frames + ": 1 frame, 1 left out to keep up\n");
 }

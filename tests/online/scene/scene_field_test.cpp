@@ -7,7 +7,7 @@
 
 #include "online/scene/scene_fields.h"
 #include "render/render_stage.h"
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+#include "tests/online/scene/hash_grid/fit/fit_stream.h"
 
 #include <catch2/catch.hpp>
 
@@ -71,7 +71,7 @@ class OneColour final : public SceneField {
 
 // A stream of frames as the online part would tell a field of them.
 struct Told {
-  MovingScene scene;
+  FitStream scene;
   ExposedFrame frame;
   RadianceState state;
   StateMotion motion;
@@ -101,7 +101,7 @@ struct Told {
     return reduced(full, rows_step);
   }
   std::unique_ptr<SceneField> hash_grid(WorkerPool& pool) const {
-    return make_scene_field(FieldKind::HashGrid, MovingScene::small_options(),
+    return make_scene_field(FieldKind::HashGrid, FitStream::small_options(),
                             {view().lens, scene.rows, scene.cols, 1}, pool);
   }
 };
@@ -118,7 +118,7 @@ TEST_CASE("a snapshot that is held stays as it was, whatever the field learns me
   WorkerPool pool(1);
   Told told;
   const auto field = told.hash_grid(pool);
-  FitBudget budget = MovingScene::small_budget();
+  FitBudget budget = FitStream::small_budget();
   const auto take = [&](int i) {
     told.pose.T_world_camera.t = {step * i, 0, 0};
     told.take(*field, i), field->fit(budget);
@@ -147,7 +147,7 @@ TEST_CASE("one thread looks while another fits, and sees what it would have seen
   WorkerPool fitting(1), looking(1);
   Told told;
   const auto field = told.hash_grid(fitting);
-  FitBudget budget = MovingScene::small_budget();
+  FitBudget budget = FitStream::small_budget();
   budget.steps = 10;
   told.take(*field, 0), field->fit(budget);
   FieldPicture alone, beside;
@@ -173,7 +173,7 @@ TEST_CASE("holding a snapshot does not change it, nor what the field learns", "[
     const auto field = told.hash_grid(pool);
     std::vector<SnapshotHold> held;
     FieldPicture first, now;
-    FitBudget budget = MovingScene::small_budget();
+    FitBudget budget = FitStream::small_budget();
     budget.steps = 5;
     const SceneView view = told.view();
     for (int i = 0; i < 8; ++i) {

@@ -5,7 +5,7 @@
 
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/ray_drawing.h"
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+#include "tests/online/scene/hash_grid/fit/fit_stream.h"
 
 #include <catch2/catch.hpp>
 
@@ -15,15 +15,15 @@ namespace {
 
 struct Run {
   WorkerPool pool;
-  MovingScene scene;
+  FitStream scene;
   FieldFit fit;
   FieldRenderer renderer;
   FieldPicture view;
   double last_time_s = 0;
 
-  explicit Run(const FieldOptions& options = MovingScene::small_options(), int threads = 1)
+  explicit Run(const FieldOptions& options = FitStream::small_options(), int threads = 1)
       : pool(threads), fit(options, {}, scene.rows, scene.cols, pool) {
-    fit.prepare(MovingScene::small_budget());
+    fit.prepare(FitStream::small_budget());
   }
 
   void take(int i, int steps, bool forgetful = false) {
@@ -33,12 +33,12 @@ struct Run {
     for (int s = 0; s < steps; ++s) fit.step();
   }
   const FieldPicture& look(int step = 1) {
-    renderer.render(fit.field(), MovingScene::view(fit, {}, last_time_s, step), pool, view);
+    renderer.render(fit.field(), FitStream::view(fit, {}, last_time_s, step), pool, view);
     return view;
   }
 };
 
-double log_error(const MovingScene& scene, const FieldPicture& view, int i, bool only_square) {
+double log_error(const FitStream& scene, const FieldPicture& view, int i, bool only_square) {
   double sum = 0;
   int count = 0;
   for (int c = 0; c < 3; ++c)
@@ -122,7 +122,7 @@ TEST_CASE("a picture that the camera's motion blurs counts less, though nothing 
 
 TEST_CASE("a field of blocks renders the state's means, and motion in pixels of whoever looks",
           "[isa][field]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.step_px = 2;
   Run run(options);
   for (int i = 0; i < 5; ++i) run.take(i, 0);
@@ -154,15 +154,15 @@ TEST_CASE("a field of blocks renders the state's means, and motion in pixels of 
 TEST_CASE("a picture that is no multiple of the blocks keeps its edges", "[isa][field]") {
   const int step = GENERATE(2, 4, 8);
   WorkerPool pool(1);
-  MovingScene scene;
+  FitStream scene;
   scene.rows = 33, scene.cols = 47;
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.step_px = step;
   FieldFit fit(options, {}, scene.rows, scene.cols, pool);
   for (int i = 0; i < 4; ++i) REQUIRE(fit.observe(scene.frame(i), scene.response).ok());
   FieldRenderer renderer;
   FieldPicture view;
-  renderer.render(fit.field(), MovingScene::view(fit, {}, 3 / 30.0, 1), pool, view);
+  renderer.render(fit.field(), FitStream::view(fit, {}, 3 / 30.0, 1), pool, view);
   REQUIRE(view.radiance.rows() == (33 + step - 1) / step);
   REQUIRE(view.radiance.cols() == (47 + step - 1) / step);
   // the corner's block has one row of the picture, which stands for all of them, and all but one of its
@@ -177,7 +177,7 @@ TEST_CASE("a picture that is no multiple of the blocks keeps its edges", "[isa][
 TEST_CASE("a field of one branch has no light of the other, whatever moves", "[field]") {
   for (const auto& [branches, least, most] :
        {std::tuple(Branches::Static, 0.f, 0.f), {Branches::Dynamic, 0.99f, 1.f}}) {
-    FieldOptions options = MovingScene::small_options();
+    FieldOptions options = FitStream::small_options();
     options.shape.branches = branches;
     Run run(options);
     for (int i = 0; i < 5; ++i) run.take(i, 20);
@@ -206,7 +206,7 @@ TEST_CASE("the picture of any size is finite and positive", "[isa][field]") {
 }
 
 TEST_CASE("steps lower the loss", "[isa][field]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   Run run(options);
   for (int i = 0; i < 4; ++i) run.take(i, 0, true);
   double first = 0, last = 0;
@@ -236,7 +236,7 @@ TEST_CASE("what a neighbour saw reaches the frame that was blind", "[isa][field]
 
 TEST_CASE("one and two threads give the same bytes", "[isa][field]") {
   const auto bytes = [](int threads) {
-    Run run(MovingScene::small_options(), threads);
+    Run run(FitStream::small_options(), threads);
     for (int i = 0; i < 4; ++i) run.take(i, 7);
     return run.look().radiance.clone();
   };
@@ -261,7 +261,7 @@ TEST_CASE("between two frames the content is between its places", "[isa][field]"
   for (int i = 0; i < 3; ++i) run.take(i, 0);
   const double half = run.last_time_s - 0.5 / 30;
   FieldPicture between;
-  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, {}, half, 1), run.pool, between);
+  run.renderer.render(run.fit.field(), FitStream::view(run.fit, {}, half, 1), run.pool, between);
   // at frame 1 the square's front edge is at 20, at frame 2 at 24
   const auto is_bright = [&](int x) { return between.radiance.at(1, 14, x) > 1; };
   CHECK(is_bright(19));
@@ -283,7 +283,7 @@ TEST_CASE("the anchor follows a camera that leaves it, and the field stays the s
   CHECK(run.fit.counts().anchors_moved >= 1);
   CHECK(run.fit.field().window.has_parallax());
   FieldPicture view;
-  run.renderer.render(run.fit.field(), MovingScene::view(run.fit, pose, run.last_time_s, 1), run.pool, view);
+  run.renderer.render(run.fit.field(), FitStream::view(run.fit, pose, run.last_time_s, 1), run.pool, view);
   for (std::size_t p = 0; p < view.radiance.size(); ++p)
     REQUIRE(view.radiance.samples()[p] == Approx(run.scene.radiance.samples()[p]).epsilon(0.02));
 }

@@ -1,7 +1,7 @@
 // What the fit does with a step that went wrong, seen in the parameters that it leaves behind.
 #include <limits>
 
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+#include "tests/online/scene/hash_grid/fit/fit_stream.h"
 
 #include <catch2/catch.hpp>
 
@@ -30,17 +30,17 @@ float largest_change(const std::vector<float>& before, const std::vector<float>&
 
 struct Stream {
   WorkerPool pool{1};
-  MovingScene scene;
+  FitStream scene;
   FieldFit fit;
   explicit Stream(const FieldOptions& options) : fit(options, {}, scene.rows, scene.cols, pool) {
-    fit.prepare(MovingScene::small_budget());
+    fit.prepare(FitStream::small_budget());
   }
 };
 
 }  // namespace
 
 TEST_CASE("a step moves parameters of both branches", "[isa][field]") {
-  Stream stream(MovingScene::small_options());
+  Stream stream(FitStream::small_options());
   for (int i = 0; i < 3; ++i) REQUIRE(stream.fit.observe(stream.scene.frame(i), stream.scene.response).ok());
   const FieldNetworks<float>& networks = stream.fit.field().networks;
   const auto network_of = [](const Branch<float>& branch) {
@@ -53,7 +53,7 @@ TEST_CASE("a step moves parameters of both branches", "[isa][field]") {
 }
 
 TEST_CASE("a step that is not a number changes no parameter, and is counted", "[isa][field][stability]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   // the loss of every ray, and every gradient with it
   options.losses[static_cast<std::size_t>(LossTerm::Combined)] = std::numeric_limits<float>::quiet_NaN();
   Stream stream(options);
@@ -68,7 +68,7 @@ TEST_CASE("a step that is not a number changes no parameter, and is counted", "[
 
 TEST_CASE("a step whose loss explodes takes the parameters back to where the frame began",
           "[isa][field][stability]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
   Stream stream(options);
   // In a small patch of one frame both flows lead 300 pixels to the right: a ray there, and only there, finds
@@ -98,7 +98,7 @@ TEST_CASE("a step whose loss explodes takes the parameters back to where the fra
 
 TEST_CASE("a fit whose good copy explodes again and again starts its networks anew, and goes on",
           "[isa][field][stability]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.losses[static_cast<std::size_t>(LossTerm::TemporalSmoothness)] = 0.1f;
   Stream stream(options);
   for (int i = 0; i < 7; ++i) {
@@ -131,7 +131,7 @@ TEST_CASE("a fit whose good copy explodes again and again starts its networks an
 }
 
 TEST_CASE("a fit that starts anew refines its response as in a first step", "[isa][field]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.fits_response = true;
   Stream stream(options);
   for (int i = 0; i < 4; ++i) {
@@ -156,7 +156,7 @@ TEST_CASE("a fit that starts anew refines its response as in a first step", "[is
 }
 
 TEST_CASE("the response stays monotone, from 0 to 1, after every refinement", "[isa][field][stability]") {
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   options.fits_response = true;
   options.response_rate = 1e-2f;  // as quick as it may be set
   Stream stream(options);

@@ -9,7 +9,7 @@
 
 #include "hal/fault/faulty_gpu.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
+#include "tests/online/scene/hash_grid/fit/fit_stream.h"
 
 #include "tests/support/checked_gpu.h"
 
@@ -19,14 +19,14 @@ namespace {
 
 struct Stream {
   WorkerPool pool;
-  MovingScene scene;
+  FitStream scene;
   FieldFit fit;
   std::vector<StepReport> reports;
   double last_time_s = 0;
 
-  explicit Stream(GpuDevice* gpu, const FieldOptions& options = MovingScene::small_options(), int threads = 1)
+  explicit Stream(GpuDevice* gpu, const FieldOptions& options = FitStream::small_options(), int threads = 1)
       : pool(threads), fit(options, {}, scene.rows, scene.cols, pool, gpu) {
-    fit.prepare(MovingScene::small_budget());
+    fit.prepare(FitStream::small_budget());
   }
   // With a camera that moves sideways where `parallax` says so.
   void take(int i, int steps, bool parallax = false) {
@@ -40,7 +40,7 @@ struct Stream {
   Image<float> radiance() {
     FieldRenderer renderer;
     FieldPicture picture;
-    renderer.render(fit.field(), MovingScene::view(fit, {}, last_time_s, 1), pool, picture);
+    renderer.render(fit.field(), FitStream::view(fit, {}, last_time_s, 1), pool, picture);
     return picture.radiance.clone();
   }
   std::vector<float> parameters() const {
@@ -85,7 +85,7 @@ TEST_CASE("a fit on the graphics device takes the processor's steps", "[gpu]") {
     for (const float speed_px : {1.5f, 0.f})
       for (const bool fits_response : {false, true}) {
         INFO("parallax " << parallax << ", speed " << speed_px << ", response " << fits_response);
-        FieldOptions options = MovingScene::small_options();
+        FieldOptions options = FitStream::small_options();
         options.fits_response = fits_response;
         Stream here(nullptr, options), there(gpu.get(), options);
         for (Stream* stream : {&here, &there}) {
@@ -110,7 +110,7 @@ TEST_CASE("a fit on the graphics device gives the same bytes again, for any numb
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
   const auto learned = [&](int threads) {
-    Stream stream(gpu.get(), MovingScene::small_options(), threads);
+    Stream stream(gpu.get(), FitStream::small_options(), threads);
     for (int i = 0; i < 4; ++i) stream.take(i, 7);
     CHECK(stream.fit.fallback_reason().empty());
     return stream.parameters();
@@ -123,7 +123,7 @@ TEST_CASE("a fit on the graphics device gives the same bytes again, for any numb
 TEST_CASE("a step that goes wrong on the graphics device changes no parameter, and is counted", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
-  FieldOptions options = MovingScene::small_options();
+  FieldOptions options = FitStream::small_options();
   SECTION("not a number") {
     options.losses[static_cast<std::size_t>(LossTerm::Combined)] = std::numeric_limits<float>::quiet_NaN();
     Stream stream(gpu.get(), options);

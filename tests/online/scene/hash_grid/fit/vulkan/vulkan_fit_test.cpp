@@ -11,7 +11,6 @@
 #include "online/scene/hash_grid/field/vulkan/branch_layout.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/scene/hash_grid/fit/ray_shard.h"
-#include "tests/online/scene/hash_grid/fit/moving_scene.h"
 #include "tests/online/scene/hash_grid/fit/window_fixture.h"
 
 #include "tests/support/checked_gpu.h"

@@ -10,7 +10,7 @@
 
 namespace hdrcam {
 
-struct MovingScene {
+struct FitStream {
   int rows = 32, cols = 48;
   float speed_px = 1.5f;
   std::vector<float> exposures = {0.25f, 1, 4};

@@ -1,0 +1,67 @@
+#include "firmware_host/run/pipeline_options.h"
+
+#include <map>
+#include <string>
+
+#include "firmware_host/run/output_needs.h"
+
+namespace hdrcam {
+namespace {
+
+bool shows_field(const Settings& settings, FieldUse use) {
+  return use == FieldUse::Seen || settings.fit.emit == EmitLayer::Field ||
+         needs_of(settings.output).shows_field();
+}
+
+// What a field gets that is itself seen, where nothing else is set by name.
+void make_seen(Knobs& knobs, const std::map<std::string, std::string>& set_by_name) {
+  FitBudget& budget = knobs.budget.fit;
+  if (!set_by_name.contains("steps")) budget.steps = knobs.view_steps;
+  if (!set_by_name.contains("fit_interval")) budget.interval = 1;
+  if (knobs.field_step == FieldStep::Auto) knobs.field_step = FieldStep::One;
+}
+
+}  // namespace
+
+PipelineOptions options_of(Preset preset, EmitLayer layer) {
+  PipelineOptions options;
+  options.knobs = knobs_of(preset);
+  options.render.layer = layer;
+  if (layer == EmitLayer::State) options.knobs.field = FieldKind::None;
+  if (layer == EmitLayer::Field) make_seen(options.knobs, {});
+  return options;
+}
+
+PipelineOptions options_of(const Settings& settings, FieldUse use) {
+  const Settings::Fit& fit = settings.fit;
+  PipelineOptions options = options_of(fit.preset, fit.emit);
+  options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
+  const OutputNeeds needs = needs_of(settings.output);
+  options.render.shows_flow_backward = needs.flow_backward;
+  options.render.shows_flow_forward = needs.flow_forward;
+  options.render.shows_field_flow = needs.field_flow;
+  options.render.shows_points = needs.points;
+  if (needs.depth)
+    options.render.depth = DepthLayer::Whole;
+  else if (!settings.output.path("sheet").empty())
+    options.render.depth = DepthLayer::Glance;
+  // a field that is to be seen, or that poses are tracked beside, is there whatever the preset
+  if ((shows_field(settings, use) || needs.poses) && fit.emit != EmitLayer::State)
+    options.knobs.field = Knobs().field;
+  for (const auto& [name, value] : fit.knobs) {
+    const Result<void> set = set_knob(options.knobs, name, value);
+    CHECK(set.ok());  // already checked when read (settings/setting_field.h)
+  }
+  if (shows_field(settings, use)) make_seen(options.knobs, fit.knobs);
+  if (needs.points && options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
+  return options;
+}
+
+FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {
+  if (options.knobs.field == FieldKind::None) return FieldUse::None;
+  // poses before and after a rest of the field would be of two worlds
+  const bool stays = shows_field(settings, use) || needs_of(settings.output).poses;
+  return stays ? FieldUse::Seen : FieldUse::Fills;
+}
+
+}  // namespace hdrcam
