@@ -1,6 +1,9 @@
 // Recordings and the capture stage: what one states goes through the stage as it was stated, live on a paced
 // replay; and what the stage delivers of a faulty camera makes a recording that is whole.
 #include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "capture/capture_stage.h"
 #include "hal/fault/faulty_camera.h"
@@ -12,6 +15,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 
 using namespace hdrcam;
+using Catch::Contains;
 
 namespace {
 
@@ -170,57 +174,51 @@ TEST_CASE("a recording is whole though the driver repeats a number and a time go
   }
 }
 
-TEST_CASE("frames that do not decode are counted, and thirty in a row end the run with the first reason") {
-  std::vector<CameraFault> faults;
-  for (std::uint64_t i = 2; i < 60; ++i)
-    if (i != 10) faults.push_back({i, CameraFaultKind::Short});
+// A camera whose frames 2 to 59 are faulty, but for the tenth.
+struct FailingCamera {
+  template <class KindOf>
+  explicit FailingCamera(KindOf&& kind_of) {
+    std::vector<CameraFault> faults;
+    for (std::uint64_t i = 2; i < 60; ++i)
+      if (i != 10) faults.push_back({i, kind_of(i)});
+    camera = std::make_unique<FaultyCamera>(simulated(clock), faults);
+    stage = value_of(CaptureStage::open(*camera, nullptr, kTwo, Mains::Off, kSmall));
+    require_done(stage->start());
+  }
+  // Of the frame after the three that are whole.
+  std::string end() {
+    CapturedFrame frame;
+    for (int i = 0; i < 3; ++i) require_done(stage->next(frame));
+    CHECK(frame.lost_before == 8);
+    const auto ended = stage->next(frame);
+    require_error(ended, ErrorCode::Corrupt);
+    CHECK(ended.error().message.starts_with("30 frames of '"));
+    return ended.error().message;
+  }
+
   VirtualClock clock;
-  FaultyCamera camera(simulated(clock), faults);
-  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
-  require_done(stage->start());
-  CapturedFrame frame;
-  for (int i = 0; i < 3; ++i) require_done(stage->next(frame));
-  CHECK(frame.lost_before == 8);
-  const auto ended = stage->next(frame);
-  require_error(ended, ErrorCode::Corrupt);
-  CHECK(ended.error().message.find("30 frames of '") == 0);
-  CHECK(ended.error().message.find("frame 11 has ") != std::string::npos);
-  CHECK(stage->counters().undecodable == 38);
+  std::unique_ptr<FaultyCamera> camera;
+  std::unique_ptr<CaptureStage> stage;
+};
+
+TEST_CASE("frames that do not decode are counted, and thirty in a row end the run with the first reason") {
+  FailingCamera failing([](std::uint64_t) { return CameraFaultKind::Short; });
+  CHECK_THAT(failing.end(), Contains("frame 11 has "));
+  CHECK(failing.stage->counters().undecodable == 38);
 }
 
 TEST_CASE("thirty damaged frames in a row end the run, and the error says what to check") {
-  std::vector<CameraFault> faults;
-  for (std::uint64_t i = 2; i < 60; ++i)
-    if (i != 10) faults.push_back({i, CameraFaultKind::Damaged});
-  VirtualClock clock;
-  FaultyCamera camera(simulated(clock), faults);
-  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
-  require_done(stage->start());
-  CapturedFrame frame;
-  for (int i = 0; i < 3; ++i) require_done(stage->next(frame));
-  CHECK(frame.lost_before == 8);
-  const auto ended = stage->next(frame);
-  require_error(ended, ErrorCode::Corrupt);
-  CHECK(ended.error().message.find("30 frames of '") == 0);
-  CHECK(ended.error().message.find("incomplete pixels; check the camera's cable") != std::string::npos);
-  CHECK(stage->counters().damaged == 38);
+  FailingCamera failing([](std::uint64_t) { return CameraFaultKind::Damaged; });
+  CHECK_THAT(failing.end(), Contains("incomplete pixels; check the camera's cable"));
+  CHECK(failing.stage->counters().damaged == 38);
 }
 
 TEST_CASE("damaged frames and frames that do not decode are one row, which ends the run") {
-  std::vector<CameraFault> faults;
-  for (std::uint64_t i = 2; i < 60; ++i)
-    faults.push_back({i, i % 2 == 0 ? CameraFaultKind::Damaged : CameraFaultKind::Short});
-  VirtualClock clock;
-  FaultyCamera camera(simulated(clock), faults);
-  auto stage = value_of(CaptureStage::open(camera, nullptr, kTwo, Mains::Off, kSmall));
-  require_done(stage->start());
-  CapturedFrame frame;
-  for (int i = 0; i < 2; ++i) require_done(stage->next(frame));
-  const auto ended = stage->next(frame);
-  require_error(ended, ErrorCode::Corrupt);
-  CHECK(ended.error().message.find("frame 3 has ") != std::string::npos);
-  CHECK(stage->counters().damaged == 15);
-  CHECK(stage->counters().undecodable == 15);
+  FailingCamera failing(
+      [](std::uint64_t i) { return i % 2 == 0 ? CameraFaultKind::Damaged : CameraFaultKind::Short; });
+  CHECK_THAT(failing.end(), Contains("frame 11 has "));
+  CHECK(failing.stage->counters().damaged == 19);
+  CHECK(failing.stage->counters().undecodable == 19);
 }
 
 TEST_CASE("a pixel format that cannot be unpacked ends the run at its first frame") {

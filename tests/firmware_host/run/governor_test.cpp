@@ -181,7 +181,8 @@ TEST_CASE("frames of uneven cost that are in time in the mean are all emitted") 
   CHECK(left_out < kSecond);
 }
 
-TEST_CASE("frames of uneven cost count as their mean where a queue evens them out, and else all are in time") {
+TEST_CASE(
+    "frames of uneven cost count as their mean where a queue evens them out, and else all are in time") {
   for (const Backlog backlog : {Backlog::None, Backlog::Unknown}) {
     Governor governor(ladder(), kDeadline);
     Machine machine{.noise = 0.03, .third = 1.4};  // as asked 26.6, 26.6 and 37.2 ms
