@@ -74,9 +74,8 @@ std::vector<NamedInput> files_of(const FootageRequest& footage) {
 
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
 // is complete.
-Result<void> write_recording(Surroundings& around, const ImportOptions& options,
+Result<void> write_recording(Surroundings& around, const ImportOptions& options, const Settings& settings,
                              std::unique_ptr<RecordingReader> reader) {
-  const Settings settings = TRY(options.settings->read(around.storage));
   TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
@@ -89,14 +88,14 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
   return {};
 }
 
-Result<void> import_clip(Surroundings& around, const ImportOptions& options) {
+Result<void> import_clip(Surroundings& around, const ImportOptions& options, const Settings& settings) {
   const std::string& path = options.footage.files.front();
   auto clip = TRY(ImageSequence::open(around.storage, path,
                                       options.allow_outside ? ClipReach::Anywhere : ClipReach::BelowFolder));
   if (options.list) return say("{}: a clip of {} images\n", path, clip.frame_count()), Result<void>{};
   TRY(options.kept.check(around.storage, files_of(clip),
                          {{"--output", options.output, OutputKind::Recording}}));
-  return write_recording(around, options, reader_of(std::move(clip)));
+  return write_recording(around, options, settings, reader_of(std::move(clip)));
 }
 
 bool is_recording(Storage& storage, const std::string& file) {
@@ -151,7 +150,7 @@ Result<void> tell_losses(const FootagePlan& plan) {
   return cut ? Error{ErrorCode::Truncated, *cut} : Result<void>();
 }
 
-Result<void> import_footage(Surroundings& around, const ImportOptions& options) {
+Result<void> import_footage(Surroundings& around, const ImportOptions& options, const Settings& settings) {
   FootageRequest footage = options.footage;
   footage.files = TRY(footage_files(around.storage, footage.files));
   if (!options.list)
@@ -166,7 +165,7 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options) 
     remark("note: the exposures are estimated, and relative to each other only\n");
   if (const std::string missing = describe_missing(plan); !missing.empty()) remark("note: {}\n", missing);
   auto reader = TRY(open_planned(around.storage, footage, plan));
-  TRY(write_recording(around, options, std::move(reader)));
+  TRY(write_recording(around, options, settings, std::move(reader)));
   return tell_losses(plan);
 }
 
@@ -178,7 +177,7 @@ std::string takes_framerate(const std::string& text) {
   return objection_to(camera).value_or("");
 }
 
-Result<void> import_any(const ImportOptions& options, const Settings&, Surroundings& around) {
+Result<void> import_any(const ImportOptions& options, const Settings& settings, Surroundings& around) {
   if (options.list && (!options.output.empty() || options.kept.replaces()))
     return Error{
         ErrorCode::Invalid,
@@ -200,7 +199,7 @@ Result<void> import_any(const ImportOptions& options, const Settings&, Surroundi
                              footage.files.front())};
   if (!footage.gain.empty() && (footage.shutter.empty() || footage.shutter == kAutoShutter))
     return Error{ErrorCode::Invalid, "--gain goes with the exposure times of --shutter; give both"};
-  return clip ? import_clip(around, options) : import_footage(around, options);
+  return clip ? import_clip(around, options, settings) : import_footage(around, options, settings);
 }
 
 }  // namespace

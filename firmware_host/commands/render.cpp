@@ -127,7 +127,7 @@ Result<void> render(const RenderFlags& flags, const Settings& settings, Surround
                                .stop = &around.stop,
                                .record = &record},
                               around.storage);
-  warn_of_view(record, settings);
+  if (ended) warn_of_view(record, settings);
   return ended;
 }
 

@@ -100,6 +100,7 @@ Governor::Sample Governor::upper(std::size_t newest) const {
 // Of the window, in which the longest frame, perhaps an outlier, counts as the second longest.
 Governor::Sample Governor::mean() const {
   const std::size_t count = std::min(samples_, kWindow);
+  CHECK(count > 1);
   Sample sum, longest, second;
   for (std::size_t i = 0; i < count; ++i) {
     const Sample& sample = window_[i];
@@ -119,8 +120,9 @@ Governor::Sample Governor::usual() const {
   return backlog_ == Backlog::Unknown ? upper(std::min(samples_, kWindow)) : mean();
 }
 
-// The speed of the machine: the median time of the steady work.
+// The speed of the machine: the usual time of the steady work, as ratios are over it.
 double Governor::steady_ms() const {
+  if (backlog_ != Backlog::Unknown) return mean().steady_ms;
   const std::size_t count = std::min(samples_, kWindow);
   std::array<double, kWindow> sorted{};
   for (std::size_t i = 0; i < count; ++i) sorted[i] = window_[i].steady_ms;
@@ -128,8 +130,8 @@ double Governor::steady_ms() const {
 }
 
 std::optional<std::size_t> Governor::rung_to_shed_to() const {
-  if (at_ + 1 == end() || backlog_ == Backlog::None) return std::nullopt;
-  const bool sudden = samples_ >= kSudden && upper(kSudden).total_ms > kSuddenlyLate * allowed_ms();
+  if (at_ + 1 == end() || samples_ < kSudden || backlog_ == Backlog::None) return std::nullopt;
+  const bool sudden = upper(kSudden).total_ms > kSuddenlyLate * allowed_ms();
   // Frames of uneven cost wait for each other: none is left out before they are late in the mean.
   const double late_ms = at_ < emits_all_ ? usual().total_ms : mean().total_ms;
   const bool steady = samples_ >= kWindow && late_ms > allowed_ms();
@@ -245,7 +247,7 @@ void Governor::pass_waits() {
 // Whether the rung that leaves out most is too slow.
 bool Governor::is_hopeless() const {
   return at_ + 1 == ladder_.size() && at_ > emits_all_ && samples_ >= kWindow / 2 &&
-         upper(kWindow / 2).total_ms > deadline_ms_;
+         (backlog_ == Backlog::Unknown ? upper(kWindow / 2) : mean()).total_ms > deadline_ms_;
 }
 
 void Governor::give_up() {

@@ -10,7 +10,8 @@ namespace hdrcam {
 // them.
 void give_back_freed_pictures();
 
-// For as long as this lives they stay, for work that makes and frees many of a few sizes and then ends.
+// For as long as this lives those below 32 MiB stay, for work that makes and frees many of a few sizes and
+// then ends. Its end sets the limits of give_back_freed_pictures().
 class FreedPicturesStay {
  public:
   FreedPicturesStay();

@@ -56,8 +56,8 @@ class RecordingReader {
   virtual RecordingCodec codec() const { return RecordingCodec::Huffyuv; }
   // Frames in the index, or nullopt where the file was truncated before the index was written.
   virtual std::optional<int> frame_count() const = 0;
-  // The next frame; nullopt at the end. room: a frame that is done with, whose memory the next one may take.
-  // Truncated where the file was cut short, after all its whole frames.
+  // The next frame; nullopt at the end. room: a frame that is done with, of any size, whose memory the next
+  // one may take; it is lost in any case. Truncated where the file was cut short, after all its whole frames.
   virtual Result<std::optional<RawFrame>> next(RawFrame room) = 0;
   Result<std::optional<RawFrame>> next() { return next({}); }
   // Like next(), but the pixels are only checked, not decoded: for listing a recording.

@@ -77,7 +77,7 @@ inline V limited(V cubic, V linear, float limit) {
       value = limited(value, between[1] + between[2], w.limit);
     }
     out[channel * plane] = value;
-    if (w.largest != nullptr) largest[channel * plane] = most(most(p[1][1], p[1][2]), most(p[2][1], p[2][2]));
+    if (largest != nullptr) largest[channel * plane] = most(most(p[1][1], p[1][2]), most(p[2][1], p[2][2]));
   }
 }
 
@@ -123,7 +123,7 @@ inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, fl
       value = limited(value, rounded((1 - at.fx) * middle(1)) + rounded(at.fx * middle(2)), w.limit);
     }
     store_some(out + channel * plane, value, count);
-    if (w.largest != nullptr)
+    if (largest != nullptr)
       store_some(largest + channel * plane,
                  most(most(b.column[1], b.column[2]), most(c.column[1], c.column[2])), count);
   }
@@ -133,10 +133,12 @@ void warp_cubic(const WarpBand& w) {
   for (int y = w.y0; y < w.y1; ++y)
     across(w, y, [&](int x, int count, const Places& at) {
       const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(y) * w.cols + x;
-      float *out = w.out + place, *largest = w.largest + place;
+      float* out = w.out + place;
+      float* largest = w.largest != nullptr ? w.largest + place : nullptr;
       if (any_negative((at.x - 1) | (w.cols - 3 - at.x))) {
         for (int i = 0; i < count; ++i)
-          read_cubic(w, at.x[i], at.y[i], at.fx[i], at.fy[i], out + i, largest + i);
+          read_cubic(w, at.x[i], at.y[i], at.fx[i], at.fy[i], out + i,
+                     largest != nullptr ? largest + i : nullptr);
         return;
       }
       const auto row = [&](auto top, int k) { return clamped(top + (k - 1), w.rows - 1) * w.cols; };

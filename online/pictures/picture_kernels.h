@@ -13,9 +13,10 @@ struct WarpBand {
   float* out;            // the same
   const float *dx, *dy;  // [rows, cols] pixels
   int channels, rows, cols;
-  int y0, y1;                // the rows of `out` to be written
-  float limit;               // of the cubic against the bilinear value; 0: none
-  float* largest = nullptr;  // [channels, rows, cols] of the four pixels around; of the cubic; or null
+  int y0, y1;   // the rows of `out` to be written
+  float limit;  // of the cubic against the bilinear value; 0: none
+  // of warp_cubic: becomes the largest of the four pixels around each place, as `out`; null: not wanted
+  float* largest = nullptr;
 };
 
 // One row of a small-window statistic (local_statistics.h) of a plane.

@@ -21,8 +21,8 @@ void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, I
   warp(in, flow, limit, out, pool, picture_kernels().warp_cubic);
 }
 
-void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, Image<float>& largest,
-                WorkerPool& pool) {
+void warp_cubic_and_largest(const Image<float>& in, const Image<float>& flow, Image<float>& out,
+                            Image<float>& largest, WorkerPool& pool) {
   largest.reshape_like(in);
   warp(in, flow, 0, out, pool, picture_kernels().warp_cubic, largest.plane(0));
 }

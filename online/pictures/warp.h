@@ -14,8 +14,8 @@ namespace hdrcam {
 void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
                 WorkerPool& pool);
 // The same without a limit; largest: becomes the largest of the four pixels around each place.
-void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, Image<float>& largest,
-                WorkerPool& pool);
+void warp_cubic_and_largest(const Image<float>& in, const Image<float>& flow, Image<float>& out,
+                            Image<float>& largest, WorkerPool& pool);
 
 void warp_linear(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
 

@@ -66,8 +66,8 @@ class Fusion {
   void set_white(float white) { white_ = white; }
   float white() const { return white_; }
 
-  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code that contributed
-  // to a warped one, or codes itself.
+  // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code around the
+  // place of a warped one, or codes itself.
   void sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
               Samples& samples);
 

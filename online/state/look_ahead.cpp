@@ -47,7 +47,7 @@ void LookAhead::take_samples(const LaterFrame& ahead, const Image<float>& path, 
   const Image<float>& codes = ahead.frame->codes;
   const ScratchLease room(pool_.scratch(), codes.rows(), codes.cols(), {{&brightest_, 3}});
   Image<float>& warped = samples_.blur;  // its memory is idle until the blur is modelled
-  warp_cubic(codes, path, warped, brightest_, pool_);
+  warp_cubic_and_largest(codes, path, warped, brightest_, pool_);
   fusion.sample(warped, brightest_, *ahead.tables, samples_);
 }
 

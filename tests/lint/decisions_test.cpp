@@ -1,5 +1,6 @@
 // The index of docs/decisions is written by hand: a decision that it lacks is not found again.
 #include <filesystem>
+#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -20,29 +21,40 @@ const fs::path kFolder = fs::path(HDRCAM_SOURCE_DIR) / "docs/decisions";
 
 std::string text_of(const fs::path& path) { return value_of(read_whole(posix_storage(), path.string())); }
 
-// What each entry that begins with its date claims, printed in bold; on one line, without a full stop.
+// Of each entry that begins with its date: the date, and what it claims, which is printed in bold; on one
+// line, without a full stop.
 std::vector<std::string> claims_of(const std::string& text) {
-  static const std::regex kEntry(R"(\n- 20\d\d-\d\d-\d\d (?:Rejected: )?\*\*([^*]+?)[.:]?\*\*)");
+  static const std::regex kEntry(R"(\n(- 20\d\d-\d\d-\d\d (?:Rejected: )?)\*\*([^*]+?)[.:]?\*\*)");
   static const std::regex kSpace(R"(\s+)");
   std::vector<std::string> claims;
   for (std::sregex_iterator at(text.begin(), text.end(), kEntry), end; at != end; ++at)
-    claims.push_back(std::regex_replace((*at)[1].str(), kSpace, " "));
+    claims.push_back((*at)[1].str() + std::regex_replace((*at)[2].str(), kSpace, " "));
   return claims;
+}
+
+std::size_t dated_entries_of(const std::string& text) {
+  static const std::regex kDated(R"(\n- 20\d\d-)");
+  return static_cast<std::size_t>(
+      std::distance(std::sregex_iterator(text.begin(), text.end(), kDated), std::sregex_iterator()));
 }
 
 }  // namespace
 
-TEST_CASE("the index of decisions names each of them") {
+TEST_CASE("the index of decisions names each that has a date") {
   const std::string index = text_of(kFolder / "README.md");
   std::size_t found = 0;
   for (const auto& file : fs::directory_iterator(kFolder)) {
     if (file.path().filename() == "README.md") continue;
     CHECK(index.find("(" + file.path().filename().string() + ")") != std::string::npos);
-    for (const std::string& claim : claims_of(text_of(file.path()))) {
-      INFO(file.path().filename().string() << ": " << claim);
-      CHECK(index.find(claim) != std::string::npos);
-      ++found;
+    const std::string text = text_of(file.path());
+    const std::vector<std::string> claims = claims_of(text);
+    INFO(file.path().filename().string());
+    CHECK(claims.size() == dated_entries_of(text));
+    for (const std::string& claim : claims) {
+      INFO(claim);
+      CHECK(index.find("\n" + claim + "\n") != std::string::npos);
     }
+    found += claims.size();
   }
   CHECK(found > 200);
 }

@@ -99,6 +99,7 @@ void VulkanState::advance(const StateInput& input, const FlowField& to_previous)
 
 void VulkanState::join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
                        JoinedState& joined) {
+  CHECK(!later.empty());
   if (processor_) return processor_->join(of, later, white, joined);
   if (const Result<void> done = join_gpu(of, later, white, joined); !done) {
     // `of` may be our own copy, which goes on living

@@ -163,7 +163,10 @@ TEST_CASE("a frame takes the memory of one that is done with") {
   const auto frames = sample::frames(camera, 3, 4);
   REQUIRE(sample::record(posix_storage(), path, camera, frames).ok());
   const auto reader = value_of(open_recording(posix_storage(), path));
-  RawFrame frame = std::move(*value_of(reader->next()));
+  RawFrame small;
+  small.codes = Image<std::uint16_t>(1, 3, 5);
+  RawFrame frame = std::move(*value_of(reader->next(std::move(small))));
+  CHECK(std::ranges::equal(frame.codes.samples(), frames[0].codes.samples()));
   const std::uint16_t* memory = frame.codes.plane(0);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     frame = std::move(*value_of(reader->next(std::move(frame))));

@@ -184,7 +184,7 @@ TEST_CASE("the largest pixel around a place is the same on the graphics device",
   const GpuPicture in = bench.put({&s.state.radiance}), motion = bench.put(s.motion), out = bench.empty(3);
   bench.passes->largest_around(in, motion, out);
   Image<float> moved, largest;
-  warp_cubic(s.state.radiance, s.motion.vectors, moved, largest, s.pool);
+  warp_cubic_and_largest(s.state.radiance, s.motion.vectors, moved, largest, s.pool);
   check_alike(bench.get(out), largest, "largest");
 }
 
