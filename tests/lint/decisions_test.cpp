@@ -1,4 +1,6 @@
 // The index of docs/decisions is written by hand: a decision that it lacks is not found again.
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <iterator>
 #include <regex>
@@ -45,14 +47,14 @@ TEST_CASE("the index of decisions names each that has a date") {
   std::size_t found = 0;
   for (const auto& file : fs::directory_iterator(kFolder)) {
     if (file.path().filename() == "README.md") continue;
-    CHECK(index.find("(" + file.path().filename().string() + ")") != std::string::npos);
+    CHECK(index.find(fmt::format("({})", file.path().filename().string())) != std::string::npos);
     const std::string text = text_of(file.path());
     const std::vector<std::string> claims = claims_of(text);
     INFO(file.path().filename().string());
     CHECK(claims.size() == dated_entries_of(text));
     for (const std::string& claim : claims) {
       INFO(claim);
-      CHECK(index.find("\n" + claim + "\n") != std::string::npos);
+      CHECK(index.find(fmt::format("\n{}\n", claim)) != std::string::npos);
     }
     found += claims.size();
   }
