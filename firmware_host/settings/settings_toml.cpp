@@ -191,23 +191,15 @@ std::string quoted(const std::string& text) {
   return '"' + printable(masked) + '"';
 }
 
-// Whether a line of its own states the knob, outside the table of all knobs.
-bool has_line_of_its_own(const Knob* knob) {
-  return std::ranges::any_of(setting_fields(), [&](const SettingField& field) {
-    return field.knob == knob && field.type != SettingType::Knob;
-  });
-}
-
 // Returns a line like "width = 640". A knob with the preset's value is in a comment, so that the file follows
-// the preset, and so is one that another line states: the file has one place to change.
+// the preset.
 std::string line_of(const SettingField& field, const Settings& settings) {
   const SettingValue value = field.read(settings);
   const auto* words = std::get_if<std::string>(&value);
   std::string text = words ? quoted(*words) : to_text(value);
   const bool unset = field.type == SettingType::Knob && words->empty();
   if (unset) text = quoted(knob_value(knobs_of(settings.fit.preset), field.knob->name).value());
-  const bool repeated = field.type == SettingType::Knob && has_line_of_its_own(field.knob);
-  return fmt::format("{}{} = {}", unset || repeated ? "#" : "", name_of(field.key), text);
+  return fmt::format("{}{} = {}", unset ? "#" : "", name_of(field.key), text);
 }
 
 }  // namespace

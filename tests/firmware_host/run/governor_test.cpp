@@ -203,20 +203,6 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("behind a queue a rung is returned to only where the mean of its frames fits") {
-  Governor governor(ladder(), kDeadline);
-  Machine machine{.load = 1.15, .noise = 0.03, .third = 1.4};  // as asked 34.6 ms in the mean
-  const auto go_on = [&](int frames) {
-    for (int i = 0; i < frames; ++i)
-      governor.done(machine.work(governor.next(), governor.previews()), Backlog::None);
-  };
-  go_on(4 * kSecond);
-  const std::vector<int> before = governor.frames_at();
-  go_on(20 * kSecond);
-  CHECK(governor.rung() > 0);
-  CHECK(governor.frames_at().front() - before.front() < kSecond);
-}
-
 TEST_CASE("as the load grows, what is shed follows the order, and comes back in the opposite one") {
   Governor governor(ladder(), kDeadline);
   Machine machine;
