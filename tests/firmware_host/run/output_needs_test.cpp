@@ -59,10 +59,10 @@ TEST_CASE("motion to the next frame is refused where the run does not wait for i
     CHECK(check_needs(settings).ok());
   }
   for (const char* frames : {"-1", "1", "2"}) {
-    settings.fit.knobs["look_ahead"] = frames;
+    settings.fit.knobs = {{"look_ahead", frames}};
     CHECK(check_needs(settings).ok());
   }
-  settings.fit.knobs["look_ahead"] = "0";
+  settings.fit.knobs = {{"look_ahead", "0"}};
   REQUIRE_FALSE(check_needs(settings).ok());
   CHECK(check_needs(settings).error().code == ErrorCode::Invalid);
   CHECK(check_needs(settings).error().message ==
