@@ -33,6 +33,9 @@ constexpr double kFirstWait_s = 4, kMostFirstWait = 10'000;  // the second in fr
 constexpr double kFasterMachine = 0.85;  // of the steady work's time: another machine than before
 constexpr double kLeastSteady_ms = 1e-3;
 
+// Whether frames wait for each other, which evens out what they take.
+bool queues(Backlog backlog) { return backlog != Backlog::Unknown; }
+
 }  // namespace
 
 Governor::Governor(std::vector<Rung> ladder, Duration deadline)
@@ -117,12 +120,12 @@ Governor::Sample Governor::mean() const {
 // What a frame takes. Frames of a cycle are uneven: those whose long exposure is clipped take half as long
 // again. A queue evens them out; without one all have to be in time.
 Governor::Sample Governor::usual() const {
-  return backlog_ == Backlog::Unknown ? upper(std::min(samples_, kWindow)) : mean();
+  return queues(backlog_) ? mean() : upper(std::min(samples_, kWindow));
 }
 
 // The speed of the machine: the usual time of the steady work, as ratios are over it.
 double Governor::steady_ms() const {
-  if (backlog_ != Backlog::Unknown) return mean().steady_ms;
+  if (queues(backlog_)) return mean().steady_ms;
   const std::size_t count = std::min(samples_, kWindow);
   std::array<double, kWindow> sorted{};
   for (std::size_t i = 0; i < count; ++i) sorted[i] = window_[i].steady_ms;
@@ -154,7 +157,7 @@ std::optional<double> Governor::expected_ratio(std::size_t rung, double present)
 }
 
 std::optional<std::size_t> Governor::rung_to_return_to() const {
-  const bool some_wait = backlog_ != Backlog::Unknown && backlog_ != Backlog::None;
+  const bool some_wait = queues(backlog_) && backlog_ != Backlog::None;
   if (at_ == 0 || samples_ < kTrial || some_wait) return std::nullopt;
   if (samples_ >= kWindow)
     for (std::size_t r = 0; r < at_; ++r) {
@@ -193,7 +196,7 @@ bool Governor::is_blocked(std::size_t rung) const {
 
 // Of the rungs that are in use at present.
 std::size_t Governor::end() const {
-  const bool absorbs = backlog_ != Backlog::Unknown && backlog_ != Backlog::Pressing;
+  const bool absorbs = queues(backlog_) && backlog_ != Backlog::Pressing;
   const bool emits_all = to_leave_out_.frames_left > 0 || (absorbs && at_ <= emits_all_);
   return emits_all ? emits_all_ + 1 : ladder_.size();
 }
@@ -210,7 +213,7 @@ double Governor::allowed_ms() const {
 // What this rung takes, learned from frames in time: late ones tell more about the moment than about the
 // rung.
 void Governor::remember() {
-  if (backlog_ != Backlog::Unknown) {
+  if (queues(backlog_)) {
     ratios_[at_] = mean().ratio();
     return;
   }
@@ -247,7 +250,7 @@ void Governor::pass_waits() {
 // Whether the rung that leaves out most is too slow.
 bool Governor::is_hopeless() const {
   return at_ + 1 == ladder_.size() && at_ > emits_all_ && samples_ >= kWindow / 2 &&
-         (backlog_ == Backlog::Unknown ? upper(kWindow / 2) : mean()).total_ms > deadline_ms_;
+         (queues(backlog_) ? mean() : upper(kWindow / 2)).total_ms > deadline_ms_;
 }
 
 void Governor::give_up() {
