@@ -2,6 +2,7 @@
 // Eight pixels are placed at once and then read from each channel; how depends on where they are.
 #include "online/pictures/picture_kernels.h"
 
+#include "hal/core/lane_functions.h"
 #include "hal/core/picture_lanes.h"
 
 namespace hdrcam::HDRCAM_TARGET {
@@ -46,7 +47,7 @@ inline CubicWeights<V> cubic_weights(V f) {
 // Within what `limit` allows around the bilinear value.
 template <class V>
 inline V limited(V cubic, V linear, float limit) {
-  return least(most(cubic, linear * (1 - limit)), linear * (1 + limit));
+  return least(most(cubic, linear - limit), linear + limit);
 }
 
 // One pixel near the left or right border: the four of each row are a Quad.
@@ -129,8 +130,29 @@ inline void read_cubic_inside(const WarpBand& w, const Places& at, int count, fl
   }
 }
 
+void log_radiance(const LogRadiance& l) {
+  for (std::size_t i = 0; i < l.count; ++i) l.logarithm[i] = log_of(most(0.f, l.radiance[i]) + kDarkRadiance);
+}
+
+// A row of logarithms becomes radiance again; what does not move is copied.
+void restore_radiance(const WarpBand& w, int y) {
+  constexpr float kStill = 1.f / 64;  // pixels
+  const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * w.cols,
+                       plane = static_cast<std::ptrdiff_t>(w.rows) * w.cols;
+  const float *dx = w.dx + line, *dy = w.dy + line;
+  for (int channel = 0; channel < w.channels; ++channel) {
+    const float* before = w.radiance + channel * plane + line;
+    float* out = w.out + channel * plane + line;
+    for (int x = 0; x < w.cols; ++x) {
+      const float moved = most(0.f, exp_of(out[x]) - kDarkRadiance);
+      const bool still = (dx[x] < kStill) & (dx[x] > -kStill) & (dy[x] < kStill) & (dy[x] > -kStill);
+      out[x] = still ? before[x] : moved;
+    }
+  }
+}
+
 void warp_cubic(const WarpBand& w) {
-  for (int y = w.y0; y < w.y1; ++y)
+  for (int y = w.y0; y < w.y1; ++y) {
     across(w, y, [&](int x, int count, const Places& at) {
       const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(y) * w.cols + x;
       float* out = w.out + place;
@@ -157,6 +179,8 @@ void warp_cubic(const WarpBand& w) {
                           [&](const float* in, int k) { return fours_at(in, first[k]); });
       }
     });
+    if (w.radiance != nullptr) restore_radiance(w, y);
+  }
 }
 
 inline int mirrored(int i, int n) {
@@ -244,6 +268,6 @@ void window(const WindowRow& w) {
 }  // namespace
 
 extern const PictureKernels kPictureKernels;
-const PictureKernels kPictureKernels{&warp_linear, &warp_cubic, &window};
+const PictureKernels kPictureKernels{&warp_linear, &warp_cubic, &log_radiance, &window};
 
 }  // namespace hdrcam::HDRCAM_TARGET

@@ -9,15 +9,26 @@ namespace hdrcam {
 
 // One band of rows of a picture moved along a flow (warp.h).
 struct WarpBand {
-  const float* in;       // [channels, rows, cols]
-  float* out;            // the same
-  const float *dx, *dy;  // [rows, cols] pixels
-  int channels, rows, cols;
-  int y0, y1;   // the rows of `out` to be written
-  float limit;  // of the cubic against the bilinear value; 0: none
+  const float* in = nullptr;                 // [channels, rows, cols]
+  float* out = nullptr;                      // the same
+  const float *dx = nullptr, *dy = nullptr;  // [rows, cols] pixels
+  int channels = 0, rows = 0, cols = 0;
+  int y0 = 0, y1 = 0;  // the rows of `out` to be written
+  float limit = 0;     // of the cubic against the bilinear value, up and down; 0: none
   // of warp_cubic: becomes the largest of the four pixels around each place, as `out`; null: not wanted
   float* largest = nullptr;
+  // of warp_cubic: what `in` is the logarithm of (log_radiance), as `in`; `out` then becomes radiance, too.
+  // Null: `in` is what it is.
+  const float* radiance = nullptr;
 };
+
+// A run of samples: ln(radiance + kDarkRadiance), radiance below 0 as 0.
+struct LogRadiance {
+  const float* radiance;
+  float* logarithm;
+  std::size_t count;
+};
+inline constexpr float kDarkRadiance = 2e-4f;  // of white at the reference exposure
 
 // One row of a small-window statistic (local_statistics.h) of a plane.
 struct WindowRow {
@@ -30,6 +41,7 @@ struct WindowRow {
 struct PictureKernels {
   void (*warp_linear)(const WarpBand&);
   void (*warp_cubic)(const WarpBand&);
+  void (*log_radiance)(const LogRadiance&);
   void (*window)(const WindowRow&);
 };
 

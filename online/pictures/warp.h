@@ -8,12 +8,15 @@
 
 namespace hdrcam {
 
-// Cubic convolution (a = -0.5, Catmull-Rom), every channel; with `limit` > 0 the result stays within 1 -+
-// limit of the bilinear value, so that no ringing builds up in a recursion. in, out: [n, rows, cols]; flow:
-// [dx dy, rows, cols] pixels.
-void warp_cubic(const Image<float>& in, const Image<float>& flow, float limit, Image<float>& out,
-                WorkerPool& pool);
-// The same without a limit; largest: becomes the largest of the four pixels around each place.
+// Cubic convolution (a = -0.5, Catmull-Rom), every channel. in, out: [n, rows, cols]; flow: [dx dy, rows,
+// cols] pixels.
+void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
+// The same of radiance, in its logarithm, in which an edge to bright light weighs no more than what is beside
+// it; within a factor of e^kMostRinging of the bilinear value, so that no ringing builds up in a recursion.
+// in: nothing below 0; borrows a picture from the pool.
+inline constexpr float kMostRinging = 0.5f;
+void warp_radiance(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
+// warp_cubic; largest: becomes the largest of the four pixels around each place.
 void warp_cubic_and_largest(const Image<float>& in, const Image<float>& flow, Image<float>& out,
                             Image<float>& largest, WorkerPool& pool);
 

@@ -40,7 +40,7 @@ void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& table
 void StateFilter::predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables) {
   const Image<float>& flow = to_previous.vectors;
   const int rows = flow.rows(), cols = flow.cols();
-  warp_cubic(state_.radiance, flow, options_.ringing_limit, predicted_.radiance, pool_);
+  warp_radiance(state_.radiance, flow, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
   fusion_.model_blur(predicted_, flow, blur_fraction, samples_);
   const ScratchLease room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});

@@ -13,7 +13,6 @@ struct StateOptions {
   FusionOptions fusion;
   float variance_growth = 0.05f;  // per frame: rate at which the past is forgotten
   float relative_growth = 0.01f;  // of radiance per frame: changing light
-  float ringing_limit = 0.3f;     // of the bilinear value: allowed overshoot of cubic interpolation
 };
 
 class StateFilter {

@@ -77,11 +77,11 @@ void state_advance(benchmark::State& state) {
     bench.filter.advance(frame, bench.tables, bench.motion.to_previous, frame.blur_fraction);
 }
 
-void warp_cubic_rgb(benchmark::State& state) {
+void warp_radiance_rgb(benchmark::State& state) {
   Bench bench(threads(state));
   Image<float> out;
   for (auto _ : state)
-    warp_cubic(bench.filter.state().radiance, bench.motion.to_previous.vectors, 0.3f, out, bench.pool);
+    warp_radiance(bench.filter.state().radiance, bench.motion.to_previous.vectors, out, bench.pool);
 }
 
 void shrinkage(benchmark::State& state) {
@@ -126,7 +126,7 @@ void field_render(benchmark::State& state) {
 
 BENCHMARK(response_estimate)->Unit(benchmark::kMillisecond);
 BENCHMARK(motion_match)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(warp_cubic_rgb)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(warp_radiance_rgb)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(state_advance)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(shrinkage)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(field_step)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -9,7 +9,7 @@ float linear_at(int channel, ivec4 place) {
   return top + fy * (bottom - top);
 }
 
-// Within `limit` of the linear value where the limit is above 0.
+// Within `limit` of the linear value, up and down, where the limit is above 0.
 float cubic_at(int channel, ivec4 place, float limit) {
   if ((place.z | place.w) == 0)
     return source[at(channel, clamp(place.y, 0, rows - 1), clamp(place.x, 0, cols - 1))];
@@ -23,7 +23,7 @@ float cubic_at(int channel, ivec4 place, float limit) {
   }
   if (limit > 0) {
     const float linear = linear_at(channel, place);
-    value = min(max(value, linear * (1 - limit)), linear * (1 + limit));
+    value = min(max(value, linear - limit), linear + limit);
   }
   return value;
 }

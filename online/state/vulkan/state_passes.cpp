@@ -1,10 +1,13 @@
 #include "online/state/vulkan/state_passes.h"
 
 #include "capture/clip_policy.h"
+#include "online/pictures/picture_kernels.h"
 #include "online/pictures/vulkan/box_mean.comp.h"
 #include "online/pictures/vulkan/largest_around.comp.h"
 #include "online/pictures/vulkan/local_contrast.comp.h"
+#include "online/pictures/vulkan/log_radiance.comp.h"
 #include "online/pictures/vulkan/warp.comp.h"
+#include "online/pictures/warp.h"
 #include "online/state/pass_constants.h"
 #include "online/state/sample_residuals.h"
 #include "online/state/vulkan/age.comp.h"
@@ -45,12 +48,14 @@ Result<PassRoom> PassRoom::make(GpuDevice& device, int rows, int cols) {
   return PassRoom{.mean = TRY(picture(3)),
                   .guess = TRY(picture(3)),
                   .detail = TRY(picture(3)),
+                  .logs = TRY(picture(kStatePlanes)),
                   .found = TRY(picture(kFoundPlanes)),
                   .found_mean = TRY(picture(kFoundPlanes))};
 }
 
 Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& options) {
-  const std::array<GpuShader, kPasses> shaders{{{"warp", k_warp, 3},
+  const std::array<GpuShader, kPasses> shaders{{{"log_radiance", k_log_radiance, 2},
+                                                {"warp", k_warp, 4},
                                                 {"box_mean", k_box_mean, 2},
                                                 {"local_contrast", k_local_contrast, 3},
                                                 {"sample", k_sample, 4},
@@ -68,13 +73,29 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
   return passes;
 }
 
-void StatePasses::warp(const GpuPicture& in, const GpuPicture& motion, int cubic_planes, float limit,
-                       const GpuPicture& out) const {
+namespace {
+
+struct WarpConstants {
+  int rows, cols, cubic_planes;
+  float limit = 0, dark = 0;
+};
+
+}  // namespace
+
+void StatePasses::warp(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const {
+  run(kWarp, {*in, *motion, *out, *in}, WarpConstants{in.rows, in.cols, out.planes}, out.grid());
+}
+
+void StatePasses::warp_state(const GpuPicture& in, const GpuPicture& motion, const PassRoom& room,
+                             const GpuPicture& out) const {
+  constexpr int kRadiancePlanes = 3;
   const struct {
-    int rows, cols, cubic_planes;
-    float limit;
-  } constants{in.rows, in.cols, cubic_planes, limit};
-  run(kWarp, {*in, *motion, *out}, constants, out.grid());
+    int rows, cols, radiance_planes;
+    float dark;
+  } logarithm{in.rows, in.cols, kRadiancePlanes, kDarkRadiance};
+  run(kLogRadiance, {*in, *room.logs}, logarithm, in.grid());
+  run(kWarp, {*room.logs, *motion, *out, *in},
+      WarpConstants{in.rows, in.cols, kRadiancePlanes, kMostRinging, kDarkRadiance}, out.grid());
 }
 
 void StatePasses::box_mean(const GpuPicture& in, int radius, const GpuPicture& out) const {

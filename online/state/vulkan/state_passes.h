@@ -45,6 +45,7 @@ struct GpuMoved {
 // What the kernels of one pass leave to each other; nothing in it outlives the pass.
 struct PassRoom {
   GpuPicture mean, guess, detail;  // rgb; detail: the local contrast of the guess
+  GpuPicture logs;                 // [kStatePlanes] of a state whose radiance is its logarithm
   GpuPicture found, found_mean;    // [kFoundPlanes]
 
   static Result<PassRoom> make(GpuDevice& device, int rows, int cols);
@@ -54,9 +55,11 @@ class StatePasses {
  public:
   static Result<StatePasses> make(GpuDevice& device, const StateOptions& options);
 
-  // warp_cubic and warp_linear: the first planes cubic, within `limit` of the linear value.
-  void warp(const GpuPicture& in, const GpuPicture& motion, int cubic_planes, float limit,
-            const GpuPicture& out) const;
+  // warp_cubic
+  void warp(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const;
+  // warp_radiance of a state's radiance, warp_linear of its variance
+  void warp_state(const GpuPicture& in, const GpuPicture& motion, const PassRoom& room,
+                  const GpuPicture& out) const;
   void box_mean(const GpuPicture& in, int radius, const GpuPicture& out) const;
   void local_contrast(const GpuPicture& in, const GpuPicture& mean, const GpuPicture& contrast) const;
   // Fusion::sample
@@ -84,6 +87,7 @@ class StatePasses {
 
  private:
   enum Pass : std::size_t {
+    kLogRadiance,
     kWarp,
     kBoxMean,
     kLocalContrast,

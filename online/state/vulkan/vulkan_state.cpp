@@ -7,8 +7,6 @@
 namespace hdrcam {
 namespace {
 
-constexpr int kCubic = 3;  // planes of a state that are carried by cubic convolution: its radiance
-
 void upload_both(GpuWork& work, const Image<float>& first, const Image<float>& second,
                  const GpuPicture& both) {
   upload(work, first, both);
@@ -160,7 +158,7 @@ Result<void> VulkanState::advance_gpu(const StateInput& input, const FlowField& 
   upload_motion(to_previous);
   on.tables.take(input.tables, work);
   passes.sample(codes, codes, on.tables, on.samples);
-  passes.warp(on.state, on.motion, kCubic, options_.ringing_limit, on.predicted);
+  passes.warp_state(on.state, on.motion, on.room, on.predicted);
   passes.model_blur(on.predicted, on.motion, input.blur_fraction(), on.samples);
   const GpuSeen seen{on.predicted, on.samples, on.tables, input.white};
   passes.gate(seen, on.motion, on.room, on.gate, on.contrast);
@@ -209,7 +207,7 @@ Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const L
     }
     const GpuPicture& codes = codes_of(*ahead.frame);
     on.tables.take(*ahead.tables, work);
-    passes.warp(codes, on.path, kCubic, 0, on.seen);
+    passes.warp(codes, on.path, on.seen);
     passes.largest_around(codes, on.path, on.brightest);
     passes.sample(on.seen, on.brightest, on.tables, on.samples);
     // the path spans all intervals, the exposure lasts a part of the last one
