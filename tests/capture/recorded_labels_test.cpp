@@ -166,6 +166,22 @@ TEST_CASE("a recording whose frames all have one exposure is said to give no HDR
   CHECK(judged(scene, filmed(scene, 4)).warnings.empty());  // perhaps a part of a cycle
 }
 
+TEST_CASE("frames that differ in digital gain alone have different exposures", "[capture]") {
+  const auto scene = scene_of({0.004});
+  const auto with_gains = [&](double even, double odd) {
+    auto frames = filmed(scene, 12);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].codes.fill(0);  // the pictures say nothing
+      frames[i].facts.digital_gain = i % 2 == 0 ? even : odd;
+    }
+    return judged(scene, std::move(frames)).warnings;
+  };
+  CHECK(with_gains(1, 4).empty());
+  const auto same = with_gains(2, 2);
+  REQUIRE(same.size() == 1);
+  CHECK(same.front().find("all 12 frames have the same exposure, 4 ms x 2,") == 0);
+}
+
 TEST_CASE("frames of unknown exposure are left out of what is said about equal exposures", "[capture]") {
   const auto unknown_up_to = [](const test::MovingScene& scene, int count) {
     auto frames = filmed(scene, 12);
