@@ -54,10 +54,11 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
   settings_.reference_exposure = cycle_mean(waiting_);
   if (stated_black_ == StatedBlack::Removed) black_level_ = waiting_.front().facts.black_level;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // no frame precedes the first one: its interval is assumed equal to the second's
-    const FrameFacts& before = waiting_[i > 0 ? i - 1 : 0].facts;
-    const FrameFacts& after = waiting_[std::max<std::size_t>(i, 1)].facts;
-    TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp)));
+    const FrameFacts& frame = waiting_[i].facts;
+    // no frame precedes the first one
+    const Duration interval =
+        i > 0 ? frame.timestamp - waiting_[i - 1].facts.timestamp : between_begins(frame, waiting_[1].facts);
+    TRY(expose(waiting_[i], to_seconds(interval)));
     waiting_[i].codes = {};  // what follows takes the most memory of a run
     TRY(hand_on(frame_));
   }
