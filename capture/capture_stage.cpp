@@ -329,9 +329,16 @@ CameraFacts CaptureStage::facts() const {
   return facts;
 }
 
-Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
+Result<ExposureSchedule> CaptureStage::schedule_of(std::span<const Exposure> cycle) const {
   const auto schedule =
       TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
+  if (const TriggerOptions* trigger = trigger_.options(); trigger != nullptr)
+    TRY(PulseTrain::check(*trigger, schedule));
+  return schedule;
+}
+
+Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
+  const ExposureSchedule schedule = TRY(schedule_of(cycle));
   TRY(trigger_.follow(schedule));
   schedule_ = schedule;
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));

@@ -65,7 +65,10 @@ class CaptureStage {
   // sensor of unknown black level, a camera whose exposures only the pictures can determine.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  // Makes later requests follow another cycle.
+  // The schedule of another cycle. Errors: those of ExposureSchedule::create and PulseTrain::check. May be
+  // called from any thread.
+  Result<ExposureSchedule> schedule_of(std::span<const Exposure> cycle) const;
+  // Makes later requests follow another cycle. Errors: those of schedule_of().
   Result<void> change_cycle(std::span<const Exposure> cycle);
   // The same for one that the light or the fit asks for; counted.
   Result<void> follow(std::span<const Exposure> cycle);

@@ -5,21 +5,38 @@
 
 #include "capture/exposure.h"
 #include "hal/core/stopwatch.h"
+#include "hal/recording/exposure_cycle.h"
 
 namespace hdrcam {
 namespace {
 
-// Geometric mean of the exposures of one cycle: the frames until the first exposure repeats.
+// Geometric mean of the exposures of one cycle: each slot counts once, by its first frame, so that lost
+// frames change nothing. Where no cycle is found, each distinct exposure does. Where frames state slots,
+// those without one are left out, as those before the first control acted.
 double cycle_mean(const std::vector<RawFrame>& frames) {
+  std::vector<FrameFacts> facts;
+  for (const RawFrame& frame : frames) facts.push_back(frame.facts);
+  const ExposureCycle cycle = find_exposure_cycle(facts);
+  const bool states_slots = std::ranges::any_of(facts, [](const FrameFacts& f) { return f.slot >= 0; });
+  struct Counted {
+    int slot = -1;  // none where no cycle is found
+    double log_exposure = 0;
+  };
+  std::vector<Counted> counted;
   double sum = 0;
-  int count = 0;
-  for (const RawFrame& frame : frames) {
-    const double log_exposure = std::log(frame.facts.exposure());
-    if (count > 0 && std::abs(log_exposure - std::log(frames.front().facts.exposure())) < kSameInCycle) break;
+  for (const FrameFacts& frame : facts) {
+    if (states_slots && frame.slot < 0) continue;
+    // a cycle of one may be exposures that differ less than the search tolerates
+    const int slot = cycle.period > 1 ? slot_of(cycle, facts.front(), frame) : -1;
+    const double log_exposure = std::log(frame.exposure());
+    const auto repeats = [&](const Counted& other) {
+      return slot >= 0 ? other.slot == slot : std::abs(other.log_exposure - log_exposure) < kSameInCycle;
+    };
+    if (std::ranges::any_of(counted, repeats)) continue;
+    counted.push_back({slot, log_exposure});
     sum += log_exposure;
-    ++count;
   }
-  return std::exp(sum / count);
+  return std::exp(sum / static_cast<double>(counted.size()));
 }
 
 }  // namespace
@@ -54,10 +71,11 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
   settings_.reference_exposure = cycle_mean(waiting_);
   if (stated_black_ == StatedBlack::Removed) black_level_ = waiting_.front().facts.black_level;
   for (std::size_t i = 0; i < waiting_.size(); ++i) {
-    // no frame precedes the first one: its interval is assumed equal to the second's
-    const FrameFacts& before = waiting_[i > 0 ? i - 1 : 0].facts;
-    const FrameFacts& after = waiting_[std::max<std::size_t>(i, 1)].facts;
-    TRY(expose(waiting_[i], to_seconds(after.timestamp - before.timestamp)));
+    const FrameFacts& frame = waiting_[i].facts;
+    // no frame precedes the first one
+    const Duration interval =
+        i > 0 ? frame.timestamp - waiting_[i - 1].facts.timestamp : between_begins(frame, waiting_[1].facts);
+    TRY(expose(waiting_[i], to_seconds(interval)));
     waiting_[i].codes = {};  // what follows takes the most memory of a run
     TRY(hand_on(frame_));
   }

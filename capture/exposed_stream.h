@@ -1,5 +1,5 @@
 // The end of capture/: raw frames of one stream -> exposed frames. Exposures are relative to the stream's
-// reference E_ref, the geometric mean of its first cycle, so the first frames wait until that cycle is known;
+// reference E_ref, the geometric mean of its cycle, so the first frames wait until that cycle is known;
 // from then on each frame is handed on as it arrives. Thread-bound; no allocation per frame after that.
 #pragma once
 

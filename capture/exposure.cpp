@@ -54,6 +54,13 @@ bool outlasts_frame(double exposure_s, double interval_s) {
   return interval_s > 0 && exposure_s > kRounding * interval_s;
 }
 
+Duration between_begins(const FrameFacts& frame, const FrameFacts& next) {
+  const Duration between_centres = next.timestamp - frame.timestamp;
+  for (const FrameFacts* facts : {&frame, &next})
+    if (!facts->has_exposure() || !facts->has_exposure_time()) return between_centres;
+  return between_centres + from_seconds((frame.exposure_s - next.exposure_s) / 2);
+}
+
 double log_product(const Exposure& exposure) { return std::log(exposure.product()); }
 
 Result<Duration> parse_duration(std::string_view text) {

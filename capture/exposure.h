@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "hal/camera.h"
+#include "hal/core/frame.h"
 #include "hal/core/instant.h"
 #include "hal/core/result.h"
 
@@ -34,7 +35,7 @@ inline constexpr double kSameToPictures = 0.15;
 // Frames of footage a whole cycle apart, by the median of their pictures' ratios: what a moving scene does to
 // frames of one exposure.
 inline constexpr double kSameInFootage = 0.15;
-// The first exposure of a stream when it comes again, which ends the first cycle: schedules jitter by less.
+// The first frames of a stream whose cycle is not found: most schedules jitter by less.
 inline constexpr double kSameInCycle = 0.2;
 // Exposures in use, listed for people: only rounding is left out, so that what an adaptation changed shows.
 inline constexpr double kSameInList = 0.01;
@@ -42,6 +43,10 @@ inline constexpr double kSameInList = 0.01;
 // Whether an exposure is longer than its frame by more than rounding explains; its time is then
 // wrong.
 bool outlasts_frame(double exposure_s, double interval_s);
+
+// From the beginning of a frame's exposure to that of the next one's, which is a frame duration however the
+// two exposures differ. From centre to centre where an exposure time is unknown.
+Duration between_begins(const FrameFacts& frame, const FrameFacts& next);
 
 // "4ms", "250us", "1/250", "1/250s", "0.004s". A bare number is refused: seconds are meant by few who write
 // one. Invalid for anything else, zero or negative.

@@ -124,8 +124,7 @@ Result<void> unpack_pixels(const CapturedBuffer& buffer, const PixelUnpackSettin
                              width, height, shared)};
   const std::size_t tight = row_bytes(packing, width);
   const std::size_t stride = buffer.stride == 0 ? tight : buffer.stride;
-  const auto rows = static_cast<std::size_t>(packing == Packing::Nv12 ? height + height / 2 : height);
-  const std::size_t needed = stride * (rows - 1) + tight;
+  const std::size_t needed = picture_bytes(packing, width, height, stride);
   if (stride < tight || buffer.pixels.size() < needed)
     return Error{ErrorCode::Corrupt,
                  fmt::format("frame {} has {} bytes in rows of {}; a {}x{} picture needs {} in rows of {}",

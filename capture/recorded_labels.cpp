@@ -99,11 +99,12 @@ void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
     by_later[i] = backwards.judge(*evidence, picture_, photometer_);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    const std::size_t other = i > 0 ? i - 1 : std::min<std::size_t>(1, frames.size() - 1);
-    const Duration apart =
-        std::chrono::abs(frames[i].raw.facts.timestamp - frames[other].raw.facts.timestamp);
-    finish(frames[i], joined(judge_forward(frames[i]), by_later[i]),
-           other == i ? std::nullopt : std::optional(apart));
+    std::optional<Duration> interval;
+    if (i > 0)
+      interval = frames[i].raw.facts.timestamp - *last_time_;
+    else if (frames.size() > 1)  // no frame precedes the first one
+      interval = between_begins(frames[0].raw.facts, frames[1].raw.facts);
+    finish(frames[i], joined(judge_forward(frames[i]), by_later[i]), interval);
   }
 }
 

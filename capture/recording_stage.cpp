@@ -77,7 +77,7 @@ Result<bool> RecordingStage::next(CapturedFrame& frame) {
 void RecordingStage::compare_exposure(const FrameFacts& facts) {
   if (!facts.has_exposure()) return;
   ++with_exposure_;
-  const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain};
+  const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
   if (!first_exposure_) first_exposure_ = exposure;
   exposures_differ_ =
       exposures_differ_ || std::abs(log_product(exposure) - log_product(*first_exposure_)) > kSameExposure;

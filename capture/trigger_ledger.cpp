@@ -52,15 +52,15 @@ void TriggerLedger::pulse(const TriggerPulse& pulse) {
   counters_.edge_mean = errors_.mean();
   counters_.edge_p99 = errors_.p99();
   counters_.edge_most = errors_.most();
-  if (expected_.full()) (void)settle_one(expected_.front().until);
+  while (expected_.full()) (void)settle_one(expected_.front().until);
   expected_.push({pulse.planned.number, pulse.rise.at + -(kEarly + pulse.rise.within),
                   pulse.rise.at + options_.interval / 2});
 }
 
 void TriggerLedger::answer(const Edge& edge) {
   if (!edge.rising) return;
-  if (answers_.full()) (void)settle_one(answers_.front());
-  if (!answers_.full()) answers_.push(edge.at);
+  while (answers_.full()) (void)settle_one(answers_.front());
+  answers_.push(edge.at);
 }
 
 void TriggerLedger::count_missing(const Expected& pulse) {

@@ -54,7 +54,9 @@ class TriggerLedger {
   const TriggerCounters& counters() const { return counters_; }
 
  private:
-  static constexpr std::size_t kOpen = 64;  // pulses and edges that are not settled
+  // Pulses and edges that are not settled. A consumer that is late brings all pulses that were driven
+  // meanwhile before their answers: up to as many as a Trigger keeps, 1024.
+  static constexpr std::size_t kOpen = 2048;
   template <class T>
   struct Ring {
     std::array<T, kOpen> items{};

@@ -83,6 +83,11 @@ std::size_t row_bytes(Packing packing, int width) {
   return pixels;
 }
 
+std::size_t picture_bytes(Packing packing, int width, int height, std::size_t stride) {
+  const auto rows = static_cast<std::size_t>(packing == Packing::Nv12 ? height + height / 2 : height);
+  return stride * (rows - 1) + row_bytes(packing, width);
+}
+
 int sharing(Packing packing) {
   if (packing == Packing::Mipi10) return 4;
   return packing == Packing::Yuyv || packing == Packing::Nv12 || packing == Packing::Mipi12 ? 2 : 1;

@@ -21,6 +21,8 @@ PixelPacking packing_of(PixelFormat format);
 
 // Bytes of a row of the first plane.
 std::size_t row_bytes(Packing packing, int width);
+// Bytes of a picture, all planes, with rows `stride` bytes apart; its last row is not padded.
+std::size_t picture_bytes(Packing packing, int width, int height, std::size_t stride);
 // Number of pixels that share bytes or samples: the width (and, for NV12, the height) is a multiple of it.
 int sharing(Packing packing);
 

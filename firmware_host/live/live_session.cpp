@@ -129,7 +129,7 @@ void LiveSession::count_shed(int frames) {
 void LiveSession::take_feedback() {
   const std::lock_guard lock(mutex_);
   if (learned_) capture_.learn_response(learned_->inverse, learned_->black_level);
-  if (followed_) (void)capture_.follow(*followed_);  // a cycle that it cannot do leaves the one before
+  if (followed_) (void)capture_.follow(*followed_);  // follow() checked it
   learned_.reset(), followed_.reset();
 }
 
@@ -217,9 +217,11 @@ void LiveSession::learn_response(const PhotometricResponse::Curve& inverse, cons
   learned_ = {inverse, black_level};
 }
 
-void LiveSession::follow(const std::vector<Exposure>& cycle) {
+Result<void> LiveSession::follow(const std::vector<Exposure>& cycle) {
+  TRY(capture_.schedule_of(cycle));
   const std::lock_guard lock(mutex_);
   followed_ = cycle;
+  return {};
 }
 
 Result<void> LiveSession::may_record() const {

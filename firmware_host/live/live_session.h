@@ -92,8 +92,9 @@ class LiveSession {
 
   // Takes the camera's response, for the proof of later frames (CaptureStage::learn_response).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
-  // Later requests follow the cycle that the fit asks for (CaptureStage::follow).
-  void follow(const std::vector<Exposure>& cycle);
+  // Later requests follow the cycle that the fit asks for (CaptureStage::follow). Errors: those of
+  // CaptureStage::schedule_of; the cycle before goes on.
+  Result<void> follow(const std::vector<Exposure>& cycle);
   LiveCounters counters() const;
 
   // What a person may change while it runs: any thread, one at a time.

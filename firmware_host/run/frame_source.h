@@ -41,8 +41,9 @@ class FrameSource {
   virtual void learn_response(const Response::Curve&, const BlackLevel&) {}
   // What the fit may ask of the exposures; none where they stay as they are. Not after follow().
   virtual std::optional<ExposureRoom> exposure_room() const { return std::nullopt; }
-  // Takes the cycle that the fit asks for, within that room; later frames have it.
-  virtual void follow(const std::vector<Exposure>&) {}
+  // Takes the cycle that the fit asks for, within that room; later frames have it. Errors: those of the
+  // camera that cannot do it; the cycle before goes on.
+  virtual Result<void> follow(const std::vector<Exposure>&) { return {}; }
   // Ends the run and adds the source's counters to its record. Errors: why it ended early, if not yet
   // reported.
   virtual Result<void> finish(RunRecord& record) = 0;

@@ -221,7 +221,8 @@ void Run::ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept) {
   kept.stages_ms.push_back({name(Stage::Exposures), ms});
   kept.total_ms += ms;
   if (!request) return;
-  source_.follow(request->cycle);
+  if (!source_.follow(request->cycle)) return;  // the cycle before goes on
+  choice_->runs(*request);
   kept.note += fmt::format("{}asked for {}", kept.note.empty() ? "" : "; ", describe(*request));
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "hal/pixel_packing.h"
 #include "hal/real/v4l2_formats.h"
 
 namespace hdrcam {
@@ -150,7 +151,10 @@ Result<V4l2Picture> set_mode(const DeviceNode& video, std::uint32_t queue_type, 
   picture.mode.width = static_cast<int>(agreed.width), picture.mode.height = static_cast<int>(agreed.height);
   picture.mode.frame_duration = set_frame_duration(video, queue_type, wanted.frame_duration);
   picture.stride = wanted.format == PixelFormat::Mjpeg ? 0 : agreed.stride;
-  picture.bytes = agreed.bytes;
+  // sizeimage may be padded, and the driver need not fill that
+  picture.bytes = picture.stride == 0 ? agreed.bytes
+                                      : picture_bytes(packing_of(wanted.format).packing, picture.mode.width,
+                                                      picture.mode.height, picture.stride);
   return picture;
 }
 

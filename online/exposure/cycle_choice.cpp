@@ -136,10 +136,13 @@ std::optional<CycleRequest> CycleChoice::conclude() {
   request.error_before = forecast_.error(cycle_, ExposureForecast::Blur::Counted);
   if (!(request.error_after < (1 - kLeastGain) * request.error_before)) return std::nullopt;
   request.blur_share = 1 - forecast_.error(cycle_, ExposureForecast::Blur::LeftOut) / request.error_before;
-  cycle_ = better_;
+  return request;
+}
+
+void CycleChoice::runs(const CycleRequest& request) {
+  cycle_ = request.cycle;
   waiting_ = kSettling;
   ++requests_, last_ = describe(request);
-  return request;
 }
 
 }  // namespace hdrcam

@@ -31,10 +31,13 @@ class CycleChoice {
 
   explicit CycleChoice(const ExposureRoom& room);
 
-  // Once per emitted frame. Returns the next cycle where it should change.
+  // Once per emitted frame. Returns the next cycle where it should change, if the camera can do it.
   std::optional<CycleRequest> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
 
-  // The one that it asked for last, or the first one.
+  // From now on the camera is asked for that cycle.
+  void runs(const CycleRequest& request);
+
+  // The one that runs: the first one, or that of the last request that the camera took.
   const std::vector<Exposure>& cycle() const { return cycle_; }
   // How often it asked, and for what at last, in words.
   std::string summary() const;

@@ -20,6 +20,14 @@ struct Handed {
   }
 };
 
+double reference_of(const test::MovingScene& scene, const std::vector<RawFrame>& frames) {
+  ExposedStream stream(scene.camera(), static_cast<int>(frames.size()), StatedBlack::Kept);
+  Handed handed;
+  for (const RawFrame& frame : frames) REQUIRE(stream.take(frame, handed.keep()).ok());
+  REQUIRE(handed.frames.size() == frames.size());
+  return handed.frames.front().reference_exposure;
+}
+
 }  // namespace
 
 TEST_CASE("the first frames of a stream wait for their cycle, then each is handed on as it arrives") {
@@ -45,21 +53,64 @@ TEST_CASE("the first frames of a stream wait for their cycle, then each is hande
 
 TEST_CASE("a frame is blurred for as long as it was exposed, and not at all where only the ratio is known") {
   test::MovingScene scene;
-  scene.exposures_s = {0.001, 0.004, 0.016};
-  for (const ExposureSource source : {ExposureSource::Declared, ExposureSource::Estimated}) {
-    ExposedStream stream(scene.camera(), 3, StatedBlack::Kept);
-    Handed handed;
-    for (int i = 0; i < 6; ++i) {
-      RawFrame frame = scene.frame(i);
-      frame.facts.exposure_source = source;
-      REQUIRE(stream.take(frame, handed.keep()).ok());
+  const std::vector<std::vector<double>> cycles{{0.001, 0.004, 0.016}, {0.03, 0.001}};
+  for (const auto& cycle : cycles)
+    for (const ExposureSource source : {ExposureSource::Declared, ExposureSource::Estimated}) {
+      scene.exposures_s = cycle;
+      ExposedStream stream(scene.camera(), 3, StatedBlack::Kept);
+      Handed handed;
+      for (int i = 0; i < 6; ++i) {
+        RawFrame frame = scene.frame(i);
+        frame.facts.exposure_source = source;
+        frame.facts.timestamp = frame.facts.timestamp + from_seconds(frame.facts.exposure_s / 2);  // centre
+        REQUIRE(stream.take(frame, handed.keep()).ok());
+      }
+      for (std::size_t i = 0; i < 6; ++i) {
+        const double exposure_s = cycle[i % cycle.size()];
+        double interval_s = 1 / scene.framerate_hz;  // no frame precedes the first one
+        if (i > 0) interval_s += (exposure_s - cycle[(i - 1) % cycle.size()]) / 2;
+        const double expected = source == ExposureSource::Declared ? exposure_s / interval_s : 0;
+        CAPTURE(cycle, i);
+        CHECK(handed.frames[i].blur_fraction == Approx(expected));
+      }
     }
-    for (std::size_t i = 0; i < 6; ++i) {
-      const double expected =
-          source == ExposureSource::Declared ? scene.exposures_s[i % 3] * scene.framerate_hz : 0;
-      CHECK(handed.frames[i].blur_fraction == Approx(expected));
+}
+
+TEST_CASE("the reference is that of the whole cycle, whichever of its first frames is lost") {
+  test::MovingScene scene;
+  for (const bool numbered : {true, false})
+    for (int lost = 0; lost < 6; ++lost) {
+      std::vector<RawFrame> frames;
+      for (int i = 0; i < 7; ++i)
+        if (i != lost) frames.push_back(scene.frame(i));
+      for (std::size_t i = 0; i < frames.size() && !numbered; ++i) frames[i].facts.sequence = i;
+      CAPTURE(numbered, lost);
+      CHECK(reference_of(scene, frames) == Approx(0.004));
     }
+}
+
+TEST_CASE("frames from before the first control acted do not count for the reference") {
+  test::MovingScene scene;
+  scene.exposures_s = {0.004, 0.004, 0.0001, 0.0004, 0.0016, 0.0001};
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 6; ++i) {
+    frames.push_back(scene.frame(i));
+    frames.back().facts.slot = i < 2 ? -1 : (i - 2) % 3;
   }
+  CHECK(reference_of(scene, frames) == Approx(0.0004));
+  frames.erase(frames.begin() + 3);  // a slot that no frame has
+  CHECK(reference_of(scene, frames) == Approx(0.0004));
+}
+
+TEST_CASE("exposures that jitter count once for each slot, by its first frame") {
+  test::MovingScene scene;
+  scene.exposures_s = {0.001, 0.0042, 0.016, 0.0013, 0.0039, 0.015};
+  std::vector<RawFrame> frames;
+  for (int i = 0; i < 6; ++i) frames.push_back(scene.frame(i));
+  CHECK(reference_of(scene, frames) == Approx(std::cbrt(0.001 * 0.0042 * 0.016)));
+  scene.exposures_s = {0.001, 0.0013};  // two exposures, and no jitter
+  for (int i = 0; i < 6; ++i) frames[static_cast<std::size_t>(i)] = scene.frame(i);
+  CHECK(reference_of(scene, frames) == Approx(std::sqrt(0.001 * 0.0013)));
 }
 
 TEST_CASE("a short stream is handed on at its end, and one frame is too few") {

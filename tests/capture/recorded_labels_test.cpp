@@ -166,6 +166,22 @@ TEST_CASE("a recording whose frames all have one exposure is said to give no HDR
   CHECK(judged(scene, filmed(scene, 4)).warnings.empty());  // perhaps a part of a cycle
 }
 
+TEST_CASE("frames that differ in digital gain alone have different exposures", "[capture]") {
+  const auto scene = scene_of({0.004});
+  const auto with_gains = [&](double even, double odd) {
+    auto frames = filmed(scene, 12);
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      frames[i].codes.fill(0);  // the pictures say nothing
+      frames[i].facts.digital_gain = i % 2 == 0 ? even : odd;
+    }
+    return judged(scene, std::move(frames)).warnings;
+  };
+  CHECK(with_gains(1, 4).empty());
+  const auto same = with_gains(2, 2);
+  REQUIRE(same.size() == 1);
+  CHECK(same.front().find("all 12 frames have the same exposure, 4 ms x 2,") == 0);
+}
+
 TEST_CASE("frames of unknown exposure are left out of what is said about equal exposures", "[capture]") {
   const auto unknown_up_to = [](const test::MovingScene& scene, int count) {
     auto frames = filmed(scene, 12);
@@ -224,6 +240,22 @@ TEST_CASE("an exposure longer than its frame lasts is said, and its frame kept",
     if (facts.slot == 2) CHECK(facts.verdict == Verdict::Plausible);
   }
   CHECK(judged(scene, filmed(scene, 12), Contradiction::Fails).error);
+}
+
+TEST_CASE("a long first exposure fits its frame although the next one's centre is near", "[capture]") {
+  const auto strict = [](double first_s) {
+    const auto scene = scene_of({first_s, 0.001});
+    auto frames = filmed(scene, 12);
+    for (RawFrame& frame : frames) {
+      frame.codes.fill(0);  // the pictures say nothing
+      frame.facts.timestamp = frame.facts.timestamp + from_seconds(frame.facts.exposure_s / 2);
+    }
+    return judged(scene, std::move(frames), Contradiction::Fails).error;
+  };
+  CHECK_FALSE(strict(0.03));
+  const auto longer = strict(0.04);
+  REQUIRE(longer);
+  CHECK(longer->message == "frame 0: an exposure of 0.04 s does not fit into 0.0333333 s");
 }
 
 TEST_CASE("what a camera proved stays proved, and what nobody knew is found by the pictures", "[capture]") {

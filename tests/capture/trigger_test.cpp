@@ -269,6 +269,36 @@ TEST_CASE("an answer may be stamped a little before the pulse that asked for it"
   CHECK(line.ledger.counters().spurious == 0);
 }
 
+TEST_CASE("pulses are answered although the edges come later than all of them") {
+  Answered line;
+  for (int i = 0; i < 1000; ++i) line.pulse(i);
+  for (int i = 0; i < 1000; ++i) line.answer(line.begin(i) + 100us);
+  line.ledger.settle(line.begin(1010));
+  CHECK(line.ledger.counters().answered == 1000);
+  CHECK(line.ledger.counters().unanswered + line.ledger.counters().spurious == 0);
+}
+
+TEST_CASE("however many pulses or answers wait, each is counted once, in order of time") {
+  constexpr int kMany = 5000;
+  Answered silent;
+  silent.answer(silent.begin(0) + -7ms);  // nobody asked
+  for (int i = 0; i < kMany; ++i) silent.pulse(i);
+  silent.ledger.settle(silent.begin(kMany + 10));
+  CHECK(silent.ledger.counters().answered == 0);
+  CHECK(silent.ledger.counters().unanswered == kMany);
+  CHECK(silent.ledger.counters().missing == std::array<std::uint64_t, 3>{0, 1, 2});
+  CHECK(silent.ledger.counters().spurious == 1);
+
+  Answered noisy;
+  noisy.pulse(0);
+  for (int i = 10; i < kMany + 10; ++i) noisy.answer(noisy.begin(i));
+  noisy.ledger.settle(noisy.begin(kMany + 20));
+  CHECK(noisy.ledger.counters().answered == 0);
+  CHECK(noisy.ledger.counters().unanswered == 1);
+  CHECK(noisy.ledger.counters().spurious == kMany);
+  CHECK(noisy.ledger.counters().spurious_at[0] == noisy.begin(10));
+}
+
 TEST_CASE("the errors of edges are summed up as mean, 99th percentile and the worst") {
   EdgeErrors errors;
   for (int i = 1; i <= 1000; ++i) errors.add(std::chrono::microseconds(i % 2 == 0 ? i : -i));

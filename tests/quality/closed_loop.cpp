@@ -56,7 +56,10 @@ class LoopedCamera : public FrameSource {
   std::optional<ExposureRoom> exposure_room() const override {
     return adapt_ == Adapt::Motion ? stage_->room() : std::nullopt;
   }
-  void follow(const std::vector<Exposure>& cycle) override { require_done(stage_->follow(cycle)); }
+  Result<void> follow(const std::vector<Exposure>& cycle) override {
+    require_done(stage_->follow(cycle));
+    return {};
+  }
   Result<void> finish(RunRecord& record) override {
     LiveCounters counters;
     counters.camera = stage_->counters();

@@ -175,9 +175,10 @@ TEST_CASE("exposures that the fit asks for are those of later frames, and counte
   CHECK(room->cycle == std::vector<Exposure>{{milliseconds(1), 1}, {milliseconds(4), 1}});
   CHECK(room->longest < milliseconds(10));
   CHECK(room->greatest_gain > 1);
-  run.source().follow({{milliseconds(2), 1}, {milliseconds(6), 1}});
+  require_done(run.source().follow({{milliseconds(2), 1}, {milliseconds(6), 1}}));
   REQUIRE(run.waits_for([&] { return run.newest_exposure_us() == 6000; }));
-  run.source().follow({{milliseconds(2), 1}, {std::chrono::seconds(1), 1}});  // cannot be
+  require_error(run.source().follow({{milliseconds(2), 1}, {std::chrono::seconds(1), 1}}),
+                ErrorCode::BadExposure);
   REQUIRE(run.more_frames(10));
   require_error(run.control().change_cycle("2ms,8ms", ""), ErrorCode::Unsupported);
   const LiveCounters counters = run.end();

@@ -58,5 +58,29 @@ TEST_CASE("a driver that lists no sizes is asked for the one that it has, of its
   }
 }
 
+TEST_CASE("a whole picture is what its rows need, however the driver pads its buffers") {
+  const DeviceNode video = node();
+  constexpr std::uint32_t kPadded = 4'000'000;
+  const auto bytes_of = [&](std::uint32_t queue, PixelFormat pixels, std::uint32_t stride) {
+    const test::AnsweredIoctl driver([&](unsigned long request, void* argument) {
+      if (request != VIDIOC_S_FMT) return EINVAL;
+      auto& format = *static_cast<v4l2_format*>(argument);
+      if (queue == V4L2_BUF_TYPE_VIDEO_CAPTURE) {
+        format.fmt.pix.bytesperline = stride, format.fmt.pix.sizeimage = kPadded;
+      } else {
+        auto& plane = format.fmt.pix_mp.plane_fmt[0];
+        plane.bytesperline = stride, plane.sizeimage = kPadded, format.fmt.pix_mp.num_planes = 1;
+      }
+      return 0;
+    });
+    return value_of(set_mode(video, queue, {pixels, 640, 480, Duration(33'333'333)})).bytes;
+  };
+  for (const std::uint32_t queue : {V4L2_BUF_TYPE_VIDEO_CAPTURE, V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE}) {
+    CHECK(bytes_of(queue, PixelFormat::Rggb10, 1344) == 1344 * 479 + 1280);
+    CHECK(bytes_of(queue, PixelFormat::Nv12, 704) == 704 * 719 + 640);
+    CHECK(bytes_of(queue, PixelFormat::Mjpeg, 0) == kPadded);
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam

@@ -28,7 +28,8 @@ ExposureRoom room_of(std::vector<Exposure> cycle) {
 }
 const std::vector<Exposure> kCycle{{1ms, 1}, {4ms, 1}, {16ms, 1}};
 
-// A camera without a lens: its frames have the exposures of the cycle that was asked for last.
+// A camera without a lens: its frames have the exposures of the cycle that was asked for last, unless it
+// refuses that.
 class Loop {
  public:
   Loop(const ExposureRoom& room, const Pattern& pattern) : pattern_(pattern), choice_(room), reference_(1) {
@@ -47,6 +48,7 @@ class Loop {
     return changes;
   }
   void set_pattern(const Pattern& pattern) { pattern_ = pattern; }
+  void set_refuses(bool refuses) { refuses_ = refuses; }
   const std::vector<Exposure>& cycle() const { return choice_.cycle(); }
   const std::optional<CycleRequest>& request() const { return request_; }
 
@@ -87,6 +89,7 @@ class Loop {
                                  .reference_exposure = reference_};
     ++frames_;
     auto request = choice_.observe(estimate, {response_, noise_, 1});
+    if (request && !refuses_) choice_.runs(*request);
     if (request) request_ = std::move(request);
     return request_ && request_->cycle == choice_.cycle() &&
            std::exchange(last_, request_->cycle) != request_->cycle;
@@ -98,6 +101,7 @@ class Loop {
   CycleChoice choice_;
   double reference_;
   std::uint64_t frames_ = 0;
+  bool refuses_ = false;
   ExposedFrame frame_;
   RadianceState state_;
   FlowField flow_;
@@ -190,4 +194,16 @@ TEST_CASE("the cycle follows when what moved comes to rest") {
   loop.set_pattern({});
   loop.run(200);
   CHECK(seconds_of(loop.cycle()) > 1.4 * moving_s);
+}
+
+TEST_CASE("the cycle before goes on where the camera refuses the one that the fit asks for") {
+  Loop loop(room_of(kCycle), {.speed_px = 8});
+  loop.set_refuses(true);
+  loop.run(120);
+  REQUIRE(loop.request());
+  CHECK(loop.request()->cycle != kCycle);
+  CHECK(loop.cycle() == kCycle);
+  loop.set_refuses(false);
+  loop.run(120);
+  CHECK(loop.cycle() == loop.request()->cycle);
 }
