@@ -119,7 +119,32 @@ TEST_CASE("two names of one file are the same file, also through links") {
     const FileFacts facts = value_of(posix_storage().look_at(folder / other));
     CHECK(facts.device == one.device);
     CHECK(facts.inode == one.inode);
+    CHECK(same_file(facts, one));
   }
+}
+
+TEST_CASE("a file is there under any of its names, and not where it cannot be told") {
+  const ScratchFolder folder;
+  require_done(write_whole(posix_storage(), folder / "one", bytes_of("1")));
+  fs::create_symlink("one", folder / "link");
+  fs::create_symlink("nowhere", folder / "dangling");
+  for (const char* there : {"one", "link", "."}) CHECK(is_there(posix_storage(), folder / there));
+  const std::string too_long = folder / std::string(300, 'n').c_str();
+  REQUIRE_FALSE(posix_storage().look_at(too_long).ok());
+  for (const std::string& missing : {folder / "two", folder / "dangling", too_long})
+    CHECK_FALSE(is_there(posix_storage(), missing));
+}
+
+TEST_CASE("files are the same on one device only, missing ones at one path, and a new file is another") {
+  FileFacts file{.kind = FileKind::Regular, .device = 1, .inode = 7, .real_path = "/a"}, other = file;
+  other.real_path = "/b";
+  CHECK(same_file(file, other));
+  other.device = 2;  // where inodes are counted anew
+  CHECK_FALSE(same_file(file, other));
+  const FileFacts missing{.real_path = "/a"}, missing_elsewhere{.real_path = "/b"};
+  CHECK(same_file(missing, missing));
+  CHECK_FALSE(same_file(missing, missing_elsewhere));
+  CHECK_FALSE(same_file(file, missing));
 }
 
 }  // namespace
