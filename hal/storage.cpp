@@ -18,6 +18,17 @@ std::string unpredictable_name_beside(const std::string& path) {
 
 }  // namespace
 
+bool same_file(const FileFacts& a, const FileFacts& b) {
+  if (a.kind == FileKind::Missing || b.kind == FileKind::Missing)
+    return a.kind == b.kind && a.real_path == b.real_path;
+  return a.device == b.device && a.inode == b.inode;
+}
+
+bool is_there(Storage& storage, const std::string& path) {
+  const auto facts = storage.look_at(path);
+  return facts && facts.value().kind != FileKind::Missing;
+}
+
 // Passes everything on.
 class FileInMaking::File : public StorageFile {
  public:
@@ -67,7 +78,7 @@ Result<std::unique_ptr<StorageFile>> FileInMaking::create() const {
 Result<void> FileInMaking::check_earlier() {
   const FileFacts now = TRY(storage_->look_at(earlier_.real_path));
   if (now.kind == FileKind::Missing) return {};
-  if (earlier_.kind == FileKind::Missing || now.device != earlier_.device || now.inode != earlier_.inode) {
+  if (!same_file(now, earlier_)) {
     ours_ = false;
     return Error{ErrorCode::Exists,
                  fmt::format("'{}' was written by another program meanwhile; it stays, and this one is '{}'",

@@ -38,6 +38,9 @@ struct FileFacts {
   std::uint64_t size_bytes = 0;
   std::string real_path;  // symbolic links resolved; of a missing file, where it would be created
 };
+// Whatever their names and their contents. Missing files are one where they would be created at the same
+// path.
+bool same_file(const FileFacts& a, const FileFacts& b);
 
 // What happens to an existing file.
 enum class Creation {
@@ -61,6 +64,9 @@ class Storage {
 
 // The file system of this machine.
 Storage& posix_storage();
+
+// Whether anything is at the path; false also where it cannot be told.
+bool is_there(Storage& storage, const std::string& path);
 
 // Whether a file that is complete survives a power cut at once, or only when the system has written it back,
 // in some seconds: until then its name may stand for nothing.

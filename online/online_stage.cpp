@@ -6,7 +6,7 @@
 
 #include "capture/clip_policy.h"
 #include "hal/core/stopwatch.h"
-#include "online/pictures/for_samples.h"
+#include "online/pictures/copy_in_parallel.h"
 
 namespace hdrcam {
 namespace {
@@ -168,7 +168,7 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
 void OnlineStage::keep(Step& step) {
   const auto keep_part = [this](const Image<float>& part, Image<float>& kept) {
     pool_.scratch().acquire(kept, part.channels(), part.rows(), part.cols());
-    copy(part, kept, pool_);
+    copy_in_parallel(part, kept, pool_);
   };
   keep_part(state_->state().radiance, step.state.radiance);
   keep_part(state_->state().variance, step.state.variance);

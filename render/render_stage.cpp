@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "hal/core/stopwatch.h"
-#include "online/pictures/for_samples.h"
+#include "online/pictures/copy_in_parallel.h"
 #include "render/surface_points.h"
 
 namespace hdrcam {
@@ -67,7 +67,7 @@ void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
 void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {
   const auto show = [this](bool wanted, const Image<float>* vectors, Image<float>& flow) {
     if (wanted && vectors != nullptr)
-      copy(*vectors, flow, pool_);
+      copy_in_parallel(*vectors, flow, pool_);
     else
       flow.reshape(0, 0, 0);
   };

@@ -21,15 +21,15 @@ EarlierFrames::EarlierFrames(Storage& storage, const std::string& pattern)
     const std::filesystem::path name = entry.path().filename();
     if (!parsed.value().fits(name.string())) continue;
     const std::string path = (as_path.parent_path() / name).string();  // with the folder as it was given
-    if (const auto facts = storage.look_at(path)) files_.push_back({path, facts.value().inode});
+    if (const auto facts = storage.look_at(path)) files_.push_back({path, facts.value()});
   }
   std::ranges::sort(files_, {}, &File::path);
 }
 
 // A file that was replaced is another one of the same name (FileInMaking).
 bool EarlierFrames::remains(const File& file) const {
-  const auto facts = storage_.look_at(file.path);
-  return facts && facts.value().kind != FileKind::Missing && facts.value().inode == file.inode;
+  const auto now = storage_.look_at(file.path);
+  return now && now.value().kind != FileKind::Missing && same_file(now.value(), file.facts);
 }
 
 bool EarlierFrames::remains(const std::string& path) const {

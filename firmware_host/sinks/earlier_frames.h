@@ -5,7 +5,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <map>
 #include <span>
 #include <string>
@@ -34,7 +33,7 @@ class EarlierFrames {
  private:
   struct File {
     std::string path;
-    std::uint64_t inode;
+    FileFacts facts;  // before the run
   };
   bool remains(const File& file) const;
 

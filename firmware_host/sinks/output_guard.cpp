@@ -41,12 +41,6 @@ struct Place {
   InputKind input = InputKind::File;  // an output is none
 };
 
-bool same_file(const FileFacts& a, const FileFacts& b) {
-  if (a.kind == FileKind::Missing || b.kind == FileKind::Missing)
-    return a.kind == b.kind && a.real_path == b.real_path;
-  return a.kind != FileKind::Other && a.device == b.device && a.inode == b.inode;
-}
-
 bool is_below(const std::string& real_path, const std::string& folder) {
   return real_path.starts_with(folder.ends_with('/') ? folder : folder + '/');
 }
@@ -68,7 +62,7 @@ bool meet(const Place& a, const Place& b) {
   };
   if (a.names) return in(*a.names, b);
   if (b.names) return in(*b.names, a);
-  return same_file(a.facts, b.facts);
+  return a.facts.kind != FileKind::Other && same_file(a.facts, b.facts);
 }
 
 Result<Place> place_of(Storage& storage, const NamedInput& input) {

@@ -29,11 +29,6 @@ Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths&
   return {};
 }
 
-bool exists(const std::string& path, Storage& storage) {
-  auto facts = storage.look_at(path);
-  return facts && facts->kind != FileKind::Missing;
-}
-
 }  // namespace
 
 PicturePatterns patterns_of(const Paths& paths) {
@@ -113,7 +108,7 @@ std::string SinkSet::whole_outputs(Storage& storage) const {
     const SinkTimes times = times_of(open);
     const bool numbered = open.path.find('%') != std::string::npos;
     const bool some = times.frames + times.left_out > 0;
-    if (numbered ? !some : open.failed || !exists(open.path, storage)) continue;
+    if (numbered ? !some : open.failed || !is_there(storage, open.path)) continue;
     text += numbered ? fmt::format("{}: {}", open.path, counted(times.frames, "frame")) : open.path;
     if (numbered && times.left_out > 0) text += fmt::format(", {} left out to keep up", times.left_out);
     text += '\n';

@@ -2,7 +2,6 @@
 // loops: what is done to a sample depends on samples of the same index only. Thread-bound, as the pool.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 
 #include "hal/core/image.h"
@@ -20,13 +19,6 @@ void for_samples(const Image<float>& shape, WorkerPool& pool, Body&& body) {
            static_cast<std::size_t>(shape.row(c, y1) - first));
     }
   });
-}
-
-inline void copy(const Image<float>& from, Image<float>& to, WorkerPool& pool) {
-  to.reshape_like(from);
-  const float* in = from.plane(0);
-  float* out = to.plane(0);
-  for_samples(from, pool, [=](std::size_t i0, std::size_t i1) { std::copy(in + i0, in + i1, out + i0); });
 }
 
 }  // namespace hdrcam

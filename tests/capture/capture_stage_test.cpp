@@ -184,14 +184,24 @@ TEST_CASE("no fault makes a wrong label proved", "[capture]") {
   }
 }
 
+struct HardScene {
+  SensorSettings settings;
+  int least_proved, least_trusted;  // of 400
+};
+
+// Where nearly all is black or clipped hardly anything can be proved: those scenes show that the stage trusts
+// frames all the same.
 TEST_CASE("a fast pan, cuts and unsteady light cost proofs, not truth", "[capture]") {
-  for (const SensorSettings& scene :
-       {SensorSettings{.pan_px = 12}, SensorSettings{.pan_px = 5, .cut = 0.05},
-        SensorSettings{.light_walk = 0.1}, SensorSettings{.key = 0.02}, SensorSettings{.key = 40}}) {
+  for (const auto& [scene, least_proved, least_trusted] :
+       {HardScene{{.pan_px = 12}, 130, 340}, HardScene{{.pan_px = 5, .cut = 0.05}, 140, 340},
+        HardScene{{.light_walk = 0.1}, 140, 230}, HardScene{{.key = 0.1}, 260, 340},
+        HardScene{{.key = 8}, 100, 340}, HardScene{{.key = 0.02}, 0, 340}, HardScene{{.key = 40}, 0, 340}}) {
     for (int slots = 2; slots <= 4; ++slots) {
       const Tally tally = run(scene, {.exposure_late = 0.1}, slots, 400);
       CAPTURE(scene.pan_px, scene.cut, scene.light_walk, scene.key, slots, describe(tally));
       CHECK(tally.proved_wrong == 0);
+      CHECK(tally.proved >= least_proved);
+      CHECK(tally.proved + tally.plausible >= least_trusted);
     }
   }
 }

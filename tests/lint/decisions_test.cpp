@@ -7,21 +7,18 @@
 #include <string>
 #include <vector>
 
-#include "hal/storage.h"
-#include "tests/contracts/expect.h"
 #include "tests/places.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+using test::text_of;
 
 namespace {
 
 namespace fs = std::filesystem;
 
 const fs::path kFolder = fs::path(HDRCAM_SOURCE_DIR) / "docs/decisions";
-
-std::string text_of(const fs::path& path) { return value_of(read_whole(posix_storage(), path.string())); }
 
 // Of each entry that begins with its date: the date, and what it claims, which is printed in bold; on one
 // line, without a full stop.

@@ -6,21 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "hal/storage.h"
-#include "tests/contracts/expect.h"
 #include "tests/places.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+using test::text_of;
 
 namespace {
 
 namespace fs = std::filesystem;
 
 const fs::path kRoot = HDRCAM_SOURCE_DIR;
-
-std::string text_of(const fs::path& path) { return value_of(read_whole(posix_storage(), path.string())); }
 
 struct Mutant {
   std::string fault;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "capture/clip_policy.h"
-#include "online/pictures/for_samples.h"
+#include "online/pictures/copy_in_parallel.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/picture_kernels.h"
 #include "online/priors/motion/clipped_motion_kernels.h"
@@ -130,7 +130,7 @@ void MotionEstimator::complete(const RadianceState& state, const ExposedFrame& f
   rate_flow(motion.to_previous, motion.from_previous, &frame, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
   predict(context.before_ratio, motion.to_previous.vectors);
-  copy(motion.to_previous.vectors, last_, pool_);
+  copy_in_parallel(motion.to_previous.vectors, last_, pool_);
 }
 
 // Whether enough of the picture is clipped in the frame and not in the one after it, whose clipped share at a
@@ -222,7 +222,7 @@ void MotionEstimator::bridge(const MotionContext& context, StateMotion& motion) 
 
 // ratio: of this motion's time to the last one's.
 void MotionEstimator::predict(float ratio, const Image<float>& motion) {
-  if (last_.empty() || !tells_change(ratio)) return copy(motion, predicted_, pool_);
+  if (last_.empty() || !tells_change(ratio)) return copy_in_parallel(motion, predicted_, pool_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       clipped_motion_kernels().predict({.at = {rows_, cols_, y},

@@ -9,17 +9,18 @@
 #include "firmware_host/web/http_server.h"
 #include "hal/recording/image_sequence.h"
 #include "render/exr.h"
-#include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/ran_here.h"
 
+#include "tests/support/files.h"
 #include "tests/support/ran.h"
 
 using namespace hdrcam;
 using Catch::Contains;
 using test::ran_here;
 using test::RanHere;
+using test::text_of;
 
 namespace {
 
@@ -36,8 +37,6 @@ std::vector<std::string> joined(std::vector<std::string> words, const std::vecto
 void put(const std::string& path, const std::string& text) {
   require_done(write_whole(posix_storage(), path, std::as_bytes(std::span(text))));
 }
-
-std::string text_of(const std::string& path) { return value_of(read_whole(posix_storage(), path)); }
 
 bool has_line(const std::string& text, const std::string& wanted) {
   std::istringstream lines(text);

@@ -1,7 +1,6 @@
 // import, export and info as the user calls them.
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "firmware_host/commands/command.h"
@@ -10,9 +9,11 @@
 #include "hal/recording/image_sequence.h"
 #include "tests/hal/recording/sample_recordings.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+using test::text_of;
+using test::write_file;
 
 namespace {
 
@@ -47,12 +48,6 @@ RawFrame unjudged(const RawFrame& frame) {
   bare.facts.exposure_within_ev.reset();
   bare.facts.flags &= ~std::uint32_t{kFrameExposureUnproved};
   return bare;
-}
-
-std::string text_of(const std::string& path) { return read_whole(posix_storage(), path).value(); }
-
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
 }
 
 }  // namespace

@@ -21,11 +21,12 @@
 #include "tests/support/moving_scene.h"
 #include "tests/support/ran_here.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
 using test::ran_here;
 using test::RanHere;
+using test::text_of;
 namespace fs = std::filesystem;
 
 namespace {
@@ -48,11 +49,6 @@ std::vector<std::string> files_in(const std::string& folder, const std::string& 
     if (entry.path().extension() == extension) names.push_back(entry.path().string());
   std::sort(names.begin(), names.end());
   return names;
-}
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 }  // namespace
@@ -153,8 +149,8 @@ TEST_CASE(
   }
   CHECK(brightest > 1.5f);  // 1 is the brightest level of the reference exposure
   CHECK(files_in(out + "/preview", ".png").size() == 8);
-  CHECK(bytes_of(out + "/stats.json").find("\"ms_per_frame\"") != std::string::npos);
-  CHECK(bytes_of(out + "/report.html").find("</html>") != std::string::npos);
+  CHECK(text_of(out + "/stats.json").find("\"ms_per_frame\"") != std::string::npos);
+  CHECK(text_of(out + "/report.html").find("</html>") != std::string::npos);
   CHECK(fs::file_size(out + "/sheet.png") > 1000);
 }
 
@@ -165,7 +161,7 @@ TEST_CASE("one thread and two leave the same bytes, another seed leaves others")
                       "fast", "--threads", threads, "--seed", seed})
                 .exit_code == 0);
     std::vector<std::string> all;
-    for (const auto& path : files_in(folder + "/" + name, ".exr")) all.push_back(bytes_of(path));
+    for (const auto& path : files_in(folder + "/" + name, ".exr")) all.push_back(text_of(path));
     return all;
   };
   const auto one = replay_to("one", "1", "7");

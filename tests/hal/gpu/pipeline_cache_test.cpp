@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tests/support/scratch_folder.h"
+
 #include "tests/contracts/expect.h"
 
 namespace hdrcam::vulkan {
@@ -15,14 +17,8 @@ std::vector<std::byte> bytes_of(std::string_view text) {
   return {bytes.begin(), bytes.end()};
 }
 
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("hdrcam-kernels-" + std::to_string(::getpid()));
-  ~Folder() { fs::remove_all(path); }
-};
-
 TEST_CASE("compiled kernels are found again as they were kept") {
-  const Folder folder;
-  const std::string path = pipeline_cache_path(folder.path / "deep", "0123");
+  const std::string path = pipeline_cache_path(test::scratch_folder("kernels") + "/deep", "0123");
   CHECK(read_pipeline_cache(posix_storage(), path).empty());
   require_done(write_pipeline_cache(posix_storage(), path, bytes_of("compiled")));
   CHECK(read_pipeline_cache(posix_storage(), path) == bytes_of("compiled"));
@@ -31,8 +27,7 @@ TEST_CASE("compiled kernels are found again as they were kept") {
 }
 
 TEST_CASE("compiled kernels that were cut or changed count as none") {
-  const Folder folder;
-  const std::string path = pipeline_cache_path(folder.path, "0123");
+  const std::string path = pipeline_cache_path(test::scratch_folder("damaged_kernels"), "0123");
   require_done(write_pipeline_cache(posix_storage(), path, bytes_of("compiled")));
   const auto whole = fs::file_size(path);
   for (std::uintmax_t size = 0; size < whole; ++size) {

@@ -10,29 +10,24 @@
 #include <thread>
 
 #include "hal/storage.h"
-#include "tests/contracts/expect.h"
+#include "tests/support/scratch_folder.h"
+
+#include "tests/support/files.h"
 
 namespace hdrcam {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct TemporaryFolder {
-  TemporaryFolder() {
-    char path[] = "/tmp/hdrcam-posix-XXXXXX";
-    REQUIRE(mkdtemp(path) != nullptr);
-    name = path;
-  }
-  ~TemporaryFolder() { fs::remove_all(name); }
+struct ScratchFolder {
   std::string operator/(const char* file) const { return name + "/" + file; }
-  std::string name;
+  std::string name = test::scratch_folder("posix_storage");
 };
 
 std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
-std::string whole(const std::string& path) { return value_of(read_whole(posix_storage(), path)); }
 
 TEST_CASE("a file written through a symbolic link leaves the link where it is") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "target", bytes_of("old")));
   fs::create_symlink("target", folder / "link");
   fs::create_symlink("not-there-yet", folder / "dangling");
@@ -40,20 +35,20 @@ TEST_CASE("a file written through a symbolic link leaves the link where it is") 
   require_done(write_whole(posix_storage(), folder / "dangling", bytes_of("made")));
   CHECK(fs::is_symlink(folder / "link"));
   CHECK(fs::is_symlink(folder / "dangling"));
-  CHECK(whole(folder / "target") == "new");
-  CHECK(whole(folder / "not-there-yet") == "made");
+  CHECK(test::text_of(folder / "target") == "new");
+  CHECK(test::text_of(folder / "not-there-yet") == "made");
 }
 
 TEST_CASE("a new file is never made through a symbolic link that somebody prepared") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "victim", bytes_of("precious")));
   fs::create_symlink("victim", folder / "trap");
   CHECK(posix_storage().create(folder / "trap", Creation::New).error().code == ErrorCode::Exists);
-  CHECK(whole(folder / "victim") == "precious");
+  CHECK(test::text_of(folder / "victim") == "precious");
 }
 
 TEST_CASE("a file that is replaced keeps its permissions") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "secret", bytes_of("old")));
   REQUIRE(chmod((folder / "secret").c_str(), 0600) == 0);
   require_done(write_whole(posix_storage(), folder / "secret", bytes_of("new")));
@@ -63,7 +58,7 @@ TEST_CASE("a file that is replaced keeps its permissions") {
 }
 
 TEST_CASE("a file where a folder is needed is named, and so is a folder that takes no files") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "notes.txt", bytes_of("old")));
   const std::string blocker = fmt::format("'{}' is a file, and a folder is needed", folder / "notes.txt");
   for (const char* path : {"notes.txt/clip.json", "notes.txt/a/b.json"}) {
@@ -80,7 +75,7 @@ TEST_CASE("a file where a folder is needed is named, and so is a folder that tak
 }
 
 TEST_CASE("an error of a file in the making names the file that was asked for") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   fs::create_symlink("take1.mkv", folder / "latest.mkv");
   const FileInMaking making = value_of(FileInMaking::beside(posix_storage(), folder / "latest.mkv"));
   require_done(write_whole(posix_storage(), making.path(), bytes_of("somebody else's")));
@@ -90,7 +85,7 @@ TEST_CASE("an error of a file in the making names the file that was asked for") 
 }
 
 TEST_CASE("a FIFO is written through, not replaced") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::string fifo = folder / "fifo";
   REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
   std::string read;
@@ -115,7 +110,7 @@ TEST_CASE("a device is written through, not replaced") {
 }
 
 TEST_CASE("two names of one file are the same file, also through links") {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "one", bytes_of("1")));
   fs::create_symlink("one", folder / "soft");
   fs::create_hard_link(folder / "one", folder / "hard");
@@ -124,7 +119,32 @@ TEST_CASE("two names of one file are the same file, also through links") {
     const FileFacts facts = value_of(posix_storage().look_at(folder / other));
     CHECK(facts.device == one.device);
     CHECK(facts.inode == one.inode);
+    CHECK(same_file(facts, one));
   }
+}
+
+TEST_CASE("a file is there under any of its names, and not where it cannot be told") {
+  const ScratchFolder folder;
+  require_done(write_whole(posix_storage(), folder / "one", bytes_of("1")));
+  fs::create_symlink("one", folder / "link");
+  fs::create_symlink("nowhere", folder / "dangling");
+  for (const char* there : {"one", "link", "."}) CHECK(is_there(posix_storage(), folder / there));
+  const std::string too_long = folder / std::string(300, 'n').c_str();
+  REQUIRE_FALSE(posix_storage().look_at(too_long).ok());
+  for (const std::string& missing : {folder / "two", folder / "dangling", too_long})
+    CHECK_FALSE(is_there(posix_storage(), missing));
+}
+
+TEST_CASE("files are the same on one device only, missing ones at one path, and a new file is another") {
+  FileFacts file{.kind = FileKind::Regular, .device = 1, .inode = 7, .real_path = "/a"}, other = file;
+  other.real_path = "/b";
+  CHECK(same_file(file, other));
+  other.device = 2;  // where inodes are counted anew
+  CHECK_FALSE(same_file(file, other));
+  const FileFacts missing{.real_path = "/a"}, missing_elsewhere{.real_path = "/b"};
+  CHECK(same_file(missing, missing));
+  CHECK_FALSE(same_file(missing, missing_elsewhere));
+  CHECK_FALSE(same_file(file, missing));
 }
 
 }  // namespace

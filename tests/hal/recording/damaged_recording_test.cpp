@@ -1,7 +1,6 @@
 // Every way in which a file can be damaged: cut, flipped, not written to the end, never one of ours.
 #include <cerrno>
 #include <filesystem>
-#include <fstream>
 
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/cluster_scan.h"
@@ -9,9 +8,10 @@
 #include "hal/recording/recording.h"
 #include "tests/hal/recording/sample_recordings.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+using test::write_file;
 
 namespace {
 
@@ -28,10 +28,6 @@ Sample small_recording(const std::string& name, PixelLayout layout = PixelLayout
   REQUIRE(sample::record(posix_storage(), made.path, made.camera, made.frames).ok());
   made.bytes = std::filesystem::file_size(made.path);
   return made;
-}
-
-void write_file(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
 // Gives the frame of a recording that has this time another one, under a checksum that holds. Both have as

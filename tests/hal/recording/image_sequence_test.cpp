@@ -3,24 +3,20 @@
 #include <sys/stat.h>
 
 #include <filesystem>
-#include <fstream>
 
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
 
-#include <catch2/catch.hpp>
+#include "tests/support/files.h"
 
 using namespace hdrcam;
+using test::write_file;
 
 namespace {
 
 constexpr const char* kHead =
     R"("name":"t","width":6,"height":4,"fps":30,"bits":8,"fx":5.5,"fy":5.5,"cx":3,"cy":2)";
-
-void write_file(const std::string& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary).write(text.data(), static_cast<std::streamsize>(text.size()));
-}
 
 void write_picture(const std::string& path, int channels, int rows, int cols, int bits_per_sample,
                    unsigned seed = 1) {

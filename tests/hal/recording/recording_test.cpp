@@ -3,27 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "hal/fault/faulty_storage.h"
 #include "tests/hal/recording/sample_recordings.h"
 
-#include "tests/contracts/expect.h"
+#include "tests/support/files.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using Catch::Contains;
 
-namespace {
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a recording gives back every bit of every frame, in every codec, layout and depth") {
   const std::string folder = sample::scratch_folder("roundtrip");
@@ -101,7 +92,7 @@ TEST_CASE("the same frames give the same bytes") {
       const auto frames = sample::frames(camera, 5, 11);
       REQUIRE(sample::record(posix_storage(), folder + "/a.mkv", camera, frames, codec).ok());
       REQUIRE(sample::record(posix_storage(), folder + "/b.mkv", camera, frames, codec).ok());
-      CHECK(bytes_of(folder + "/a.mkv") == bytes_of(folder + "/b.mkv"));
+      CHECK(test::text_of(folder + "/a.mkv") == test::text_of(folder + "/b.mkv"));
     }
 }
 

@@ -1,8 +1,6 @@
 // Recordings with known content for the tests: random pictures and facts that use every bit of every field.
 #pragma once
 
-#include <unistd.h>
-
 #include <bit>
 #include <cmath>
 #include <filesystem>
@@ -11,25 +9,11 @@
 #include <vector>
 
 #include "hal/recording/recording.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hdrcam::sample {
 
-// A separate folder for each test of each run, empty at the start, removed at the end of the run.
-inline std::string scratch_folder(const std::string& name) {
-  struct Root {
-    std::filesystem::path path =
-        std::filesystem::temp_directory_path() / fmt::format("hdrcam_tests_{}", ::getpid());
-    ~Root() {
-      std::error_code ignored;
-      std::filesystem::remove_all(path, ignored);
-    }
-  };
-  static const Root root;
-  const auto folder = root.path / name;
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder.string();
-}
+using test::scratch_folder;
 
 // Files in the folder that never got their final name.
 inline int unfinished_files_in(const std::string& folder) {

@@ -1,7 +1,6 @@
 #include "tests/render/scores/synthetic_clip.h"
 
 #include <png.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/exr.h"
+#include "tests/support/scratch_folder.h"
 
 #include <catch2/catch.hpp>
 
@@ -155,15 +155,10 @@ void write_estimate(const std::string& path, int frame, Geometry geometry) {
   write_exr(path, chosen, names);
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "hdrcam-scores-XXXXXX").string();
-  REQUIRE(mkdtemp(name.data()) != nullptr);
-  path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
+TemporaryFolder::TemporaryFolder()
+    : path_(test::scratch_folder([] {
+        static int folders = 0;
+        return "scores_" + std::to_string(folders++);
+      }())) {}
 
 }  // namespace hdrcam::synthetic_clip

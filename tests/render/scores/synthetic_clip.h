@@ -25,19 +25,16 @@ void write_clip(const std::string& folder);
 enum class Geometry { Without, With };
 void write_estimate(const std::string& path, int frame, Geometry geometry);
 
-// A separate folder under the system's temporary folder, removed with its content at the end.
+// A scratch folder of its own.
 class TemporaryFolder {
  public:
   TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
   const std::string& path() const { return path_; }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
 
  private:
-  std::string path_;
+  const std::string path_;
 };
 
 }  // namespace hdrcam::synthetic_clip
