@@ -24,6 +24,7 @@ struct FrameEstimate {
   const Image<float>* to_next = nullptr;
   FieldNow field;                      // fitted up to this frame, inclusive; empty without a field
   SceneView view;                      // the frame's own view, at full size, in the world of the field
+  int world = 0;                       // counts them: views of two worlds do not belong together
   std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown
   const DepthMap* depth = nullptr;     // measured at this frame, in length_unit; null without a field
   float depth_unit = 1;                // of the field's depth (FieldPicture::depth), in length_unit

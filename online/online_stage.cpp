@@ -263,6 +263,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .to_next = ahead > 0 ? &later[0].from_previous->vectors : nullptr,
       .field = scene ? second_layer_.field() : FieldNow(),
       .view = view,
+      .world = scene ? scene->world : 0,
       .pose = scene ? scene->pose : second_layer_.given_pose(step.frame.facts),
       .depth = scene ? scene->depth : nullptr,
       .depth_unit = second_layer_.depth_unit(),

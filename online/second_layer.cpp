@@ -27,7 +27,7 @@ Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float white, cons
   TRY(field_->observe({input.frame, input.state, white, input.motion, pose, depth, response}));
   const FitReport fit = field_->fit(budget);
   if (timing_) timing_(Stage::Fit, watch.lap_ms());
-  return SceneEstimate{pose.T_world_camera, stated_pose(seen.frame, pose), &depth, fit};
+  return SceneEstimate{pose.T_world_camera, world_, stated_pose(seen.frame, pose), &depth, fit};
 }
 
 void SecondLayer::begin(const ExposedFrame& first) {

@@ -21,6 +21,7 @@ namespace hdrcam {
 // What the second layer says of one frame.
 struct SceneEstimate {
   RigidTransform T_world_camera;    // in the world of the field
+  int world = 0;                    // counts the beginnings of pose, depth and field
   std::optional<FramePose> pose;    // as outputs state it: a given one keeps the recording's own numbers
   const DepthMap* depth = nullptr;  // the layer's own: valid until it takes the next frame
   FitReport fit;

@@ -1,7 +1,6 @@
 // hdrcam encode out/%06d.exr -o x.mp4: HDR frames that exist become a video.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -18,11 +17,12 @@
 #include "firmware_host/sinks/sink_table.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
+#include "render/scores/linear_pictures.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr double kUsualFramerate_hz = 30;
+constexpr double kUsualFramerate_hz = 30, kLeastFramerate_hz = 0.1, kMostFramerate_hz = 1000;
 constexpr double kBrightest_nits =
     10000;  // that PQ can say, where a file does not say what its cycle could see
 
@@ -61,7 +61,17 @@ Result<std::vector<NumberedFile>> files_of(const FramePattern& pattern, const st
 }
 
 // A player can show what another program left in a file, but not what is no number.
-float shown(float radiance) { return std::isfinite(radiance) && radiance > 0 ? radiance : 0; }
+float shown(float radiance) { return std::max(0.f, finite_or_bound(radiance)); }
+
+// wanted: as --framerate says; 0: as the first file says.
+Result<double> framerate_of(const ExrImage& image, const NumberedFile& file, double wanted_hz) {
+  if (wanted_hz > 0) return wanted_hz;
+  const double stated_hz = image.attributes.framerate_hz.value_or(kUsualFramerate_hz);
+  if (stated_hz >= kLeastFramerate_hz && stated_hz <= kMostFramerate_hz) return stated_hz;
+  return Error{ErrorCode::Invalid, fmt::format("'{}' states {:g} frames per second, {:g}..{:g} are possible; "
+                                               "give --framerate 30",
+                                               file.path, stated_hz, kLeastFramerate_hz, kMostFramerate_hz)};
+}
 
 Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::uint64_t first,
                           const Settings& settings, double framerate_hz) {
@@ -108,8 +118,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   const auto add = [&](const NumberedFile& file) -> Result<void> {
     const ExrImage image = TRY(read_exr(around.storage, file.path));
     if (!sink) {
-      const double wanted = settings.camera.framerate_hz;
-      camera.framerate_hz = wanted > 0 ? wanted : image.attributes.framerate_hz.value_or(kUsualFramerate_hz);
+      camera.framerate_hz = TRY(framerate_of(image, file, settings.camera.framerate_hz));
       sink = TRY(open_sink(
           "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
     }

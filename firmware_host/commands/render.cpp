@@ -144,8 +144,9 @@ void add_view_flags(CLI::App& verb, FilmOptions& options) {
           "a file that moves the camera: CSV or JSON with time_s,dx,dy,dz,yaw,pitch,roll, time_s of the film")
       ->check(names_file)
       ->group(kGroup);
-  verb.add_option("--time", options.time,
-                  "freeze this moment, seconds from the first frame: 0.5; or show this part: 0.2..0.8")
+  verb.add_option(
+          "--time", options.time,
+          "freeze this moment, seconds from the recording's first frame: 0.5; or show this part: 0.2..0.8")
       ->group(kGroup);
   verb.add_option("--speed", options.speed,
                   "seconds of the recording in a second of the film: 0.25 is slow motion [1]")

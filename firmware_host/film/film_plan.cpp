@@ -130,15 +130,16 @@ Result<FilmedRecording> look_through(Storage& storage, const std::string& path) 
   const CameraFacts& camera = reader->camera();
   FilmedRecording recording{
       .framerate_hz = camera.framerate_hz, .width = camera.width, .height = camera.height};
-  std::optional<Instant> first;
+  bool any = false;
   for (;;) {
     auto facts = reader->next_facts();
-    if (!facts && facts.error().code == ErrorCode::Truncated && first) return recording;
+    if (!facts && facts.error().code == ErrorCode::Truncated && any) return recording;
     if (!facts) return facts.error();
     if (!facts.value()) return recording;
     const FrameFacts& frame = **facts;
-    if (!first) first = frame.timestamp, recording.has_poses = frame.T_world_camera.has_value();
-    recording.duration_s = std::max(recording.duration_s, to_seconds(frame.timestamp - *first));
+    if (!any) recording.first = frame.timestamp, recording.has_poses = frame.T_world_camera.has_value();
+    any = true;
+    recording.duration_s = std::max(recording.duration_s, to_seconds(frame.timestamp - recording.first));
   }
 }
 
@@ -149,6 +150,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   TRY(plan_time(options.time, recording.duration_s, plan));
   TRY(plan_size(options.size, recording, plan));
   TRY(plan_exposure(options, plan));
+  plan.first = recording.first;
   plan.stabilize = options.stabilize;
   TRY(check_number("--speed", options.speed, 0.001, 1000));
   TRY(check_number("--framerate", options.framerate_hz, options.framerate_hz == 0 ? 0 : 0.1, 1000));

@@ -14,6 +14,7 @@ namespace hdrcam {
 
 // The recording that is filmed, from a pass over its facts.
 struct FilmedRecording {
+  Instant first = {};     // time stamp of the first frame
   double duration_s = 0;  // from the first frame to the last
   double framerate_hz = 30;
   int width = 0, height = 0;
@@ -39,6 +40,7 @@ struct FilmOptions {
 
 struct FilmPlan {
   CameraMove move;
+  Instant first;                  // from which scene times count
   double begin_s = 0, end_s = 0;  // scene time of the first and the last moment
   bool frozen = false;            // time stands still at begin_s
   double speed = 1;               // scene seconds in a second of the film

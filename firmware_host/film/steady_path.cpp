@@ -6,8 +6,12 @@
 
 namespace hdrcam {
 
-void SteadyPath::add(double time_s, const RigidTransform& T_world_camera) {
-  poses_.push_back({time_s, T_world_camera});
+void SteadyPath::add(double time_s, const RigidTransform& T_world_camera, int world) {
+  poses_.push_back({time_s, T_world_camera, world});
+}
+
+void SteadyPath::forget_before(double time_s) {
+  while (poses_.size() > 1 && poses_.front().time_s < time_s - kReach_s) poses_.pop_front();
 }
 
 RigidTransform SteadyPath::at(double time_s) const {
@@ -20,6 +24,7 @@ RigidTransform SteadyPath::at(double time_s) const {
   Eigen::Vector3d place = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
   double sum = 0;
   for (const Pose& pose : poses_) {
+    if (pose.world != nearest->world) continue;
     const double away = (pose.time_s - time_s) / kSigma_s;
     if (std::abs(away) > kReach_s / kSigma_s && &pose != nearest) continue;
     const double weight = std::exp(-0.5 * away * away) + 1e-12;

@@ -1,7 +1,8 @@
 // A recorded camera's path without its shake: at each moment the mean of the poses around it, weighted by a
-// Gaussian in time. Thread-bound.
+// Gaussian in time. Where tracking began anew, only those of the nearest pose's world count. Thread-bound.
 #pragma once
 
+#include <cstddef>
 #include <deque>
 
 #include "hal/core/geometry.h"
@@ -12,15 +13,19 @@ class SteadyPath {
  public:
   static constexpr double kReach_s = 0.5;  // of the poses before and after that count
 
-  // In the order of their times.
-  void add(double time_s, const RigidTransform& T_world_camera);
+  // In the order of their times. world: poses of different ones do not belong together.
+  void add(double time_s, const RigidTransform& T_world_camera, int world = 0);
   // Needs a pose; those up to kReach_s later should be there.
   RigidTransform at(double time_s) const;
+  // No earlier moment is asked for any more.
+  void forget_before(double time_s);
+  std::size_t poses() const { return poses_.size(); }  // that are kept
 
  private:
   struct Pose {
     double time_s;
     RigidTransform T_world_camera;
+    int world;
   };
   std::deque<Pose> poses_;
 };

@@ -37,7 +37,6 @@ VirtualCamera::VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGa
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
                                  const Response& response, const Show& show) {
-  if (!first_s_) first_s_ = estimate.view.time_s;
   std::unique_ptr<Keyframe> key;
   if (spare_.empty())
     key = std::make_unique<Keyframe>();
@@ -47,7 +46,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   constexpr float kDark = 1 / kPsnrMu;  // of white: differences below it are noise
   edges_.follow(key->frame.radiance, kDark * key->frame.white, {}, key->inverse_depth);
   if (!keys_.empty()) motion_.match(*keys_.back(), *key);
-  steady_.add(key->time_s, key->T_world_camera);
+  steady_.add(key->time_s, key->T_world_camera, key->world);
   keys_.push_back(std::move(key));
   field_ = estimate.field.snapshot();
   response_ = response;
@@ -63,7 +62,7 @@ Result<void> VirtualCamera::finish(const Show& show) {
 }
 
 VirtualCamera::ExposureInterval VirtualCamera::exposure_of(int frame) const {
-  const double centre_s = *first_s_ + plan_.scene_s(frame);
+  const double centre_s = plan_.first.seconds() + plan_.scene_s(frame);
   return {centre_s - 0.5 * plan_.shutter_s, centre_s + 0.5 * plan_.shutter_s};
 }
 
@@ -79,6 +78,7 @@ void VirtualCamera::drop_old() {
     spare_.push_back(std::move(keys_.front()));
     keys_.pop_front();
   }
+  steady_.forget_before(keys_.front()->time_s);
 }
 
 KeyframeInterval VirtualCamera::interval_at(double time_s) const {
@@ -87,6 +87,8 @@ KeyframeInterval VirtualCamera::interval_at(double time_s) const {
   if (after == keys_.end()) return {keys_.back().get(), nullptr, 0};
   const Keyframe &a = **(after - 1), &b = **after;
   const double share = std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
+  if (a.world != b.world)  // nothing lies between them
+    return share < 0.5 ? KeyframeInterval{&a, nullptr, 0} : KeyframeInterval{nullptr, &b, 1};
   return {&a, &b, share > 1 - 1e-5 ? 1 : share};
 }
 
@@ -130,7 +132,8 @@ void VirtualCamera::expose(int frame, double eye, HdrFrame& out) {
   const auto show_at = [&](double time_s, HdrFrame& picture) {
     const KeyframeInterval interval = interval_at(time_s);
     view.T_world_camera = T_world_view(interval, playback_s, eye);
-    renderer_.render(interval, view, field_, picture);
+    const bool known = interval.nearest().world == newest.world;
+    renderer_.render(interval, view, known ? field_ : SnapshotHold(), picture);
   };
   const double centre_s = 0.5 * (exposure.from_s + exposure.to_s);
   show_at(centre_s, out);
@@ -179,7 +182,7 @@ Result<void> VirtualCamera::film(const Show& show) {
 
 // The film has its own numbers and times; exposure and white are those of the nearest frame.
 void VirtualCamera::label(int frame) {
-  const KeyframeInterval interval = interval_at(*first_s_ + plan_.scene_s(frame));
+  const KeyframeInterval interval = interval_at(plan_.first.seconds() + plan_.scene_s(frame));
   const HdrFrame& nearest = interval.nearest().frame;
   frame_.head() = nearest.head();
   frame_.facts.sequence = static_cast<std::uint64_t>(frame);

@@ -65,13 +65,12 @@ class VirtualCamera {
   SteadyPath steady_;
   std::deque<std::unique_ptr<Keyframe>> keys_;
   std::vector<std::unique_ptr<Keyframe>> spare_;
-  SnapshotHold field_;  // the newest
+  SnapshotHold field_;  // the newest, of the newest keyframe's world
   std::optional<Response> response_;
   ExposedFrame input_;
   FieldPicture own_view_;
   HdrFrame frame_, instant_, left_;
   Image<float> sum_;
-  std::optional<double> first_s_;
   int shown_ = 0;
   double pixels_ = 0, filled_ = 0;
 };

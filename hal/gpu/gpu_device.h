@@ -25,6 +25,8 @@ namespace hdrcam {
 
 class WorkerPool;
 
+inline constexpr int kMostKernelBuffers = 9;  // of a GpuShader; devices that allow fewer are not used
+
 // A compute shader as the build made it. It reads and writes `buffers` storage buffers, bound from 0 on, and
 // may read up to 128 bytes of constants. Work group sizes are a specialization constant (id 0), set by the
 // device to suit its subgroups.

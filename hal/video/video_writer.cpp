@@ -179,6 +179,8 @@ Result<void> VideoWriter::write_header(const VideoFormat& format) {
     av_opt_set(muxer.priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
   if (format.container == VideoContainer::Matroska)
     av_opt_set_int(muxer.priv_data, "cluster_time_limit", std::lround(kFragment_s * 1e3), 0);
+  if (format.container == VideoContainer::Matroska && format.mastering)
+    av_opt_set_int(muxer.priv_data, "write_crc32", 0, 0);  // finish() changes what they would cover
 
   // The header first into memory, so that it is known where it states what finish() may have to change.
   CHECK(avio_open_dyn_buf(&muxer.pb) >= 0);

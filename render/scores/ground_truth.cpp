@@ -68,7 +68,17 @@ Result<void> GroundTruth::read_facts() {
     cols_ = clip.value().at("width").get<int>(), rows_ = clip.value().at("height").get<int>();
     for (const auto& frame : clip.value().at("frames")) {
       numbers_.push_back(frame.value("sequence", frames()));
-      exposures_s_.push_back(frame.at("exposure_s").get<double>());
+      (void)frame.at("exposure_s");  // gains may be left out
+      double exposure = 1;
+      for (const char* factor : {"exposure_s", "gain", "digital_gain"}) {
+        const double value = frame.value(factor, 1.0);
+        if (!(value > 0) || !std::isfinite(value))
+          return Error{ErrorCode::BadExposure,
+                       fmt::format("frame {} of '{}' states {} {}; it must be above 0", frames(), clip_path,
+                                   factor, value)};
+        exposure *= value;
+      }
+      exposures_.push_back(exposure);
     }
     novel_cameras_.resize(numbers_.size());
     const auto poses = truth.value().value("frames", nlohmann::json::array());
@@ -87,11 +97,6 @@ Result<void> GroundTruth::read_facts() {
     return Error{ErrorCode::Corrupt,
                  fmt::format("'{}' states {}x{} pixels that saturate at radiance {}; all must be above 0",
                              folder_, cols_, rows_, shortest_saturation_)};
-  for (std::size_t i = 0; i < exposures_s_.size(); ++i)
-    if (!(exposures_s_[i] > 0) || !std::isfinite(exposures_s_[i]))
-      return Error{ErrorCode::BadExposure,
-                   fmt::format("frame {} of '{}' has an exposure of {} s; it must be above 0", i, clip_path,
-                               exposures_s_[i])};
   return {};
 }
 

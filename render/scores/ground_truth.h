@@ -37,10 +37,11 @@ class GroundTruth {
   // Errors: NotFound (no clip.json, no gt), Corrupt (their content), BadExposure.
   static Result<GroundTruth> open(Storage& storage, const std::string& clip_folder);
 
-  int frames() const { return static_cast<int>(exposures_s_.size()); }
+  int frames() const { return static_cast<int>(exposures_.size()); }
   int rows() const { return rows_; }
   int cols() const { return cols_; }
-  double exposure_s(int frame) const { return exposures_s_[static_cast<std::size_t>(frame)]; }
+  // Seconds x gains.
+  double exposure(int frame) const { return exposures_[static_cast<std::size_t>(frame)]; }
   // The number of its HDR frame: the sensor's counter where the clip states it (a gap is a dropped frame),
   // otherwise the frame's position in the clip.
   int number(int frame) const { return numbers_[static_cast<std::size_t>(frame)]; }
@@ -65,7 +66,7 @@ class GroundTruth {
   Storage* storage_;
   std::string folder_;
   int rows_ = 0, cols_ = 0;
-  std::vector<double> exposures_s_;
+  std::vector<double> exposures_;
   std::vector<int> numbers_;
   std::vector<std::optional<PosePair>> novel_cameras_;  // of each frame
   double shortest_saturation_ = 0;

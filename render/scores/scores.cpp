@@ -148,7 +148,7 @@ class ClipScoring {
     scored.picture = score_picture(now.pair, now.moving);
     single_gain_db_.add(psnr_mu_db(g, e.radiance, single_gain_));
     // half-stop phases, ties to even
-    phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure_s(frame)) * 2))].add(
+    phases_[static_cast<int>(std::nearbyint(std::log2(truth_.exposure(frame)) * 2))].add(
         scored.picture.log_bias_stops);
     if (previous_.frame == frame - 1 && !previous_.motion.flow.empty()) {
       const FlickerScores f =

@@ -13,6 +13,7 @@ void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerP
     flow->vectors.reshape(0, 0, 0), flow->confidence.reshape(0, 0, 0);
   key.time_s = estimate.view.time_s;
   key.T_world_camera = estimate.view.T_world_camera;
+  key.world = estimate.world;
   key.lens = estimate.view.lens;
   key.depth_unit = estimate.depth_unit;
   key.inverse_depth.reshape(1, frame.radiance.rows(), frame.radiance.cols());

@@ -14,6 +14,7 @@ struct Keyframe {
   HdrFrame frame;
   double time_s = 0;  // centre of the exposure
   RigidTransform T_world_camera;
+  int world = 0;  // FrameEstimate::world, of pose and depth
   Intrinsics lens;
   Image<float> inverse_depth;  // [1, rows, cols] 1 / camera z, > 0; 1 everywhere where no field knows it
   float depth_unit = 1;        // of the depth of the field that fills holes, in that unit of length

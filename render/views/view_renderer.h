@@ -13,7 +13,8 @@
 namespace hdrcam {
 
 // The two neighbouring keyframes around a time, and where it lies between them: share 0 is `before`, 1 is
-// `after`. One of them may be null where there is no such frame; the share is then 1 or 0.
+// `after`. One of them may be null where there is no such frame in the other's world; the share is then 1 or
+// 0.
 struct KeyframeInterval {
   const Keyframe* before = nullptr;
   const Keyframe* after = nullptr;

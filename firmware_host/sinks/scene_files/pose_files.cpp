@@ -4,6 +4,7 @@
 
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
+#include "firmware_host/terminal.h"
 #include "render/tone_curve.h"
 
 namespace hdrcam {
@@ -42,12 +44,16 @@ class PoseFile : public FrameSink {
     if (clip_.pictures.empty()) TRY(begin(frame));
     if (!frame.pose || frame.pose->lost || clip_.pictures.size() == kMostPictures)
       return ++clip_.left_out, Result<void>{};
+    const int world = frame.pose->world;
+    if (!clip_.pictures.empty() && clip_.pictures.back().world != world) end_world();
+    ++pictures_of_world_;
     PosedPicture picture;
     picture.path = pictures_.path(frame.facts.sequence);
     if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
     picture.time_s = to_seconds(frame.facts.timestamp - *start_);
     picture.exposure_s = frame.facts.exposure_s;
     picture.T_world_camera = frame.pose->T_world_camera;
+    picture.world = world;
     clip_.pictures.push_back(std::move(picture));
     take_points(frame);
     return {};
@@ -55,7 +61,12 @@ class PoseFile : public FrameSink {
 
   Result<void> conclude(const RunRecord&) override {
     if (clip_.pictures.empty()) return {};  // the run failed before its first frame
-    leave_out_missing_pictures();
+    for (std::deque<std::vector<ColouredPoint>>* seen : {&points_of_largest_, &points_})
+      for (const std::vector<ColouredPoint>& points : *seen)
+        clip_.points.insert(clip_.points.end(), points.begin(), points.end());
+    // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
+    keep_pictures([&](const PosedPicture& picture) { return was_written(picture.path); });
+    leave_out_other_worlds();
     return write(storage_, clip_, pictures_.folder());
   }
 
@@ -100,26 +111,47 @@ class PoseFile : public FrameSink {
     return found && found.value().kind != FileKind::Missing && !earlier_.remains(picture);
   }
 
-  // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
-  void leave_out_missing_pictures() {
+  // Points are kept of the newest world, and of the largest before it.
+  void end_world() {
+    if (pictures_of_world_ >= pictures_of_largest_) {
+      pictures_of_largest_ = pictures_of_world_;
+      points_of_largest_ = std::move(points_);
+    }
+    pictures_of_world_ = 0;
+    points_.clear();
+  }
+
+  // Leaves out the other pictures, and the points that they saw.
+  template <class Kept>
+  void keep_pictures(const Kept& kept) {
     std::vector<std::optional<std::size_t>> place(clip_.pictures.size());
-    std::vector<PosedPicture> there;
+    std::vector<PosedPicture> pictures;
     for (std::size_t i = 0; i < clip_.pictures.size(); ++i) {
-      if (!was_written(clip_.pictures[i].path)) {
+      if (!kept(clip_.pictures[i])) {
         ++clip_.left_out;
         continue;
       }
-      place[i] = there.size();
-      there.push_back(std::move(clip_.pictures[i]));
+      place[i] = pictures.size();
+      pictures.push_back(std::move(clip_.pictures[i]));
     }
-    clip_.pictures = std::move(there);
-    clip_.points.clear();
-    for (const std::vector<ColouredPoint>& points : points_)
-      for (ColouredPoint point : points)
-        if (place[point.picture]) {
-          point.picture = *place[point.picture];
-          clip_.points.push_back(point);
-        }
+    clip_.pictures = std::move(pictures);
+    std::erase_if(clip_.points, [&](const ColouredPoint& point) { return !place[point.picture]; });
+    for (ColouredPoint& point : clip_.points) point.picture = *place[point.picture];
+  }
+
+  void leave_out_other_worlds() {
+    std::map<int, std::size_t> pictures;
+    for (const PosedPicture& picture : clip_.pictures) ++pictures[picture.world];
+    if (pictures.size() < 2) return;
+    auto largest = pictures.begin();
+    for (auto world = pictures.begin(); world != pictures.end(); ++world)
+      if (world->second >= largest->second) largest = world;
+    const std::size_t all = clip_.pictures.size();
+    keep_pictures([&](const PosedPicture& picture) { return picture.world == largest->first; });
+    remark(
+        "note: tracking began anew, and poses before and after do not belong together: {} has {} of {} "
+        "pictures\n",
+        flag_, clip_.pictures.size(), all);
   }
 
   Storage& storage_;
@@ -129,7 +161,9 @@ class PoseFile : public FrameSink {
   const EarlierFrames earlier_;
   std::optional<Instant> start_;
   PosedClip clip_;
-  std::deque<std::vector<ColouredPoint>> points_;  // of the newest frames that have any
+  std::deque<std::vector<ColouredPoint>> points_;  // of the world's newest frames that have any
+  std::deque<std::vector<ColouredPoint>> points_of_largest_;
+  std::size_t pictures_of_world_ = 0, pictures_of_largest_ = 0;
   ToneAdaptation tone_;
 };
 

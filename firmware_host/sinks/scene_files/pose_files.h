@@ -1,8 +1,9 @@
 // The sinks of --transforms and --colmap: they collect the pictures that a run leaves, with their poses, and
 // write one model when it ends (transforms_json.h, colmap_text.h). A frame whose pose is lost is left out, as
 // is one whose picture the run has not written in the end, also where one of an earlier run has its name; so
-// are frames after the first 100 000, which no such tool takes. Points are those of the newest 32 frames that
-// have any.
+// are frames after the first 100 000, which no such tool takes. Where tracking began anew, a model has the
+// poses of one world: of that with most pictures, of these the newest. Points are those of its newest 32
+// frames that have any.
 #pragma once
 
 #include <memory>

@@ -20,6 +20,7 @@ struct PosedPicture {
   double time_s = 0;       // since the first frame
   double exposure_s = 0;
   RigidTransform T_world_camera;
+  int world = 0;  // FramePose::world
 };
 
 struct ColouredPoint {

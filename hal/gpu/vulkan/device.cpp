@@ -112,12 +112,7 @@ Result<std::unique_ptr<GpuBuffer>> Device::buffer(std::size_t bytes) {
 Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
   auto& kept = kernels_[shader.name];
   if (kept) return kept.get();
-  const std::uint32_t most =
-      std::min(limits_.maxPerStageDescriptorStorageBuffers, limits_.maxDescriptorSetStorageBuffers);
-  if (static_cast<std::uint32_t>(shader.buffers) > most)
-    return Error{ErrorCode::Unsupported,
-                 fmt::format("the kernel '{}' uses {} buffers, the graphics device '{}' allows {}",
-                             shader.name, shader.buffers, facts_.name, most)};
+  CHECK(shader.buffers <= kMostKernelBuffers);
   auto kernel = std::make_unique<Kernel>();
   kernel->name = shader.name, kernel->buffers = shader.buffers;
   kernel->uniforms = uniform_bindings(shader.code);

@@ -49,12 +49,30 @@ VkDebugUtilsMessengerCreateInfoEXT listener(std::vector<std::string>* complaints
   return info;
 }
 
+std::string version_of(const VkPhysicalDeviceProperties& device) {
+  const std::uint32_t api = device.apiVersion;
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(api), VK_API_VERSION_MINOR(api),
+                     VK_API_VERSION_PATCH(api));
+}
+
 template <class Function>
 Function function(PFN_vkGetInstanceProcAddr get, VkInstance instance, const char* name) {
   return reinterpret_cast<Function>(get(instance, name));
 }
 
 }  // namespace
+
+std::string what_is_missing(const VkPhysicalDeviceProperties& device, bool computes) {
+  if (device.apiVersion < VK_API_VERSION_1_1)
+    return fmt::format("its driver offers Vulkan {}, 1.1 is needed; install a newer one", version_of(device));
+  if (!computes) return "it offers no queue for computing";
+  const std::uint32_t buffers = std::min(device.limits.maxPerStageDescriptorStorageBuffers,
+                                         device.limits.maxDescriptorSetStorageBuffers);
+  if (buffers < kMostKernelBuffers)
+    return fmt::format("its driver lets a kernel use {} buffers, {} are needed; install a newer one", buffers,
+                       kMostKernelBuffers);
+  return {};
+}
 
 Result<std::unique_ptr<Instance>> Instance::open(std::vector<std::string>* complaints) {
   const PFN_vkGetInstanceProcAddr get = TRY(loader()).get;
@@ -138,8 +156,7 @@ PhysicalDevice Instance::describe(VkPhysicalDevice handle) const {
   GpuFacts& facts = device.facts;
   facts.name = own.deviceName;
   facts.kind = kind_of(own.deviceType);
-  facts.api = fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(own.apiVersion),
-                          VK_API_VERSION_MINOR(own.apiVersion), VK_API_VERSION_PATCH(own.apiVersion));
+  facts.api = version_of(own);
   for (std::uint32_t i = 0; i < device.memory.memoryHeapCount; ++i)
     if ((device.memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) != 0)
       facts.memory_gib += static_cast<double>(device.memory.memoryHeaps[i].size) / (1 << 30);
@@ -153,10 +170,7 @@ PhysicalDevice Instance::describe(VkPhysicalDevice handle) const {
     return (family.queueFlags & VK_QUEUE_COMPUTE_BIT) != 0;
   });
   device.queue_family = static_cast<std::uint32_t>(computes - families.begin());
-  if (own.apiVersion < VK_API_VERSION_1_1)
-    facts.missing = "its driver offers Vulkan " + facts.api + ", 1.1 is needed; install a newer one";
-  else if (computes == families.end())
-    facts.missing = "it offers no queue for computing";
+  facts.missing = what_is_missing(own, computes != families.end());
   return device;
 }
 

@@ -19,6 +19,9 @@ struct PhysicalDevice {
   std::uint32_t queue_family = 0;
 };
 
+// What keeps a device from being used, in words; "" where nothing does. computes: it has a queue for that.
+std::string what_is_missing(const VkPhysicalDeviceProperties& device, bool computes);
+
 class Instance {
  public:
   // complaints: as in GpuOptions.

@@ -16,7 +16,6 @@ constexpr std::uint32_t kSetsPerPool = 256, kBuffersPerPool = 2048;
 constexpr std::uint64_t kPatience_ns = 20'000'000'000;  // a step of ours takes milliseconds
 constexpr VkPipelineStageFlags kWorkStages =
     VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-constexpr std::size_t kMostBuffers = 16;     // of a kernel
 constexpr std::size_t kCarried = 256 << 10;  // bytes that a thread takes at a time
 constexpr std::uint32_t kMostTimed = 1024;
 
@@ -157,8 +156,8 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
     error_ = set.error();
     return;
   }
-  std::array<VkDescriptorBufferInfo, kMostBuffers> places;
-  std::array<VkWriteDescriptorSet, kMostBuffers> writes;
+  std::array<VkDescriptorBufferInfo, kMostKernelBuffers> places;
+  std::array<VkWriteDescriptorSet, kMostKernelBuffers> writes;
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     const Memory::Range& range = range_of(*buffers[i]);
     places[i] = {range.handle(), range.offset(), range.bytes()};
@@ -238,11 +237,12 @@ Result<VkDescriptorSet> Work::set_for(const Kernel& kernel) {
   pool.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
   pool.maxSets = kSetsPerPool;
   pool.poolSizeCount = 2, pool.pPoolSizes = sizes;
-  descriptors_.push_back(VK_NULL_HANDLE);
   VkDescriptorSet set = VK_NULL_HANDLE;
-  VkResult made = vk_.CreateDescriptorPool(device_, &pool, nullptr, &descriptors_.back());
-  info.descriptorPool = descriptors_.back();
-  if (made == VK_SUCCESS) made = vk_.AllocateDescriptorSets(device_, &info, &set);
+  VkResult made = vk_.CreateDescriptorPool(device_, &pool, nullptr, &info.descriptorPool);
+  if (made == VK_SUCCESS) {
+    descriptors_.push_back(info.descriptorPool);
+    made = vk_.AllocateDescriptorSets(device_, &info, &set);
+  }
   if (made != VK_SUCCESS) return failed(made, fmt::format("binding the buffers of '{}'", kernel.name));
   return set;
 }
@@ -280,8 +280,7 @@ Result<void> Work::finish() {
   // what an unanswering device may still read is not given to others: nothing is taken any more
   staged_.clear(), arrivals_.clear();
   if (!lost_)
-    for (VkDescriptorPool pool : descriptors_)
-      if (pool != VK_NULL_HANDLE) (void)vk_.ResetDescriptorPool(device_, pool, 0);
+    for (VkDescriptorPool pool : descriptors_) (void)vk_.ResetDescriptorPool(device_, pool, 0);
   descriptors_used_ = 0;
   recording_ = false;
   error_ = {};

@@ -1,8 +1,12 @@
 // hdrcam encode, and videos instead of numbered frames, from outside.
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 
+#include "render/exr.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/decoded_video.h"
@@ -32,6 +36,14 @@ std::pair<std::string, int> piped(const std::string& words) {
 test::DecodedVideo codes_of(const std::string& bytes, const std::string& path) {
   REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(bytes))).ok());
   return test::decoded_video(path);
+}
+
+// An OpenEXR file of grey, [1, rows, cols].
+void write_grey(const std::string& path, const Image<float>& grey, const ExrAttributes& attributes = {}) {
+  ExrPicture picture{grey.rows(), grey.cols(), {}, attributes, ExrCompression::None};
+  for (const std::string_view channel : exr_channel::kRadiance)
+    picture.channels.push_back({std::string(channel), grey.samples(), ExrSample::Float});
+  REQUIRE(write_whole(posix_storage(), path, encode_exr(picture).value()).ok());
 }
 
 int largest_difference(const Image<std::uint16_t>& a, const Image<std::uint16_t>& b) {
@@ -98,6 +110,53 @@ TEST_CASE("frames go to a pipe, and nothing but frames") {
   const auto [half, half_code] = piped(replay + "half");
   CHECK(half_code == 0);
   CHECK(half.size() == std::size_t{6} * 3 * 2 * static_cast<std::size_t>(video.width * video.height));
+}
+
+TEST_CASE("a frame rate that cannot be is refused, naming the file and --framerate, which overrules it") {
+  const std::string out = sample::scratch_folder("encode_framerate"), frames = out + "/%06d.exr";
+  const double framerate_hz = GENERATE(0.0, -30.0, 5000.0, std::numeric_limits<double>::quiet_NaN());
+  ExrAttributes stated;
+  stated.framerate_hz = framerate_hz;
+  write_grey(out + "/000000.exr", Image<float>(1, 48, 64), stated);
+  const RanHere refused = ran_here({"encode", frames, "-o", out + "/x.mp4"});
+  CHECK(refused.exit_code == 2);
+  CHECK_THAT(refused.err,
+             Contains("000000.exr' states ") && Contains(" frames per second") && Contains("--framerate"));
+  const RanHere given = ran_here({"encode", frames, "-o", out + "/x.mp4", "--framerate", "25"});
+  INFO(given.err);
+  CHECK(given.exit_code == 0);
+}
+
+TEST_CASE("a pixel of infinite light is as bright as can be, one that is no number is black") {
+  const std::string out = sample::scratch_folder("encode_infinite");
+  // Our own writer refuses such values: they replace others in the file.
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  const std::pair<float, float> replaced[] = {
+      {1.2345f, kInfinite}, {2.3456f, -kInfinite}, {3.4567f, std::numeric_limits<float>::quiet_NaN()}};
+  const float greys[] = {1.2345f, 2.3456f, 3.4567f, 6e4f, 0};
+  Image<float> picture(1, 32, 5 * 32);
+  for (int y = 0; y < picture.rows(); ++y)
+    for (int x = 0; x < picture.cols(); ++x) picture.at(0, y, x) = greys[x / 32];
+  const std::string path = out + "/000000.exr";
+  write_grey(path, picture);
+  std::string bytes = read_whole(posix_storage(), path).value();
+  for (const auto& [from, to] : replaced) {
+    const auto pattern = std::bit_cast<std::array<char, 4>>(from),
+               value = std::bit_cast<std::array<char, 4>>(to);
+    const std::string_view wanted(pattern.data(), pattern.size());
+    for (std::size_t at = 0; (at = bytes.find(wanted, at)) != bytes.npos; at += 4)
+      std::ranges::copy(value, bytes.begin() + static_cast<std::ptrdiff_t>(at));
+  }
+  REQUIRE(write_whole(posix_storage(), path, std::as_bytes(std::span(bytes))).ok());
+  const auto [y4m, code] = piped("encode " + out + "/%06d.exr -o - --pipe-format y4m");
+  CHECK(code == 0);
+  const auto video = codes_of(y4m, out + "/x.y4m");
+  REQUIRE(video.frames.size() == 1);
+  const auto luma = [&](int patch) { return int{video.frames[0].luma.at(0, 16, 32 * patch + 16)}; };
+  CHECK(luma(0) == luma(3));
+  CHECK(luma(0) > 600);
+  CHECK((luma(1) == luma(4) && luma(2) == luma(4)));
+  CHECK(luma(4) < 100);
 }
 
 TEST_CASE("encode says what is missing") {

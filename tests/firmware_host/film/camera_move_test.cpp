@@ -116,6 +116,33 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK(CameraMove::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
 }
 
+TEST_CASE("where tracking began anew, a steady path is that of the nearest pose's world", "[film]") {
+  SteadyPath path;
+  RigidTransform first, anew;
+  first.t = {1, 0, 0}, anew.t = {9, 0, 0};
+  anew.R = rotation(Eigen::Vector3d(0, 1, 0));
+  for (int i = 0; i < 20; ++i) path.add(i / 20.0, i < 10 ? first : anew, i < 10 ? 0 : 1);
+  for (int i = 0; i < 20; ++i) {
+    const RigidTransform T = path.at(i / 20.0);
+    CHECK(T.t.x() == Approx(i < 10 ? 1 : 9));
+    CHECK((T.R - (i < 10 ? first : anew).R).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("a steady path forgets what no later moment needs", "[film]") {
+  SteadyPath path, whole;
+  for (int i = 0; i < 90; ++i) {
+    RigidTransform T;
+    T.t.x() = i % 3;
+    for (SteadyPath* one : {&path, &whole}) one->add(i / 30.0, T);
+    path.forget_before(i / 30.0);
+  }
+  CHECK(path.poses() <= 17);
+  CHECK(path.at(89 / 30.0).t == whole.at(89 / 30.0).t);
+  path.forget_before(100);
+  CHECK(path.at(100).t.x() == Approx(2));
+}
+
 TEST_CASE("a steady path loses the shake of the recorded one and keeps its way", "[film]") {
   SteadyPath path;
   constexpr int kFrames = 90;

@@ -1,6 +1,8 @@
 #include "firmware_host/film/film_plan.h"
 
+#include "hal/recording/recording.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
 
@@ -55,6 +57,18 @@ TEST_CASE("a moment is one frame, a part has its own beginning and end", "[film]
   CHECK(part.frames == 31);
   CHECK(part.scene_s(0) == 0.5);
   CHECK_FALSE(part.frozen);
+}
+
+TEST_CASE("the times of a film count from the time stamp of the recording's first frame", "[film]") {
+  const std::string path = sample::scratch_folder("film_plan") + "/clip.mkv";
+  const test::MovingScene scene;
+  auto writer = create_recording(posix_storage(), path, scene.camera()).value();
+  for (const int frame : {6, 9, 12}) REQUIRE(writer->append(scene.frame(frame)).ok());
+  REQUIRE(writer->finish().ok());
+  const FilmedRecording recording = look_through(posix_storage(), path).value();
+  CHECK(recording.first.seconds() == Approx(0.2));
+  CHECK(recording.duration_s == Approx(0.2));
+  CHECK(planned({.time = "0.1"}, recording).value().first == recording.first);
 }
 
 TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]") {

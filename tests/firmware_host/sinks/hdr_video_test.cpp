@@ -3,10 +3,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <span>
+
+extern "C" {
+#include <libavutil/crc.h>
+#include <libavutil/intreadwrite.h>
+}
 
 #include "firmware_host/sinks/video_target.h"
 #include "hal/fault/faulty_storage.h"
@@ -63,6 +70,41 @@ DecodedVideo made(const std::string& path, int frames, const VideoOptions& optio
   return test::decoded_video(path);
 }
 
+// Of the elements of a Matroska file's segment: how many there are, and whose CRC-32 (RFC 8794, 11.3.1) is
+// not that of their bytes.
+struct SegmentChecksums {
+  int elements = 0, checksums = 0, wrong = 0;
+};
+
+SegmentChecksums checksums_of(const std::string& path) {
+  constexpr std::uint64_t kSegment = 0x18538067;
+  const std::string text = read_whole(posix_storage(), path).value();
+  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(text.data());
+  const auto number = [&](std::size_t& at, bool with_length) {
+    const int length = std::countl_zero(bytes[at]) + 1;
+    std::uint64_t value = with_length ? bytes[at] : bytes[at] & (0xffu >> length);
+    for (int i = 1; i < length; ++i) value = value << 8 | bytes[at + static_cast<std::size_t>(i)];
+    at += static_cast<std::size_t>(length);
+    return value;
+  };
+  SegmentChecksums found;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::uint64_t id = number(at, true), size = number(at, false);
+    if (id == kSegment) continue;
+    REQUIRE(size <= text.size() - at);
+    ++found.elements;
+    const std::uint8_t* const body = bytes + at;
+    if (size >= 6 && body[0] == 0xbf && body[1] == 0x84) {
+      ++found.checksums;
+      const std::uint32_t stated = AV_RL32(body + 2);
+      const std::uint32_t all = std::numeric_limits<std::uint32_t>::max();
+      found.wrong += (av_crc(av_crc_get_table(AV_CRC_32_IEEE_LE), all, body + 6, size - 6) ^ all) != stated;
+    }
+    at += size;
+  }
+  return found;
+}
+
 int pq_code(double nits) { return static_cast<int>(std::lround(64 + 876 * pq_signal(nits))); }
 
 }  // namespace
@@ -95,6 +137,20 @@ TEST_CASE("an HDR10 file says what it is, in the container and in the stream, an
     CHECK(video.light->MaxCLL == 792);  // 3.9 x 203, rounded up
     CHECK(video.light->MaxFALL == static_cast<unsigned>(std::ceil(mean_nits)));
   }
+}
+
+TEST_CASE("no checksum of a Matroska video contradicts what it covers, measured light level included") {
+  const std::string folder = sample::scratch_folder("video_checksums");
+  for (const CodecChoice codec : {CodecChoice::Hevc, CodecChoice::Av1}) {
+    REQUIRE(made(folder + "/x.mkv", 3, {.codec = codec}).light->MaxCLL == 792);
+    const SegmentChecksums found = checksums_of(folder + "/x.mkv");
+    CHECK(found.elements > 4);
+    CHECK(found.wrong == 0);
+  }
+  made(folder + "/sdr.mkv", 3, {.transfer = VideoTransfer::Sdr});
+  const SegmentChecksums found = checksums_of(folder + "/sdr.mkv");
+  CHECK(found.checksums > 4);
+  CHECK(found.wrong == 0);
 }
 
 TEST_CASE("a grey wedge decodes to its luminance within one code") {

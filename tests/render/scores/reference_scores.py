@@ -85,7 +85,9 @@ def scores(clip, out, skip=1):
         kept["ssim_mu"].append(ssim(mu_law(gl).astype(float), mu_law(el).astype(float)))
         now = {"i": i, "g": log2(gl), "e": log2(el)}
         kept["log_rmse"].append(float(np.sqrt(((now["e"] - now["g"]) ** 2).mean())))
-        bias.setdefault(round(np.log2(facts["frames"][i]["exposure_s"]) * 2), []).append((now["e"] - now["g"]).mean())
+        frame = facts["frames"][i]
+        exposure = frame["exposure_s"] * frame.get("gain", 1) * frame.get("digital_gain", 1)
+        bias.setdefault(round(np.log2(exposure) * 2), []).append((now["e"] - now["g"]).mean())
         now["moving"] = np.isin(cv2.imread(f"{clip}/gt/id/{i:04d}.png", 0), answers["moving_ids"])
         if now["moving"].any():
             kept["psnr_mu_mov"].append(decibel(error[now["moving"]]))

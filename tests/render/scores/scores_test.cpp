@@ -111,6 +111,26 @@ TEST_CASE("the truth itself scores without error, whatever gain each channel has
   REQUIRE(scores.cast_stops[1] == Approx(-8 / 3.).margin(1e-3));
 }
 
+TEST_CASE("an exposure that alternates by gain pumps as one that alternates by time") {
+  TemporaryFolder clip;
+  write_clip_and_estimates(clip.path(), Geometry::Without);
+  const double phase_stops = scores_of(clip).phase_stops;
+  REQUIRE(phase_stops > 0.01);
+  auto json = nlohmann::json::parse(std::ifstream(clip / "clip.json"));
+  for (auto& frame : json["frames"]) {
+    const double exposure = frame["exposure_s"];
+    frame["exposure_s"] = 0.0005, frame["gain"] = exposure / 0.001, frame["digital_gain"] = 2;
+  }
+  std::ofstream(clip / "clip.json") << json;
+  REQUIRE(scores_of(clip).phase_stops == Approx(phase_stops));
+
+  json["frames"][2]["gain"] = -4;
+  std::ofstream(clip / "clip.json") << json;
+  const Error wrong = error_of(clip.path(), clip / "out");
+  REQUIRE(wrong.code == ErrorCode::BadExposure);
+  REQUIRE((mentions(wrong, "frame 2") && mentions(wrong, "gain -4")));
+}
+
 TEST_CASE("a frame without an estimate is reported and left out, and flicker never spans the gap") {
   TemporaryFolder clip;
   write_clip_and_estimates(clip.path(), Geometry::Without, "{:04d}.exr");

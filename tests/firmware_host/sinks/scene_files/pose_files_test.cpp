@@ -87,6 +87,41 @@ TEST_CASE("a new pose is not that of an earlier run's picture, where the run she
   CHECK(test::read_colmap(folder + "/colmap").images.size() == 2);
 }
 
+TEST_CASE("a model has the poses of one world, of that with most pictures, and of equals the newest") {
+  const struct { std::size_t ended, newest, kept; } runs[] = {{2, 3, 1}, {3, 2, 0}, {2, 2, 1}};
+  for (const auto& run : runs) {
+    CAPTURE(run.ended, run.newest);
+    const std::string folder = sample::scratch_folder("pose_files_worlds");
+    const PicturePatterns patterns{folder + "/%04d.png", ""};
+    auto transforms = create_transforms(posix_storage(), folder + "/transforms.json", patterns);
+    auto colmap = create_colmap(posix_storage(), folder + "/colmap", patterns);
+    REQUIRE((transforms.ok() && colmap.ok()));
+    for (std::uint64_t sequence = 0; sequence < run.ended + run.newest; ++sequence) {
+      HdrFrame frame = posed_frame(sequence);
+      frame.pose->world = sequence < run.ended ? 0 : 1;
+      frame.points.push_back({{0, 0, 1.0 + frame.pose->world}, 10.5, 8.5, {1, 1, 1}});
+      for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+        REQUIRE(test::emit(*sink, frame).ok());
+      write_picture(folder + "/000" + std::to_string(sequence) + ".png");
+    }
+    for (FrameSink* sink : {transforms.value().get(), colmap.value().get()})
+      REQUIRE((sink->finish().ok() && sink->conclude({}).ok()));
+
+    const std::size_t kept = run.kept == 1 ? run.newest : run.ended;
+    const auto read = test::read_transforms(folder + "/transforms.json");
+    CHECK(read.cameras.size() == kept);
+    CHECK(read.cameras.contains("0000.png") == (run.kept == 0));
+    CHECK(read.json["hdrcam"]["frames_left_out"] == run.ended + run.newest - kept);
+    const auto model = test::read_colmap(folder + "/colmap");
+    CHECK(model.images.size() == kept);
+    CHECK(model.points.size() == kept);
+    for (const auto& [id, point] : model.points) {
+      CHECK(point.p_world.z == 1.0 + static_cast<double>(run.kept));
+      CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
+    }
+  }
+}
+
 TEST_CASE("a full disk ends the run with its own error and leaves no half of a file") {
   const std::string folder = sample::scratch_folder("pose_files_full");
   FaultyStorage full(posix_storage(), test::disk_of(100));

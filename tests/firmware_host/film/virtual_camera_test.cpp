@@ -1,0 +1,142 @@
+// What a film shows of given frames: which of them, from where, and what fills its holes.
+#include "firmware_host/film/virtual_camera.h"
+
+#include <algorithm>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+
+namespace {
+
+constexpr int kRows = 48, kCols = 64;
+constexpr float kFieldRadiance = 77;
+
+class OneColour final : public FieldSnapshot {
+ public:
+  void look(const SceneView& view, WorkerPool&, FieldPicture& picture) const override {
+    picture.radiance.reshape(3, view.rows, view.cols), picture.radiance.fill(kFieldRadiance);
+    picture.depth.reshape(1, view.rows, view.cols), picture.depth.fill(1);
+  }
+};
+
+class OneColourField final : public SceneField {
+ public:
+  Result<void> observe(const SceneObservation&) override { return {}; }
+  FitReport fit(const FitBudget&) override { return {}; }
+  void restart() override {}
+  SnapshotHold snapshot() override { return SnapshotHold(colour_); }
+
+ private:
+  OneColour colour_;
+};
+
+// One colour, seen from x_m, in a world.
+struct Seen {
+  double time_s;
+  float radiance;
+  double x_m = 0;
+  int world = 0;
+};
+
+struct Shown {
+  float radiance;
+  double x_m;
+  float hole;  // radiance of what only the field knows; 0 without any
+};
+
+std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Seen> recorded) {
+  WorkerPool pool(1);
+  OneColourField field;
+  VirtualCamera camera(plan, std::nullopt, pool);
+  std::vector<Shown> shown;
+  const VirtualCamera::Show show = [&](HdrFrame& frame, const ExposedFrame&, const FrameRecord&) {
+    Shown& one = shown.emplace_back(
+        Shown{frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose->T_world_camera.t.x(), 0});
+    for (std::size_t i = 0; i < frame.provenance.size(); ++i)
+      if (frame.provenance.samples()[i] == static_cast<std::uint8_t>(Provenance::Field))
+        one.hole = std::max(one.hole, frame.radiance.samples()[i]);
+    return Result<void>{};
+  };
+  for (const Seen& seen : recorded) {
+    HdrFrame frame;
+    frame.facts.timestamp = Instant::from_seconds(seen.time_s);
+    frame.white = 100;
+    frame.radiance = Image<float>(3, kRows, kCols), frame.radiance.fill(seen.radiance);
+    frame.sigma = Image<float>(1, kRows, kCols);
+    frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
+    frame.pose.emplace().source = PoseSource::Tracked;
+    frame.pose->world = seen.world;
+    frame.pose->T_world_camera.t.x() = seen.x_m;
+    ExposedFrame input;
+    const RadianceState state;
+    const Image<float> own_share;
+    FrameEstimate estimate{.frame = input,
+                           .state = state,
+                           .own_share = own_share,
+                           .to_previous = nullptr,
+                           .field = FieldNow(&field),
+                           .view = {},
+                           .world = seen.world,
+                           .fit = nullptr,
+                           .budget = {},
+                           .white = frame.white,
+                           .reference_exposure = 1};
+    estimate.view.T_world_camera = frame.pose->T_world_camera;
+    estimate.view.time_s = seen.time_s;
+    estimate.view.lens = {kCols, kCols, kCols / 2.0, kRows / 2.0};
+    estimate.view.rows = kRows, estimate.view.cols = kCols;
+    REQUIRE(camera.take(frame, estimate, Response::gamma(2.2f), show).ok());
+  }
+  REQUIRE(camera.finish(show).ok());
+  CHECK(camera.done());
+  return shown;
+}
+
+FilmPlan planned(double begin_s, int frames, double framerate_hz) {
+  FilmPlan plan;
+  plan.begin_s = begin_s;
+  plan.frames = frames, plan.framerate_hz = framerate_hz;
+  plan.width = kCols, plan.height = kRows;
+  return plan;
+}
+
+}  // namespace
+
+TEST_CASE("a moment of a film counts from the recording's first frame, also where no frame of it is left",
+          "[film]") {
+  FilmPlan plan = planned(0.5, 2, 4);
+  plan.first = Instant::from_seconds(10);
+  const Seen recorded[] = {{10.5, 5}, {10.75, 10}, {11, 20}, {11.25, 40}};
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 2);
+  CHECK(shown[0].radiance == 5);
+  CHECK(shown[1].radiance == 10);
+}
+
+TEST_CASE("where tracking began anew, a film's frame has the pose and the picture of the nearest one",
+          "[film]") {
+  FilmPlan plan = planned(0, 9, 8);
+  plan.stabilize = GENERATE(false, true);
+  const Seen recorded[] = {{0, 5, 1, 0}, {0.25, 5, 1, 0}, {0.5, 5, 1, 0}, {0.75, 20, 9, 1}, {1, 20, 9, 1}};
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 9);
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    CAPTURE(plan.stabilize, i);
+    CHECK(shown[i].x_m == Approx(i < 5 ? 1 : 9));
+    CHECK(shown[i].radiance == Approx(i < 5 ? 5 : 20));
+  }
+}
+
+TEST_CASE("the field of another world fills no hole of a film", "[film]") {
+  FilmPlan plan = planned(0.125, 2, 2);
+  plan.move = CameraMove::parse_view("0.5,0,0").value();
+  const Seen recorded[] = {{0, 5, 0, 0}, {0.5, 5, 0, 1}, {0.75, 5, 0, 1}};
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 2);
+  CHECK(shown[0].hole == 0);
+  CHECK(shown[1].hole == kFieldRadiance);
+}
