@@ -258,7 +258,8 @@ Result<void> CaptureStage::drop_frame() {
 void CaptureStage::place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                          FrameFacts& facts) {
   facts.sequence = buffer.sequence;
-  facts.timestamp = matched.centre(exposure);
+  facts.readout_s = to_seconds(buffer.readout);
+  facts.timestamp = matched.centre(exposure, buffer.readout);
   if (last_place_) {
     const std::uint64_t frames = std::max<std::uint64_t>(1, matched.index - last_place_->index);
     if (facts.sequence <= last_place_->number) facts.sequence = last_place_->number + frames;

@@ -14,9 +14,10 @@ bool same(double a, double b) { return std::abs(a - b) <= kSameExposure; }
 
 }  // namespace
 
-Instant MatchedFrame::centre(Duration exposure) const {
-  if (opened) return *opened + exposure / 2;
-  return timestamp + (mark == TimestampMark::ExposureBegin ? exposure / 2 : -exposure / 2);
+Instant MatchedFrame::centre(Duration exposure, Duration readout) const {
+  const Duration half = (exposure + readout) / 2;
+  if (opened) return *opened + half;
+  return timestamp + (mark == TimestampMark::ExposureBegin ? half : -half);
 }
 
 FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule)

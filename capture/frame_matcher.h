@@ -51,8 +51,9 @@ struct MatchedFrame {
   std::optional<TriggerPulse> pulse;  // of the trigger line, that began the frame
   int left_out_before = 0;            // pulses that were not driven between the previous frame and this one
 
-  // The middle of an exposure of this length, from the pulse where there is one.
-  Instant centre(Duration exposure) const;
+  // The middle of an exposure of this length, of the middle row of a read-out, from the pulse where there is
+  // one.
+  Instant centre(Duration exposure, Duration readout) const;
 };
 
 class FrameMatcher {

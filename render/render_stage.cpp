@@ -47,6 +47,14 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
 }  // namespace
 
 void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
+  render_as_read(estimate, frame);
+  Stopwatch watch;
+  rolling_shutter_.correct(estimate, options_.readout_s.value_or(frame.facts.readout_s), frame);
+  if (timing_) timing_(Stage::Emission, watch.lap_ms());
+}
+
+// Each row as it was when it was read.
+void RenderStage::render_as_read(const FrameEstimate& estimate, HdrFrame& frame) {
   Stopwatch watch;
   const auto lap = [&](Stage stage) {
     if (timing_) timing_(stage, watch.lap_ms());

@@ -4,6 +4,7 @@
 
 #include "hal/core/stage_timing.h"
 #include "render/emission.h"
+#include "render/rolling_shutter.h"
 
 namespace hdrcam {
 
@@ -30,18 +31,20 @@ struct RenderOptions {
   // of the field's radiance to the lower bound of a clipped pixel, > 1: the field's is cut there, so that a
   // pixel rises by at most its square root
   float largest_field_ratio = 4;
+  std::optional<double> readout_s;  // of a rolling shutter; none: as the frames state it
 };
 
 class RenderStage {
  public:
   // gpu: what computes beside the processor, or null; it outlives the stage.
   RenderStage(RenderOptions options, WorkerPool& pool, GpuDevice* gpu = nullptr)
-      : options_(options), pool_(pool), emission_(pool, gpu) {}
+      : options_(options), pool_(pool), emission_(pool, gpu), rolling_shutter_(pool) {}
 
   void set_timing(StageTiming timing) { timing_ = std::move(timing); }
   void render(const FrameEstimate& estimate, HdrFrame& frame);
 
  private:
+  void render_as_read(const FrameEstimate& estimate, HdrFrame& frame);
   void show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame);
   void render_field(const FrameEstimate& estimate, int step, HdrFrame& frame);
   void emit_field(const FrameEstimate& estimate, HdrFrame& frame);
@@ -51,6 +54,7 @@ class RenderStage {
   RenderOptions options_;
   WorkerPool& pool_;
   Emission emission_;
+  RollingShutterCorrection rolling_shutter_;
   FieldPicture view_;
   Image<std::uint8_t> unseen_;  // of the view: pixels from which an unseen one is filled
   StageTiming timing_;

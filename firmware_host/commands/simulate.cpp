@@ -93,9 +93,10 @@ class Timeline {
   Shot shot(std::uint64_t sequence) const {
     const Exposure& exposure = cycle_[sequence % cycle_.size()];
     const double exposure_s = to_seconds(exposure.time);
-    const double readout_s =
-        simulation_.plan.on(Effect::RollingShutter) ? to_seconds(simulation_.rolling_shutter.readout) : 0;
-    return {sequence, centre_s(sequence) - (exposure_s + readout_s) / 2, exposure_s, exposure.gain};
+    return {sequence, centre_s(sequence) - (exposure_s + readout_s()) / 2, exposure_s, exposure.gain};
+  }
+  double readout_s() const {
+    return simulation_.plan.on(Effect::RollingShutter) ? to_seconds(simulation_.rolling_shutter.readout) : 0;
   }
   FrameFacts facts(std::uint64_t sequence, bool after_drop, int bits) const {
     const Exposure& exposure = cycle_[sequence % cycle_.size()];
@@ -105,6 +106,7 @@ class Timeline {
     if (jitter_)
       facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
     facts.exposure_s = to_seconds(exposure.time);
+    facts.readout_s = readout_s();
     facts.analogue_gain = exposure.gain;
     facts.slot = static_cast<int>(sequence % cycle_.size());
     if (simulation_.black_level > 0)

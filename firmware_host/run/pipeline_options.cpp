@@ -36,6 +36,10 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   const Settings::Fit& fit = settings.fit;
   PipelineOptions options = options_of(fit.preset, fit.emit);
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
+  if (fit.readout == kOff)
+    options.render.readout_s = 0;
+  else if (!fit.readout.empty())
+    options.render.readout_s = to_seconds(parse_duration(fit.readout).value());
   const OutputNeeds needs = needs_of(settings.output);
   options.render.shows_flow_backward = needs.flow_backward;
   options.render.shows_flow_forward = needs.flow_forward;

@@ -267,6 +267,16 @@ SettingField deadline_field() {
   return field;
 }
 
+SettingField readout_field() {
+  SettingField field = any<&Settings::fit, &Settings::Fit::readout>(
+      "fit.readout", "--readout",
+      "time between the exposures of the first and the last row, whose skew is then taken out of what moves "
+      "(rolling shutter correction)",
+      "as the camera or the recording states it");
+  field.type = SettingType::TimeOrOff;
+  return field;
+}
+
 SettingField backend_field() {
   SettingField field = any<&Settings::fit, &Settings::Fit::backend>(
       "fit.backend", "--backend",
@@ -292,6 +302,7 @@ std::vector<SettingField> fit_fields() {
                    {0, 2, -1}, -1, "those of the preset"),
       number<&Settings::fit, &F::threads>("fit.threads", "--threads", "worker threads", {1, 256, 0},
                                           "all processors"),
+      readout_field(),
       backend_field(),
       number<&Settings::fit, &F::seed>("fit.seed", "--seed", "seed of the fit's random rays",
                                        {0, kMostInt, {}}),

@@ -66,6 +66,7 @@ struct Settings {
     Preset preset = Preset::Balanced;
     EmitLayer emit = EmitLayer::Merged;
     int threads = 0;              // 0: all processors
+    std::string readout;          // of a rolling shutter; "": as the frames state it; "12ms"; kOff
     std::string backend = "cpu";  // or "vulkan", "vulkan:NAME": the compute device (run/backend.h)
     int seed = 1;                 // of the fit's random rays
     // Knobs of the method (online/knobs.h) that were set, by name, also those with a flag of their own:

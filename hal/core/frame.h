@@ -61,10 +61,11 @@ struct CameraFacts {
 // The facts of one frame. Exposure product E = exposure_s * analogue_gain * digital_gain.
 struct FrameFacts {
   std::uint64_t sequence = 0;  // the sensor's counter; a gap is a dropped frame
-  Instant timestamp;           // centre of the exposure
+  Instant timestamp;           // centre of the exposure, under a rolling shutter that of the middle row
   double exposure_s = 0;
   double analogue_gain = 1, digital_gain = 1;
-  int slot = -1;                          // position in the exposure schedule, -1 unknown
+  double readout_s = 0;  // of a rolling shutter, from the first row to the last; 0: none known
+  int slot = -1;         // position in the exposure schedule, -1 unknown
   std::optional<BlackLevel> black_level;  // as device or user state it
   ExposureSource exposure_source = ExposureSource::Declared;
   std::optional<Verdict> verdict;            // on the exposure; none: not judged yet

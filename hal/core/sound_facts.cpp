@@ -16,6 +16,7 @@ constexpr double kMostDeviation = 0.01;  // of a product of two rows of a rotati
 constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
 constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
 constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
+constexpr double kLongestReadout_s = 10;
 constexpr Duration kLatest{4'000'000'000'000'000'000};    // differences of two still fit 64 bits
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
@@ -85,6 +86,9 @@ std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFact
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);
+  if (!within(facts.readout_s, 0, kLongestReadout_s))
+    return fmt::format("its rows are read out in {:g} s; 0 to {:g} s are possible", facts.readout_s,
+                       kLongestReadout_s);
   if (facts.timestamp.since_boot > kLatest || facts.timestamp.since_boot < -kLatest)
     return fmt::format("its time is {:g} s; a clock of seconds since its start is needed",
                        facts.timestamp.seconds());

@@ -358,6 +358,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
       buffer.exposure = microseconds(*exposure_us);
     if (const auto gain = metadata.get(lc::controls::AnalogueGain)) buffer.analogue_gain = *gain;
     if (const auto gain = metadata.get(lc::controls::DigitalGain)) buffer.digital_gain = *gain;
+    if (const auto skew_ns = metadata.get(lc::controls::draft::SensorRollingShutterSkew))
+      buffer.readout = std::clamp(Duration(*skew_ns), Duration(0), mode_.frame_duration);
     buffer.mode = mode_, buffer.stride = stride_;
     buffer.pixels = buffers_->memory(index);
     if (stride_ == 0 && !frame.planes().empty())

@@ -217,6 +217,7 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   if (fields.has("timestamp_ns"))
     facts.timestamp.since_boot = Duration(TRY(fields.integer<Duration::rep>("timestamp_ns")));
   facts.sequence = TRY(fields.integer<std::uint64_t>("sequence", index));
+  if (fields.has("readout_s")) facts.readout_s = TRY(fields.number("readout_s"));
   facts.slot = TRY(fields.integer<int>("slot", -1));
   if (fields.has("black_level"))
     facts.black_level = BlackLevel::of_code(TRY(fields.number("black_level")), bits);
@@ -259,6 +260,7 @@ Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot, int b
   if (facts.analogue_gain != usual.analogue_gain) json["gain"] = facts.analogue_gain;
   if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;
   if (facts.sequence != index) json["sequence"] = facts.sequence;
+  if (facts.readout_s > 0) json["readout_s"] = facts.readout_s;
   if (with_slot) json["slot"] = facts.slot;
   if (facts.black_level) json["black_level"] = facts.black_level->code(bits);
   if (facts.exposure_source != usual.exposure_source) json["exposure_source"] = name(facts.exposure_source);

@@ -80,6 +80,7 @@ FrameFacts facts_of(const Json& json, int bits) {
   facts.exposure_s = number(json.at("exposure_s"));
   facts.analogue_gain = number(json.at("analogue_gain"));
   facts.digital_gain = number(json.at("digital_gain"));
+  if (const auto readout = json.find("readout_s"); readout != json.end()) facts.readout_s = number(*readout);
   facts.slot = whole<int>(json.at("slot"));
   const double black = number(json.at("black_level"));
   if (black != 0 || json.contains("black_level_stated")) facts.black_level = BlackLevel::of_code(black, bits);
@@ -122,6 +123,7 @@ std::string to_json(std::uint64_t index, const FrameFacts& facts, int bits) {
                {"exposure_source", name(facts.exposure_source)},
                {"flags", facts.flags}};
   if (facts.black_level && json["black_level"] == 0) json["black_level_stated"] = true;
+  if (facts.readout_s > 0) json["readout_s"] = facts.readout_s;
   if (facts.verdict) json["verdict"] = name(*facts.verdict);
   if (facts.exposure_within_ev) json["exposure_within_ev"] = *facts.exposure_within_ev;
   if (facts.T_world_camera) json["T_world_camera"] = *facts.T_world_camera;

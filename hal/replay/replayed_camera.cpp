@@ -14,7 +14,8 @@ namespace hdrcam {
 namespace {
 
 Instant begin_of(const FrameFacts& facts) {
-  return facts.has_exposure() ? facts.timestamp + from_seconds(-facts.exposure_s / 2) : facts.timestamp;
+  return facts.has_exposure() ? facts.timestamp + from_seconds(-(facts.exposure_s + facts.readout_s) / 2)
+                              : facts.timestamp;
 }
 
 // What a camera's capabilities state and a recording states with its frames, of the first ones.
@@ -180,6 +181,7 @@ class ReplayedCamera : public Camera, private BufferLease::Owner {
       buffer.exposure = from_seconds(facts.exposure_s);
       buffer.analogue_gain = facts.analogue_gain, buffer.digital_gain = facts.digital_gain;
     }
+    buffer.readout = from_seconds(facts.readout_s);
     buffer.exposure_source = facts.exposure_source;
     buffer.mode = mode_;
     buffer.stride = packed_stride(mode_.format, mode_.width);

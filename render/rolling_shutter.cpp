@@ -1,0 +1,103 @@
+#include "render/rolling_shutter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "online/pictures/between_pixels.h"
+#include "online/pictures/warp.h"
+
+namespace hdrcam {
+namespace {
+
+constexpr float kMostOfRow = 0.5f;  // of a row time: vertical motion that is believed, in rows
+
+// Of what is seen at a pixel, in pixels per interval. What moves to another row is seen there a little
+// earlier or later than an interval away.
+Offset velocity_of(Offset to_neighbour, float time, float row_time) {
+  const float later = std::clamp(time * to_neighbour.y * row_time, -kMostOfRow, kMostOfRow);
+  return (time / (1 + later)) * to_neighbour;
+}
+
+int nearest(int place, float by, int size) {
+  const float to = static_cast<float>(place) + by;
+  return static_cast<int>(std::clamp(to + 0.5f, 0.f, static_cast<float>(size - 1)));
+}
+
+}  // namespace
+
+void RollingShutterCorrection::correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame) {
+  const double interval_s = estimate.frame.interval_s;
+  const bool is_last = estimate.to_previous == nullptr && estimate.to_next == nullptr;
+  if (!(readout_s > 0) || !(interval_s > readout_s) || is_last) return;
+  const float row_time = static_cast<float>(readout_s / interval_s / frame.radiance.rows());
+  const Motion motion = estimate.to_previous != nullptr ? Motion{estimate.to_previous->vectors, -1, row_time}
+                                                        : Motion{*estimate.to_next, 1, row_time};
+  const ScratchLease borrowed(pool_.scratch(), frame.radiance.rows(), frame.radiance.cols(),
+                              {{&sources_, 2}, {&moved_, 3}});
+  find_sources(motion);
+  move_layers(motion, frame);
+}
+
+// What is at a place at the frame's moment is seen by the row that it has reached, or left, when that row is
+// exposed: a fixed point, because the motion is that of the pixel where it is seen.
+void RollingShutterCorrection::find_sources(const Motion& motion) {
+  constexpr int kRounds = 3;
+  const Image<float>& vectors = motion.vectors;
+  const int rows = vectors.rows(), cols = vectors.cols();
+  const float half_readout = 0.5f * motion.row_time * static_cast<float>(rows);
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y) {
+      const float row_late = motion.row_time * (static_cast<float>(y) - 0.5f * static_cast<float>(rows));
+      for (int x = 0; x < cols; ++x) {
+        Offset source;
+        for (int round = 0; round < kRounds; ++round) {
+          const Offset seen = offset_at(vectors, nearest(x, source.x, cols), nearest(y, source.y, rows));
+          const Offset velocity = velocity_of(seen, motion.time, motion.row_time);
+          const float overtaken = std::min(velocity.y * motion.row_time, kMostOfRow);
+          const float late = std::clamp(row_late / (1 - overtaken), -half_readout, half_readout);
+          source = late * velocity;
+        }
+        sources_.at(0, y, x) = source.x, sources_.at(1, y, x) = source.y;
+      }
+    }
+  });
+}
+
+void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame) {
+  const int rows = sources_.rows(), cols = sources_.cols();
+  for (Image<float> HdrFrame::*layer : kFloatLayers) {
+    Image<float>& picture = frame.*layer;
+    if (picture.empty()) continue;
+    if (layer == &HdrFrame::radiance)
+      warp_radiance(picture, sources_, moved_, pool_);
+    else
+      warp_linear(picture, sources_, moved_, pool_);
+    picture.copy_from(moved_);
+  }
+  // flow: from one frame's moment to the other's
+  for (const auto& [flow, time] : {std::pair(&frame.flow, -1.f),
+                                   {&frame.flow_forward, 1.f},
+                                   {&frame.field_flow, -1.f},
+                                   {&frame.field_flow_forward, 1.f}}) {
+    if (flow->empty()) continue;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < cols; ++x) {
+        const Offset corrected = time * velocity_of(offset_at(*flow, x, y), time, motion.row_time);
+        flow->at(0, y, x) = corrected.x, flow->at(1, y, x) = corrected.y;
+      }
+  }
+  provenance_.reshape(1, rows, cols);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < cols; ++x)
+      provenance_.at(0, y, x) = frame.provenance.at(0, nearest(y, sources_.at(1, y, x), rows),
+                                                    nearest(x, sources_.at(0, y, x), cols));
+  std::swap(frame.provenance, provenance_);
+  for (SurfacePoint& point : frame.points) {
+    const Offset source = offset_at(sources_, nearest(0, static_cast<float>(point.u_px) - 0.5f, cols),
+                                    nearest(0, static_cast<float>(point.v_px) - 0.5f, rows));
+    point.u_px -= static_cast<double>(source.x), point.v_px -= static_cast<double>(source.y);
+  }
+}
+
+}  // namespace hdrcam
