@@ -30,6 +30,7 @@ Result<PointCost> measure(const CostPoint& point, const std::string& clip, const
                           Settings settings, const std::string& scratch, Storage& storage,
                           const std::atomic<bool>& stop) {
   settings.fit = point.fit;
+  settings.output = {};  // a layer or a white balance would be part of the time and of the error
   settings.output.paths = {{"frames", scratch + "/%06d.exr"}};
   settings.output.compression = FrameCompression::None;
   PointCost cost{.point = point.name, .group = point.group, .clip = folder_name(clip)};

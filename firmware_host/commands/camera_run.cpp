@@ -1,5 +1,7 @@
 #include "firmware_host/commands/camera_run.h"
 
+#include <vector>
+
 #include "capture/exposure.h"
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/recording_name.h"
@@ -17,11 +19,13 @@ Result<Settings> started_settings(const SettingsFlags& flags, const Settings& as
   return with_start_time(asked, posix_clock().wall_time());
 }
 
-Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
-                              Storage& storage) {
+Result<void> check_camera_run(const Settings& settings, const char* recording_flag,
+                              std::span<const SinkKind> sinks, const KeptWork& kept, Storage& storage) {
   TRY(check_recording_name(storage, recording_flag, settings.record.file));
   TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));  // before a folder is made
-  TRY(kept.check(storage, inputs_of(settings.camera), outputs_of(settings, recording_flag)));
+  std::vector<NamedOutput> outputs = outputs_of(settings, sinks);
+  outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
+  TRY(kept.check(storage, inputs_of(settings.camera), outputs));
   return check_lines(settings);
 }
 

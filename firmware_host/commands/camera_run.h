@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "firmware_host/commands/command.h"
@@ -18,10 +19,10 @@ namespace hdrcam {
 // The settings with the time of this start in the names of files. Errors: those of check_ignored_flags.
 Result<Settings> started_settings(const SettingsFlags& flags, const Settings& asked);
 
-// The cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record". Errors: those
-// of check_recording_name, parse_exposures, KeptWork::check and check_lines.
-Result<void> check_camera_run(const Settings& settings, const char* recording_flag, const KeptWork& kept,
-                              Storage& storage);
+// The cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record"; sinks: those
+// of the verb. Errors: those of check_recording_name, parse_exposures, KeptWork::check and check_lines.
+Result<void> check_camera_run(const Settings& settings, const char* recording_flag,
+                              std::span<const SinkKind> sinks, const KeptWork& kept, Storage& storage);
 
 // Opens the camera and shows what the user should know of it. trace: outlives the camera. Errors: those of
 // CameraSource::open.

@@ -12,9 +12,11 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_pattern.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "hal/clock.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 #include "render/scores/linear_pictures.h"
@@ -94,7 +96,7 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
 }
 
 Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
-  const std::string& output = settings.output.path("frames");
+  const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
   if (output.empty())
     return Error{ErrorCode::Invalid,
                  "no video; give -o x.mp4 (.mov, .mkv), or - for the standard output; see 'hdrcam encode "
@@ -107,10 +109,12 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   // A file of settings serves other verbs, too: what it says of a camera or of other outputs does not count.
   Settings used;
   used.output.paths["frames"] = output;
+  used.video = settings.video;
   TRY(check_ignored_flags(*flags.settings, used));
   const FramePattern pattern = TRY(pattern_of(around.storage, flags.frames));
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
-  TRY(flags.kept.check(around.storage, {}, outputs_of(settings, "")));
+  TRY(flags.kept.check(around.storage, {},
+                       {{"--output", output == kStandardOutput ? "" : output, OutputKind::Recording}}));
 
   CameraFacts camera;
   std::unique_ptr<FrameSink> sink;

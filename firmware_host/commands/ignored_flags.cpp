@@ -55,17 +55,22 @@ Result<void> check_live_page(const SettingsFlags& flags, const Settings::Output&
 }
 
 // What only some outputs have.
-Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output& output) {
+Result<void> check_outputs_of(const SettingsFlags& flags, const Settings::Output& output,
+                              const VideoOptions& options) {
   const std::string& frames = output.path("frames");
   const bool files = frames.ends_with(".exr"), pipe = frames == kStandardOutput,
              video = video_container_of(frames).has_value() || !output.path("video").empty(),
-             page = !output.path("http").empty();
+             page = !output.path("http").empty(),
+             shown = video || (pipe && options.pipe != PipeFormat::Half);  // bare radiance is not
   TRY(refuse(flags, files, {"output.layers"}, "this run writes no EXR files; give -o out/%06d.exr"));
   TRY(refuse(flags, files || page, {"output.compression"},
              "this run writes no EXR files; give -o out/%06d.exr"));
   TRY(refuse(flags, video, {"video.codec", "video.crf"}, "this run compresses no video; give -o out.mp4"));
-  TRY(refuse(flags, video || pipe || page, {"video.transfer", "video.white", "video.peak"},
+  TRY(refuse(flags, shown, {"video.transfer"}, "this run writes no video; give -o out.mp4"));
+  TRY(refuse(flags, shown || page, {"video.white", "video.peak"},
              "this run writes no video; give -o out.mp4"));
+  TRY(refuse(flags, options.transfer != VideoTransfer::Sdr || page, {"video.white", "video.peak"},
+             "a video for SDR displays is as bright as its display; give --transfer pq or hlg"));
   return refuse(flags, pipe, {"video.pipe_format"}, "no frames go to the standard output; give -o -");
 }
 
@@ -75,7 +80,7 @@ Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& set
   TRY(check_recorded_camera(flags, settings.camera));
   TRY(check_pace(flags, settings.camera));
   TRY(check_live_page(flags, settings.output));
-  return check_outputs_of(flags, settings.output);
+  return check_outputs_of(flags, settings.output, settings.video);
 }
 
 }  // namespace hdrcam

@@ -28,10 +28,9 @@ Result<void> KeptWork::check(Storage& storage, const std::vector<NamedInput>& in
   return make_room_for(storage, outputs);
 }
 
-std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag,
-                                    std::span<const SinkKind> kinds) {
+std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const SinkKind> sinks) {
   std::vector<NamedOutput> outputs;
-  for (const SinkKind& sink : kinds) {
+  for (const SinkKind& sink : sinks) {
     const std::string& path = settings.output.path(sink.name);
     const std::string_view flag = sink.flag;
     if (path == kStandardOutput || sink.target == SinkTarget::Address) continue;  // replaces nothing
@@ -52,7 +51,6 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, const char* record
                          (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
   }
   outputs.push_back({"--trace", settings.machine.trace});
-  outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   return outputs;
 }
 

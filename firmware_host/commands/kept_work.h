@@ -32,9 +32,9 @@ class KeptWork {
   bool force_ = false;
 };
 
-// The outputs of a run: its sinks and its recording, with this verb's flags for them.
-std::vector<NamedOutput> outputs_of(const Settings& settings, const char* recording_flag,
-                                    std::span<const SinkKind> kinds = sink_kinds());
+// The outputs of a run with these sinks, its trace among them. What other sinks, or other verbs, would write
+// by the same settings is none.
+std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const SinkKind> sinks);
 // The file of --config; empty where there is none.
 std::vector<NamedInput> configuration_of(const CLI::App& verb);
 // The files of a clip with ground truth: its clip.json, its pictures and its truth.

@@ -69,7 +69,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   TRY(check_needs(settings));
   if (is_replayed(settings.camera.id) && replayed_file(settings.camera.id).empty())
     return Error{ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv"};
-  TRY(check_camera_run(settings, "--record", flags.kept, around.storage));
+  TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);

@@ -49,7 +49,7 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
   const Settings settings = TRY(started_settings(*flags.settings, asked));
   if (settings.record.file.empty())
     return Error{ErrorCode::Invalid, "no output file; give -o FILE, or set record.file"};
-  TRY(check_camera_run(settings, "--output", flags.kept, around.storage));
+  TRY(check_camera_run(settings, "--output", {}, flags.kept, around.storage));
   TraceFile trace(settings);
   if (is_read_as_fast_as_asked(settings.camera))
     return trace.write_after(record_again(flags, settings, trace.trace(), around), around.storage);

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
+#include "hal/clock.h"
 
 namespace hdrcam {
 
@@ -18,6 +21,17 @@ Result<void> check_recording_named(Storage& storage, const std::string& recordin
   if (TRY(storage.look_at(recording)).kind == FileKind::Missing)
     return Error{ErrorCode::NotFound, fmt::format("'{}' does not exist", recording)};
   return {};
+}
+
+Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,
+                                       std::string_view what) {
+  if (!flags.given({"output.http_record"}).empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--http-record needs a camera; {} has nothing to record", what)};
+  TRY(check_ignored_flags(flags, asked));
+  Settings settings = with_start_time(asked, posix_clock().wall_time());
+  settings.output.http_takes.clear();
+  return settings;
 }
 
 bool writes_outputs(const Settings::Output& output) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "firmware_host/run/budget_ladder.h"
 #include "firmware_host/run/recording_source.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/settings/settings.h"
+#include "firmware_host/settings/settings_flags.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
 
@@ -15,6 +17,11 @@ namespace hdrcam {
 // Before an output's folder is made. verb: "replay". Errors: Invalid where no recording is named, NotFound
 // where there is none of that name.
 Result<void> check_recording_named(Storage& storage, const std::string& recording, const char* verb);
+// The settings of such a run: with the time of its start in the names of files, and without recordings that
+// the live page starts. what: "a replay". Errors: Invalid where a flag asks for such recordings; those of
+// check_ignored_flags.
+Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,
+                                       std::string_view what);
 // Whether any output besides a recording is asked for.
 bool writes_outputs(const Settings::Output& output);
 

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
-#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/with_settings.h"
@@ -98,13 +97,11 @@ std::string as_flags(const FilmOptions& options) {
   return text;
 }
 
-Result<void> render(const RenderFlags& flags, const Settings& settings, Surroundings& around) {
+Result<void> render(const RenderFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "render"));
-  if (!writes_outputs(settings.output))
+  if (!writes_outputs(asked.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
-  if (!settings.output.http_takes.empty())
-    return Error{ErrorCode::Invalid, "--http-record needs a camera; a film has nothing to record"};
-  TRY(check_ignored_flags(*flags.settings, settings));
+  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a film"));
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_pictures(plan, settings));
@@ -113,7 +110,7 @@ Result<void> render(const RenderFlags& flags, const Settings& settings, Surround
   const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
   std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
   if (!flags.options.path.empty()) inputs.push_back({"the path of the view", flags.options.path});
-  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, "", sinks)));
+  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
   RunRecord record;

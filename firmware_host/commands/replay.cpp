@@ -5,7 +5,6 @@
 #include <string>
 
 #include "firmware_host/commands/command.h"
-#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/run_limits.h"
@@ -39,20 +38,18 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
   return inputs;
 }
 
-Result<void> replay(const ReplayFlags& flags, const Settings& settings, Surroundings& around) {
+Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "replay"));
-  if (!flags.truth.empty() && !settings.output.path("frames").ends_with(".exr"))
+  if (!flags.truth.empty() && !asked.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
-  if (!writes_outputs(settings.output))
+  if (!writes_outputs(asked.output))
     return Error{
         ErrorCode::Invalid,
         "nothing to write; give --output out/%06d.exr or out.mp4, --preview, --sheet, --stats or --report; "
         "'hdrcam replay --help' lists all"};
-  if (!settings.output.http_takes.empty())
-    return Error{ErrorCode::Invalid, "--http-record needs a camera; a replay has nothing to record"};
-  TRY(check_ignored_flags(*flags.settings, settings));
+  const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a replay"));
   TRY(check_needs(settings));
-  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, "")));
+  TRY(flags.kept.check(around.storage, inputs_of(flags), outputs_of(settings, sink_kinds())));
   const auto source = TRY(RecordingSource::open(
       around.storage, flags.recording,
       {.frames = flags.frames, .contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns},

@@ -1,11 +1,20 @@
 #!/usr/bin/env bash
-# Sourced by what starts, does and lists jobs. What the result of a job depends on: a changed recording, program or
-# flag makes the job new.
+# Sourced by what starts, does and lists jobs. What the result of a job depends on: a changed recording, program, flag
+# or file that a flag names, such as --config, makes the job new.
 hdrcam=${HDRCAM:-hdrcam}
 command -v "$hdrcam" >/dev/null || { echo "there is no program '$hdrcam' here; set HDRCAM to it" >&2; exit 2; }
 
 # same_for_all FLAG..: what all jobs of a fleet share; give it to fingerprint.
-same_for_all() { sha256sum <"$(command -v "$hdrcam")" && printf '%s\n' "$@"; }
+same_for_all() {
+  local word file
+  sha256sum <"$(command -v "$hdrcam")"
+  for word in "$@"; do
+    printf '%s\n' "$word"
+    for file in "$word" "${word#*=}"; do # x.toml, --config=x.toml
+      [ ! -f "$file" ] || sha256sum <"$file"
+    done
+  done
+}
 
 # fingerprint RECORDING SAME_FOR_ALL: a recording that is gone has one, too.
 fingerprint() {

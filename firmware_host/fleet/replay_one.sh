@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# One job of a fleet: replays the recording on line INDEX (from 0) of OUT/recordings into OUT/NAME, unless an earlier job
-# did so with the same recording, program and flags. OUT/NAME/job then says how it went; it is written last.
+# One job of a fleet: replays the recording on line INDEX (from 0) of OUT/recordings into OUT/NAME, unless an earlier
+# job did so with the same recording, program and flags and its figures are there. OUT/NAME/job then says how it went;
+# it is written last.
 #   replay_one.sh OUT INDEX
 set -uo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -12,7 +13,8 @@ mapfile -t flags <"$out/flags"
 folder=$out/$(basename "${recording%.*}")
 now=$(fingerprint "$recording" "$(same_for_all "${flags[@]}")")
 
-if [ "$(job_says fingerprint "$folder/job")" = "$now" ] && [ "$(job_says exit "$folder/job")" = 0 ]; then
+if [ "$(job_says fingerprint "$folder/job")" = "$now" ] && [ "$(job_says exit "$folder/job")" = 0 ] &&
+  [ -s "$folder/stats.json" ]; then
   echo "$recording: done earlier"
   exit 0
 fi

@@ -23,8 +23,11 @@ done
 [ "$manner" != slurm ] || command -v sbatch >/dev/null ||
   { echo "there is no Slurm here (sbatch); --plain runs without, --one-node starts one on this machine" >&2; exit 2; }
 . "$here/fingerprint.sh" # stops where there is no program
-twice=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort | uniq -d)
+names=$(printf '%s\n' "${recordings[@]}" | sed 's|.*/||; s|\.[^.]*$||' | sort)
+twice=$(uniq -d <<<"$names")
 [ -z "$twice" ] || { echo "two recordings are named ${twice%%$'\n'*}; their results would share a folder" >&2; exit 2; }
+list=$(grep -x -m 1 -e recordings -e flags <<<"$names" || true)
+[ -z "$list" ] || { echo "a recording is named $list, as is a list of the fleet in $out; rename it" >&2; exit 2; }
 mkdir -p "$out"
 out=$(realpath "$out")
 printf '%s\n' "${recordings[@]}" >"$out/recordings"

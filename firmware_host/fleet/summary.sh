@@ -21,11 +21,13 @@ while IFS= read -r recording; do
     without_figures 'not run'
   elif [ "$(job_says fingerprint "$job")" != "$(fingerprint "$recording" "$same")" ]; then
     without_figures 'not run; what is there is of another recording, program or flags'
-  elif [ "$(job_says exit "$job")" = 0 ]; then
-    jq -r --arg name "$name" '[$name, .emitted, .ms_per_frame, .wall_s] | @tsv' "$out/$name/stats.json" |
-      awk -F'\t' '{ printf "%-24s %8d %9.1f %8.1f  done\n", $1, $2, $3, $4 }'
-  else
+  elif [ "$(job_says exit "$job")" != 0 ]; then
     without_figures "exit $(job_says exit "$job"): $(job_says said "$job")"
+  elif ! figures=$(jq -r --arg name "$name" '[$name, .emitted, .ms_per_frame, .wall_s] | @tsv' \
+    "$out/$name/stats.json"); then
+    without_figures 'no figures: its stats.json is gone or damaged; remove it and run the fleet again'
+  else
+    awk -F'\t' '{ printf "%-24s %8d %9.1f %8.1f  done\n", $1, $2, $3, $4 }' <<<"$figures"
   fi
 done <"$out/recordings"
 exit $verdict

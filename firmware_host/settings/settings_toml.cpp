@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <limits>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -182,6 +183,43 @@ Result<void> take(const Entry& entry, Settings& settings) {
   return set(*field, *value, entry.key, settings);
 }
 
+// The setting that is this knob's number, fit.lookahead of knobs.look_ahead and of itself; null where the
+// knob has no key besides that among all knobs, and of what is no knob.
+const SettingField* number_of_knob(std::string_view key) {
+  const auto fields = setting_fields();
+  const auto field = std::ranges::find(fields, key, &SettingField::key);
+  const auto number = std::ranges::find_if(fields, [&](const SettingField& other) {
+    return other.knob != nullptr && other.knob == field->knob && other.type != SettingType::Knob;
+  });
+  return number == fields.end() ? nullptr : &*number;
+}
+
+// A printed file states a knob by both of its keys. Where one of them was edited, neither is taken silently.
+class KnobsStatedTwice {
+ public:
+  // After the entry was taken. Error: an earlier one set the knob to another value.
+  Result<void> add(const Entry& entry, const Settings& settings) {
+    const SettingField* const number = number_of_knob(entry.key);
+    if (number == nullptr) return {};
+    const SettingValue value = number->read(settings);
+    const auto [first, is_first] = stated_.try_emplace(number, Stated{entry, value});
+    const auto& [earlier, earlier_value] = first->second;
+    if (is_first || earlier_value == value) return {};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("{} = {} contradicts {} = {} in line {}, as both set one knob; give both the same "
+                    "value, or leave one out",
+                    entry.key, to_text(value), earlier.key, to_text(earlier_value), earlier.line)};
+  }
+
+ private:
+  struct Stated {
+    Entry entry;
+    SettingValue value;
+  };
+  std::map<const SettingField*, Stated> stated_;  // by the knob's number
+};
+
 std::string quoted(const std::string& text) {
   std::string masked;
   for (const char c : text) {
@@ -214,8 +252,11 @@ Result<void> read_toml(std::string_view text, const std::string& name, Settings&
                    {ErrorCode::Invalid,
                     fmt::format("not TOML at column {}: {}", at.column, parsed.error().description())});
   }
-  for (const Entry& entry : entries_of(parsed.table()))
+  KnobsStatedTwice stated;
+  for (const Entry& entry : entries_of(parsed.table())) {
     if (const auto taken = take(entry, settings); !taken) return at_line(name, entry.line, taken.error());
+    if (const auto same = stated.add(entry, settings); !same) return at_line(name, entry.line, same.error());
+  }
   return {};
 }
 

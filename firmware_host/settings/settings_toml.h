@@ -16,7 +16,7 @@ constexpr std::size_t kMostTomlDots = 2000;
 
 // Changes only the settings in the text; after an error, those before it are set. Lists (shutter, gain,
 // control_delay, layers) may be arrays or texts with commas. Errors: Invalid for the first mistake of the
-// file, one sentence that begins with "NAME:LINE:".
+// file, one sentence that begins with "NAME:LINE:". A knob that has two keys may have both, with one value.
 Result<void> read_toml(std::string_view text, const std::string& name, Settings& settings);
 
 // These settings as a TOML file with a comment for each: --print-config prints it, and it reads back as the

@@ -51,7 +51,7 @@ Result<void> check(const VideoOptions& options) {
         ErrorCode::Invalid,
         fmt::format("--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2",
                     options.peak_nits, kHlgPeak_nits)};
-  if (options.peak_nits < options.white_nits)
+  if (options.transfer != VideoTransfer::Sdr && options.peak_nits < options.white_nits)
     return Error{ErrorCode::Invalid,
                  fmt::format("--peak {:g} is below --white {:g}: nothing brighter than white "
                              "could be shown",

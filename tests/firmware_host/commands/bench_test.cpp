@@ -2,7 +2,9 @@
 #include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "firmware_host/bench/cost_page.h"
 #include "firmware_host/bench/kernel_rates.h"
@@ -55,6 +57,24 @@ TEST_CASE(
   CHECK(page.find("look-ahead 0</text>") != std::string::npos);
   CHECK(bench.output.find("| balanced |") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(work / "cost/frames"));
+}
+
+TEST_CASE("hdrcam bench pareto measures the same whatever outputs a file of settings names") {
+  synthetic_clip::TemporaryFolder work;
+  REQUIRE(ran({"simulate", "walk?size=96x64", "--frames", "10", "--truth", work / "walk"}).exit_code == 0);
+  const std::string text = "[output]\nlayers = \"depth\"\nwhite_balance = \"2,1,1.5\"\n";
+  REQUIRE(write_whole(posix_storage(), work / "rig.toml", std::as_bytes(std::span(text))).ok());
+  const auto psnr = [&](const char* folder, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"bench", "pareto", work / "walk", "-o", work / folder, "--point", "fast"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Ran bench = ran(words);
+    INFO(bench.output);
+    REQUIRE(bench.exit_code == 0);
+    const std::string json = read_whole(posix_storage(), work / folder + "/pareto.json").value();
+    return nlohmann::json::parse(json).at("points").at(0).at("psnr_mu").get<double>();
+  };
+  const double plain = psnr("plain", {});
+  CHECK(psnr("filed", {"--config", work / "rig.toml"}) == plain);
 }
 
 TEST_CASE("hdrcam bench kernels measures each kernel and the ceilings, as a table and as JSON") {

@@ -294,6 +294,53 @@ TEST_CASE("a flag that a run would ignore is refused, and a file of settings tha
   require_success(with({"--config", file}));
 }
 
+TEST_CASE("white, peak and transfer are refused where no output has them") {
+  const std::string folder = sample::scratch_folder("ignored_light"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"replay", walk, "--preset", "fast", "--emit", "state"});
+    return flags;
+  };
+  for (const char* flag : {"--white", "--peak"}) {
+    check_refused(with({"-o", "-", "--pipe-format", "half", flag, "400"}), ErrorCode::Invalid,
+                  std::string("writes no video; give -o out.mp4, or leave out ") + flag);
+    check_refused(with({"-o", folder + "/x.mp4", "--transfer", "sdr", flag, "400"}), ErrorCode::Invalid,
+                  std::string("give --transfer pq or hlg, or leave out ") + flag);
+  }
+  const std::string no_transfer = "writes no video; give -o out.mp4, or leave out --transfer";
+  check_refused(with({"-o", "-", "--pipe-format", "half", "--transfer", "hlg"}), ErrorCode::Invalid,
+                no_transfer);
+  check_refused(with({"--http", "127.0.0.1:0", "--transfer", "hlg"}), ErrorCode::Invalid, no_transfer);
+  check_refused({"encode", folder + "/%06d.exr", "-o", "-", "--pipe-format", "half", "--peak", "400"},
+                ErrorCode::Invalid, "leave out --peak");
+  CHECK_FALSE(std::filesystem::exists(folder + "/x.mp4"));
+  require_success(with({"--http", "127.0.0.1:0", "--white", "100"}));  // the page shows HDR pictures
+  require_success(with({"-o", folder + "/y.mp4", "--transfer", "hlg", "--white", "100"}));
+
+  const std::string file = folder + "/rig.toml", text = "[video]\nwhite = 2000\n";
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  require_success(with({"-o", folder + "/z.mp4", "--transfer", "sdr", "--config", file}));
+}
+
+TEST_CASE("recordings that the live page starts are refused as a flag of a replay, and ignored in a file") {
+  const std::string folder = sample::scratch_folder("ignored_takes"), walk = folder + "/walk.mkv",
+                    file = folder + "/rig.toml", takes = folder + "/takes/%03d.mkv",
+                    text = "[output]\nhttp_record = \"" + takes + "\"\n";
+  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  for (const std::string verb : {"replay", "render"}) {
+    const std::string stats = folder + "/" + verb + ".json";
+    std::vector<std::string> words{verb, walk, "--preset", "fast", "--emit", "state", "--stats", stats};
+    const std::size_t size = words.size();
+    words.insert(words.end(), {"--http-record", takes});
+    check_refused(words, ErrorCode::Invalid, "--http-record needs a camera");
+    words.resize(size);
+    words.insert(words.end(), {"--config", file});
+    require_success(words);
+    CHECK(json_in(stats)["command"].get<std::string>().find("--http-record") == std::string::npos);
+  }
+}
+
 TEST_CASE("live names its recording among its outputs, also where a recording stands in for the camera") {
   const std::string folder = sample::scratch_folder("live_names_recording"), copy = folder + "/copy.mkv";
   require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", folder + "/walk.mkv"});

@@ -79,6 +79,32 @@ TEST_CASE("no output takes the place of the configuration, of a clip or of its t
   CHECK_FALSE(fs::exists(out));
 }
 
+TEST_CASE("a file of settings that names outputs of other verbs stops no verb, and nothing is made of them") {
+  const std::string folder = sample::scratch_folder("kept_shared"), walk = folder + "/walk.mkv",
+                    frames = folder + "/frames/%06d.exr", video = folder + "/earlier.mp4",
+                    config = folder + "/c.toml";
+  REQUIRE(ran_here({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk}).exit_code == 0);
+  const std::string recorded = text_of(walk);
+  put(video, "an earlier video");
+  const auto done = [&](const std::vector<std::string>& words, const std::string& settings) {
+    put(config, settings);
+    const RanHere run = ran_here(joined(words, {"--config", config}));
+    INFO(run.err);
+    CHECK(run.exit_code == 0);
+  };
+  const auto recording = [&](const std::string& file) { return "[record]\nfile = \"" + file + "\"\n"; };
+  done(joined({"replay", walk, "-o", frames}, kQuick), recording(walk));
+  done(joined({"render", walk, "-o", folder + "/film/%06d.exr"}, kQuick), recording(walk));
+  done(joined({"replay", walk, "-o", folder + "/again/%06d.exr"}, kQuick), recording(folder + "/none/t.mkv"));
+  const std::string outputs = "[output]\nframes = \"" + frames + "\"\nvideo = \"" + video + "\"\nstats = \"" +
+                              folder + "/none/stats.json\"\n";
+  done({"encode", frames, "-o", folder + "/new.mp4"}, recording(walk) + outputs);
+  done({"record", "--camera", "sim:still?size=64x48", "--frames", "2", "-o", folder + "/new.mkv"}, outputs);
+  CHECK(text_of(walk) == recorded);
+  CHECK(text_of(video) == "an earlier video");
+  CHECK_FALSE(fs::exists(folder + "/none"));
+}
+
 TEST_CASE("an empty name of a file or a folder is refused by every verb and every flag") {
   const std::vector<std::vector<std::string>> lines{{"export", kDemo, "-o", ""},
                                                     {"export", "", "-o", "out"},

@@ -35,7 +35,8 @@ class Fleet {
             "[ \"$8\" != none ] || { echo 'hdrcam: there is no frame.' >&2; exit 9; }\n"
             "for i in $(seq \"$8\"); do echo \"$8\" >\"${4%/*}/00000$i.exr\"; done\n"
             "echo file >\"${4%/*}/frames.csv\"; echo '{}' >\"$6\"");
-    program("jq", "printf '%s\\t3\\t1\\t2\\n' \"$4\"");
+    // -r --arg name NAME FILTER FILE
+    program("jq", "cat \"$6\" >/dev/null && printf '%s\\t3\\t1\\t2\\n' \"$4\"");
   }
 
   void program(const std::string& name, const std::string& lines) const {
@@ -47,6 +48,9 @@ class Fleet {
   Said run(const std::string& flags, const std::string& frames) const {
     return shell(
         fmt::format("run_fleet.sh {} -o {} {}/a.mkv {}/b.mkv -- {}", flags, out(), place_, place_, frames));
+  }
+  Said run_on(const std::string& recording) const {
+    return shell(fmt::format("run_fleet.sh --plain -o {} {}/{} -- 3", out(), place_, recording));
   }
   Said summary() const { return shell("summary.sh " + out()); }
 
@@ -97,6 +101,49 @@ TEST_CASE("a fleet does each recording once, and anew under other flags, without
   CHECK_THAT(failed.text, Contains("exit 9: hdrcam: there is no frame."));
   for (const char* file : {"a/000001.exr", "a/frames.csv", "a/stats.json"}) CHECK_FALSE(fleet.has(file));
   CHECK(fleet.has("a/mine.exr"));
+}
+
+TEST_CASE("a changed file that a flag names makes each job of a fleet new") {
+  const Fleet fleet("fleet_config");
+  const std::string config = sample::scratch_folder("fleet_settings") + "/rig.toml";
+  for (const std::string& flag : {"--config " + config, "--config=" + config}) {
+    INFO(flag);
+    std::ofstream(config) << "[fit]\nseed = 1\n";
+    REQUIRE(fleet.run("--plain", "3 " + flag).exit_code == 0);
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).text, Contains("b.mkv: done earlier"));
+    std::ofstream(config) << "[fit]\nseed = 2\n";
+    const Said table = fleet.summary();
+    CHECK(table.exit_code == 1);
+    CHECK_THAT(table.text, Contains(kOfAnother));
+    const Said anew = fleet.run("--plain", "3 " + flag);
+    CHECK(anew.exit_code == 0);
+    CHECK_THAT(anew.text, !Contains("done earlier"));
+  }
+}
+
+TEST_CASE("a result without figures is in the table as such, stops no other row, and is done again") {
+  const Fleet fleet("fleet_figures");
+  REQUIRE(fleet.run("--plain", "3").exit_code == 0);
+  fs::remove(fleet.out() + "/a/stats.json");
+  const Said table = fleet.summary();
+  INFO(table.text);
+  CHECK(table.exit_code == 1);
+  CHECK_THAT(table.text, Contains("no figures: its stats.json is gone or damaged"));
+  CHECK_THAT(table.text, Contains("1.0      2.0  done"));  // b
+  const Said again = fleet.run("--plain", "3");
+  CHECK(again.exit_code == 0);
+  CHECK_THAT(again.text, !Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
+}
+
+TEST_CASE("a recording named as a list of the fleet is refused before anything is written") {
+  for (const char* recording : {"flags.mkv", "recordings.mkv"}) {
+    const Fleet fleet("fleet_names");
+    const Said refused = fleet.run_on(recording);
+    INFO(refused.text);
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.text, Contains("as is a list of the fleet") && Contains("rename it"));
+    CHECK_FALSE(fs::exists(fleet.out()));
+  }
 }
 
 TEST_CASE("an array that Slurm does not take ends the fleet, and no earlier result counts as its own") {

@@ -410,6 +410,27 @@ TEST_CASE("a knob with a flag of its own has one value, of whichever of the two 
   CHECK_THAT(text, Contains("\nlookahead = 1\n") && Contains("\nlook_ahead = \"1\"\n"));
 }
 
+TEST_CASE("a file that states a knob by both of its keys is read where they agree, and refused otherwise") {
+  const auto both = [](const char* number, const char* knob) {
+    return from_toml(fmt::format("[fit]\n{}\n\n[knobs]\n{}\n", number, knob));
+  };
+  for (const char* value : {"look_ahead=1", "look_ahead=-1", "code_noise=2.5"}) {
+    const Settings asked = from_flags({"--set", value}).value();
+    const auto read = from_toml(to_toml(asked, kAllGroups));  // states both
+    REQUIRE(read.ok());
+    CHECK(read.value().fit.knobs == asked.fit.knobs);
+  }
+  CHECK(both("code_noise = 2", "code_noise = \"2.0\"").ok());
+  CHECK(sentence(both("lookahead = 2", "look_ahead = \"1\"")) ==
+        "live.toml:5: knobs.look_ahead = 1 contradicts fit.lookahead = 2 in line 2, as both set one knob; "
+        "give both the same value, or leave one out");
+  CHECK_THAT(sentence(both("code_noise = 3", "code_noise = 2")),
+             Contains("knobs.code_noise = 2 contradicts fit.code_noise = 3 in line 2"));
+  CHECK_THAT(sentence(both("lookahead = -1", "look_ahead = 1")), Contains("contradicts fit.lookahead = -1"));
+  CHECK_THAT(sentence(from_toml("[knobs]\nlook_ahead = 1\n[fit]\nlookahead = 2\n")),
+             Contains("live.toml:4: fit.lookahead = 2 contradicts knobs.look_ahead = 1 in line 2"));
+}
+
 TEST_CASE("the printed configuration shows each knob as the preset has it, in a comment") {
   Settings settings;
   settings.fit.preset = Preset::Best;

@@ -1,5 +1,13 @@
 #include "firmware_host/settings/start_time.h"
 
+#include <filesystem>
+#include <span>
+
+#include "hal/storage.h"
+#include "tests/hal/recording/sample_recordings.h"
+#include "tests/places.h"
+#include "tests/support/ran_here.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -17,4 +25,36 @@ TEST_CASE("the start of a run stands in the names of its files where they ask fo
   CHECK(named.output.path("report") == "report.html");
   CHECK(named.output.http_takes == "takes-20261122T143005Z/%03d.mkv");
   CHECK(named.machine.trace == "20261122T143005Z.json");
+}
+
+TEST_CASE("a run on a recording or on its frames has its start in the names of its files, too") {
+  const std::string folder = sample::scratch_folder("start_time"), file = folder + "/rig.toml";
+  const auto write = [&](const char* name) {
+    const std::string text = "[output]\nframes = \"" + folder + name + "\"\n";
+    REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  };
+  const auto names = [&] {
+    std::string all;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      all += entry.path().filename().string() + " ";
+    return all;
+  };
+  const auto done = [&](std::vector<std::string> words) {
+    words.insert(words.end(), {"--config", file});
+    const test::RanHere run = test::ran_here(words);
+    INFO(run.err);
+    CHECK(run.exit_code == 0);
+  };
+  const std::string demo = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+  write("/replay-{start}/%06d.exr");
+  done({"replay", demo, "--frames", "6", "--preset", "fast", "--emit", "state"});
+  write("/render-{start}/%06d.exr");
+  done({"render", demo, "--time", "0", "--preset", "fast", "--emit", "state"});
+  write("/encode-{start}.mp4");
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.path().filename().string().starts_with("replay-"))
+      done({"encode", entry.path().string() + "/%06d.exr"});
+  CHECK(names().find("{start}") == std::string::npos);
+  for (const char* verb : {"replay-20", "render-20", "encode-20"})
+    CHECK(names().find(verb) != std::string::npos);
 }

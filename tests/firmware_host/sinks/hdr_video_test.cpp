@@ -290,6 +290,8 @@ TEST_CASE("what cannot be is refused before a frame comes") {
   CHECK(code("x.mp4", {.codec = CodecChoice::H264}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.transfer = VideoTransfer::Hlg, .peak_nits = 2000}) == ErrorCode::Invalid);
   CHECK(code("x.mp4", {.white_nits = 500, .peak_nits = 300}) == ErrorCode::Invalid);
+  const VideoOptions sdr{.transfer = VideoTransfer::Sdr, .white_nits = 500, .peak_nits = 300};  // unused
+  CHECK(create_hdr_video(posix_storage(), folder + "/x.mp4", 25, sdr).ok());
 }
 
 TEST_CASE("what the codec or the disk refuses leaves an earlier video as it is, and makes none") {
