@@ -309,6 +309,25 @@ TEST_CASE("a full disk ends the run with exit code 11, and what is there is whol
   CHECK(files_in(folder + "/out", ".part").empty());
 }
 
+TEST_CASE("where pictures contradict every exposure, the run says so, not that no frame came") {
+  const std::string folder = sample::scratch_folder("replay_contradicted"), path = folder + "/clip.mkv";
+  test::MovingScene scene;
+  scene.exposures_s = {0.004};
+  auto writer = create_recording(posix_storage(), path, scene.camera()).value();
+  for (int i = 0; i < 12; ++i) {
+    RawFrame frame = scene.frame(i);
+    frame.facts.exposure_s = i % 2 == 0 ? 0.001 : 0.016;
+    REQUIRE(writer->append(frame).ok());
+  }
+  REQUIRE(writer->finish().ok());
+  const RanHere refused =
+      ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"});
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::BadExposure));
+  INFO(refused.err);
+  CHECK(refused.err.find("12 frames came, and all are kept out of the fit") != std::string::npos);
+  CHECK(refused.err.find("import the pictures with --shutter") != std::string::npos);
+}
+
 TEST_CASE("^C ends the run with exit code 130") {
   const std::string folder = sample::scratch_folder("replay_stop"), clip = write_clip(folder, 6);
   const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
