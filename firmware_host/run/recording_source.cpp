@@ -44,7 +44,8 @@ Result<const RawFrame*> RecordingSource::next() {
   }
   auto more = recording_->next(frame_);
   if (!more && more.error().code == ErrorCode::Truncated && read_ > 0) {
-    end_ = more.error();
+    end_ = Error{ErrorCode::Truncated,
+                 more.error().message + "; 'hdrcam repair' makes a complete recording of them"};
     return nullptr;
   }
   if (!TRY(std::move(more))) return nullptr;

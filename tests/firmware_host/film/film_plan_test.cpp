@@ -55,6 +55,7 @@ TEST_CASE("a moment is one frame, a part has its own beginning and end", "[film]
   CHECK(part.frames == 31);
   CHECK(part.scene_s(0) == 0.5);
   CHECK_FALSE(part.frozen);
+  CHECK(planned({.time = "500ms..1.5s"}).value().scene_s(0) == 0.5);
 }
 
 TEST_CASE("the shutter angle is the share of a film frame's own time", "[film]") {
