@@ -78,7 +78,8 @@ void RecordingStage::compare_exposure(const FrameFacts& facts) {
   if (!facts.has_exposure()) return;
   ++with_exposure_;
   const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
-  if (!first_exposure_) first_exposure_ = exposure;
+  if (!first_exposure_)
+    first_exposure_ = exposure, relative_ = facts.exposure_source == ExposureSource::Estimated;
   exposures_differ_ =
       exposures_differ_ || std::abs(log_product(exposure) - log_product(*first_exposure_)) > kSameExposure;
 }
@@ -111,9 +112,9 @@ std::vector<std::string> RecordingStage::warnings() const {
   // Contradicted exposures have their warning already, and a part of a cycle may be of equal ones.
   if (!exposures_differ_ && counters_.contradicted == 0 && with_exposure_ > ExposureSchedule::kMaxSlots)
     warnings.push_back(
-        fmt::format("all {} frames have the same exposure, {}, and give no HDR; record a "
+        fmt::format("all {} frames have the same exposure{} and give no HDR; record a "
                     "cycle such as --shutter 1ms,4ms,16ms",
-                    with_exposure_, describe(*first_exposure_)));
+                    with_exposure_, relative_ ? "" : ", " + describe(*first_exposure_) + ","));
   return warnings;
 }
 

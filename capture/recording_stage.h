@@ -60,8 +60,8 @@ class RecordingStage {
   std::optional<std::uint64_t> last_sequence_;
   std::uint64_t with_exposure_ = 0;  // frames whose exposure is known
   std::optional<Exposure> first_exposure_;
-  bool exposures_differ_ = false;
-  std::uint64_t left_out_ = 0;  // up to the frame that was read last
+  bool exposures_differ_ = false, relative_ = false;  // relative: estimated, no times
+  std::uint64_t left_out_ = 0;                        // up to the frame that was read last
 };
 
 }  // namespace hdrcam

@@ -77,6 +77,8 @@ void print(const char* control, const DelayEstimate& estimate) {
 }
 
 Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Surroundings& around) {
+  if (flags.what.empty())
+    return Error{ErrorCode::Invalid, "no calibration named; give 'hdrcam calibrate delay'"};
   if (flags.what != "delay")
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
@@ -135,8 +137,7 @@ void add_calibrate(CLI::App& app, Verb& chosen) {
   CLI::App* verb = app.add_subcommand("calibrate", "measure a camera's control delay from its pictures");
   verb->add_option("what", flags->what,
                    "delay: control latency, in frames from a request to the picture that shows it")
-      ->type_name("delay")
-      ->required();
+      ->type_name("delay");
   verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
       ->check(names_file);
   flags->kept.add_to(*verb);

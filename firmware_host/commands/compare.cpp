@@ -58,7 +58,16 @@ void print(const ClipScores& scores, const std::string& clip, const std::string&
     say("not scored, there is no estimate: frames {}\n", fmt::join(scores.missing, ", "));
 }
 
+// wanted: what the path should name.
+Result<void> check_folder(Storage& storage, const std::string& path, const char* wanted) {
+  if (TRY(storage.look_at(path)).kind != FileKind::Regular) return {};
+  return Error{ErrorCode::Invalid, fmt::format("'{}' is a file; name {}", path, wanted)};
+}
+
 Result<void> compare(Surroundings& around, const CompareFlags& flags) {
+  TRY(check_folder(around.storage, flags.clip,
+                   "a clip with clip.json and gt/, as 'hdrcam simulate walk --truth clips/walk' makes it"));
+  TRY(check_folder(around.storage, flags.estimates, "the folder with its HDR frames"));
   const bool json_alone = flags.json == kStandardOutput;
   TRY(flags.kept.check(around.storage, files_of_clip(flags.clip),
                        {{"--json", json_alone ? "" : flags.json}}));
@@ -78,7 +87,8 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
 
 void add_compare(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<CompareFlags>();
-  CLI::App* verb = app.add_subcommand("compare", "score HDR frames against a clip with ground truth");
+  CLI::App* verb =
+      app.add_subcommand("compare", "score HDR frames against a clip with ground truth (docs/compare.md)");
   verb->add_option("CLIP", flags->clip, "folder with clip.json and gt/")->required()->check(names_file);
   verb->add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
       ->required()

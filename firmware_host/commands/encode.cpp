@@ -12,11 +12,15 @@
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/settings/setting_fields.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/exr_sequence.h"
 #include "firmware_host/sinks/frame_pattern.h"
+#include "firmware_host/sinks/hdr_video.h"
 #include "firmware_host/sinks/sink_table.h"
+#include "firmware_host/terminal.h"
 #include "hal/clock.h"
+#include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 #include "hal/video/video_writer.h"
 #include "render/scores/linear_pictures.h"
@@ -111,6 +115,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   used.output.paths["frames"] = output;
   used.video = settings.video;
   TRY(check_ignored_flags(*flags.settings, used));
+  if (settings.video.pipe != PipeFormat::Half) TRY(check_video(settings.video));
   const FramePattern pattern = TRY(pattern_of(around.storage, flags.frames));
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
   TRY(flags.kept.check(around.storage, {},
@@ -140,6 +145,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   }
   if (sink)
     if (const Result<void> finished = sink->finish(); encoded && !finished) encoded = finished;
+  if (encoded && output != kStandardOutput) say("{}: {}\n", output, counted(files.size(), "frame"));
   return encoded;
 }
 
@@ -153,6 +159,10 @@ void add_encode(CLI::App& app, Verb& chosen) {
   flags->settings = std::make_unique<SettingsFlags>(
       *verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",
                                       "video.white", "video.peak", "video.crf", "video.pipe_format"});
+  verb->get_option("--output")->description("the video: out.mp4 (.mov, .mkv); or -, the standard output");
+  verb->get_option("--framerate")
+      ->description("frames per second of files that state no time (0.1..1000; 0: as they state it, or 30)")
+      ->group(title(SettingGroup::Output));
   verb->callback([flags, &chosen] { chosen = with_settings(flags, encode); });
 }
 

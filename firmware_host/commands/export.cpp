@@ -91,6 +91,10 @@ Result<void> write_poses(Storage& storage, const ExportOptions& options, const P
 
 // A truncated or damaged recording gives its whole frames; for a truncated one the end is Truncated.
 Result<void> export_recording(const ExportOptions& options, const Settings& settings, Surroundings& around) {
+  if (TRY(around.storage.look_at(options.folder)).kind == FileKind::Regular)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("'{}' is a file; --output names the folder to write, such as frames", options.folder)};
   const bool with_poses = options.transforms || options.colmap;
   if (with_poses) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));

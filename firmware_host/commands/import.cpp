@@ -13,6 +13,7 @@
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/sound_facts.h"
@@ -31,17 +32,24 @@ struct ImportOptions {
   std::unique_ptr<SettingsFlags> settings;
 };
 
-// Returns the number of frames. The verdicts of the pictures on the exposures go into the recording.
-Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path,
-                                  RecordingCodec codec) {
-  auto writer = TRY(create_recording(around.storage, path, clip.camera(), Creation::New, codec));
+// All frames, with the verdicts of the pictures on their exposures.
+template <class Take>
+Result<void> each_frame(Surroundings& around, RecordingStage& clip, const Take& take) {
   CapturedFrame frame;
   while (TRY(clip.next(frame))) {
     if (around.stop)
       return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}",
                                                        clip.counters().captured - 1, *clip.frame_count())};
-    TRY(writer->append(frame.raw));
+    TRY(take(frame.raw));
   }
+  return {};
+}
+
+// Returns the number of frames.
+Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path,
+                                  RecordingCodec codec) {
+  auto writer = TRY(create_recording(around.storage, path, clip.camera(), Creation::New, codec));
+  TRY(each_frame(around, clip, [&](const RawFrame& frame) { return writer->append(frame); }));
   TRY(writer->finish());
   return clip.counters().captured;
 }
@@ -72,19 +80,48 @@ std::vector<NamedInput> files_of(const FootageRequest& footage) {
   return files;
 }
 
+Contradiction contradiction_of(const ImportOptions& options) {
+  return options.strict ? Contradiction::Fails : Contradiction::Warns;
+}
+
+void show_warnings(const RecordingStage& clip) {
+  for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
+}
+
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
 // is complete.
 Result<void> write_recording(Surroundings& around, const ImportOptions& options, const Settings& settings,
                              std::unique_ptr<RecordingReader> reader) {
   TRY(admit_copy(settings, reader->camera()));
-  RecordingStage clip(std::move(reader), options.strict ? Contradiction::Fails : Contradiction::Warns);
+  RecordingStage clip(std::move(reader), contradiction_of(options));
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames =
       TRY(making.as_asked(copy_frames(around, clip, making.path(), settings.record.codec)));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
+  show_warnings(clip);
   say("{}\n", describe_recording(options.output, camera, frames));
+  return {};
+}
+
+// What writing it would say and refuse, without a recording. Returns the facts of the frames.
+Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportOptions& options,
+                                             std::unique_ptr<RecordingReader> reader) {
+  RecordingStage clip(std::move(reader), contradiction_of(options));
+  std::vector<FrameFacts> facts;
+  TRY(each_frame(around, clip, [&](const RawFrame& frame) {
+    facts.push_back(frame.facts);
+    return Result<void>();
+  }));
+  show_warnings(clip);
+  return facts;
+}
+
+Result<void> list_clip(Surroundings& around, const ImportOptions& options, ImageSequence clip) {
+  CameraFacts camera = clip.camera();
+  camera.name = printable(camera.name.empty() ? options.footage.files.front() : camera.name);
+  auto facts = TRY(judged_facts(around, options, reader_of(std::move(clip))));
+  say("{}", described(plan_of_clip(std::move(camera), std::move(facts))));
   return {};
 }
 
@@ -92,7 +129,7 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options, con
   const std::string& path = options.footage.files.front();
   auto clip = TRY(ImageSequence::open(around.storage, path,
                                       options.allow_outside ? ClipReach::Anywhere : ClipReach::BelowFolder));
-  if (options.list) return say("{}: a clip of {} images\n", path, clip.frame_count()), Result<void>{};
+  if (options.list) return list_clip(around, options, std::move(clip));
   TRY(options.kept.check(around.storage, files_of(clip),
                          {{"--output", options.output, OutputKind::Recording}}));
   return write_recording(around, options, settings, reader_of(std::move(clip)));
@@ -157,7 +194,12 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
     TRY(options.kept.check(around.storage, files_of(footage),
                            {{"--output", options.output, OutputKind::Recording}}));
   const FootagePlan plan = TRY(plan_footage(around.storage, footage, around.stop));
-  if (options.list) return say("{}", described(plan)), Result<void>{};
+  if (options.list) {
+    say("{}", described(plan));
+    auto reader = TRY(open_planned(around.storage, footage, plan));
+    const auto judged = judged_facts(around, options, std::move(reader));
+    return judged ? Result<void>() : judged.error();
+  }
   if (!plan.time_trouble.empty())
     remark("note: the frames come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,
            plan.time_trouble);

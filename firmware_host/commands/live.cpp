@@ -8,6 +8,7 @@
 #include "firmware_host/commands/recording_run.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/live/capture_setup.h"
+#include "firmware_host/live/live_report.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/run.h"
 #include "firmware_host/terminal.h"
@@ -47,6 +48,15 @@ std::string recorded_line(const Settings& settings, std::uint64_t recorded, std:
   return fmt::format("{}: {} of {}\n", settings.record.file, recorded, counted(captured, "frame"));
 }
 
+void warn_of_empty_outputs(const RunRecord& record, const Settings::Output& output) {
+  for (const SinkTimes& sink : record.sinks)
+    if (sink.frames == 0 && sink.left_out > 0)
+      remark(
+          "warning: '{}' got no frame: {} left out to keep up; --deadline off writes them, and so does a "
+          "replay of a recording\n",
+          output.path(sink.name), sink.left_out == 1 ? "1 was" : fmt::format("{} were", sink.left_out));
+}
+
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
@@ -75,10 +85,12 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   if (is_read_as_fast_as_asked(settings.camera)) return replay_as_camera(flags, settings, around);
   TraceFile trace(settings);
   const auto camera = TRY(open_camera_source(settings, flags.limits.options(true), trace, around));
+  RunRecord record;
   RunPlan plan{.settings = settings,
                .title = camera->camera().name,
                .command = command_line_of(flags, settings),
-               .trace = trace.trace()};
+               .trace = trace.trace(),
+               .record = &record};
   if (Supervisor::of_environment().present()) plan.progress = nullptr;  // the service's status has the line
   const Result<void> ended = trace.write_after(run(plan, *camera, around.storage), around.storage);
   const LiveCounters counters = camera->session().counters();
@@ -86,6 +98,9 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
     write_result_beside_frames(
         settings.output,
         account_of(*camera) + recorded_line(settings, counters.recorded, counters.captured()));
+  if (const std::string advice = way_out(counters, settings.record.file); !advice.empty())
+    remark("note: {}\n", advice);
+  warn_of_empty_outputs(record, settings.output);
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
   if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {
     remark("note: stopped before the first HDR frame\n");

@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "capture/exposure.h"
+
 namespace hdrcam {
 namespace {
 
@@ -21,7 +23,12 @@ std::function<std::string(const std::string&)> counts_frames() {
 
 void RunLimits::add_to(CLI::App& verb) {
   verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(counts_frames());
-  verb.add_option("--timeout", timeout_s, "duration in seconds [until ^C]")
+  const std::function<std::string(std::string)> in_seconds = [](const std::string& text) {
+    const auto duration = parse_duration(text);
+    return duration ? fmt::format("{}", to_seconds(duration.value())) : text;
+  };
+  verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
+      ->transform(in_seconds)
       ->check([](const std::string& text) {
         double seconds = 0;
         const bool sound =

@@ -181,6 +181,8 @@ Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, i
   return {};
 }
 
+Error stopped_before_any() { return {ErrorCode::Interrupted, "stopped before the first frame"}; }
+
 Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline,
                   SimulatedSensor& sensor, WorkerPool& pool, Outputs& outputs) {
   const Simulation& s = sensor.simulation();
@@ -194,8 +196,9 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
   for (int i = 0; i < flags.frames; ++i) {
     if (around.stop) {
       TRY(finish(flags, sensor, i, outputs));
-      return Error{ErrorCode::Interrupted,
-                   fmt::format("stopped after {} of {} frames; they are complete", i, flags.frames)};
+      return i == 0 ? stopped_before_any()
+                    : Error{ErrorCode::Interrupted,
+                            fmt::format("stopped after {} of {} frames; they are complete", i, flags.frames)};
     }
     const auto begin = std::chrono::steady_clock::now();
     sensor.expose(timeline.shot(sequence), frame.codes);
@@ -258,6 +261,7 @@ Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surr
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
   TRY(timeline.next_kept(0));  // before an output is opened
+  if (around.stop) return stopped_before_any();
   TRY(flags.kept.check(around.storage, {}, outputs_of(flags)));
   Outputs outputs = TRY(open_outputs(around, flags, sensor, settings.record.codec));
   return film(around, flags, timeline, sensor, pool, outputs);

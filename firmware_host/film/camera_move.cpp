@@ -87,6 +87,12 @@ Result<std::vector<Row>> rows_of_csv(const std::string& path, std::string_view t
         columns.push_back(column_of(name));
         if (columns.back() == kColumns.size()) return unknown_column(where, name);
       }
+      if (std::ranges::find(columns, 0U) == columns.end())
+        return Error{
+            ErrorCode::Invalid,
+            fmt::format("{}: names no time_s; each line has its time in the film, in seconds, or give "
+                        "one pose by --view",
+                        where)};
       continue;
     }
     if (cells.size() != columns.size())

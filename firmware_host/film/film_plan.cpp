@@ -19,6 +19,7 @@ constexpr int kMostFrames = 1000000, kLeastSide_px = 16, kMostSide_px = 16384;
 constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanoseconds
 
 std::optional<double> seconds_of(std::string_view text) {
+  if (const auto duration = parse_duration(text)) return to_seconds(duration.value());
   if (text.ends_with('s')) text.remove_suffix(1);
   return parse_number<double>(text);
 }

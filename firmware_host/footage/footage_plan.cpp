@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "capture/exposure_schedule.h"
 #include "hal/core/counted.h"
 #include "hal/core/sound_facts.h"
 #include "hal/recording/exposure_cycle.h"
+#include "hal/recording/image_sequence.h"
 
 namespace hdrcam {
 namespace {
@@ -24,6 +26,7 @@ struct Scan {
   std::vector<FrameFacts> facts;
   std::vector<std::optional<ExifTime>> taken;
   bool stills = false;  // at least one
+  std::string timed;    // the first video that says when its frames are; "": none
   StepsByLag steps;
   std::string silent;  // the first file with a frame whose exposure it does not state; "": none
   std::vector<FootageLosses> losses;
@@ -47,6 +50,7 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
     seen.facts.push_back(frame.facts);
     seen.taken.push_back(footage.taken());
     seen.stills |= footage.still();
+    if (seen.timed.empty() && footage.timed()) seen.timed = footage.path();
     if (seen.silent.empty() && frame.facts.exposure_source != ExposureSource::Embedded)
       seen.silent = footage.path();
   }
@@ -69,15 +73,23 @@ TimeOrigin take_exif_times(Scan& seen, std::string& trouble) {
 }
 
 // Frames whose times do not increase, as those of a raw stream of H.264, which has none, come at the frame
-// rate. rate_hz: as the user names it, or 0: as the file states it.
-void take_regular_times(Scan& seen, double rate_hz, std::string& trouble) {
+// rate; and those of Y4M, which states no more than a rate, where the user names another. rate_hz: as the
+// user names it, or 0: as the file states it. Stills come at it already.
+Result<void> take_regular_times(Scan& seen, double rate_hz, std::string& trouble) {
   const auto not_later = [](const FrameFacts& a, const FrameFacts& b) { return b.timestamp <= a.timestamp; };
-  if (std::ranges::adjacent_find(seen.facts, not_later) == seen.facts.end()) return;
+  const bool increase = std::ranges::adjacent_find(seen.facts, not_later) == seen.facts.end();
+  if (increase && (rate_hz == 0 || seen.stills)) return {};
+  if (increase && !seen.timed.empty())
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' says when its frames come; leave out --framerate, which is for stills and "
+                             "for videos without times",
+                             seen.timed)};
   if (rate_hz > 0) seen.camera.framerate_hz = rate_hz;
-  if (objection_to(seen.camera)) return;
+  if (objection_to(seen.camera)) return {};
   for (std::size_t i = 0; i < seen.facts.size(); ++i)
     seen.facts[i].timestamp = Instant::from_seconds(static_cast<double>(i) / seen.camera.framerate_hz);
-  if (trouble.empty()) trouble = "their own times do not increase";
+  if (!increase && trouble.empty()) trouble = "their own times do not increase";
+  return {};
 }
 
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
@@ -96,6 +108,13 @@ void read_times(Scan& seen, TimeOrigin times) {
     seen.steps[0][i].missing = std::max(0, static_cast<int>(std::lround(intervals_s[i] / usual_s)) - 1);
 }
 
+void take_stated_cycle(FootagePlan& plan) {
+  const ExposureCycle cycle = find_exposure_cycle(plan.facts);
+  const FrameFacts first = plan.facts.front();
+  for (FrameFacts& facts : plan.facts) facts.slot = slot_of(cycle, first, facts);
+  for (const double exposure : cycle.exposures) plan.cycle.push_back({from_seconds(exposure), 1});
+}
+
 // Apertures are factors beside the first frame's.
 void take_stated(const Scan& seen, FootagePlan& plan) {
   const double first = seen.facts.front().digital_gain;
@@ -105,9 +124,7 @@ void take_stated(const Scan& seen, FootagePlan& plan) {
     if (i > 0) lost += static_cast<std::uint64_t>(seen.steps[0][i - 1].missing);
     plan.facts[i].sequence += lost;
   }
-  const ExposureCycle cycle = find_exposure_cycle(plan.facts);
-  for (FrameFacts& facts : plan.facts) facts.slot = slot_of(cycle, plan.facts.front(), facts);
-  for (const double exposure : cycle.exposures) plan.cycle.push_back({from_seconds(exposure), 1});
+  take_stated_cycle(plan);
 }
 
 // A lost frame is a longer one: also where times are counted, as those of stills are, and do not show it.
@@ -158,6 +175,39 @@ class PlannedFootage : public RecordingReader {
   std::size_t next_ = 0;
 };
 
+// Stops from the middle of the cycle, the reference exposure, as `info` shows them.
+std::string in_stops(const Exposure& exposure, const std::vector<Exposure>& cycle) {
+  double middle = 0;
+  for (const Exposure& of_cycle : cycle) middle += log_product(of_cycle) / static_cast<double>(cycle.size());
+  const double stops = (log_product(exposure) - middle) / std::log(2.0);
+  return fmt::format("{:+.2f}", std::round(stops * 100) / 100 + 0.0);  // no -0
+}
+
+std::string described_exposures(const FootagePlan& plan) {
+  const CycleWalk& walk = plan.walk;
+  const std::string measured =
+      walk.slots.empty() ? ""
+                         : fmt::format(" ({} of {} steps measured)", walk.measured, plan.facts.size() - 1);
+  const std::string phase =
+      fmt::format("the first frame is number {} of the cycle", plan.facts.front().slot + 1);
+  std::string stops;
+  switch (plan.origin) {
+    case ExposureOrigin::Cycle:
+      return fmt::format("{}; {}{}", describe(plan.cycle), phase, measured);
+    case ExposureOrigin::Estimated:
+      if (plan.cycle.size() == 1) return "estimated: all alike" + measured;
+      for (const Exposure& exposure : plan.cycle)
+        stops += fmt::format("{}{}", stops.empty() ? "" : " / ", in_stops(exposure, plan.cycle));
+      return fmt::format("estimated, relative, {} EV; {}{}", stops, phase, measured);
+    case ExposureOrigin::Stated:
+      break;
+  }
+  if (plan.cycle.empty()) return "stated by the files, no cycle";
+  const bool in_cycle = plan.facts.front().slot >= 0;
+  return fmt::format("stated by the files, a cycle of {}{}", describe(plan.cycle),
+                     in_cycle ? "; " + phase : "");
+}
+
 }  // namespace
 
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
@@ -166,7 +216,7 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
   Scan seen = TRY(scan(*footage, stop));
   FootagePlan plan;
   if (request.framerate_hz == 0) plan.times = take_exif_times(seen, plan.time_trouble);
-  if (plan.times == TimeOrigin::Files) take_regular_times(seen, request.framerate_hz, plan.time_trouble);
+  if (plan.times == TimeOrigin::Files) TRY(take_regular_times(seen, request.framerate_hz, plan.time_trouble));
   read_times(seen, plan.times);
   plan.camera = seen.camera, plan.about = seen.about, plan.facts = seen.facts, plan.losses = seen.losses;
   if (const auto objection = objection_to(plan.camera))
@@ -189,6 +239,20 @@ Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request
       estimate ? TRY(estimate_cycle(seen.steps)) : TRY(parse_exposures(request.shutter, request.gain));
   plan.walk = TRY(find_walk(seen.steps[0], plan.cycle));
   take_walk(plan);
+  return plan;
+}
+
+FootagePlan plan_of_clip(CameraFacts camera, std::vector<FrameFacts> facts) {
+  FootagePlan plan;
+  plan.camera = std::move(camera), plan.facts = std::move(facts);
+  plan.about = fmt::format("PNG, {}", ImageSequence::kFile);
+  plan.walk.lost_before.resize(plan.facts.size());
+  for (std::size_t i = 1; i < plan.facts.size(); ++i)
+    plan.walk.lost_before[i] = static_cast<int>(std::min<std::uint64_t>(
+        plan.facts[i].sequence - plan.facts[i - 1].sequence - 1, std::numeric_limits<int>::max()));
+  take_stated_cycle(plan);
+  if (plan.facts.front().exposure_source == ExposureSource::Estimated && !plan.cycle.empty())
+    plan.origin = ExposureOrigin::Estimated;
   return plan;
 }
 
@@ -231,24 +295,16 @@ std::string described(const FootagePlan& plan) {
   if (!plan.time_trouble.empty())
     text +=
         fmt::format("times: at {:.4g} frames per second, for {}\n", camera.framerate_hz, plan.time_trouble);
-  if (plan.origin == ExposureOrigin::Stated)
-    text += plan.cycle.empty()
-                ? "exposures: stated by the files, no cycle\n"
-                : fmt::format("exposures: stated by the files, a cycle of {}\n", describe(plan.cycle));
-  if (plan.origin == ExposureOrigin::Cycle)
-    text += fmt::format(
-        "exposures: {}; the first frame is number {} of the cycle ({} of {} steps measured)\n",
-        describe(plan.cycle), plan.walk.slots.front() + 1, plan.walk.measured, plan.facts.size() - 1);
-  if (plan.origin == ExposureOrigin::Estimated)
-    text += fmt::format("exposures: estimated, relative: {} ({} of {} steps measured)\n",
-                        describe(plan.cycle), plan.walk.measured, plan.facts.size() - 1);
+  text += fmt::format("exposures: {}\n", described_exposures(plan));
   for (const FootageLosses& losses_of_file : plan.losses)
     text += fmt::format("warning: {}\n", describe(losses_of_file));
   if (const std::string missing = describe_missing(plan); !missing.empty()) text += missing + "\n";
   for (std::size_t i = 0; i < std::min(kShown, plan.facts.size()); ++i) {
     const FrameFacts& facts = plan.facts[i];
     const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
-    text += fmt::format("  frame {:>3} {:>9.3f} s  {}\n", i, facts.timestamp.seconds(), describe(exposure));
+    const bool relative = plan.origin == ExposureOrigin::Estimated;  // no times
+    text += fmt::format("  frame {:>3} {:>9.3f} s  {}\n", i, facts.timestamp.seconds(),
+                        relative ? in_stops(exposure, plan.cycle) + " EV" : describe(exposure));
   }
   if (plan.facts.size() > kShown) text += fmt::format("  .. and {} more\n", plan.facts.size() - kShown);
   return text;

@@ -20,8 +20,8 @@ inline constexpr const char* kAutoShutter = "auto";
 struct FootageRequest {
   std::vector<std::string> files;
   std::string shutter, gain;  // "1ms,4ms,16ms"; "auto"; "" where the files state their exposures
-  // Of stills; 0: as EXIF says when they were taken, or 30. And of a video whose times do not increase; 0:
-  // the rate that it states.
+  // Of stills; 0: as EXIF says when they were taken, or 30. And of a video without times, or whose times do
+  // not increase; 0: the rate that it states.
   double framerate_hz = 0;
 };
 
@@ -52,9 +52,12 @@ struct FootagePlan {
 
 // stop: ends the reading with Interrupted. Errors: those of open_footage and its frames; TooShort below two
 // frames; BadExposure where no exposure is known, or the pictures do not alternate as the cycle; Invalid for
-// a frame rate that no recording can have.
+// a frame rate that no recording can have, and for one that is named for videos with times of their own.
 Result<FootagePlan> plan_footage(Storage& storage, const FootageRequest& request,
                                  const std::atomic<bool>& stop);
+
+// The plan of a clip that says its exposures itself. facts: of its frames, in order.
+FootagePlan plan_of_clip(CameraFacts camera, std::vector<FrameFacts> facts);
 
 // The frames of the plan. Errors: those of open_footage.
 Result<std::unique_ptr<RecordingReader>> open_planned(Storage& storage, const FootageRequest& request,

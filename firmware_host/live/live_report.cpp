@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include "firmware_host/settings/settings_flags.h"
+
 namespace hdrcam {
 
 std::string live_line(double seconds, const LiveCounters& counters, bool fits) {
@@ -46,6 +48,19 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   if (counters.camera.lost_by_camera > 0)
     text += fmt::format("; {} more never came from the camera", counters.camera.lost_by_camera);
   return text;
+}
+
+std::string way_out(const LiveCounters& counters, const std::string& recording) {
+  if (counters.shed + counters.left_out == 0) return "";
+  const bool whole = counters.not_recorded() == 0 && counters.recorded > 0;
+  const std::string later =
+      recording.empty() ? "; --record walk.mkv keeps all frames for a replay"
+      : whole           ? fmt::format("; all frames are recorded: hdrcam replay {}", shell_word(recording))
+                        : "";
+  return fmt::format(
+      "the fit did not keep up with the camera; give --preset realtime, a smaller --width and "
+      "--height{}{}",
+      counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);
 }
 
 namespace {

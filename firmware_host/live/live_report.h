@@ -31,6 +31,10 @@ class LiveStatus {
 // "captured 300 = emitted 298 + dropped 2 (2 shed, the fit was busy)", and the camera's lost frames.
 std::string sentence_of(const LiveCounters& counters, bool fits);
 
+// What gives more HDR frames where the fit did not keep up, a sentence without a full stop; "" where it did.
+// recording: the file of the run's, "" for none.
+std::string way_out(const LiveCounters& counters, const std::string& recording);
+
 // Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);
 

@@ -44,13 +44,15 @@ Result<const RawFrame*> RecordingSource::next() {
   }
   auto more = recording_->next(frame_);
   if (!more && more.error().code == ErrorCode::Truncated && read_ > 0) {
-    end_ = more.error();
+    end_ = Error{ErrorCode::Truncated,
+                 more.error().message + "; 'hdrcam repair' makes a complete recording of them"};
     return nullptr;
   }
   if (!TRY(std::move(more))) return nullptr;
   if (options_.black_level) frame_.raw.facts.black_level = options_.black_level;
   if (copy_) TRY(copy_->append(frame_.raw));
   ++read_;
+  if ((frame_.raw.facts.flags & kFrameExposureUnproved) != 0) ++kept_out_;
   return &frame_.raw;
 }
 
@@ -64,7 +66,13 @@ Result<void> RecordingSource::finish(RunRecord& record) {
   }
   for (std::string& warning : recording_->warnings()) record.notes.push_back(std::move(warning));
   if (copy_) TRY(copy_->finish());
-  return end_;
+  const bool too_few = kept_out_ > 0 && read_ >= 2 && read_ - kept_out_ < 2;
+  if (!too_few || counters.contradicted == 0 || !end_) return end_;
+  return Error{ErrorCode::BadExposure,
+               fmt::format("{} came, and {} kept out of the fit, because the pictures contradict their "
+                           "exposures; correct each exposure_s, or import the pictures with --shutter",
+                           counted(read_, "frame"),
+                           kept_out_ == read_ ? "all are" : fmt::format("{} are", kept_out_))};
 }
 
 }  // namespace hdrcam

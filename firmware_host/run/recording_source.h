@@ -61,6 +61,7 @@ class RecordingSource : public FrameSource {
   const Instant begin_ = posix_clock().now();
   CapturedFrame frame_;
   int read_ = 0;
+  int kept_out_ = 0;  // of those, for their exposures
   Result<void> end_;
 };
 

@@ -114,6 +114,9 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
   Settings settings;
   if (!given_->config.empty()) {
     const std::string text = TRY(read_whole(storage, given_->config));
+    if (text.find('\0') != std::string::npos)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' is no file of settings, which is text in TOML", given_->config)};
     TRY(read_toml(text, given_->config, settings));
   }
   for (std::size_t i = 0; i < given_->fields.size(); ++i) {

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <span>
 #include <utility>
 
+#include "capture/exposure.h"
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "hal/core/quantile.h"
@@ -16,10 +18,13 @@ namespace hdrcam {
 namespace {
 
 constexpr int kRowsShown = 4;
-constexpr std::size_t kRowsKept = 12;
+// A stride that grows by this many has no factor in common with a cycle of 2 to 4: the rows kept walk through
+// all of its exposures, whatever the stride.
+constexpr std::size_t kStrideGrowth = 5;
+constexpr std::size_t kRowsKept = kRowsShown * kStrideGrowth;
 constexpr int kCellWidth_px = 320;
 constexpr int kGap_px = 8, kCaption_px = 22, kText_px = 9;
-constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224};
+constexpr Rgb kPaper{24, 26, 30}, kInk{214, 218, 224}, kUnknown{96, 96, 96};
 constexpr float kBrightest = 0.98f;  // quantile of 1 / depth shown as the brightest
 
 int cell_rows(int rows, int cols) {
@@ -67,6 +72,15 @@ Image<std::uint8_t> scaled(const Image<float>& nearness, float brightest) {
   return as_codes(codes);
 }
 
+// Grey where the depth is not known.
+Image<std::uint8_t> depth_colours(const Image<float>& nearness, float brightest) {
+  Image<std::uint8_t> picture = false_colours(scaled(nearness, brightest));
+  for (std::size_t i = 0; i < nearness.size(); ++i)
+    if (!(nearness.samples()[i] > 0))
+      picture.plane(0)[i] = kUnknown.r, picture.plane(1)[i] = kUnknown.g, picture.plane(2)[i] = kUnknown.b;
+  return picture;
+}
+
 Image<std::uint8_t> coloured(const Image<std::uint8_t>& provenance) {
   Image<std::uint8_t> picture;
   picture.reshape(3, provenance.rows(), provenance.cols());
@@ -78,19 +92,21 @@ Image<std::uint8_t> coloured(const Image<std::uint8_t>& provenance) {
   return picture;
 }
 
-void draw_legend(Canvas& canvas, int baseline) {
+// Returns the column behind it. canvas: null to measure only.
+int draw_legend(Canvas* canvas, int baseline) {
   int left = kGap_px;
   const auto write = [&](const std::string& words) {
-    canvas.write(baseline, left, words, kText_px, kInk);
+    if (canvas != nullptr) canvas->write(baseline, left, words, kText_px, kInk);
     left += text_width(words, kText_px);
   };
   write("provenance:");
   for (const ProvenanceLook& look : kProvenanceLooks) {
     left += 2 * kGap_px;
-    canvas.fill(baseline - kText_px, left, kText_px, kText_px, look.colour);
+    if (canvas != nullptr) canvas->fill(baseline - kText_px, left, kText_px, kText_px, look.colour);
     left += kText_px + kGap_px / 2;
     write(look.name);
   }
+  return left;
 }
 
 }  // namespace
@@ -101,10 +117,10 @@ Result<void> ContactSheet::emit(const EmittedFrame& frame) {
   const ToneCurve& curve = tone_.follow(frame.hdr.radiance);
   if (frames_++ % stride_ != 0) return {};
   if (rows_.size() == kRowsKept) {
-    std::vector<Row> every_second;
-    for (std::size_t i = 0; i < rows_.size(); i += 2) every_second.push_back(std::move(rows_[i]));
-    rows_ = std::move(every_second);
-    stride_ *= 2;
+    std::vector<Row> kept;
+    for (std::size_t i = 0; i < rows_.size(); i += kStrideGrowth) kept.push_back(std::move(rows_[i]));
+    rows_ = std::move(kept);
+    stride_ *= static_cast<int>(kStrideGrowth);
   }
   Row& row = rows_.emplace_back();
   row.facts = frame.hdr.facts;
@@ -117,19 +133,35 @@ Result<void> ContactSheet::emit(const EmittedFrame& frame) {
 }
 
 Result<void> ContactSheet::finish() {
-  if (chosen_rows().empty()) return {};
+  if (rows_.empty()) return {};
   png_ = TRY(encode_png(composed(), PngEffort::Small));
   return path_.empty() ? Result<void>{} : write_whole(storage_, path_, png_);
 }
 
+// Of the choices that show the most exposures, the one that is spread most evenly.
 std::vector<const ContactSheet::Row*> ContactSheet::chosen_rows() const {
-  std::vector<const Row*> chosen;
-  const int n = static_cast<int>(rows_.size());
-  const int shown = std::min(n, kRowsShown);
-  chosen.reserve(static_cast<std::size_t>(shown));
-  for (int i = 0; i < shown; ++i)
-    chosen.push_back(&rows_[static_cast<std::size_t>(shown == 1 ? 0 : i * (n - 1) / (shown - 1))]);
-  return chosen;
+  const int n = static_cast<int>(rows_.size()), shown = std::min(n, kRowsShown);
+  std::vector<char> taken(rows_.size());
+  std::fill_n(taken.begin(), shown, 1);
+  std::vector<const Row*> best;
+  std::pair<int, int> merit_of_best{-1, 0};
+  do {
+    std::vector<const Row*> rows;
+    int exposures = 0, aside = 0;  // aside: of the even places, in rows
+    for (int i = 0; i < n; ++i) {
+      const Row& row = rows_[static_cast<std::size_t>(i)];
+      if (!taken[static_cast<std::size_t>(i)]) continue;
+      const int even = shown > 1 ? static_cast<int>(rows.size()) * (n - 1) / (shown - 1) : 0;
+      aside += std::abs(i - even);
+      exposures += std::ranges::none_of(rows, [&row](const Row* other) {
+        return std::abs(std::log(row.exposure / other->exposure)) <= kSameExposure;
+      });
+      rows.push_back(&row);
+    }
+    if (const std::pair merit(exposures, -aside); merit > merit_of_best)
+      merit_of_best = merit, best = std::move(rows);
+  } while (std::ranges::prev_permutation(taken).found);
+  return best;
 }
 
 Image<std::uint8_t> ContactSheet::composed() const {
@@ -142,29 +174,32 @@ Image<std::uint8_t> ContactSheet::composed() const {
   if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
 
   const int cell_height = rows.front()->input.rows(), cell_width = rows.front()->input.cols();
-  const int step_right = cell_width + kGap_px, step_down = cell_height + kCaption_px;
-  const int columns = static_cast<int>(titles.size()), count = static_cast<int>(rows.size());
-  Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, kGap_px + columns * step_right, kPaper);
-  for (int i = 0; i < columns; ++i)
-    canvas.write(kCaption_px - 6, kGap_px + i * step_right, titles[static_cast<std::size_t>(i)], kText_px,
-                 kInk);
+  const int step_down = cell_height + kCaption_px, count = static_cast<int>(rows.size());
+  std::vector<int> lefts{kGap_px};  // of each column, which is as wide as its title, and the end
+  for (const std::string& title : titles)
+    lefts.push_back(lefts.back() + std::max(cell_width, text_width(title, kText_px)) + kGap_px);
+  const auto caption = [](const Row& row) {
+    return fmt::format("frame {}    exposure {:+.1f} EV", row.facts.sequence, std::log2(row.exposure));
+  };
+  int width = std::max(lefts.back(), draw_legend(nullptr, 0) + kGap_px);
+  for (const Row* row : rows) width = std::max(width, text_width(caption(*row), kText_px) + 2 * kGap_px);
+  Canvas canvas(2 * kCaption_px + count * step_down + kGap_px, width, kPaper);
+  for (std::size_t i = 0; i < titles.size(); ++i)
+    canvas.write(kCaption_px - 6, lefts[i], titles[i], kText_px, kInk);
 
   int top = kCaption_px;
   for (const Row* row : rows) {
-    const auto paste = [&](int column, const Image<std::uint8_t>& cell) {
-      canvas.paste(top, kGap_px + column * step_right, cell);
+    const auto paste = [&](std::size_t column, const Image<std::uint8_t>& cell) {
+      canvas.paste(top, lefts[column], cell);
     };
     paste(0, row->input);
     paste(1, row->shown);
     paste(2, coloured(row->provenance));
-    if (!row->nearness.empty()) paste(3, false_colours(scaled(row->nearness, brightest)));
-    canvas.write(
-        top + step_down - 7, kGap_px,
-        fmt::format("frame {}    exposure {:+.1f} EV", row->facts.sequence, std::log2(row->exposure)),
-        kText_px, kInk);
+    if (!row->nearness.empty()) paste(3, depth_colours(row->nearness, brightest));
+    canvas.write(top + step_down - 7, kGap_px, caption(*row), kText_px, kInk);
     top += step_down;
   }
-  draw_legend(canvas, top + kCaption_px - 7);
+  draw_legend(&canvas, top + kCaption_px - 7);
   return canvas.picture().clone();
 }
 

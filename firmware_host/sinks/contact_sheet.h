@@ -1,6 +1,7 @@
-// One picture of a whole run: a few frames, evenly spread over the clip, each as a row of
+// One picture of a whole run: a few frames, spread over the clip and over the exposures of the cycle, each as
+// a row of
 //   what came in | the HDR frame, tone-mapped | provenance | inverse depth (where the field ran).
-// The clip's length is not known beforehand: it keeps every n-th frame, and n doubles whenever too many are
+// The clip's length is not known beforehand: it keeps every n-th frame, and n grows whenever too many are
 // held, so the memory is bounded. Thread-bound.
 #pragma once
 

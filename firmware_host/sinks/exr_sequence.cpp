@@ -158,7 +158,7 @@ class ExrSequence : public FrameSink {
     file_ = TRY(encoded(frame, options_, *start_, planes_, std::move(file_)));
     const std::string path = pattern_.path(frame.facts.sequence);
     TRY(write_whole(storage_, path, file_, Durability::WrittenBack));
-    return ledger_.append(frame.facts, path.substr(path.rfind('/') + 1));
+    return ledger_.append(frame.facts, emitted.record.time_s, path.substr(path.rfind('/') + 1));
   }
 
  private:

@@ -11,13 +11,14 @@ Result<FrameLedger> FrameLedger::create(Storage& storage, const std::string& fol
   FileInMaking making = TRY(FileInMaking::beside(storage, folder + "/" + kFile));
   auto file = TRY(making.as_asked(storage.create(making.path(), Creation::New)));
   FrameLedger ledger(std::move(making), std::move(file));
-  TRY(ledger.write("number,time_s,exposure_s,analogue_gain,digital_gain,exposure_source,verdict,file\n"));
+  TRY(ledger.write(
+      "number,time_s,timestamp_s,exposure_s,analogue_gain,digital_gain,exposure_source,verdict,file\n"));
   return ledger;
 }
 
-Result<void> FrameLedger::append(const FrameFacts& facts, const std::string& file) {
+Result<void> FrameLedger::append(const FrameFacts& facts, double time_s, const std::string& file) {
   if (!std::exchange(named_, true)) TRY(making_.commit(Durability::WrittenBack));
-  return write(fmt::format("{},{:.9f},{:.9g},{:.6g},{:.6g},{},{},{}\n", facts.sequence,
+  return write(fmt::format("{},{:.9f},{:.9f},{:.9g},{:.6g},{:.6g},{},{},{}\n", facts.sequence, time_s,
                            facts.timestamp.seconds(), facts.exposure_s, facts.analogue_gain,
                            facts.digital_gain, name(facts.exposure_source),
                            facts.verdict ? name(*facts.verdict) : "", file));

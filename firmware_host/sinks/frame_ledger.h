@@ -1,4 +1,5 @@
-// frames.csv, the list of the frames that left: number, time, exposure and its verdict, file. A live run
+// frames.csv, the list of the frames that left (docs/stats.md): number, time since the first frame and on the
+// sensor's clock, exposure and its verdict, file. A live run
 // sheds frames, and the names of the files alone do not say when they were taken. A line is written once its
 // frame is; a power cut may lose both, as long as the system has not written them back. Thread-bound.
 #pragma once
@@ -20,8 +21,8 @@ class FrameLedger {
   // run that never had a frame leaves it. Errors: those of the disk.
   static Result<FrameLedger> create(Storage& storage, const std::string& folder);
 
-  // file: of the frame, without its folder. Errors: NoSpace, Io.
-  Result<void> append(const FrameFacts& facts, const std::string& file);
+  // time_s: since the first frame. file: of the frame, without its folder. Errors: NoSpace, Io.
+  Result<void> append(const FrameFacts& facts, double time_s, const std::string& file);
 
  private:
   FrameLedger(FileInMaking making, std::unique_ptr<StorageFile> file)

@@ -42,23 +42,6 @@ VideoCodec codec_of(const VideoOptions& options) {
   return options.transfer == VideoTransfer::Sdr ? VideoCodec::H264 : VideoCodec::Hevc;
 }
 
-Result<void> check(const VideoOptions& options) {
-  if (options.transfer != VideoTransfer::Sdr && options.codec == CodecChoice::H264)
-    return Error{ErrorCode::Invalid,
-                 "--codec h264 is for --transfer sdr; HDR players expect hevc or av1, choose one of them"};
-  if (options.transfer == VideoTransfer::Hlg && options.peak_nits > kHlgPeak_nits)
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2",
-                    options.peak_nits, kHlgPeak_nits)};
-  if (options.transfer != VideoTransfer::Sdr && options.peak_nits < options.white_nits)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("--peak {:g} is below --white {:g}: nothing brighter than white "
-                             "could be shown",
-                             options.peak_nits, options.white_nits)};
-  return {};
-}
-
 // What the frames hold.
 enum class FrameLight { Radiance, Display };
 
@@ -163,7 +146,7 @@ class HdrVideo : public FrameSink {
 Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::string& path,
                                                 double framerate_hz, const VideoOptions& options,
                                                 FrameLight holds) {
-  TRY(check(options));
+  TRY(check_video(options));
   const auto container = video_container_of(path);
   if (!container)
     return Error{ErrorCode::Invalid, fmt::format("'{}' is no name of a video; .mp4, .mov or .mkv are", path)};
@@ -182,6 +165,23 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
 
 }  // namespace
 
+Result<void> check_video(const VideoOptions& options) {
+  if (options.transfer != VideoTransfer::Sdr && options.codec == CodecChoice::H264)
+    return Error{ErrorCode::Invalid,
+                 "--codec h264 is for --transfer sdr; HDR players expect hevc or av1, choose one of them"};
+  if (options.transfer == VideoTransfer::Hlg && options.peak_nits > kHlgPeak_nits)
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("--peak {:g} does not fit --transfer hlg, whose nominal display shows {:g} cd/m2",
+                    options.peak_nits, kHlgPeak_nits)};
+  if (options.transfer != VideoTransfer::Sdr && options.peak_nits < options.white_nits)
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--peak {:g} is below --white {:g}: nothing brighter than white "
+                             "could be shown",
+                             options.peak_nits, options.white_nits)};
+  return {};
+}
+
 Result<std::unique_ptr<FrameSink>> create_hdr_video(Storage& storage, const std::string& path,
                                                     double framerate_hz, const VideoOptions& options) {
   return create_video(storage, path, framerate_hz, options, FrameLight::Radiance);
@@ -195,7 +195,7 @@ Result<std::unique_ptr<FrameSink>> create_display_video(Storage& storage, const 
 
 Result<std::unique_ptr<FrameSink>> create_video_pipe(std::unique_ptr<StorageFile> pipe, double framerate_hz,
                                                      const VideoOptions& options) {
-  TRY(check(options));
+  TRY(check_video(options));
   const VideoFormat format{
       .framerate_hz = framerate_hz,
       .bits = options.transfer == VideoTransfer::Sdr ? 8 : 10,

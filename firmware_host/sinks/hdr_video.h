@@ -14,6 +14,9 @@
 
 namespace hdrcam {
 
+// Errors: Invalid for options that contradict each other.
+Result<void> check_video(const VideoOptions& options);
+
 // path: .mp4, .mov or .mkv; its folder is created. Errors: Invalid for another extension or options that
 // contradict each other, Permission, NoSpace, Io; with the first frame also Unsupported, where the codec
 // refuses it.

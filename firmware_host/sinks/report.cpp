@@ -123,7 +123,9 @@ std::string tiles(const RunRecord& record) {
 std::string sheet_section(std::span<const std::byte> png) {
   if (png.empty()) return "";
   return section(
-      "Frames", "Input, HDR frame and the source of each pixel, at moments spread over the clip.",
+      "Frames",
+      "Input, HDR frame and the source of each pixel, at moments spread over the clip. Depth, where it is "
+      "shown, is coarse unless --depth or --layers depth asks for it.",
       fmt::format(
           "<div class=\"card sheet\"><img alt=\"contact sheet\" src=\"data:image/png;base64,{}\"></div>\n",
           base64(png)));

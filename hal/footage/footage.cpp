@@ -83,6 +83,7 @@ class FootageFiles : public FootageReader {
   std::optional<ExifTime> taken() const override { return taken_; }
   const std::string& path() const override { return files_[next_file_ - 1]; }
   bool still() const override { return still_; }
+  bool timed() const override { return timed_; }
   const std::vector<FootageLosses>& losses() const override { return losses_; }
 
   Result<bool> next(RawFrame& frame) override {
@@ -119,6 +120,7 @@ class FootageFiles : public FootageReader {
     frame.facts.sequence = frames_++;
     taken_ = file_->taken();
     still_ = file_->facts().framerate_hz == 0;
+    timed_ = file_->facts().timed;
     last_ = frame.facts.timestamp;
     return true;
   }
@@ -159,7 +161,7 @@ class FootageFiles : public FootageReader {
   Instant begin_;
   std::optional<Instant> last_;
   std::optional<ExifTime> taken_;
-  bool still_ = false;
+  bool still_ = false, timed_ = false;
   std::vector<FootageLosses> losses_;
   RawFrame ahead_;  // the first frame, which says what the clip is
   bool has_ahead_ = false;

@@ -38,9 +38,10 @@ class FootageReader {
   virtual Result<bool> next(RawFrame& frame) = 0;
   // When the frame of the last next() was taken, of stills that say it.
   virtual std::optional<ExifTime> taken() const = 0;
-  // The file of that frame, and whether it is a still.
+  // The file of that frame, whether it is a still, and whether it says itself when its frames are.
   virtual const std::string& path() const = 0;
   virtual bool still() const = 0;
+  virtual bool timed() const = 0;
   // The files so far that were not whole; complete at the end.
   virtual const std::vector<FootageLosses>& losses() const = 0;
 };

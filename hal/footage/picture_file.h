@@ -18,6 +18,7 @@ struct PictureFileFacts {
   bool linear = false;
   std::string format;                              // "h264, yuv420p"
   double framerate_hz = 0;                         // 0 of a still
+  bool timed = false;                              // it says when each frame is, not a rate alone
   std::optional<ChannelGains> white_balance = {};  // as the camera states it for its codes
 };
 

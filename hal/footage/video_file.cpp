@@ -146,6 +146,9 @@ Result<void> VideoFile::open_decoder() {
   packet_.reset(av_packet_alloc());
   still_ = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
   facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still_ ? av_q2d(stream.avg_frame_rate) : 0;
+  const bool untimed = (demuxer_->iformat->flags & AVFMT_NOTIMESTAMPS) != 0 ||
+                       std::string_view(demuxer_->iformat->name) == "yuv4mpegpipe";
+  facts_.timed = !still_ && !untimed;
   facts_.format = avcodec_get_name(stream.codecpar->codec_id);
   return {};
 }

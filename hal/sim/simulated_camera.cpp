@@ -96,6 +96,8 @@ Result<StreamMode> SimulatedCamera::configure(const StreamMode& wanted, int buff
     simulation_.framerate_hz = 1 / to_seconds(std::max(wanted.frame_duration, kShortestFrame));
   mode_ = {wanted.format, simulation_.width, simulation_.height, simulation_.frame_duration()};
   capabilities_ = capabilities_of(simulation_);
+  if (packed.layout != PixelLayout::Rgb && simulation_.reports_exposure)
+    capabilities_.black_level = BlackLevel(255 * static_cast<double>(simulation_.black_level));
   sensor_ = std::make_unique<SimulatedSensor>(simulation_, packed.layout, packed.bits, pool_);
   const std::size_t bytes = packed_stride(mode_.format, mode_.width) * static_cast<std::size_t>(mode_.height);
   const auto count = static_cast<std::size_t>(buffers);

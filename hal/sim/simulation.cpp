@@ -126,7 +126,7 @@ constexpr Setting kSettings[] = {
     {"delay", "exposure,gain control delay in frames, 0..6", set_delay},
     {"drops", "probability that a frame is lost, 0..1", set_drops},
     {"rays", "least rays per pixel: 4, or 1: faster, with jagged outlines", set_rays},
-    {"reports", "yes or no: buffers report their exposure", set_reports},
+    {"reports", "yes or no: buffers report their exposure, and the camera its raw black level", set_reports},
     {"with", "effects to add, separated by commas",
      [](Simulation& s, Text k, Text v) { return set_effects(s, k, v, true); }},
     {"without", "effects to leave out",

@@ -164,6 +164,11 @@ TEST_CASE("a recording whose frames all have one exposure is said to give no HDR
         "all 12 frames have the same exposure, 4 ms, and give no HDR; record a cycle such as --shutter "
         "1ms,4ms,16ms");
   CHECK(judged(scene, filmed(scene, 4)).warnings.empty());  // perhaps a part of a cycle
+
+  auto estimated = filmed(scene, 12);  // no times
+  for (RawFrame& frame : estimated) frame.facts.exposure_source = ExposureSource::Estimated;
+  CHECK(judged(scene, std::move(estimated)).warnings.front().find("same exposure and give no HDR") !=
+        std::string::npos);
 }
 
 TEST_CASE("frames that differ in digital gain alone have different exposures", "[capture]") {

@@ -164,6 +164,28 @@ TEST_CASE("a number that cannot be is refused with the range that a person needs
   }
 }
 
+TEST_CASE("a file where a folder belongs, no calibration, and a recording as settings are wrong arguments") {
+  const std::string recording = HDRCAM_SOURCE_DIR "/tests/data/demo.mkv";
+  const auto refused = [](const std::vector<std::string>& words) {
+    const RanHere result = ran_here(words);
+    CHECK(result.exit_code == kExitUsage);
+    return result.err;
+  };
+  CHECK_THAT(refused({"export", recording, "-o", recording}),
+             Contains("is a file; --output names the folder"));
+  CHECK_THAT(refused({"compare", recording, "."}), Contains("is a file; name a clip with clip.json"));
+  CHECK_THAT(refused({"compare", ".", recording}), Contains("is a file; name the folder"));
+  CHECK_THAT(refused({"calibrate"}), Contains("give 'hdrcam calibrate delay'"));
+  CHECK_THAT(refused({"replay", recording, "--config", recording}), Contains("is no file of settings"));
+}
+
+TEST_CASE("--timeout takes a duration as well as a number of seconds") {
+  for (const char* timeout : {"2000ms", "2s", "2"})  // refused for what comes later
+    CHECK_THAT(ran_here({"record", "--camera", "sim:nosuch", "--timeout", timeout, "-o", "x.mkv"}).err,
+               Contains("nosuch"));
+  CHECK_THAT(ran_here({"record", "--timeout", "2h"}).err, Contains("takes seconds") && Contains("'2h'"));
+}
+
 TEST_CASE("an error cannot move the cursor of a terminal") {
   const RanHere missing = ran_here({"info", "/no/\x1b[2Jsuch.mkv"});
   CHECK(missing.err.find('\x1b') == std::string::npos);

@@ -81,9 +81,17 @@ TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
 
 TEST_CASE("a deadline that nothing can hold costs previews and HDR frames, never captured or recorded ones") {
   const std::string folder = sample::scratch_folder("live_late");
-  require_success({"live", "--camera", "sim:still?size=64x48&fps=20", "--format", "RGB24", "--shutter",
-                   "1ms,4ms", "--deadline", "1us", "--frames", "60", "-o", folder + "/%06d.exr", "--preview",
-                   folder + "/%06d.png", "--record", folder + "/raw.mkv", "--stats", folder + "/stats.json"});
+  const test::Ran ended =
+      test::ran({"live", "--camera", "sim:still?size=64x48&fps=20", "--format", "RGB24", "--shutter",
+                 "1ms,4ms", "--deadline", "1us", "--frames", "60", "-o", folder + "/%06d.exr", "--preview",
+                 folder + "/%06d.png", "--record", folder + "/raw.mkv", "--stats", folder + "/stats.json"});
+  INFO(ended.output);
+  REQUIRE(ended.exit_code == kExitOk);
+  for (const std::string& advice :
+       {std::string("give --preset realtime, a smaller --width and --height, or --deadline off"),
+        "all frames are recorded: hdrcam replay " + folder + "/raw.mkv",
+        "warning: '" + folder + "/%06d.png' got no frame: "})
+    CHECK(ended.output.find(advice) != std::string::npos);
   const auto stats = json_in(folder + "/stats.json");
   const auto& counters = stats["counters"];
   CHECK(counters["captured"] == 60);

@@ -65,6 +65,9 @@ TEST_CASE("a replay writes a video, frames beside it, and encode makes the same 
   const RanHere encoded = ran_here({"encode", out + "/%06d.exr", "-o", out + "/encoded.mp4"});
   INFO(encoded.err);
   REQUIRE(encoded.exit_code == 0);
+  const auto [again, again_code] = piped("encode " + out + "/%06d.exr --force -o " + out + "/encoded.mp4");
+  CHECK(again_code == 0);
+  CHECK_THAT(again, Contains(out + "/encoded.mp4: 7 frames"));
   const auto a = test::decoded_video(out + "/replayed.mp4"), b = test::decoded_video(out + "/encoded.mp4");
   REQUIRE(a.frames.size() == 7);
   REQUIRE(b.frames.size() == 7);
@@ -170,6 +173,22 @@ TEST_CASE("encode says what is missing") {
   const RanHere nowhere = ran_here({"encode", out + "/%06d.exr"});
   CHECK(nowhere.exit_code == 2);
   CHECK_THAT(nowhere.err, Contains("no video; give -o x.mp4"));
+}
+
+TEST_CASE(
+    "encode refuses what contradicts itself before it looks for frames, and its help promises no more") {
+  const std::string out = sample::scratch_folder("encode_refused");
+  for (const auto& [flags, word] : {std::pair(std::vector<std::string>{"--codec", "h264"}, "--codec h264"),
+                                    {{"--peak", "100"}, "--peak 100"}}) {
+    std::vector<std::string> words{"encode", out + "/%06d.exr", "-o", out + "/x.mp4"};
+    words.insert(words.end(), flags.begin(), flags.end());
+    const RanHere refused = ran_here(words);
+    CHECK(refused.exit_code == 2);
+    CHECK_THAT(refused.err, Contains(word) && !Contains("no frames"));
+  }
+  const std::string help = ran_here({"encode", "--help"}).out;
+  CHECK_THAT(help, !Contains("Camera:") && !Contains("none") && Contains("0: as they state it, or 30") &&
+                       Contains("the video: out.mp4"));
 }
 
 TEST_CASE("encode leads from a folder, and from one of its files, to the pattern of the frames") {

@@ -6,10 +6,12 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "hal/recording/image_sequence.h"
 #include "hal/recording/png_image.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/footage_files.h"
 #include "tests/support/moving_scene.h"
+#include "tests/support/ran.h"
 
 #include <catch2/catch.hpp>
 
@@ -192,6 +194,38 @@ TEST_CASE("a raw stream of H.264, which has no times, comes at its frame rate or
   CHECK(times_in(out).back() == Approx(23. / 50).margin(1e-8));
 }
 
+namespace {
+
+// The green of pictures as Y4M, which states a rate and no times.
+void write_y4m(const std::string& path, const std::vector<Image<std::uint16_t>>& rgb) {
+  std::ofstream file(path, std::ios::binary);
+  file << fmt::format("YUV4MPEG2 W{} H{} F30:1 Ip A1:1 Cmono\n", rgb[0].cols(), rgb[0].rows());
+  for (const Image<std::uint16_t>& picture : rgb) {
+    file << "FRAME\n";
+    for (std::size_t i = 0; i < picture.plane_size(); ++i) file.put(static_cast<char>(picture.plane(1)[i]));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("--framerate is that of Y4M, which has no times, and refused of a video that has them") {
+  const std::string folder = sample::scratch_folder("import_framerate"), out = folder + "/x.mkv";
+  const std::vector<int> frames = filmed(0, 24, {});
+  write_y4m(folder + "/x.y4m", pictures(frames));
+  REQUIRE(import_verb(folder + "/x.y4m --shutter 1ms,4ms,16ms -o " + out).ok());
+  CHECK(times_in(out).back() == Approx(23. / 30).margin(1e-8));
+  REQUIRE(import_verb(folder + "/x.y4m --shutter 1ms,4ms,16ms --framerate 50 --force -o " + out).ok());
+  check_labels(out, frames);
+  CHECK(open_recording(posix_storage(), out).value()->camera().framerate_hz == Approx(50));
+  CHECK(times_in(out).back() == Approx(23. / 50).margin(1e-8));
+
+  const std::string video = folder + "/x.mp4";
+  REQUIRE(test::write_video(video, VideoCodec::H264, pictures(frames)).ok());
+  const auto refused = import_verb(video + " --shutter 1ms,4ms,16ms --framerate 50 --list");
+  CHECK(sample::error_of(refused).code == ErrorCode::Invalid);
+  CHECK_THAT(sample::error_of(refused).message, Contains(video) && Contains("leave out --framerate"));
+}
+
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
@@ -319,4 +353,53 @@ TEST_CASE("--list writes nothing, and an import never takes the place of its foo
   CHECK(sample::error_of(same).code == ErrorCode::Invalid);
   CHECK_THAT(sample::error_of(same).message, Contains("overwrite"));
   CHECK(sample::error_of(import_verb(path + " --shutter 1ms,4ms,16ms")).code == ErrorCode::Invalid);
+}
+
+TEST_CASE("--list shows estimated exposures as ratios, and warns as the import does") {
+  const std::string folder = sample::scratch_folder("import_list_auto");
+  REQUIRE(test::write_video(folder + "/x.mp4", VideoCodec::H264, pictures(filmed(0, 36, {}))).ok());
+  const test::Ran listed = test::ran({"import", folder + "/x.mp4", "--list", "--shutter", "auto"});
+  CHECK(listed.exit_code == 0);
+  CHECK_THAT(listed.output, Contains("exposures: estimated, relative, ") &&
+                                Contains(" EV; the first frame is number ") && !Contains(" ms") &&
+                                !Contains("warning"));
+
+  test::MovingScene still = scene();
+  still.exposures_s = {0.004};
+  std::vector<Image<std::uint16_t>> same;
+  for (int i = 0; i < 12; ++i) same.push_back(still.frame(i).codes);
+  REQUIRE(test::write_video(folder + "/one.mp4", VideoCodec::H264, same).ok());
+  const std::vector<std::string> import{"import", folder + "/one.mp4", "--shutter", "auto"};
+  for (const std::vector<std::string>& end :
+       {std::vector<std::string>{"--list"}, {"-o", folder + "/one.mkv"}}) {
+    std::vector<std::string> words = import;
+    words.insert(words.end(), end.begin(), end.end());
+    CHECK_THAT(test::ran(words).output,
+               Contains("warning: all 12 frames have the same exposure and give no HDR"));
+  }
+}
+
+TEST_CASE(
+    "--list of a clip with a clip.json says what it does of footage, and refuses what its import would") {
+  const std::string folder = sample::scratch_folder("import_list_clip"), clip = folder + "/clip";
+  auto writer = ImageSequenceWriter::create(posix_storage(), clip, scene().camera()).value();
+  for (const int i : filmed(1, 10, {5})) {
+    RawFrame frame = scene().frame(i);
+    frame.facts.slot = i % 3;
+    REQUIRE(writer.append(frame).ok());
+  }
+  REQUIRE(writer.finish().ok());
+  const test::Ran listed = test::ran({"import", clip, "--list"});
+  CHECK(listed.exit_code == 0);
+  CHECK_THAT(listed.output, Contains("moving scene: PNG, clip.json; 128x96, 9 frames, 30 frames per second; "
+                                     "recorded as rgb of 8 bits") &&
+                                Contains("1 ms, 4 ms, 16 ms; the first frame is number 2 of the cycle") &&
+                                Contains("1 frame is missing, before frame 4") && Contains("  frame   0 ") &&
+                                Contains("4 ms\n"));
+
+  std::filesystem::remove(clip + "/ldr/0007.png");
+  const test::Ran broken = test::ran({"import", clip, "--list"});
+  CHECK(broken.exit_code == 3);
+  CHECK_THAT(broken.output, Contains("frame 7") && Contains("0007.png"));
+  CHECK(test::ran({"import", clip, "-o", folder + "/x.mkv"}).output == broken.output);
 }

@@ -287,6 +287,7 @@ TEST_CASE("a recording that was cut gives the frames before the cut and exit cod
   const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr", "--emit", "state"});
   INFO(outcome.err);
   CHECK(outcome.exit_code == 5);
+  CHECK(outcome.err.find("'hdrcam repair'") != std::string::npos);
   const auto frames = files_in(folder + "/out", ".exr");
   CHECK(frames.size() >= 2);
   CHECK(frames.size() < 8);
@@ -303,6 +304,25 @@ TEST_CASE("a full disk ends the run with exit code 11, and what is there is whol
   CHECK(frames.size() < 6);
   for (const auto& path : frames) CHECK(read_exr(posix_storage(), path).ok());
   CHECK(files_in(folder + "/out", ".part").empty());
+}
+
+TEST_CASE("where pictures contradict every exposure, the run says so, not that no frame came") {
+  const std::string folder = sample::scratch_folder("replay_contradicted"), path = folder + "/clip.mkv";
+  test::MovingScene scene;
+  scene.exposures_s = {0.004};
+  auto writer = create_recording(posix_storage(), path, scene.camera()).value();
+  for (int i = 0; i < 12; ++i) {
+    RawFrame frame = scene.frame(i);
+    frame.facts.exposure_s = i % 2 == 0 ? 0.001 : 0.016;
+    REQUIRE(writer->append(frame).ok());
+  }
+  REQUIRE(writer->finish().ok());
+  const RanHere refused =
+      ran_here({"replay", path, "--preset", "fast", "--emit", "state", "--stats", folder + "/stats.json"});
+  CHECK(refused.exit_code == exit_code_of(ErrorCode::BadExposure));
+  INFO(refused.err);
+  CHECK(refused.err.find("12 frames came, and all are kept out of the fit") != std::string::npos);
+  CHECK(refused.err.find("import the pictures with --shutter") != std::string::npos);
 }
 
 TEST_CASE("^C ends the run with exit code 130") {

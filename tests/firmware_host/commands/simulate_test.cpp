@@ -172,3 +172,13 @@ TEST_CASE("simulate refuses in a sentence what it cannot do") {
   CHECK(run_simulate("nowhere --explain").exit_code != 0);
   CHECK(run_simulate("--list").output.find("a street against the sun") != std::string::npos);
 }
+
+TEST_CASE("a simulation that is stopped before its first frame says so and leaves nothing") {
+  const std::string folder = sample::scratch_folder("simulate_stopped_at_once");
+  const test::RanHere run = test::ran_here(
+      {"simulate", "still?size=32x32", "-o", folder + "/out/walk.mkv", "--truth", folder + "/clip"},
+      posix_storage(), true);
+  CHECK(run.exit_code == kExitInterrupted);
+  CHECK(run.err.find("stopped before the first frame") != std::string::npos);
+  CHECK(std::filesystem::is_empty(folder));
+}

@@ -57,6 +57,7 @@ TEST_CASE("a moment is one frame, a part has its own beginning and end", "[film]
   CHECK(part.frames == 31);
   CHECK(part.scene_s(0) == 0.5);
   CHECK_FALSE(part.frozen);
+  CHECK(planned({.time = "500ms..1.5s"}).value().scene_s(0) == 0.5);
 }
 
 TEST_CASE("the times of a film count from the time stamp of the recording's first frame", "[film]") {

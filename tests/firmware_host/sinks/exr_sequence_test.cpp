@@ -154,13 +154,15 @@ TEST_CASE("frames.csv lists number, time, exposure and verdict of every frame th
     HdrFrame frame = example_frame(sequence);
     frame.facts.timestamp = Instant::from_seconds(static_cast<double>(sequence));
     frame.facts.verdict = Verdict::Proved;
-    REQUIRE(emit(*sink.value(), frame).ok());
+    FrameRecord record;
+    record.time_s = static_cast<double>(sequence) - 41;
+    REQUIRE(sink.value()->emit({frame, ExposedFrame{}, record}).ok());
   }
   // not only at the end: a run may be killed
   const std::string text = read_whole(posix_storage(), folder + "/frames.csv").value();
-  CHECK_THAT(text, Catch::StartsWith("number,time_s,exposure_s,"));
-  CHECK_THAT(text, Contains("\n41,41.000000000,0.004,") && Contains("\n44,44.000000000,0.004,") &&
-                       Contains(",proved,0044.exr\n"));
+  CHECK_THAT(text, Catch::StartsWith("number,time_s,timestamp_s,exposure_s,"));
+  CHECK_THAT(text, Contains("\n41,0.000000000,41.000000000,0.004,") &&
+                       Contains("\n44,3.000000000,44.000000000,0.004,") && Contains(",proved,0044.exr\n"));
   CHECK(std::count(text.begin(), text.end(), '\n') == 3);
 }
 

@@ -15,15 +15,15 @@ TEST_CASE("the list of an earlier run's frames stays until there is a frame to l
   {
     FrameLedger earlier = value_of(FrameLedger::create(posix_storage(), folder));
     CHECK_FALSE(std::filesystem::exists(file));
-    require_done(earlier.append({}, "000007.exr"));
+    require_done(earlier.append({}, 0, "000007.exr"));
     CHECK(written().find("000007.exr") != std::string::npos);
   }
   { const FrameLedger without_frames = value_of(FrameLedger::create(posix_storage(), folder)); }
   CHECK(written().find("000007.exr") != std::string::npos);
   FrameLedger later = value_of(FrameLedger::create(posix_storage(), folder));
-  require_done(later.append({}, "000008.exr"));
+  require_done(later.append({}, 0, "000008.exr"));
   CHECK(written().find("000007.exr") == std::string::npos);
-  require_done(later.append({}, "000009.exr"));
+  require_done(later.append({}, 0, "000009.exr"));
   CHECK(written().find("000009.exr") != std::string::npos);
   CHECK(sample::unfinished_files_in(folder) == 0);
 }

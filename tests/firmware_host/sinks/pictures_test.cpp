@@ -1,7 +1,9 @@
 // The sinks that make pictures for people: preview and contact sheet.
 #include <png.h>
 
+#include <cmath>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -108,15 +110,67 @@ TEST_CASE("a contact sheet of a long clip shows four rows from its beginning to 
   for (const ProvenanceLook& look : kProvenanceLooks) CHECK(picture.count(look.colour) > 24 * 5 * 4);
 }
 
+namespace {
+
+Picture sheet_of(const HdrFrame& frame) {
+  ContactSheet sheet(posix_storage(), "");
+  const Image<float> codes(3, frame.radiance.rows(), frame.radiance.cols());
+  REQUIRE(emit(sheet, frame, codes).ok());
+  REQUIRE(sheet.finish().ok());
+  return decoded(sheet.png());
+}
+
+}  // namespace
+
 TEST_CASE("a contact sheet has a column of depth only where there is depth") {
-  const auto width_with = [](With with) {
-    ContactSheet sheet(posix_storage(), "");
-    const Image<float> codes(3, 24, 32);
-    REQUIRE(emit(sheet, example_frame(0, with), codes).ok());
-    REQUIRE(sheet.finish().ok());
-    return decoded(sheet.png()).cols;
-  };
-  CHECK(width_with(With::DepthAndFlow) == width_with(With::RadianceOnly) + 32 + 8);
+  const auto width_with = [](With with) { return sheet_of(example_frame(0, with, 240, 320)).cols; };
+  CHECK(width_with(With::DepthAndFlow) == width_with(With::RadianceOnly) + 320 + 8);
+}
+
+TEST_CASE("the rows of a contact sheet show every exposure of the cycle, whatever the clip's length") {
+  for (const int slots : {2, 3, 4})
+    for (const std::uint64_t frames : {4, 7, 10, 12, 13, 21, 28, 61, 100, 121, 500}) {
+      ContactSheet sheet(posix_storage(), "");
+      Image<float> codes(3, 24, 32);
+      for (std::uint64_t sequence = 0; sequence < frames; ++sequence) {
+        const auto slot = static_cast<int>(sequence % static_cast<std::uint64_t>(slots));
+        HdrFrame frame = example_frame(sequence);
+        frame.exposure = std::exp2(static_cast<float>(slot));
+        std::fill_n(codes.plane(0), codes.plane_size(), static_cast<float>(50 + 50 * slot));
+        REQUIRE(emit(sheet, frame, codes).ok());
+      }
+      REQUIRE(sheet.finish().ok());
+      const Picture picture = decoded(sheet.png());
+      std::set<int> reds;  // of the inputs
+      for (int y = 0; y < picture.rows; ++y)
+        if (const Rgb pixel = picture.at(y, 8 + 16); pixel.g == 0 && pixel.b == 0) reds.insert(pixel.r);
+      INFO(slots << " exposures, " << frames << " frames");
+      CHECK(reds.size() == static_cast<std::size_t>(slots));
+    }
+}
+
+TEST_CASE("the words on a contact sheet of small frames have room, and none is drawn over another") {
+  for (const int cols : {32, 64, 160}) {
+    const Picture sheet = sheet_of(example_frame(0, With::DepthAndFlow, 24, cols));
+    const int of_titles = text_width("input", 9) + text_width("HDR, tone-mapped", 9) +
+                          text_width("provenance", 9) + text_width("inverse depth (near is bright)", 9);
+    CHECK(sheet.cols > of_titles);
+    int margin = 0;  // columns of paper at the right
+    const auto is_paper = [&](int x) {
+      for (int y = 0; y < sheet.rows; ++y)
+        if (sheet.at(y, x) != Rgb{24, 26, 30}) return false;
+      return true;
+    };
+    while (margin < sheet.cols && is_paper(sheet.cols - 1 - margin)) ++margin;
+    CHECK(margin >= 4);
+  }
+}
+
+TEST_CASE("a contact sheet is grey where the depth is not known") {
+  HdrFrame frame = example_frame(0, With::DepthAndFlow, 24, 320);
+  const long before = sheet_of(frame).count({96, 96, 96});
+  for (int x = 0; x < 320; ++x) frame.depth.at(0, 3, x) = 0;
+  CHECK(sheet_of(frame).count({96, 96, 96}) >= before + 320);
 }
 
 TEST_CASE("large frames are shrunk to cells, and a run without frames has no sheet") {

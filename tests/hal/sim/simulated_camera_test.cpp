@@ -96,6 +96,21 @@ TEST_CASE("for every set of delays a control shows as many frames later as its d
     }
 }
 
+TEST_CASE("the simulated camera states the black level of its raw codes, unless it reports nothing") {
+  const auto stated = [](const std::string& spec, PixelFormat format) {
+    VirtualClock clock;
+    auto camera = virtual_camera(spec, clock);
+    REQUIRE(camera->configure({format, 32, 24, milliseconds(33)}, 3).ok());
+    return camera->capabilities().black_level;
+  };
+  const auto raw = stated("still?size=32x24&black=0.05", PixelFormat::Rggb12);
+  REQUIRE(raw);
+  CHECK((*raw)[1] == Approx(0.05 * 255));
+  CHECK(stated("still?size=32x24", PixelFormat::Rggb12) == BlackLevel());
+  CHECK_FALSE(stated("still?size=32x24&black=0.05", PixelFormat::Rgb24));
+  CHECK_FALSE(stated("still?size=32x24&black=0.05&reports=no", PixelFormat::Rggb12));
+}
+
 TEST_CASE("the pixels are those of the true exposure, in every format") {
   for (const PixelFormat format :
        {PixelFormat::Rgb24, PixelFormat::Bgr24, PixelFormat::Rggb8, PixelFormat::Rggb12,
