@@ -5,8 +5,9 @@
 
 namespace hdrcam {
 
-// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound.
-constexpr float kUnseenVariance = 1e9f;
+// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound. Far above known_limit()
+// of any light, by day after a night, too; its quotients by squares of what is barely visible are finite.
+constexpr float kUnseenVariance = 1e30f;
 // A pixel with a variance above this is treated as unseen: nothing is known except that it is not black.
 // white: the radiance that saturates the shortest exposure of the clip.
 inline float known_limit(float white) { return 0.1f * white * white; }

@@ -177,6 +177,37 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
   CHECK(highest == Approx(4));
 }
 
+TEST_CASE("what is clipped is called unseen by day after a night, too, and its bound rises with the light") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kNight = 1, kDay = 4e-6f;
+  WorkerPool pool(1);
+  StateFilter filter({}, kRows, kCols, pool);
+  ExposedFrame frame;
+  frame.codes = Image<float>(3, kRows, kCols);
+  frame.codes.fill(kMaxCode);
+  for (const float exposure : {kNight, kDay, kNight, kDay}) {
+    filter.fusion().set_white(frame.index == 0 ? 1 / kNight : 1 / kDay);
+    frame.exposure = exposure;
+    const ExposureTables tables(Response::gamma(2.2f), {}, exposure);
+    if (frame.index == 0)
+      filter.restart(frame, tables);
+    else
+      filter.advance(frame, tables, still(kRows, kCols), frame.blur_fraction);
+    INFO("frame " << frame.index);
+    for (const float v : filter.state().variance.samples()) REQUIRE(v >= known_limit(1 / kDay));
+    for (const float l : filter.state().radiance.samples())
+      REQUIRE(l == Approx(frame.index == 0 ? 1 / kNight : 1 / kDay));
+    ++frame.index;
+  }
+  // what the day shows replaces the bound, with the variance of a sample
+  frame.exposure = kDay, frame.codes.fill(128);
+  const ExposureTables tables(Response::gamma(2.2f), {}, kDay);
+  filter.advance(frame, tables, still(kRows, kCols), frame.blur_fraction);
+  const float seen = tables.radiance(0, 128);
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(seen).epsilon(0.01));
+  for (const float v : filter.state().variance.samples()) REQUIRE(v < 0.01f * seen * seen);
+}
+
 TEST_CASE(
     "a nearly black frame whose motion nobody believes does not replace what was seen, nor does a later "
     "one") {

@@ -381,6 +381,34 @@ TEST_CASE("a state that runs on the graphics device knows what the processor's d
   CHECK(both.there.fallback_reason().empty());
 }
 
+TEST_CASE("by day after a night, what is clipped is called unseen on the graphics device, too", "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  constexpr float kDay = 4e-6f;
+  TwoLayers both(*gpu);
+  const ExposureTables tables[2] = {tables_at(1), tables_at(kDay)};
+  for (int i = 0; i < 6; ++i) {
+    INFO("frame " << i);
+    ExposedFrame& frame = both.frames[i];
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) frame.codes.at(c, y, x) = x < kCols / 2 || i < 5 ? kMaxCode : 128.f;
+    const StateInput input{frame, tables[i % 2], i == 0 ? 1 : 1 / kDay};
+    for (StateLayer* layer : {static_cast<StateLayer*>(&both.here), static_cast<StateLayer*>(&both.there)})
+      i == 0 ? layer->restart(input) : layer->advance(input, both.motion);
+    both.compare();
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y) {
+        REQUIRE(both.there.state().variance.at(c, y, 1) >= known_limit(1 / kDay));
+        REQUIRE(both.there.state().radiance.at(c, y, 1) == Approx(i == 0 ? 1 : 1 / kDay));
+      }
+  }
+  const float seen = tables[1].radiance(1, 128);
+  CHECK(both.there.state().radiance.at(1, 9, kCols - 9) == Approx(seen).epsilon(0.01));
+  CHECK(both.there.state().variance.at(1, 9, kCols - 9) < 0.01f * seen * seen);
+  CHECK(both.there.fallback_reason().empty());
+}
+
 TEST_CASE("after a restart a frame's codes go to the graphics device anew", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
