@@ -35,6 +35,7 @@ struct FrameEstimate {
   FrameBudget budget;              // the cost allowed for this frame
   std::array<float, 3> darkest{};  // radiance up to which even the longest exposure so far is black
   float white;                     // radiance that saturates the shortest exposure so far
+  float unseen_variance;           // from which on a pixel of the state counts as unseen
   double reference_exposure;       // E_ref, seconds x gains
 };
 

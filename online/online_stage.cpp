@@ -106,7 +106,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   const ExposureTables& tables = sensor_.tables_for(step.frame);
 
   if (steps_.size() == 1) {
-    state_->restart({step.frame, tables, white_});
+    state_->restart({step.frame, tables, unseen_variance()});
     lower_darkest(tables);
     step.motion.to_previous.vectors.reshape(0, 0, 0);
     step.motion.from_previous.vectors.reshape(0, 0, 0);
@@ -151,9 +151,9 @@ Result<void> OnlineStage::advance(Step& step, const Step* after) {
   if (timing_) timing_(Stage::Motion, watch.lap_ms());
 
   // before the state takes the frame in: the frame must not be compared with itself
-  sensor_.compare(step.frame, step.stated_blur, step.motion.to_previous, white_);
+  sensor_.compare(step.frame, step.stated_blur, step.motion.to_previous, unseen_variance());
   if (look_ahead_ > 1 && at > 0 && !steps_[at - 1]->emitted) keep(*steps_[at - 1]);
-  state_->advance({step.frame, sensor_.tables_for(step.frame), white_, budget_.blurs},
+  state_->advance({step.frame, sensor_.tables_for(step.frame), unseen_variance(), budget_.blurs},
                   step.motion.to_previous);
   lower_darkest(sensor_.tables_for(step.frame));
   sensor_.take_over_residuals(step.frame);
@@ -202,8 +202,8 @@ Result<void> OnlineStage::fit(Step& step) {
     second_layer_.rest();
     return {};
   }
-  step.scene = TRY(second_layer_.take({step.frame, state_->state(), step.motion}, white_, sensor_.response(),
-                                      budget_.fit));
+  step.scene = TRY(second_layer_.take({step.frame, state_->state(), step.motion}, unseen_variance(),
+                                      sensor_.response(), budget_.fit));
   return {};
 }
 
@@ -247,7 +247,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
   const std::size_t joining = std::min(ahead, static_cast<std::size_t>(budget_.later_frames));
   const ScratchLease room(pool_.scratch(), joining > 0 ? camera_.height : 0, camera_.width,
                           {{&joined_.radiance, 3}, {&joined_.variance, 3}, {&joined_.later_share, 1}});
-  if (joining > 0) state_->join(state, {later.data(), joining}, white_, joined_);
+  if (joining > 0) state_->join(state, {later.data(), joining}, unseen_variance(), joined_);
   const std::optional<SceneEstimate>& scene = step.scene;
   SceneView view;
   if (scene) view.T_world_camera = scene->T_world_camera;
@@ -274,6 +274,7 @@ Result<void> OnlineStage::emit_step(std::size_t i, std::size_t ahead, const Emit
       .budget = budget_,
       .darkest = darkest_,
       .white = white_,
+      .unseen_variance = unseen_variance(),
       .reference_exposure = step.frame.reference_exposure};
   if (timing_) timing_(Stage::LookAhead, watch.lap_ms());
   return emit(estimate);

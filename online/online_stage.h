@@ -73,6 +73,7 @@ class OnlineStage {
   }
   bool second_layer_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
   void lower_darkest(const ExposureTables& tables);
+  float unseen_variance() const { return unseen_variance_from(white_); }
 
   const Knobs knobs_;
   FrameBudget budget_;

@@ -14,8 +14,8 @@ SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPo
       pool_(pool),
       gpu_(gpu) {}
 
-Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float white, const Response& response,
-                                        const FitBudget& budget) {
+Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_variance,
+                                        const Response& response, const FitBudget& budget) {
   Stopwatch watch;
   const bool begins = !field_ || rested_;
   if (begins) begin(seen.frame);
@@ -24,7 +24,7 @@ Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float white, cons
   const CameraPose& pose = poses_->estimate(input);
   const DepthMap& depth = depth_->estimate(input, pose);
   if (timing_) timing_(Stage::Pose, watch.lap_ms());
-  TRY(field_->observe({input.frame, input.state, white, input.motion, pose, depth, response}));
+  TRY(field_->observe({input.frame, input.state, unseen_variance, input.motion, pose, depth, response}));
   const FitReport fit = field_->fit(budget);
   if (timing_) timing_(Stage::Fit, watch.lap_ms());
   return SceneEstimate{pose.T_world_camera, world_, stated_pose(seen.frame, pose), &depth, fit};

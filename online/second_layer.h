@@ -35,9 +35,9 @@ class SecondLayer {
 
   // --- each frame, in the order of the stream: one of the two ---
   // Takes the frame into pose, depth and field, and fits the field within the budget. seen.motion: not read
-  // at the first frame and after a rest. white: radiance that saturates the shortest exposure so far. Needs a
-  // field (FieldKind). Errors: those of SceneField::observe.
-  Result<SceneEstimate> take(const SeenFrame& seen, float white, const Response& response,
+  // at the first frame and after a rest. unseen_variance: from which on a pixel of the state counts as
+  // unseen. Needs a field (FieldKind). Errors: those of SceneField::observe.
+  Result<SceneEstimate> take(const SeenFrame& seen, float unseen_variance, const Response& response,
                              const FitBudget& budget);
   // The layer has no part in the frame, and begins anew with the next one that it takes.
   void rest() { rested_ = true; }

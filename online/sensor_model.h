@@ -47,8 +47,8 @@ class SensorModel {
   // one.
   float count_blur(ExposedFrame& frame) const;
   // Compares the frame with the state of the frame before. motion: from its pixels to the state's; stated: as
-  // count_blur() returned it; white: as known_limit() takes it.
-  void compare(const ExposedFrame& frame, float stated, const FlowField& motion, float white);
+  // count_blur() returned it; unseen_variance: from which on a pixel of the state counts as unseen.
+  void compare(const ExposedFrame& frame, float stated, const FlowField& motion, float unseen_variance);
   // Whether learn_noise() wants the pair that the frame makes with the one before it.
   bool learns_noise(const ExposedFrame& frame) const;
   // motion: between the two, rated along the pixels of the shorter exposure (noise_is_seen_in_newer).

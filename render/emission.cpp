@@ -25,8 +25,8 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
   frame.lens = estimate.view.lens;
   frame.lens_is_assumed = estimate.lens_is_assumed;
   judge(estimate, offset, frame);
-  colour_black_channels({estimate.darkest, known_limit(estimate.white), offset}, estimate.state,
-                        frame.radiance, pool_);
+  colour_black_channels({estimate.darkest, estimate.unseen_variance, offset}, estimate.state, frame.radiance,
+                        pool_);
   shrinkage_.apply(frame.radiance, estimate.state.variance,
                    {offset, estimate.noise_origin, estimate.budget.shrinkage});
 }
@@ -35,7 +35,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
 void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& frame) {
   const RadianceEstimate& state = estimate.state;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
-  const float known = known_limit(estimate.white);
+  const float known = estimate.unseen_variance;
   frame.sigma.reshape(1, rows, cols);
   frame.provenance.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {

@@ -109,7 +109,7 @@ void RenderStage::emit_field(const FrameEstimate& estimate, HdrFrame& frame) {
 
 // The pixels of a reduced view that unseen pixels read; false where every pixel was seen.
 bool RenderStage::mark_unseen(const FrameEstimate& estimate, int step) {
-  const float known = known_limit(estimate.white);
+  const float known = estimate.unseen_variance;
   const Image<float>& variance = estimate.state.variance;
   const SceneView view = reduced(estimate.view, step);
   unseen_.reshape(1, view.rows, view.cols);
@@ -145,7 +145,7 @@ void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
     estimate.field->look(view, pool_, view_);
   }
 
-  const float known = known_limit(estimate.white);
+  const float known = estimate.unseen_variance;
   const int cols = frame.radiance.cols();
   const Image<float>& variance = estimate.state.variance;
   pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {

@@ -4,6 +4,7 @@
 
 #include "online/state/exposure_tables.h"
 #include "online/state/fusion_kernels.h"
+#include "online/state/radiance_state.h"
 
 namespace hdrcam {
 
@@ -73,9 +74,10 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
   });
   add_rows(tasks, "fusion: ageing", rows, cols, 18, 8, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
-    kernels.age({r.row(0, y), r.row(7, y), room->share.row(0, y), r.row(4, y), room->share.row(1, y),
-                 r.row(2, y), r.row(3, y), 1.05f, 1e-4f, 0.002f, 1e6f, 1e9f, 1e-3f, room->out.row(3, y)},
-                cols);
+    kernels.age(
+        {r.row(0, y), r.row(7, y), room->share.row(0, y), r.row(4, y), room->share.row(1, y), r.row(2, y),
+         r.row(3, y), 1.05f, 1e-4f, 0.002f, 1e6f, kUnseenVariance, 1e-3f, room->out.row(3, y)},
+        cols);
   });
 }
 

@@ -59,7 +59,7 @@ void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::siz
   const float here = radiance.at(c, y, x), variance = estimate.state.variance.at(c, y, x);
   const Offset motion = offset_at(estimate.to_previous->vectors, x, y);
   const float length = std::sqrt(motion.x * motion.x + motion.y * motion.y);
-  const bool known = variance <= known_limit(estimate.white);
+  const bool known = variance <= estimate.unseen_variance;
   radiance_[to] =
       known ? here : here * std::exp2(kUnknownStops * spread(to * kFrames + frames_, 0.6180339887));
   kept_[to] = std::clamp(estimate.to_previous->confidence.at(0, y, x), 0.f, 1.f);

@@ -128,12 +128,11 @@ void NoiseEstimator::add_pair(const ExposedFrame& a, const ExposedFrame& b, cons
     for (int i = 0; i < found_[static_cast<std::size_t>(row)]; ++i) {
       const auto of = [&](Compared plane) { return compared_.at(plane, row, i); };
       const float exposure = of(kExposure), left = of(kLeft), slope_a = of(kSlopeA), slope_b = of(kSlopeB);
-      Bin& bin = bins[static_cast<std::size_t>(of(kBin))];
-      bin.add(of(kDifference));
-      bin.shot_sum += static_cast<double>(exposure * (gains.a + left * ratio * gains.b));
-      bin.read_sum += static_cast<double>(gains.a * gains.a + left * ratio * ratio * gains.b * gains.b);
-      bin.code_sum += static_cast<double>(slope_a * slope_a + left * slope_b * slope_b);
-      bin.relative_sum += static_cast<double>(exposure * exposure);
+      bins[static_cast<std::size_t>(of(kBin))].add(
+          of(kDifference), {.shot = exposure * (gains.a + left * ratio * gains.b),
+                            .read = gains.a * gains.a + left * ratio * ratio * gains.b * gains.b,
+                            .code = slope_a * slope_a + left * slope_b * slope_b,
+                            .relative = exposure * exposure});
     }
 }
 
@@ -169,10 +168,12 @@ NoiseEstimator::Equation NoiseEstimator::equation_of(const Bin& bin, std::vector
   constexpr double kNeighbours = 4;    // differences per independent one
   sorted.assign(bin.differences.begin(), bin.differences.end());
   const auto n = static_cast<double>(sorted.size());
-  return {bin.shot_sum / bin.count,
-          bin.read_sum / bin.count,
-          bin.code_sum / bin.count,
-          bin.relative_sum / bin.count,
+  Factors<double> sum{};
+  for (const Factors<float>& its : bin.factors) {
+    sum.shot += static_cast<double>(its.shot), sum.read += static_cast<double>(its.read);
+    sum.code += static_cast<double>(its.code), sum.relative += static_cast<double>(its.relative);
+  }
+  return {{sum.shot / n, sum.read / n, sum.code / n, sum.relative / n},
           std::max(1e-14, robust_spread(sorted).variance),
           std::sqrt(kModelError * kModelError + 3 * kNeighbours / n)};
 }
@@ -205,9 +206,9 @@ NoiseModel NoiseEstimator::solve(const NoiseModel& otherwise) {
     const double shot = std::exp(-p[kFullWell]), read = std::exp(2 * (p[kReadNoise] - p[kFullWell]));
     const double code = std::exp(2 * p[kCodeNoise]), relative = std::exp(2 * p[kRelativeNoise]);
     for (const Equation& e : equations_) {
-      const double of_shot = shot * e.shot_factor, of_read = read * e.read_factor;
-      const double of_code = code * e.code_factor, of_match = relative * e.relative_factor;
-      const double model = of_shot + of_read + of_code + of_match + quantisation * e.code_factor;
+      const double of_shot = shot * e.factors.shot, of_read = read * e.factors.read;
+      const double of_code = code * e.factors.code, of_match = relative * e.factors.relative;
+      const double model = of_shot + of_read + of_code + of_match + quantisation * e.factors.code;
       Parameters gradient;  // of ln model
       gradient << -of_shot - 2 * of_read, 2 * of_read, 2 * of_code, 2 * of_match;
       gradient /= model;

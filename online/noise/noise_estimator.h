@@ -48,26 +48,31 @@ class NoiseEstimator {
   NoiseModel solve(const NoiseModel& otherwise);
 
  private:
-  // One bin of brightness at one exposure ratio; it keeps the newest kCapacity differences. All bins of a
-  // ratio are allocated when it first occurs, so that a scene that brightens later allocates nothing.
+  // variance = shot * factor of shot + read * factor of read + .., in relative exposure squared
+  template <class Number>
+  struct Factors {
+    Number shot, read, code, relative;
+  };
+  // One bin of brightness at one exposure ratio; it keeps the newest kCapacity differences and the factors of
+  // each, which go by its gains. All bins of a ratio are allocated when it first occurs, so that a scene that
+  // brightens later allocates nothing.
   struct Bin {
     static constexpr std::size_t kCapacity = 4096;
-    std::vector<float> differences;
+    std::vector<float> differences;  // apart from their factors, for they are sorted
+    std::vector<Factors<float>> factors;
     std::size_t next = 0;
-    double count = 0, shot_sum = 0, read_sum = 0, code_sum = 0, relative_sum = 0;
-    Bin() { differences.reserve(kCapacity); }
-    void add(float difference) {
+    Bin() { differences.reserve(kCapacity), factors.reserve(kCapacity); }
+    void add(float difference, const Factors<float>& its) {
       if (differences.size() < kCapacity)
-        differences.push_back(difference);
+        differences.push_back(difference), factors.push_back(its);
       else
-        differences[next] = difference, next = (next + 1) % kCapacity;
-      count += 1;
+        differences[next] = difference, factors[next] = its, next = (next + 1) % kCapacity;
     }
   };
-  // The equation of one bin: variance = shot * shot_factor + read * read_factor + code * code_factor + ...,
-  // in relative exposure squared, with an uncertainty of `sigma` in ln.
+  // The equation of one bin, with the mean of its factors and an uncertainty of `sigma` in ln.
   struct Equation {
-    double shot_factor, read_factor, code_factor, relative_factor, variance, sigma;
+    Factors<double> factors;
+    double variance, sigma;
   };
   enum Compared : int;
   int compare_row(const ExposedFrame& a, const FlowField& a_to_b, const Response& response, float ratio,

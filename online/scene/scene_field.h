@@ -24,7 +24,7 @@ namespace hdrcam {
 struct SceneObservation {
   const ExposedFrame& frame;
   const RadianceState& state;  // includes this frame
-  float white;                 // radiance that saturates the shortest exposure so far
+  float unseen_variance;       // from which on a pixel counts as unseen
   const StateMotion& motion;   // between the previous frame and this one; empty at the first
   const CameraPose& pose;
   const DepthMap& depth;  // may be empty

@@ -10,19 +10,14 @@ class CpuState final : public StateLayer {
   CpuState(const StateOptions& options, int rows, int cols, WorkerPool& pool)
       : filter_(options, rows, cols, pool), look_ahead_(pool) {}
 
-  void restart(const StateInput& input) override {
-    filter_.fusion().set_white(input.white);
-    filter_.restart(input.frame, input.tables);
-  }
+  void restart(const StateInput& input) override { filter_.restart(input); }
   void forget_residuals() override { filter_.forget_residuals(); }
   void advance(const StateInput& input, const FlowField& to_previous) override {
-    filter_.fusion().set_white(input.white);
-    filter_.advance(input.frame, input.tables, to_previous, input.blur_fraction());
+    filter_.advance(input, to_previous);
   }
-  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
+  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
             JoinedState& joined) override {
-    filter_.fusion().set_white(white);
-    look_ahead_.join(of, later, filter_.fusion(), joined);
+    look_ahead_.join(of, later, unseen_variance, filter_.fusion(), joined);
   }
   // Goes on from what another layer knew.
   void resume(const RadianceState& state, const SampleResiduals& residuals) {

@@ -36,8 +36,10 @@ void Fusion::model_blur(const RadianceEstimate& state, const Image<float>& flow,
   if (samples.blurred) blur_difference(state.radiance, flow, fraction, samples.blur, pool_);
 }
 
-void Fusion::gate(const RadianceEstimate& state, const Samples& samples, const ExposureTables& tables,
-                  const Image<float>& confidence, Image<float>& gate, Image<float>& contrast) {
+void Fusion::gate(const Seen& seen, const Image<float>& confidence, Image<float>& gate,
+                  Image<float>& contrast) {
+  const RadianceEstimate& state = seen.state;
+  const Samples& samples = seen.samples;
   const FusionOptions& o = options_;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const float relative2 = o.chi2_relative * o.chi2_relative, texture2 = o.chi2_texture * o.chi2_texture;
@@ -53,11 +55,11 @@ void Fusion::gate(const RadianceEstimate& state, const Samples& samples, const E
     for (int c = 0; c < 3; ++c) {
       picture_kernels().window(
           window_at(state.radiance.plane(c), rows, cols, y, 1, mean, contrast.row(c, y)));
-      fusion_kernels().compare(
-          {state.radiance.row(c, y), state.variance.row(c, y), mean, contrast.row(c, y),
-           samples.radiance.row(c, y), samples.comparable.row(c, y), samples.blur_row(c, y),
-           noise_of(tables, c), known_limit(white_), relative2, texture2, o.blur_tolerance, chi2, covered},
-          cols);
+      fusion_kernels().compare({state.radiance.row(c, y), state.variance.row(c, y), mean, contrast.row(c, y),
+                                samples.radiance.row(c, y), samples.comparable.row(c, y),
+                                samples.blur_row(c, y), noise_of(seen.tables, c), seen.unseen_variance,
+                                relative2, texture2, o.blur_tolerance, chi2, covered},
+                               cols);
     }
   });
 
@@ -84,17 +86,17 @@ void Fusion::gate(const RadianceEstimate& state, const Samples& samples, const E
   });
 }
 
-void Fusion::update(const RadianceEstimate& before, const Samples& samples, const ExposureTables& tables,
-                    const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
+void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
                     Image<float>& share, SampleOrder order) {
+  const RadianceEstimate& before = seen.state;
+  const Samples& samples = seen.samples;
   CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
   const int rows = before.radiance.rows(), cols = before.radiance.cols();
-  const float known = known_limit(white_);
   const float relative2 = o.relative_noise * o.relative_noise;
   const ScratchLease lines(pool_.scratch(), WorkerPool::bands_of(rows), cols,
                            {{&mean_, 1}, {&doubt_, 1}, {&misaligned_, 1}, {&guess_, 9}});
-  const float texture_error = tables.texture_error();
+  const float texture_error = seen.tables.texture_error();
   after.radiance.reshape_like(before.radiance);
   after.variance.reshape_like(before.variance);
   share.reshape(1, rows, cols);
@@ -105,7 +107,7 @@ void Fusion::update(const RadianceEstimate& before, const Samples& samples, cons
   const auto guess = [&](int band, int y) {
     for (int c = 0; c < 3; ++c)
       fusion_kernels().stand_in({before.radiance.row(c, y), before.variance.row(c, y),
-                                 samples.radiance.row(c, y), known, guess_line(band, c, y)},
+                                 samples.radiance.row(c, y), seen.unseen_variance, guess_line(band, c, y)},
                                 cols);
   };
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
@@ -140,12 +142,12 @@ void Fusion::update(const RadianceEstimate& before, const Samples& samples, cons
                                .blur = samples.blur_row(c, y),
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
                                .extra = texture_error > 0 || moved != nullptr ? doubt : nullptr,
-                               .noise = noise_of(tables, c),
-                               .known = known,
+                               .noise = noise_of(seen.tables, c),
+                               .known = seen.unseen_variance,
                                .relative2 = relative2,
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,
-                               .least = tables.least_radiance(c),
+                               .least = seen.tables.least_radiance(c),
                                .starts = order == SampleOrder::FirstFrame,
                                .new_state = after.radiance.row(c, y),
                                .new_variance = after.variance.row(c, y),

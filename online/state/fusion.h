@@ -34,6 +34,14 @@ class SamplesLease {
   const ScratchLease room_;
 };
 
+// A state and samples at its pixels.
+struct Seen {
+  const RadianceEstimate& state;
+  const Samples& samples;
+  const ExposureTables& tables;  // at the samples' exposure
+  float unseen_variance;         // from which on a pixel of the state counts as unseen
+};
+
 // Samples that were moved, for the variance that this adds: the local contrast at the pixels that they were
 // moved to [rgb, rows, cols], and the flow along which they were read, over as many intervals.
 struct Moved {
@@ -63,8 +71,6 @@ class Fusion {
   Fusion(FusionOptions options, WorkerPool& pool) : options_(options), pool_(pool) {}
 
   const FusionOptions& options() const { return options_; }
-  void set_white(float white) { white_ = white; }
-  float white() const { return white_; }
 
   // Without blur, until model_blur(). codes: [rgb, rows, cols]; brightest: the largest code around the
   // place of a warped one, or codes itself.
@@ -79,16 +85,14 @@ class Fusion {
   // The confidence that state and samples show the same surface: [1, rows, cols] 0..1, from agreement over
   // 5x5 pixels, from `confidence` of the motion, and from the bound that a clipped sample gives. contrast:
   // becomes the local contrast of the state, [rgb, rows, cols].
-  void gate(const RadianceEstimate& state, const Samples& samples, const ExposureTables& tables,
-            const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
+  void gate(const Seen& seen, const Image<float>& confidence, Image<float>& gate, Image<float>& contrast);
 
-  // Inverse-variance update of the state `before` by the samples, after subtracting the blur as far as the
+  // Inverse-variance update of the state by the samples, after subtracting the blur as far as the
   // state is certain of it; gate, and what was moved to these pixels, may be null. Where no frame saw the
   // pixel unclipped, the radiance becomes the larger of the bounds. Writes `after`, another estimate than
-  // `before`, and each pixel's share of this sample into `share`.
-  void update(const RadianceEstimate& before, const Samples& samples, const ExposureTables& tables,
-              const Image<float>* gate, const Moved* moved, RadianceEstimate& after, Image<float>& share,
-              SampleOrder order = SampleOrder::AfterFirst);
+  // the state, and each pixel's share of this sample into `share`.
+  void update(const Seen& seen, const Image<float>* gate, const Moved* moved, RadianceEstimate& after,
+              Image<float>& share, SampleOrder order = SampleOrder::AfterFirst);
 
   // Variance that reading along the flow adds to row y, per local contrast: misalignment, of each interval
   // that it is chained of, and interpolation.
@@ -96,7 +100,6 @@ class Fusion {
 
  private:
   FusionOptions options_;
-  float white_ = 1;
   WorkerPool& pool_;
   // borrowed during a call
   Image<float> disagreement_, coverage_;

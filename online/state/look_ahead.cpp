@@ -5,8 +5,8 @@
 
 namespace hdrcam {
 
-void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> later, Fusion& fusion,
-                     JoinedState& joined) {
+void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> later, float unseen_variance,
+                     Fusion& fusion, JoinedState& joined) {
   CHECK(!later.empty());
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const SamplesLease room(pool_.scratch(), state.radiance, samples_);
@@ -26,12 +26,12 @@ void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> 
     const float fraction = ahead.frame->blur_fraction / static_cast<float>(i + 1);  // of the path's time
     fusion.model_blur(*before, path->vectors, fraction, samples_);
     const ScratchLease more(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
-    fusion.gate(*before, samples_, *ahead.tables, path->confidence, gate_, contrast_);
+    const Seen seen{*before, samples_, *ahead.tables, unseen_variance};
+    fusion.gate(seen, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
     RadianceEstimate& after = (later.size() - i) % 2 == 1 ? joined : between_;
     const Moved moved{contrast_, path->vectors, static_cast<int>(i) + 1};
-    fusion.update(*before, samples_, *ahead.tables, &gate_, &moved, after,
-                  i == 0 ? joined.later_share : share_);
+    fusion.update(seen, &gate_, &moved, after, i == 0 ? joined.later_share : share_);
     before = &after;
     if (i == 0) continue;
     for_samples(share_, pool_, [&](std::size_t i0, std::size_t i1) {

@@ -28,9 +28,10 @@ class LookAhead {
  public:
   explicit LookAhead(WorkerPool& pool) : pool_(pool) {}
 
-  // later: the following frames, nearest first; one at least.
-  void join(const RadianceEstimate& state, std::span<const LaterFrame> later, Fusion& fusion,
-            JoinedState& joined);
+  // later: the following frames, nearest first; one at least. unseen_variance: from which on a pixel of the
+  // state counts as unseen.
+  void join(const RadianceEstimate& state, std::span<const LaterFrame> later, float unseen_variance,
+            Fusion& fusion, JoinedState& joined);
 
  private:
   const FlowField& lengthened(const FlowField& path, const FlowField& next);

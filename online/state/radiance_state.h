@@ -5,11 +5,13 @@
 
 namespace hdrcam {
 
-// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound.
-constexpr float kUnseenVariance = 1e9f;
-// A pixel with a variance above this is treated as unseen: nothing is known except that it is not black.
-// white: the radiance that saturates the shortest exposure of the clip.
-inline float known_limit(float white) { return 0.1f * white * white; }
+// The variance of a pixel that no frame saw unclipped: its radiance is a lower bound. Far above the
+// variance from which on a pixel counts as unseen, by day after a night, too; its quotients by squares of
+// what is barely visible are finite.
+constexpr float kUnseenVariance = 1e30f;
+// The variance from which on a pixel counts as unseen (`unseen_variance` elsewhere): nothing is known except
+// that it is not black. white: the radiance that saturates the shortest exposure so far.
+inline float unseen_variance_from(float white) { return 0.1f * white * white; }
 
 struct RadianceEstimate {
   Image<float> radiance;  // [rgb, rows, cols]

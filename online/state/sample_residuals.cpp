@@ -35,12 +35,12 @@ int SampleResiduals::slot_of(float exposure) {
 }
 
 void SampleResiduals::observe(const RadianceEstimate& predicted, const Samples& samples,
-                              const Image<float>& confidence, const ExposureTables& tables, float white,
-                              WorkerPool& pool) {
+                              const Image<float>& confidence, const ExposureTables& tables,
+                              float unseen_variance, WorkerPool& pool) {
   begin();
   VarianceExcess& slot = excess_[slot_of(tables.exposure())];
   pool.for_each(3, [&](int channel) {
-    take_all(channel, predicted, samples, confidence, tables, known_limit(white));
+    take_all(channel, predicted, samples, confidence, tables, unseen_variance);
     learn(static_cast<std::size_t>(channel), slot);
   });
 }

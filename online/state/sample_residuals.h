@@ -33,10 +33,10 @@ class SampleResiduals {
  public:
   SampleResiduals();
 
-  // predicted: the state carried to the frame, before its samples are fused. white: as for
-  // known_limit().
+  // predicted: the state carried to the frame, before its samples are fused.
+  // unseen_variance: from which on a pixel of it counts as unseen.
   void observe(const RadianceEstimate& predicted, const Samples& samples, const Image<float>& confidence,
-               const ExposureTables& tables, float white, WorkerPool& pool);
+               const ExposureTables& tables, float unseen_variance, WorkerPool& pool);
 
   // The same in three steps, for callers that select the pixels themselves (kResidualSampling): start a
   // frame, add each selected pixel in a fixed order, learn the frame's excess.

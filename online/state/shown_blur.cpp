@@ -60,13 +60,13 @@ void ShownBlur::observe_exposure(const ExposedFrame& frame) {
 }
 
 void ShownBlur::observe(const ExposedFrame& frame, float stated, const RadianceState& state,
-                        const FlowField& to_previous, const ExposureTables& tables, float white) {
+                        const FlowField& to_previous, const ExposureTables& tables, float unseen_variance) {
   if (to_previous.vectors.empty() || stated < kLeastStated) return;
   if (settling_ > 0) {
     --settling_;
     return;
   }
-  const Seen seen{frame, state, to_previous, tables, stated, known_limit(white)};
+  const Seen seen{frame, state, to_previous, tables, stated, unseen_variance};
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
   lines_.assign(static_cast<std::size_t>((rows + lines_apart - 1) / lines_apart), {});

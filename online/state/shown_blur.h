@@ -31,9 +31,9 @@ class ShownBlur {
   float counted(float stated) const { return shown_ ? stated : 0; }
 
   // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
-  // white: as known_limit() takes it.
+  // unseen_variance: from which on a pixel of the state counts as unseen.
   void observe(const ExposedFrame& frame, float stated, const RadianceState& state,
-               const FlowField& to_previous, const ExposureTables& tables, float white);
+               const FlowField& to_previous, const ExposureTables& tables, float unseen_variance);
   // The comparisons so far do not hold any more, because the response became another one; what they decided
   // does not depend on it.
   void forget() { evidence_ = {}; }

@@ -12,7 +12,8 @@ StateFilter::StateFilter(StateOptions options, int rows, int cols, WorkerPool& p
   state_.own_share = Image<float>(1, rows, cols);
 }
 
-void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& tables) {
+void StateFilter::restart(const StateInput& input) {
+  const auto& [frame, tables, unseen_variance, blurs] = input;
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const SamplesLease room(pool_.scratch(), frame.codes, samples_);
   const ScratchLease more(pool_.scratch(), rows, cols,
@@ -21,31 +22,32 @@ void StateFilter::restart(const ExposedFrame& frame, const ExposureTables& table
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
   predicted_.radiance.copy_from(samples_.radiance);
   predicted_.variance.fill(kUnseenVariance);
-  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share,
+  fusion_.update({predicted_, samples_, tables, unseen_variance}, nullptr, nullptr, state_, state_.own_share,
                  SampleOrder::FirstFrame);
 }
 
-void StateFilter::advance(const ExposedFrame& frame, const ExposureTables& tables,
-                          const FlowField& to_previous, float blur_fraction) {
+void StateFilter::advance(const StateInput& input, const FlowField& to_previous) {
+  const auto& [frame, tables, unseen_variance, blurs] = input;
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const SamplesLease room(pool_.scratch(), frame.codes, samples_);
   const ScratchLease more(pool_.scratch(), rows, cols,
                           {{&predicted_.radiance, 3}, {&predicted_.variance, 3}});
   fusion_.sample(frame.codes, frame.codes, tables, samples_);
-  predict(to_previous, blur_fraction, tables);
-  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, fusion_.white(), pool_);
-  fusion_.update(predicted_, samples_, tables, nullptr, nullptr, state_, state_.own_share);
+  predict(input, to_previous);
+  residuals_.observe(predicted_, samples_, to_previous.confidence, tables, unseen_variance, pool_);
+  fusion_.update({predicted_, samples_, tables, unseen_variance}, nullptr, nullptr, state_, state_.own_share);
 }
 
-void StateFilter::predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables) {
+void StateFilter::predict(const StateInput& input, const FlowField& to_previous) {
   const Image<float>& flow = to_previous.vectors;
   const int rows = flow.rows(), cols = flow.cols();
   warp_radiance(state_.radiance, flow, predicted_.radiance, pool_);
   warp_linear(state_.variance, flow, predicted_.variance, pool_);
-  fusion_.model_blur(predicted_, flow, blur_fraction, samples_);
+  fusion_.model_blur(predicted_, flow, input.blur_fraction(), samples_);
   const ScratchLease room(pool_.scratch(), rows, cols, {{&gate_, 1}, {&contrast_, 3}});
   const ScratchLease lines(pool_.scratch(), WorkerPool::bands_of(rows), cols, {{&per_contrast_, 1}});
-  fusion_.gate(predicted_, samples_, tables, to_previous.confidence, gate_, contrast_);
+  fusion_.gate({predicted_, samples_, input.tables, input.unseen_variance}, to_previous.confidence, gate_,
+               contrast_);
 
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
     float* per_contrast = per_contrast_.row(0, band);
@@ -61,9 +63,9 @@ void StateFilter::predict(const FlowField& to_previous, float blur_fraction, con
                             .growth = 1 + options_.variance_growth,
                             .relative2 = options_.relative_growth * options_.relative_growth,
                             .floor = options_.fusion.gate_floor,
-                            .known = known_limit(fusion_.white()),
+                            .known = input.unseen_variance,
                             .unseen = kUnseenVariance,
-                            .least = tables.least_radiance(c),
+                            .least = input.tables.least_radiance(c),
                             .new_variance = predicted_.variance.row(c, y)},
                            cols);
   });

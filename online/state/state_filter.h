@@ -15,12 +15,23 @@ struct StateOptions {
   float relative_growth = 0.01f;  // of radiance per frame: changing light
 };
 
+// A frame as the state takes it. Its index stands for its codes: from one restart() to the next they are the
+// same whenever the frame comes, also as a later one.
+struct StateInput {
+  const ExposedFrame& frame;
+  const ExposureTables& tables;  // at its exposure
+  float unseen_variance;         // from which on a pixel of the state counts as unseen
+  bool blurs = true;             // motion during the exposure counts
+
+  float blur_fraction() const { return blurs ? frame.blur_fraction : 0; }
+};
+
 class StateFilter {
  public:
   StateFilter(StateOptions options, int rows, int cols, WorkerPool& pool);
 
   // Starts with the first frame of a clip or of a new scene and discards the state.
-  void restart(const ExposedFrame& frame, const ExposureTables& tables);
+  void restart(const StateInput& input);
 
   // What residuals told is of another response: before the tables of the next frame are made.
   void forget_residuals() { residuals_ = SampleResiduals(); }
@@ -33,9 +44,7 @@ class StateFilter {
 
   // Carries the state from the previous frame to this one along `to_previous` (this frame -> the previous
   // one) and updates it with this frame's samples.
-  // blur_fraction: of the interval, over which motion blurs the frame; 0 where that does not count.
-  void advance(const ExposedFrame& frame, const ExposureTables& tables, const FlowField& to_previous,
-               float blur_fraction);
+  void advance(const StateInput& input, const FlowField& to_previous);
 
   const RadianceState& state() const { return state_; }
   const SampleResiduals& residuals() const { return residuals_; }
@@ -43,7 +52,7 @@ class StateFilter {
 
  private:
   // Carries the state to the frame of samples_.
-  void predict(const FlowField& to_previous, float blur_fraction, const ExposureTables& tables);
+  void predict(const StateInput& input, const FlowField& to_previous);
 
   StateOptions options_;
   WorkerPool& pool_;

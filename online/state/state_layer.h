@@ -14,17 +14,6 @@
 
 namespace hdrcam {
 
-// A frame as the state takes it. Its index stands for its codes: from one restart() to the next they are the
-// same whenever the frame comes, also as a later one.
-struct StateInput {
-  const ExposedFrame& frame;
-  const ExposureTables& tables;  // at its exposure
-  float white;                   // as known_limit() takes it
-  bool blurs = true;             // motion during the exposure counts
-
-  float blur_fraction() const { return blurs ? frame.blur_fraction : 0; }
-};
-
 class StateLayer {
  public:
   virtual ~StateLayer() = default;
@@ -34,7 +23,7 @@ class StateLayer {
   virtual void forget_residuals() = 0;
   virtual void advance(const StateInput& input, const FlowField& to_previous) = 0;
   // As LookAhead::join; of: state(), or a copy of an earlier one.
-  virtual void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
+  virtual void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
                     JoinedState& joined) = 0;
 
   virtual const RadianceState& state() const = 0;

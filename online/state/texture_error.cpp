@@ -28,9 +28,10 @@ float between(const float* v, float t) {
 }  // namespace
 
 void TextureError::observe(const ExposedFrame& frame, const RadianceState& state,
-                           const FlowField& to_previous, const ExposureTables& tables, float white) {
+                           const FlowField& to_previous, const ExposureTables& tables,
+                           float unseen_variance) {
   if (to_previous.vectors.empty()) return;
-  const Seen seen{frame, state, to_previous, tables, known_limit(white)};
+  const Seen seen{frame, state, to_previous, tables, unseen_variance};
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
   const int lines = (rows - 2 * kMargin + lines_apart - 1) / lines_apart;

@@ -21,9 +21,9 @@ class TextureError {
   explicit TextureError(WorkerPool& pool) : pool_(pool) {}
 
   // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
-  // white: as known_limit() takes it.
+  // unseen_variance: from which on a pixel of the state counts as unseen.
   void observe(const ExposedFrame& frame, const RadianceState& state, const FlowField& to_previous,
-               const ExposureTables& tables, float white);
+               const ExposureTables& tables, float unseen_variance);
 
   // The share of the local contrast (variance of 3x3 pixels) that a sample's variance has on top of its
   // noise. 0 for cameras that leave textures alone.

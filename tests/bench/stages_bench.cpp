@@ -16,6 +16,8 @@
 namespace hdrcam {
 namespace {
 
+const float kUnseen = unseen_variance_from(4);
+
 struct Bench {
   test::MovingScene scene;
   WorkerPool pool;
@@ -31,8 +33,7 @@ struct Bench {
         frames(exposed(scene)),
         tables(response, {}, frames[1].exposure),
         filter({}, scene.rows, scene.cols, pool) {
-    filter.fusion().set_white(4);
-    filter.restart(frames[0], ExposureTables(response, {}, frames[0].exposure));
+    filter.restart({frames[0], ExposureTables(response, {}, frames[0].exposure), kUnseen});
     MotionEstimator(scene.rows, scene.cols, pool)
         .match(filter.state(), frames[1], tables, {FlowQuality::Medium}, {}, motion);
   }
@@ -73,8 +74,7 @@ void motion_match(benchmark::State& state) {
 void state_advance(benchmark::State& state) {
   Bench bench(threads(state));
   const ExposedFrame& frame = bench.frames[1];
-  for (auto _ : state)
-    bench.filter.advance(frame, bench.tables, bench.motion.to_previous, frame.blur_fraction);
+  for (auto _ : state) bench.filter.advance({frame, bench.tables, kUnseen}, bench.motion.to_previous);
 }
 
 void warp_radiance_rgb(benchmark::State& state) {

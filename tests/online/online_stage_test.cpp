@@ -312,6 +312,36 @@ TEST_CASE(
   CHECK(grid_step(FieldStep::Auto) == 2 * field_step_px(FieldStep::Auto, scene.rows, scene.cols));
 }
 
+TEST_CASE("by day after a night, what every exposure clips is emitted as a bound at the day's light") {
+  constexpr float kDay = 4e-6f;
+  const test::MovingScene scene;
+  WorkerPool pool(1);
+  OnlineStage online(state_alone(), scene.camera(), Response::gamma(scene.gamma), pool);
+  Emission emission(pool);
+  HdrFrame hdr;
+  int emitted = 0;
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    emission.render(estimate, hdr);
+    INFO("frame " << emitted);
+    for (const std::uint8_t from : hdr.provenance.samples())
+      REQUIRE(from == static_cast<std::uint8_t>(Provenance::Bound));
+    for (const float sigma : hdr.sigma.samples()) REQUIRE(sigma == 10);
+    if (emitted++ > 0)
+      for (const float l : hdr.radiance.samples()) REQUIRE(l == Approx(1 / kDay).epsilon(1e-3));
+    return {};
+  };
+  for (int i = 0; i < 8; ++i) {
+    ExposedFrame frame;
+    frame.index = i, frame.exposure = i < 2 ? 1 : kDay, frame.interval_s = 1 / scene.framerate_hz;
+    frame.facts.timestamp = Instant::from_seconds(i / scene.framerate_hz);
+    frame.codes = Image<float>(3, scene.rows, scene.cols);
+    frame.codes.fill(kMaxCode);
+    REQUIRE(online.ingest(frame, {}, emit).ok());
+  }
+  REQUIRE(online.finish(emit).ok());
+  CHECK(emitted == 8);
+}
+
 TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
   test::MovingScene scene;
   scene.rows = 192, scene.cols = 256, scene.detail = 0.15;

@@ -47,7 +47,7 @@ Result<void> HashGridField::observe(const SceneObservation& seen) {
   told.codes = &frame.codes;
   told.radiance = &seen.state.radiance;
   told.variance = &seen.state.variance;
-  told.unseen_variance = known_limit(seen.white);  // a pixel that the state hardly knows counts as unseen
+  told.unseen_variance = seen.unseen_variance;
   told.to_previous = &seen.motion.to_previous;
   told.from_previous = &seen.motion.from_previous;
   if (!seen.depth.empty()) {

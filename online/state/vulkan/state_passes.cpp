@@ -131,7 +131,7 @@ void StatePasses::model_blur(const GpuPicture& state, const GpuPicture& motion, 
 
 void StatePasses::gate(const GpuSeen& seen, const GpuPicture& motion, const PassRoom& room,
                        const GpuPicture& gate, const GpuPicture& contrast) const {
-  const auto& [state, samples, tables, white] = seen;
+  const auto& [state, samples, tables, unseen_variance] = seen;
   const FusionOptions& o = options_.fusion;
   local_contrast(state, room.mean, contrast);
   const struct {
@@ -139,7 +139,7 @@ void StatePasses::gate(const GpuSeen& seen, const GpuPicture& motion, const Pass
     float known, exposure, relative2, texture2, blur_tolerance;
   } apart{state.rows,
           state.cols,
-          known_limit(white),
+          unseen_variance,
           tables.exposure,
           square(o.chi2_relative),
           square(o.chi2_texture),
@@ -155,7 +155,7 @@ void StatePasses::gate(const GpuSeen& seen, const GpuPicture& motion, const Pass
 }
 
 void StatePasses::age(const GpuSeen& seen, const GpuMoved& moved, const GpuPicture& gate) const {
-  const auto& [state, samples, tables, white] = seen;
+  const auto& [state, samples, tables, unseen_variance] = seen;
   const struct {
     int rows, cols;
     float growth, relative2, misalignment2, gate_floor, known, unseen;
@@ -165,14 +165,14 @@ void StatePasses::age(const GpuSeen& seen, const GpuMoved& moved, const GpuPictu
               square(options_.relative_growth),
               square(options_.fusion.misalignment),
               options_.fusion.gate_floor,
-              known_limit(white),
+              unseen_variance,
               kUnseenVariance};
   run(kAge, {*state, *moved.contrast, *moved.motion, *gate, *samples, tables.curves.get()}, constants,
       moved.contrast.grid());
 }
 
 void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const GpuPicture& found) const {
-  const auto& [state, samples, tables, white] = seen;
+  const auto& [state, samples, tables, unseen_variance] = seen;
   constexpr ResidualSampling kHow = kResidualSampling;
   static_assert(kHow.stride_px == 2);
   const struct {
@@ -184,7 +184,7 @@ void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const
               found.cols,
               kHow.line_step_px(state.rows, state.cols),
               static_cast<int>(VarianceExcess::kBins),
-              known_limit(white),
+              unseen_variance,
               tables.exposure,
               kHow.least_confidence,
               kHow.misalignment,
@@ -195,12 +195,12 @@ void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const
 
 void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gate, const GpuMoved& moved,
                        const PassRoom& room, const GpuPicture& share) const {
-  const auto& [state, samples, tables, white] = seen;
+  const auto& [state, samples, tables, unseen_variance] = seen;
   const FusionOptions& o = options_.fusion;
   const struct {
     int rows, cols;
     float known;
-  } choice{state.rows, state.cols, known_limit(white)};
+  } choice{state.rows, state.cols, unseen_variance};
   run(kGuess, {*state, *samples, *room.guess}, choice, room.guess.grid());
   if (tables.texture_error > 0)
     local_contrast(room.guess, room.mean, room.detail);
@@ -213,7 +213,7 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
               state.cols,
               taking == Taking::Later ? 1 : 0,
               taking == Taking::First ? 1 : 0,
-              known_limit(white),
+              unseen_variance,
               tables.exposure,
               square(o.relative_noise),
               o.blur_variance,

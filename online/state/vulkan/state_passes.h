@@ -27,12 +27,12 @@ struct GpuTables {
   void take(const ExposureTables& tables, GpuWork& work);
 };
 
-// A state and samples at its pixels, as the passes of Fusion take them.
+// As Seen.
 struct GpuSeen {
   const GpuPicture& state;    // RadianceState
   const GpuPicture& samples;  // Samples
   const GpuTables& tables;    // at the samples' exposure
-  float white;                // as known_limit() takes it
+  float unseen_variance;
 };
 
 // As Moved.

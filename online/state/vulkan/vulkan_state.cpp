@@ -95,13 +95,13 @@ void VulkanState::advance(const StateInput& input, const FlowField& to_previous)
     fall_back_to_cpu(done.error()).advance(input, to_previous);
 }
 
-void VulkanState::join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
+void VulkanState::join(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
                        JoinedState& joined) {
   CHECK(!later.empty());
-  if (processor_) return processor_->join(of, later, white, joined);
-  if (const Result<void> done = join_gpu(of, later, white, joined); !done) {
+  if (processor_) return processor_->join(of, later, unseen_variance, joined);
+  if (const Result<void> done = join_gpu(of, later, unseen_variance, joined); !done) {
     // `of` may be our own copy, which goes on living
-    fall_back_to_cpu(done.error()).join(of, later, white, joined);
+    fall_back_to_cpu(done.error()).join(of, later, unseen_variance, joined);
   }
 }
 
@@ -137,7 +137,7 @@ Result<void> VulkanState::restart_gpu(const StateInput& input) {
   download(work, on.samples, 0, 3, radiance);
   TRY(work.finish());
   upload_both(work, radiance, unseen, on.state);
-  on.passes.update({on.state, on.samples, on.tables, input.white}, on.room, on.share,
+  on.passes.update({on.state, on.samples, on.tables, input.unseen_variance}, on.room, on.share,
                    SampleOrder::FirstFrame);
   download_known(on.state);
   return work.finish();
@@ -160,7 +160,7 @@ Result<void> VulkanState::advance_gpu(const StateInput& input, const FlowField& 
   passes.sample(codes, codes, on.tables, on.samples);
   passes.warp_state(on.state, on.motion, on.room, on.predicted);
   passes.model_blur(on.predicted, on.motion, input.blur_fraction(), on.samples);
-  const GpuSeen seen{on.predicted, on.samples, on.tables, input.white};
+  const GpuSeen seen{on.predicted, on.samples, on.tables, input.unseen_variance};
   passes.gate(seen, on.motion, on.room, on.gate, on.contrast);
   passes.age(seen, {on.contrast, on.motion}, on.gate);
   const bool judges = rows_ > 2 && cols_ > 2;
@@ -183,8 +183,8 @@ void VulkanState::learn_residuals(float exposure) {
   residuals_.learn(exposure);
 }
 
-Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
-                                   JoinedState& joined) {
+Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later,
+                                   float unseen_variance, JoinedState& joined) {
   const GpuTurn turn(device_, &pool_);
   Room& on = *room_;
   const StatePasses& passes = on.passes;
@@ -213,7 +213,7 @@ Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const L
     // the path spans all intervals, the exposure lasts a part of the last one
     passes.model_blur(on.joined, on.path, ahead.frame->blur_fraction / static_cast<float>(intervals),
                       on.samples);
-    const GpuSeen seen{on.joined, on.samples, on.tables, white};
+    const GpuSeen seen{on.joined, on.samples, on.tables, unseen_variance};
     passes.gate(seen, on.path, on.room, on.gate, on.contrast);
     passes.join(seen, on.gate, {on.contrast, on.path, intervals}, on.room, on.share);
   }

@@ -21,7 +21,7 @@ class VulkanState final : public StateLayer {
   void restart(const StateInput& input) override;
   void forget_residuals() override;
   void advance(const StateInput& input, const FlowField& to_previous) override;
-  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
+  void join(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
             JoinedState& joined) override;
   const RadianceState& state() const override { return processor_ ? processor_->state() : known_; }
   const SampleResiduals& residuals() const override {
@@ -50,7 +50,7 @@ class VulkanState final : public StateLayer {
 
   Result<void> restart_gpu(const StateInput& input);
   Result<void> advance_gpu(const StateInput& input, const FlowField& to_previous);
-  Result<void> join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later, float white,
+  Result<void> join_gpu(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
                         JoinedState& joined);
   const GpuPicture& codes_of(const ExposedFrame& frame);
   void upload_motion(const FlowField& motion);

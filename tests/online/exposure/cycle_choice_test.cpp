@@ -86,6 +86,7 @@ class Loop {
                                  .fit = nullptr,
                                  .budget = {},
                                  .white = 16,
+                                 .unseen_variance = unseen_variance_from(16),
                                  .reference_exposure = reference_};
     ++frames_;
     auto request = choice_.observe(estimate, {response_, noise_, 1});

@@ -88,3 +88,43 @@ TEST_CASE("what single frames show of the noise is the start, and pairs correct 
   CHECK(after.read_noise == Approx(20).epsilon(0.12));
   CHECK(after.full_well == Approx(8000).epsilon(0.2));
 }
+
+TEST_CASE("after a change of gain the noise is that of the new frames, as soon as they fill the bins") {
+  constexpr float kFullWell = 1000, kReadNoise = 4, kGain = 16;  // electrons at the gain of the first frames
+  constexpr int kRows = 64, kStrips = 14, kStripCols = 16;       // half a stop apart
+  const Response response = Response::gamma(2.2f);
+  FlowField still{Image<float>(2, kRows, kStrips * kStripCols), Image<float>(1, kRows, kStrips * kStripCols)};
+  still.confidence.fill(1);
+  WorkerPool pool(2);
+  std::uint64_t key = 0;
+  int index = 0;
+  const auto frame_at = [&](float gain) {
+    const NoiseModel noise{.full_well = kFullWell / gain, .read_noise = kReadNoise};
+    ExposedFrame frame;
+    frame.index = index++;
+    frame.codes = Image<float>(3, kRows, kStrips * kStripCols);
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < frame.codes.cols(); ++x) {
+          const float light = 0.7f * std::exp2(-0.5f * static_cast<float>(x / kStripCols));
+          const auto grain = static_cast<float>(test::MovingScene::noise(++key));
+          const float seen = light + grain * std::sqrt(noise.exposure_variance(light));
+          frame.codes.at(c, y, x) = std::round(response.code_of(c, std::clamp(seen, 0.f, 1.f)));
+        }
+    return frame;
+  };
+  NoiseEstimator estimator(pool);
+  const auto full_well_after = [&](int pairs, float gain) {
+    ExposedFrame a = frame_at(gain);
+    for (int i = 0; i < pairs; ++i) {
+      ExposedFrame b = frame_at(gain);
+      estimator.add_pair(a, b, still, response, {gain, gain});
+      a = std::move(b);
+    }
+    return estimator.solve(NoiseModel{.code_noise = 0.05f}).full_well;
+  };
+  constexpr int kUntilFull = 30;  // pairs
+  CHECK(full_well_after(kUntilFull, 1) == Approx(kFullWell).epsilon(0.25));
+  CHECK(full_well_after(kUntilFull, 1 / kGain) == Approx(kFullWell).epsilon(0.25));
+  CHECK(full_well_after(kUntilFull, 1) == Approx(kFullWell).epsilon(0.25));
+}

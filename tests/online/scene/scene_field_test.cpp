@@ -91,7 +91,7 @@ struct Told {
       for (auto [to, from] : {std::pair{&motion.to_previous, &scene.to_previous},
                               std::pair{&motion.from_previous, &scene.from_previous}})
         to->vectors.copy_from(from->vectors), to->confidence.copy_from(from->confidence);
-    REQUIRE(field.observe({frame, state, 4, motion, pose, depth, scene.response}).ok());
+    REQUIRE(field.observe({frame, state, unseen_variance_from(4), motion, pose, depth, scene.response}).ok());
   }
   SceneView view(int rows_step = 1) const {
     SceneView full;
@@ -288,6 +288,7 @@ TEST_CASE("merged asks the field for what it fills only, and for all where depth
                  .fit = &fit,
                  .budget = budget,
                  .white = 4,
+                 .unseen_variance = unseen_variance_from(4),
                  .reference_exposure = 1},
                 frame);
     return wanted;
@@ -326,6 +327,7 @@ TEST_CASE("a field that is nothing like hash grids is emitted through the same s
                 .fit = &fit,
                 .budget = {.fit = {}, .fills = true},
                 .white = 4,
+                .unseen_variance = unseen_variance_from(4),
                 .reference_exposure = 1},
                frame);
   REQUIRE(frame.radiance.size() > 0);

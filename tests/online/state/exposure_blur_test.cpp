@@ -75,7 +75,7 @@ TEST_CASE("what is read along a path of two intervals is doubted twice as much a
 TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and leaves it sharp") {
   WorkerPool pool(1);
   Fusion fusion({}, pool);
-  fusion.set_white(4);
+  const float unseen = unseen_variance_from(4);
   const ExposureTables tables(Response::gamma(2.2f), {}, 1);
   Image<float> codes(3, kRows, kCols), confidence(1, kRows, kCols), gate, contrast, share;
   confidence.fill(1);
@@ -93,10 +93,10 @@ TEST_CASE("a long exposure of an edge that moves agrees with a sharp state and l
     Outcome out;
     state.variance.fill(1e-4f);
     if (modelled) fusion.model_blur(state, to_the_right(8), 0.75f, samples);
-    fusion.gate(state, samples, tables, confidence, gate, contrast);
+    fusion.gate({state, samples, tables, unseen}, confidence, gate, contrast);
     state.variance.fill(0.01f);
     RadianceState updated;
-    fusion.update(state, samples, tables, nullptr, nullptr, updated, share);
+    fusion.update({state, samples, tables, unseen}, nullptr, nullptr, updated, share);
     for (int x = 16; x < 48; ++x) {
       out.least_gate = std::min(out.least_gate, gate.at(0, 8, x));
       out.largest_error =

@@ -7,7 +7,7 @@ using namespace hdrcam;
 TEST_CASE(
     "samples that are steadily off lose weight, at their exposure and brightness, until they are right") {
   constexpr int kRows = 48, kCols = 64;
-  constexpr float kRadiance = 0.05f, kOffset = 0.01f, kWhite = 4;
+  constexpr float kRadiance = 0.05f, kOffset = 0.01f;
   const Response response = Response::gamma(2.2f);
   NoiseModel noise;
   noise.full_well = 1e6f, noise.code_noise = 0;
@@ -29,7 +29,7 @@ TEST_CASE(
   const auto see = [&](float offset, int frames) {
     samples.radiance.fill(kRadiance + offset);
     for (int i = 0; i < frames; ++i) {
-      residuals.observe(predicted, samples, confidence, tables, kWhite, pool);
+      residuals.observe(predicted, samples, confidence, tables, unseen_variance_from(4), pool);
       tables.rebuild(response, noise, residuals.excess(1));
     }
   };

@@ -10,7 +10,7 @@ using namespace hdrcam;
 namespace {
 
 constexpr int kRows = 120, kCols = 160;
-constexpr float kWhite = 4, kShiftX = 6, kShiftY = 3;  // pixels
+constexpr float kShiftX = 6, kShiftY = 3;  // pixels
 constexpr double kInterval_s = 1 / 30.0;
 
 const ExposureTables& tables() {
@@ -69,7 +69,7 @@ struct Moving {
     ShownBlur blur(pool);
     for (int i = 0; i < frames; ++i) {
       blur.observe_exposure(frame);
-      blur.observe(frame, stated(), state, motion, tables(), kWhite);
+      blur.observe(frame, stated(), state, motion, tables(), unseen_variance_from(4));
     }
     return blur.shown();
   }

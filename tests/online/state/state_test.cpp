@@ -12,6 +12,8 @@ using namespace hdrcam;
 
 namespace {
 
+const float kUnseen = unseen_variance_from(4);
+
 Image<float> texture(int rows, int cols) {
   Image<float> image(3, rows, cols);
   for (int c = 0; c < 3; ++c)
@@ -133,7 +135,6 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
   NoiseModel noise;
   noise.full_well = 400, noise.read_noise = 6, noise.code_noise = 0;
   StateFilter filter({}, scene.rows, scene.cols, pool);
-  filter.fusion().set_white(4);
   struct Sums {
     double square = 0, variance = 0;  // of radiance, of pixels that no frame clips
   };
@@ -154,9 +155,9 @@ TEST_CASE("frames of a still scene add up: the error falls and the variance says
     const auto frame = unpacked(scene.frame(i), i);
     const ExposureTables tables(response, noise, frame.exposure);
     if (i == 0)
-      filter.restart(frame, tables);
+      filter.restart({frame, tables, kUnseen});
     else
-      filter.advance(frame, tables, still(scene.rows, scene.cols), frame.blur_fraction);
+      filter.advance({frame, tables, kUnseen}, still(scene.rows, scene.cols));
     (i == 0 ? first : last) = sums();
   }
   INFO("squared error " << first.square << " -> " << last.square << ", claimed " << first.variance << " -> "
@@ -176,21 +177,51 @@ TEST_CASE("what is clipped in every frame stays the highest lower bound, and is 
   scene.exposures_s = GENERATE(std::vector{0.001, 0.004, 0.016}, std::vector{0.016, 0.001, 0.004});
   WorkerPool pool(1);
   StateFilter filter({}, scene.rows, scene.cols, pool);
-  filter.fusion().set_white(4);
   float highest = 0;
   for (int i = 0; i < 6; ++i) {  // ends on a longer exposure, whose bound is lower than what is known
     const auto frame = unpacked(scene.frame(i), i);
     const ExposureTables tables(Response::gamma(2.2f), {}, frame.exposure);
     if (i == 0)
-      filter.restart(frame, tables);
+      filter.restart({frame, tables, kUnseen});
     else
-      filter.advance(frame, tables, still(scene.rows, scene.cols), frame.blur_fraction);
+      filter.advance({frame, tables, kUnseen}, still(scene.rows, scene.cols));
     highest = std::max(highest, 1 / frame.exposure);
     INFO("frame " << i);
-    for (const float v : filter.state().variance.samples()) REQUIRE(v >= known_limit(4));
+    for (const float v : filter.state().variance.samples()) REQUIRE(v >= kUnseen);
     for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(highest));
   }
   CHECK(highest == Approx(4));
+}
+
+TEST_CASE("what is clipped is called unseen by day after a night, too, and its bound rises with the light") {
+  constexpr int kRows = 20, kCols = 24;
+  constexpr float kNight = 1, kDay = 4e-6f;
+  WorkerPool pool(1);
+  StateFilter filter({}, kRows, kCols, pool);
+  ExposedFrame frame;
+  frame.codes = Image<float>(3, kRows, kCols);
+  frame.codes.fill(kMaxCode);
+  for (const float exposure : {kNight, kDay, kNight, kDay}) {
+    const float unseen = unseen_variance_from(frame.index == 0 ? 1 / kNight : 1 / kDay);
+    frame.exposure = exposure;
+    const ExposureTables tables(Response::gamma(2.2f), {}, exposure);
+    if (frame.index == 0)
+      filter.restart({frame, tables, unseen});
+    else
+      filter.advance({frame, tables, unseen}, still(kRows, kCols));
+    INFO("frame " << frame.index);
+    for (const float v : filter.state().variance.samples()) REQUIRE(v >= unseen);
+    for (const float l : filter.state().radiance.samples())
+      REQUIRE(l == Approx(frame.index == 0 ? 1 / kNight : 1 / kDay));
+    ++frame.index;
+  }
+  // what the day shows replaces the bound, with the variance of a sample
+  frame.exposure = kDay, frame.codes.fill(128);
+  const ExposureTables tables(Response::gamma(2.2f), {}, kDay);
+  filter.advance({frame, tables, unseen_variance_from(1 / kDay)}, still(kRows, kCols));
+  const float seen = tables.radiance(0, 128);
+  for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(seen).epsilon(0.01));
+  for (const float v : filter.state().variance.samples()) REQUIRE(v < 0.01f * seen * seen);
 }
 
 TEST_CASE(
@@ -214,9 +245,9 @@ TEST_CASE(
   FlowField nowhere = still(kRows, kCols);
   nowhere.confidence.fill(0);
   StateFilter filter({}, kRows, kCols, pool);
-  filter.fusion().set_white(16);
-  filter.restart(longest, of_longest);
-  filter.advance(black, of_black, nowhere, black.blur_fraction);
+  const float unseen = unseen_variance_from(16);
+  filter.restart({longest, of_longest, unseen});
+  filter.advance({black, of_black, unseen}, nowhere);
   for (const float l : filter.state().radiance.samples()) REQUIRE(l == Approx(kSeen).epsilon(0.5));
 
   // clipped, and of a place that no frame saw before
@@ -229,7 +260,7 @@ TEST_CASE(
   RadianceState joined;
   Image<float> gate(1, kRows, kCols), share;
   gate.fill(1);
-  fusion.update(bound, samples, of_black, &gate, nullptr, joined, share);
+  fusion.update({bound, samples, of_black, unseen}, &gate, nullptr, joined, share);
   for (const float l : joined.radiance.samples()) REQUIRE(l > 0.7f / 64);
 }
 
@@ -251,9 +282,8 @@ TEST_CASE("a state that is doubted is no worse than a guess, and weighs against 
   FlowField doubtful = still(kRows, kCols);
   doubtful.confidence.fill(0.0021f);  // just not lost
   StateFilter filter({}, kRows, kCols, pool);
-  filter.fusion().set_white(64);
   filter.resume(seen, {});
-  filter.advance(frame, tables, doubtful, frame.blur_fraction);
+  filter.advance({frame, tables, unseen_variance_from(64)}, doubtful);
   for (const float l : filter.state().radiance.samples()) REQUIRE(l < 0.7f * dark);
 }
 
@@ -261,7 +291,6 @@ TEST_CASE("a sample that contradicts the state is gated, one that agrees is not"
   constexpr int kRows = 20, kCols = 20;
   WorkerPool pool(1);
   Fusion fusion({}, pool);
-  fusion.set_white(4);
   RadianceState state{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
                       Image<float>(1, kRows, kCols)};
   state.radiance.fill(0.2f);
@@ -274,7 +303,7 @@ TEST_CASE("a sample that contradicts the state is gated, one that agrees is not"
     for (int x = 0; x < kCols; ++x)
       for (int c = 0; c < 3; ++c) codes.at(c, y, x) = tables.code(c, x < kCols / 2 ? 0.2f : 0.5f);
   fusion.sample(codes, codes, tables, samples);
-  fusion.gate(state, samples, tables, confidence, gate, contrast);
+  fusion.gate({state, samples, tables, kUnseen}, confidence, gate, contrast);
   CHECK(gate.at(0, 10, 2) > 0.95f);
   CHECK(gate.at(0, 10, 17) < 0.05f);
   CHECK(gate.at(0, 10, 17) > 0);

@@ -13,7 +13,8 @@ using namespace hdrcam;
 namespace {
 
 constexpr int kRows = 72, kCols = 96;
-constexpr float kWhite = 4, kWell = 1e6f;
+constexpr float kWell = 1e6f;
+const float kUnseen = unseen_variance_from(4);
 
 const ExposureTables& tables() {
   NoiseModel quiet;
@@ -55,7 +56,7 @@ struct Texture {
   }
   float found(int frames = 20) {
     TextureError error(pool);
-    for (int i = 0; i < frames; ++i) error.observe(frame, state, motion, tables(), kWhite);
+    for (int i = 0; i < frames; ++i) error.observe(frame, state, motion, tables(), kUnseen);
     return error.share();
   }
 };
@@ -79,7 +80,6 @@ TEST_CASE(
   const auto variance_after = [](float amplitude, float texture_error) {
     Texture texture(amplitude);
     Fusion fusion({}, texture.pool);
-    fusion.set_white(kWhite);
     ExposureTables sampled = tables();
     sampled.set_texture_error(texture_error);
     Samples samples;
@@ -87,7 +87,7 @@ TEST_CASE(
     fusion.sample(texture.frame.codes, texture.frame.codes, sampled, samples);
     texture.state.variance.fill(1e-3f);
     RadianceState updated;
-    fusion.update(texture.state, samples, sampled, nullptr, nullptr, updated, share);
+    fusion.update({texture.state, samples, sampled, kUnseen}, nullptr, nullptr, updated, share);
     return updated.variance.at(1, kRows / 2, kCols / 2);
   };
   CHECK(variance_after(0, 0.1f) == Approx(variance_after(0, 0)).epsilon(1e-3));

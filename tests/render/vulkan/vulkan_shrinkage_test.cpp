@@ -7,6 +7,7 @@
 #include <ctime>
 
 #include "hal/fault/faulty_gpu.h"
+#include "online/state/radiance_state.h"
 #include "render/shrinkage.h"
 
 #include "tests/support/checked_gpu.h"
@@ -27,7 +28,8 @@ struct Noisy {
           const double light = std::exp2(2 * std::sin(0.3 * x + c) * std::cos(0.2 * y) - 1);
           const double grain = std::sin(12.9898 * x + 78.233 * y + 37.7 * c) * 43758.5453;
           radiance.at(c, y, x) = static_cast<float>(light * (1 + 0.1 * (grain - std::floor(grain) - 0.5)));
-          variance.at(c, y, x) = (x + 2 * y) % 37 == 0 ? 1e9f : static_cast<float>(light * light * 1e-3);
+          variance.at(c, y, x) =
+              (x + 2 * y) % 37 == 0 ? kUnseenVariance : static_cast<float>(light * light * 1e-3);
         }
   }
 };

@@ -31,7 +31,7 @@ ExposedFrame frame_of(int index, float exposure, Code&& code_at) {
 // A state that knows what this frame shows.
 RadianceState state_of(const ExposedFrame& frame, const ExposureTables& tables, WorkerPool& pool) {
   StateFilter filter({}, kRows, kCols, pool);
-  filter.restart(frame, tables);
+  filter.restart({frame, tables, unseen_variance_from(1)});
   RadianceState state;
   state.copy_from(filter.state());
   return state;
@@ -58,8 +58,7 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
   const auto before = unpack(scene.frame(1), 0, 1 / 30., settings).value();
   const auto after = unpack(scene.frame(2), 1, 1 / 30., settings).value();  // two stops longer
   StateFilter filter({}, scene.rows, scene.cols, pool);
-  filter.fusion().set_white(4);
-  filter.restart(before, ExposureTables(response, {}, before.exposure));
+  filter.restart({before, ExposureTables(response, {}, before.exposure), unseen_variance_from(4)});
   MotionEstimator estimator(scene.rows, scene.cols, pool);
   StateMotion motion;
   const ExposureTables tables(response, {}, after.exposure);
@@ -90,9 +89,8 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
       const auto a = unpack(scene.frame(0), 0, 1 / 30., settings).value();
       const auto b = unpack(scene.frame(1), 1, 1 / 30., settings).value();
       StateFilter filter({}, scene.rows, scene.cols, pool);
-      filter.fusion().set_white(4);
       const Response response = Response::gamma(2.2f);
-      filter.restart(a, ExposureTables(response, {}, a.exposure));
+      filter.restart({a, ExposureTables(response, {}, a.exposure), unseen_variance_from(4)});
       MotionEstimator estimator(scene.rows, scene.cols, pool);
       StateMotion motion;
       estimator.match(filter.state(), b, ExposureTables(response, {}, b.exposure), {FlowQuality::Medium}, {},

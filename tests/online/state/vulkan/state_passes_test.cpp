@@ -138,7 +138,7 @@ struct Bench {
   }
 };
 
-constexpr float kWhite = 4;
+const float kUnseen = unseen_variance_from(4);
 
 // A frame's samples against some state, with the blur modelled.
 struct Scene {
@@ -152,7 +152,6 @@ struct Scene {
   Samples samples;
 
   Scene() {
-    fusion.set_white(kWhite);
     fusion.sample(frame.codes, frame.codes, tables, samples);
     fusion.model_blur(state, motion.vectors, 0.5f, samples);
   }
@@ -272,10 +271,10 @@ TEST_CASE("the gate on the graphics device is the processor's", "[gpu]") {
   Scene s;
   const GpuPicture state = bench.put(s.state), gate = bench.empty(1), contrast = bench.empty(3);
   const PassRoom room = bench.room();
-  bench.passes->gate({state, bench.put(s.samples), bench.put(s.tables), kWhite}, bench.put(s.motion), room,
+  bench.passes->gate({state, bench.put(s.samples), bench.put(s.tables), kUnseen}, bench.put(s.motion), room,
                      gate, contrast);
   Image<float> here, local;
-  s.fusion.gate(s.state, s.samples, s.tables, s.motion.confidence, here, local);
+  s.fusion.gate({s.state, s.samples, s.tables, kUnseen}, s.motion.confidence, here, local);
   check_alike(bench.get(gate), here, "gate");
   check_alike(bench.get(contrast), local, "contrast");
 }
@@ -287,11 +286,11 @@ TEST_CASE("an update of the state on the graphics device is the processor's", "[
   s.tables.set_texture_error(0.1f);
   const GpuPicture state = bench.put(s.state), share = bench.empty(1);
   const PassRoom room = bench.room();
-  bench.passes->update({state, bench.put(s.samples), bench.put(s.tables), kWhite}, room, share);
+  bench.passes->update({state, bench.put(s.samples), bench.put(s.tables), kUnseen}, room, share);
   const Image<float> there = bench.get(state);
   Image<float> own;
   RadianceState updated;
-  s.fusion.update(s.state, s.samples, s.tables, nullptr, nullptr, updated, own);
+  s.fusion.update({s.state, s.samples, s.tables, kUnseen}, nullptr, nullptr, updated, own);
   check_alike(planes_of(there, 0, 3), updated.radiance, "radiance");
   check_alike(planes_of(there, 3, 3), updated.variance, "variance");
   check_alike(bench.get(share), own, "share");
@@ -309,12 +308,12 @@ TEST_CASE("later samples join the state on the graphics device as on the process
   const GpuPicture state = bench.put(s.state), joined = bench.empty(1);
   const PassRoom room = bench.room();
   bench.gpu->work().clear(*joined.buffer);
-  bench.passes->join({state, bench.put(s.samples), bench.put(s.tables), kWhite}, bench.put({&gate}),
+  bench.passes->join({state, bench.put(s.samples), bench.put(s.tables), kUnseen}, bench.put({&gate}),
                      {bench.put({&contrast}), bench.put(s.motion)}, room, joined);
   const Image<float> there = bench.get(state);
   RadianceState updated;
   const Moved moved{contrast, s.motion.vectors};
-  s.fusion.update(s.state, s.samples, s.tables, &gate, &moved, updated, share);
+  s.fusion.update({s.state, s.samples, s.tables, kUnseen}, &gate, &moved, updated, share);
   check_alike(planes_of(there, 0, 3), updated.radiance, "radiance");
   check_alike(planes_of(there, 3, 3), updated.variance, "variance");
   check_alike(bench.get(joined), share, "share");
@@ -334,7 +333,7 @@ struct TwoLayers {
   explicit TwoLayers(GpuDevice& gpu) : there(StateOptions(), kRows, kCols, pool, gpu) {
     for (int i = 0; i < 8; ++i) frames[i] = exposed(i);
   }
-  StateInput input(int i) { return {frames[i], tables[i % 3], kWhite}; }
+  StateInput input(int i) { return {frames[i], tables[i % 3], kUnseen}; }
   void take(int i) {
     for (StateLayer* layer : {static_cast<StateLayer*>(&here), static_cast<StateLayer*>(&there)})
       i == 0 ? layer->restart(input(i)) : layer->advance(input(i), motion);
@@ -348,8 +347,8 @@ struct TwoLayers {
     const LaterFrame later[2] = {{&frames[i + 1], &onward, &tables[(i + 1) % 3]},
                                  {&frames[i + 2], &onward, &tables[(i + 2) % 3]}};
     JoinedState a, b;
-    here.join(earlier ? *earlier : here.state(), {later, ahead}, kWhite, a);
-    there.join(earlier ? *earlier : there.state(), {later, ahead}, kWhite, b);
+    here.join(earlier ? *earlier : here.state(), {later, ahead}, kUnseen, a);
+    there.join(earlier ? *earlier : there.state(), {later, ahead}, kUnseen, b);
     check_alike(b.radiance, a.radiance, "joined radiance", kRecursion);
     check_alike(b.variance, a.variance, "joined variance", kRecursion);
     check_alike(b.later_share, a.later_share, "later share", kRecursion);
@@ -378,6 +377,35 @@ TEST_CASE("a state that runs on the graphics device knows what the processor's d
         const float here = both.here.residuals().excess(exposure).bins[c][k];
         CHECK(there == Approx(here).epsilon(0.05).margin(1e-6));
       }
+  CHECK(both.there.fallback_reason().empty());
+}
+
+TEST_CASE("by day after a night, what is clipped is called unseen on the graphics device, too", "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  constexpr float kDay = 4e-6f;
+  TwoLayers both(*gpu);
+  const ExposureTables tables[2] = {tables_at(1), tables_at(kDay)};
+  for (int i = 0; i < 6; ++i) {
+    INFO("frame " << i);
+    ExposedFrame& frame = both.frames[i];
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y)
+        for (int x = 0; x < kCols; ++x) frame.codes.at(c, y, x) = x < kCols / 2 || i < 5 ? kMaxCode : 128.f;
+    const float unseen = unseen_variance_from(i == 0 ? 1 : 1 / kDay);
+    const StateInput input{frame, tables[i % 2], unseen};
+    for (StateLayer* layer : {static_cast<StateLayer*>(&both.here), static_cast<StateLayer*>(&both.there)})
+      i == 0 ? layer->restart(input) : layer->advance(input, both.motion);
+    both.compare();
+    for (int c = 0; c < 3; ++c)
+      for (int y = 0; y < kRows; ++y) {
+        REQUIRE(both.there.state().variance.at(c, y, 1) >= unseen);
+        REQUIRE(both.there.state().radiance.at(c, y, 1) == Approx(i == 0 ? 1 : 1 / kDay));
+      }
+  }
+  const float seen = tables[1].radiance(1, 128);
+  CHECK(both.there.state().radiance.at(1, 9, kCols - 9) == Approx(seen).epsilon(0.01));
+  CHECK(both.there.state().variance.at(1, 9, kCols - 9) < 0.01f * seen * seen);
   CHECK(both.there.fallback_reason().empty());
 }
 
@@ -448,7 +476,7 @@ TEST_CASE("the state's kernels are compiled and have run once within three secon
   JoinedState joined;
   const LaterFrame later[2] = {{&both.frames[3], &both.onward, &both.tables[0]},
                                {&both.frames[4], &both.onward, &both.tables[1]}};
-  both.there.join(both.there.state(), later, kWhite, joined);
+  both.there.join(both.there.state(), later, kUnseen, joined);
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   ::unsetenv("MESA_SHADER_CACHE_DISABLE");
   INFO(seconds << " s");
