@@ -354,12 +354,12 @@ TEST_CASE("a pulse as long as the exposure tells when it began, one that marks a
     if (kind == StrobePulse::MarksFrame) {
       CHECK(frame.timestamp == driver + -early);
       CHECK_FALSE(frame.opened);
-      CHECK(frame.centre(4ms) == driver + -early + 2ms);
+      CHECK(frame.centre(4ms, 0ms) == driver + -early + 2ms);
     } else {
       CHECK(frame.timestamp == driver);
       CHECK(frame.opened == driver + -early + 2ms);
       CHECK(frame.evidence.strobe_width == Duration(4ms));
-      CHECK(frame.centre(4ms) == driver + -early + 4ms);
+      CHECK(frame.centre(4ms, 0ms) == driver + -early + 4ms);
     }
     stream.pulse(0.7);  // nearer to no frame than a quarter of an interval
     CHECK_FALSE(stream.step().strobed);
@@ -416,3 +416,15 @@ TEST_CASE("of two slots with one exposure the request tells which it was", "[cap
 
 }  // namespace
 }  // namespace hdrcam
+
+TEST_CASE("under a rolling shutter the time of a frame is the middle of its middle row's exposure") {
+  const Instant stamp{100ms};
+  MatchedFrame frame;
+  frame.timestamp = stamp;
+  frame.mark = TimestampMark::ExposureBegin;
+  CHECK(frame.centre(4ms, 12ms) == stamp + 8ms);
+  frame.mark = TimestampMark::ExposureEnd;  // of the last row
+  CHECK(frame.centre(4ms, 12ms) == stamp + -8ms);
+  frame.opened = stamp + 1ms;
+  CHECK(frame.centre(4ms, 12ms) == stamp + 9ms);
+}

@@ -34,6 +34,7 @@ inline void no_blur_variance(PipelineOptions& options) {
   options.knobs.state.fusion.blur_variance = options.knobs.state.fusion.unknown_blur_variance = 0;
 }
 inline void no_gate(PipelineOptions& options) { options.knobs.state.fusion.chi2_tolerance = 1e9f; }
+inline void no_rolling_shutter(PipelineOptions& options) { options.render.readout_s = 0; }
 inline void assumed_noise(PipelineOptions& options) { options.knobs.noise = NoiseKind::Assumed; }
 using Change = void (*)(PipelineOptions&);
 
@@ -71,6 +72,7 @@ inline constexpr PartWorth kPartWorths[] = {
     {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},       {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
     {"warp variance", kWalk, no_warp_variance, 3.3, 0.015}, {"gate", kWalk, no_gate, 0.6, 0},
     {"blur variance", kPan, no_blur_variance, 1.1, 0.009},  {"learned noise", kDim, assumed_noise, 2.5, 0.1},
+    {"rolling shutter correction", kDim, no_rolling_shutter, 0.5, 0},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.

@@ -75,6 +75,8 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
 
 namespace {
 
+constexpr int kColours = 3;  // planes, the first ones of a state
+
 struct WarpConstants {
   int rows, cols, cubic_planes;
   float limit = 0, dark = 0;
@@ -83,19 +85,18 @@ struct WarpConstants {
 }  // namespace
 
 void StatePasses::warp(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const {
-  run(kWarp, {*in, *motion, *out, *in}, WarpConstants{in.rows, in.cols, out.planes}, out.grid());
+  run(kWarp, {*in, *motion, *out, *in}, WarpConstants{in.rows, in.cols, kColours}, out.grid());
 }
 
 void StatePasses::warp_state(const GpuPicture& in, const GpuPicture& motion, const PassRoom& room,
                              const GpuPicture& out) const {
-  constexpr int kRadiancePlanes = 3;
   const struct {
     int rows, cols, radiance_planes;
     float dark;
-  } logarithm{in.rows, in.cols, kRadiancePlanes, kDarkRadiance};
+  } logarithm{in.rows, in.cols, kColours, kDarkRadiance};
   run(kLogRadiance, {*in, *room.logs}, logarithm, in.grid());
   run(kWarp, {*room.logs, *motion, *out, *in},
-      WarpConstants{in.rows, in.cols, kRadiancePlanes, kMostRinging, kDarkRadiance}, out.grid());
+      WarpConstants{in.rows, in.cols, kColours, kMostRinging, kDarkRadiance}, out.grid());
 }
 
 void StatePasses::box_mean(const GpuPicture& in, int radius, const GpuPicture& out) const {

@@ -55,7 +55,7 @@ class StatePasses {
  public:
   static Result<StatePasses> make(GpuDevice& device, const StateOptions& options);
 
-  // warp_cubic
+  // warp_cubic, of rgb
   void warp(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const;
   // warp_radiance of a state's radiance, warp_linear of its variance
   void warp_state(const GpuPicture& in, const GpuPicture& motion, const PassRoom& room,

@@ -47,6 +47,24 @@ TEST_CASE("simulate writes a recording with the exposures of its cycle") {
   CHECK_FALSE(value_of(reader->next()));
 }
 
+TEST_CASE("a rolling shutter's recording states its read-out time, and a replay takes the skew out") {
+  const std::string folder = sample::scratch_folder("simulate_rolling"), path = folder + "/fast.mkv",
+                    truth = folder + "/truth";
+  require_success(fmt::format("'fast?size=128x96&seed=2' -o {} --truth {} --frames 12", path, truth));
+  auto reader = value_of(open_recording(posix_storage(), path));
+  CHECK(value_of(reader->next())->facts.readout_s == Approx(0.012));
+  const auto psnr_mu_db = [&](const std::string& readout) {
+    const std::string frames = folder + "/readout" + readout;
+    REQUIRE(test::ran(fmt::format("replay {} -o {}/%06d.exr --preset realtime {}", path, frames,
+                                  readout.empty() ? "" : "--readout " + readout))
+                .exit_code == 0);
+    return value_of(score_clip(posix_storage(), truth, frames, {})).mean.psnr_mu_db;
+  };
+  const double corrected = psnr_mu_db("");
+  CHECK(corrected > psnr_mu_db("off") + 1);
+  CHECK(corrected == psnr_mu_db("12ms"));
+}
+
 TEST_CASE("the same command writes the same bytes") {
   const std::string folder = sample::scratch_folder("simulate_same");
   for (const int threads : {1, 2})

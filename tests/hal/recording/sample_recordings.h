@@ -55,6 +55,7 @@ inline FrameFacts facts(int index, std::mt19937& random) {
                                 Verdict::Unknown};  // as the flags below
   if (index % 8 < 4) facts.verdict = kTurns[index % 4];
   if (index % 4 == 0) facts.exposure_within_ev = unit(random);
+  if (index % 5 == 1) facts.readout_s = 0.02 * unit(random);
   facts.exposure_source = kExposureSources[static_cast<std::size_t>(index) % std::size(kExposureSources)];
   facts.flags = static_cast<std::uint32_t>(index % 8);
   if (index % 2 == 1) {
@@ -96,7 +97,7 @@ inline bool same(const FrameFacts& a, const FrameFacts& b) {
   return a.sequence == b.sequence && a.timestamp == b.timestamp && same_bits(a.exposure_s, b.exposure_s) &&
          same_bits(a.analogue_gain, b.analogue_gain) && same_bits(a.digital_gain, b.digital_gain) &&
          a.slot == b.slot && same_black_level(a.black_level, b.black_level) && a.verdict == b.verdict &&
-         a.exposure_within_ev == b.exposure_within_ev && a.exposure_source == b.exposure_source &&
+         a.exposure_within_ev == b.exposure_within_ev && a.readout_s == b.readout_s && a.exposure_source == b.exposure_source &&
          a.flags == b.flags;
 }
 

@@ -23,7 +23,9 @@ RawFrame frame_of(const CameraFacts& camera, int i) {
   frame.facts.sequence = static_cast<std::uint64_t>(i);
   frame.facts.exposure_s = i % 2 == 0 ? 0.001 : 0.008;
   frame.facts.analogue_gain = 1 + i % 3;
-  frame.facts.timestamp = Instant::from_seconds(5 + 0.01 * i + frame.facts.exposure_s / 2);
+  frame.facts.readout_s = 0.0005;
+  frame.facts.timestamp =
+      Instant::from_seconds(5 + 0.01 * i + (frame.facts.exposure_s + frame.facts.readout_s) / 2);
   frame.facts.exposure_source = ExposureSource::Embedded;
   return frame;
 }
@@ -70,6 +72,7 @@ TEST_CASE("a replay hands over the pixels and facts that were recorded") {
       REQUIRE(buffer.sequence == truth.facts.sequence);
       REQUIRE(buffer.exposure == from_seconds(truth.facts.exposure_s));
       REQUIRE(buffer.analogue_gain == truth.facts.analogue_gain);
+      REQUIRE(buffer.readout == std::chrono::microseconds(500));
       REQUIRE(buffer.exposure_source == ExposureSource::Embedded);
       REQUIRE(std::abs((buffer.timestamp - Instant::from_seconds(5 + 0.01 * i)).count()) <= 1);
     }

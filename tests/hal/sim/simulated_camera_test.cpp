@@ -259,6 +259,11 @@ TEST_CASE("in virtual time a run is the same every time, stamps and bytes") {
   CHECK(run() == run());
 }
 
+TEST_CASE("the simulated camera states the read-out time of its rolling shutter") {
+  CHECK(Stream("still?size=32x24&with=rolling-shutter").next().readout == std::chrono::milliseconds(12));
+  CHECK(Stream("still?size=32x24").next().readout == Duration(0));
+}
+
 TEST_CASE("a camera that reports nothing says so, and offers no delays") {
   VirtualClock clock;
   const auto camera = virtual_camera(std::string(kTiny) + "&reports=no", clock);
