@@ -19,9 +19,10 @@ Offset velocity_of(Offset to_neighbour, float time, float row_time) {
   return (time / (1 + later)) * to_neighbour;
 }
 
+// The first where it is not a number.
 int nearest(int place, float by, int size) {
   const float to = static_cast<float>(place) + by;
-  return static_cast<int>(std::clamp(to + 0.5f, 0.f, static_cast<float>(size - 1)));
+  return static_cast<int>(std::min(std::max(0.f, to + 0.5f), static_cast<float>(size - 1)));
 }
 
 }  // namespace
@@ -58,6 +59,7 @@ void RollingShutterCorrection::find_sources(const Motion& motion) {
           const float late = std::clamp(row_late / (1 - overtaken), -half_readout, half_readout);
           source = late * velocity;
         }
+        if (!std::isfinite(source.x + source.y)) source = {};
         sources_.at(0, y, x) = source.x, sources_.at(1, y, x) = source.y;
       }
     }

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 
+#include "capture/exposure.h"
 #include "firmware_host/run/output_needs.h"
 
 namespace hdrcam {
@@ -36,15 +37,15 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   const Settings::Fit& fit = settings.fit;
   PipelineOptions options = options_of(fit.preset, fit.emit);
   options.knobs.hash_grid.seed = static_cast<std::uint64_t>(fit.seed);
-  if (fit.readout == kOff)
-    options.render.readout_s = 0;
-  else if (!fit.readout.empty())
-    options.render.readout_s = to_seconds(parse_duration(fit.readout).value());
   const OutputNeeds needs = needs_of(settings.output);
   options.render.shows_flow_backward = needs.flow_backward;
   options.render.shows_flow_forward = needs.flow_forward;
   options.render.shows_field_flow = needs.field_flow;
   options.render.shows_points = needs.points;
+  if (fit.readout == kOff)
+    options.render.readout_s = 0;
+  else if (!fit.readout.empty())
+    options.render.readout_s = to_seconds(parse_duration(fit.readout).value());
   if (needs.depth)
     options.render.depth = DepthLayer::Whole;
   else if (!settings.output.path("sheet").empty())

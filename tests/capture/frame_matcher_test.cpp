@@ -415,8 +415,6 @@ TEST_CASE("of two slots with one exposure the request tells which it was", "[cap
 }
 
 }  // namespace
-}  // namespace hdrcam
-
 TEST_CASE("under a rolling shutter the time of a frame is the middle of its middle row's exposure") {
   const Instant stamp{100ms};
   MatchedFrame frame;
@@ -428,3 +426,5 @@ TEST_CASE("under a rolling shutter the time of a frame is the middle of its midd
   frame.opened = stamp + 1ms;
   CHECK(frame.centre(4ms, 12ms) == stamp + 9ms);
 }
+
+}  // namespace hdrcam

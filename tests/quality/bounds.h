@@ -48,17 +48,17 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.55, 36.9, 0.0655, 0.0045},
-    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.4, 35.75, 0.0825,
-     0.0075},
-    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.5, 37.35, 0.068,
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.8, 37.1, 0.0625, 0.0045},
+    {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.5, 35.3, 0.0795,
+     0.008},
+    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.8, 37.5, 0.065,
      0.005},
-    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 36.85, 34.8, 0.0415, 0.0035},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 32.5, 30.3, 0.093, 0.0075},
-    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.4, 38.1, 0.071, 0.006},
-    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
-    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 39.8, 38.4, 0.066, 0.006},
-    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.15, 35.9, 0.088, 0.0125},
+    {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.25, 0.037, 0.003},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.7, 0.086, 0.0075},
+    {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.6, 37.5, 0.0685, 0.0065},
+    {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
+    {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
+    {"field, fast", kShortWalk, Preset::Fast, EmitLayer::Field, leave, 37.05, 35.7, 0.088, 0.0145},
 };
 
 // Without the part the picture must lose this much; otherwise the part is useless or not active.
@@ -69,10 +69,13 @@ struct PartWorth {
   double psnr_mu_db, flicker_stops;  // loses at least; negative where the part may cost a little of it
 };
 inline constexpr PartWorth kPartWorths[] = {
-    {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},       {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
-    {"warp variance", kWalk, no_warp_variance, 3.3, 0.015}, {"gate", kWalk, no_gate, 0.6, 0},
-    {"blur variance", kPan, no_blur_variance, 1.1, 0.009},  {"learned noise", kDim, assumed_noise, 2.5, 0.1},
-    {"rolling shutter correction", kDim, no_rolling_shutter, 0.5, 0},
+    {"look-ahead", kWalk, no_look_ahead, 1.1, 0.016},
+    {"shrinkage", kWalk, no_shrinkage, 0.85, 0.0026},
+    {"warp variance", kWalk, no_warp_variance, 2.4, 0.0115},
+    {"gate", kWalk, no_gate, 0.6, 0},
+    {"blur variance", kPan, no_blur_variance, 1.1, 0.0075},
+    {"learned noise", kDim, assumed_noise, 2.5, 0.1},
+    {"rolling shutter correction", kDim, no_rolling_shutter, 0.9, 0.001},
 };
 
 // Balanced over fast, which has a coarser flow; best, which has the same, may not be worse than balanced.

@@ -63,7 +63,7 @@ TEST_CASE("every layer, look-ahead and preset reaches its floor against the trut
   }
 }
 
-TEST_CASE("look-ahead, shrinkage, warp variance, gate, blur variance and learned noise each pay", "[floor]") {
+TEST_CASE("each part of the method pays", "[floor]") {
   for (const PartWorth& worth : kPartWorths) {
     const ClipScores& with = outcome_of(worth.clip, Preset::Balanced, EmitLayer::State, leave).scores;
     const ClipScores& without =

@@ -88,7 +88,7 @@ float largest_difference(const Image<float>& a, const Image<float>& b) {
 TEST_CASE("what a rolling shutter skews stands upright again, from the motion to either neighbour") {
   const Ball ball{.vx = GENERATE(10.f, -14.f, 0.f), .vy = GENERATE(0.f, -4.f, 9.f)};
   const Image<float> upright = picture_of(ball, false);
-  if (ball.vx != 0) REQUIRE(largest_difference(picture_of(ball, true), upright) > 0.15f);
+  if (ball.vx != 0) REQUIRE(largest_difference(picture_of(ball, true), upright) > 0.07f);
   for (const Toward toward : {Toward::Previous, Toward::Next})
     CHECK(largest_difference(corrected(ball, toward).radiance, upright) < 0.02f);
 }

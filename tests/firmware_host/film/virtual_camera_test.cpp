@@ -35,7 +35,7 @@ class OneColourField final : public SceneField {
 };
 
 // One colour, seen from x_m, in a world.
-struct Seen {
+struct Recorded {
   double time_s;
   float radiance;
   double x_m = 0;
@@ -48,7 +48,7 @@ struct Shown {
   float hole;  // radiance of what only the field knows; 0 without any
 };
 
-std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Seen> recorded) {
+std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> recorded) {
   WorkerPool pool(1);
   OneColourField field;
   VirtualCamera camera(plan, std::nullopt, pool);
@@ -61,7 +61,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Seen> recorded) 
         one.hole = std::max(one.hole, frame.radiance.samples()[i]);
     return Result<void>{};
   };
-  for (const Seen& seen : recorded) {
+  for (const Recorded& seen : recorded) {
     HdrFrame frame;
     frame.facts.timestamp = Instant::from_seconds(seen.time_s);
     frame.white = 100;
@@ -110,7 +110,7 @@ TEST_CASE("a moment of a film counts from the recording's first frame, also wher
           "[film]") {
   FilmPlan plan = planned(0.5, 2, 4);
   plan.first = Instant::from_seconds(10);
-  const Seen recorded[] = {{10.5, 5}, {10.75, 10}, {11, 20}, {11.25, 40}};
+  const Recorded recorded[] = {{10.5, 5}, {10.75, 10}, {11, 20}, {11.25, 40}};
   const std::vector<Shown> shown = filmed(plan, recorded);
   REQUIRE(shown.size() == 2);
   CHECK(shown[0].radiance == 5);
@@ -121,7 +121,8 @@ TEST_CASE("where tracking began anew, a film's frame has the pose and the pictur
           "[film]") {
   FilmPlan plan = planned(0, 9, 8);
   plan.stabilize = GENERATE(false, true);
-  const Seen recorded[] = {{0, 5, 1, 0}, {0.25, 5, 1, 0}, {0.5, 5, 1, 0}, {0.75, 20, 9, 1}, {1, 20, 9, 1}};
+  const Recorded recorded[] = {
+      {0, 5, 1, 0}, {0.25, 5, 1, 0}, {0.5, 5, 1, 0}, {0.75, 20, 9, 1}, {1, 20, 9, 1}};
   const std::vector<Shown> shown = filmed(plan, recorded);
   REQUIRE(shown.size() == 9);
   for (std::size_t i = 0; i < shown.size(); ++i) {
@@ -134,7 +135,7 @@ TEST_CASE("where tracking began anew, a film's frame has the pose and the pictur
 TEST_CASE("the field of another world fills no hole of a film", "[film]") {
   FilmPlan plan = planned(0.125, 2, 2);
   plan.move = CameraMove::parse_view("0.5,0,0").value();
-  const Seen recorded[] = {{0, 5, 0, 0}, {0.5, 5, 0, 1}, {0.75, 5, 0, 1}};
+  const Recorded recorded[] = {{0, 5, 0, 0}, {0.5, 5, 0, 1}, {0.75, 5, 0, 1}};
   const std::vector<Shown> shown = filmed(plan, recorded);
   REQUIRE(shown.size() == 2);
   CHECK(shown[0].hole == 0);
