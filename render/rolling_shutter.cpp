@@ -35,30 +35,27 @@ void RollingShutterCorrection::correct(const FrameEstimate& estimate, double rea
   const Motion motion = estimate.to_previous != nullptr ? Motion{estimate.to_previous->vectors, -1, row_time}
                                                         : Motion{*estimate.to_next, 1, row_time};
   const ScratchLease borrowed(pool_.scratch(), frame.radiance.rows(), frame.radiance.cols(),
-                              {{&sources_, 2}, {&moved_, 3}});
+                              {{&sources_, 2}});
   find_sources(motion);
   move_layers(motion, frame);
 }
 
-// What is at a place at the frame's moment is seen by the row that it has reached, or left, when that row is
-// exposed: a fixed point, because the motion is that of the pixel where it is seen.
+// What is at a place at the frame's moment is seen by another row, which it reaches while rows are read on.
+// With constant motion that row's distance, and the time to the neighbour's row that sees it again, change by
+// the same factor: the way there is the motion times what the place's own row is late. A fixed point, because
+// the motion is that of the pixel where it is seen.
 void RollingShutterCorrection::find_sources(const Motion& motion) {
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 2;
   const Image<float>& vectors = motion.vectors;
   const int rows = vectors.rows(), cols = vectors.cols();
-  const float half_readout = 0.5f * motion.row_time * static_cast<float>(rows);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const float row_late = motion.row_time * (static_cast<float>(y) - 0.5f * static_cast<float>(rows));
+      const float late = motion.row_time * (static_cast<float>(y) - 0.5f * static_cast<float>(rows));
       for (int x = 0; x < cols; ++x) {
-        Offset source;
-        for (int round = 0; round < kRounds; ++round) {
-          const Offset seen = offset_at(vectors, nearest(x, source.x, cols), nearest(y, source.y, rows));
-          const Offset velocity = velocity_of(seen, motion.time, motion.row_time);
-          const float overtaken = std::min(velocity.y * motion.row_time, kMostOfRow);
-          const float late = std::clamp(row_late / (1 - overtaken), -half_readout, half_readout);
-          source = late * velocity;
-        }
+        Offset source = motion.time * late * offset_at(vectors, x, y);
+        for (int round = 1; round < kRounds; ++round)
+          source =
+              motion.time * late * offset_at(vectors, nearest(x, source.x, cols), nearest(y, source.y, rows));
         if (!std::isfinite(source.x + source.y)) source = {};
         sources_.at(0, y, x) = source.x, sources_.at(1, y, x) = source.y;
       }
@@ -75,7 +72,7 @@ void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame
       warp_radiance(picture, sources_, moved_, pool_);
     else
       warp_linear(picture, sources_, moved_, pool_);
-    picture.copy_from(moved_);
+    std::swap(picture, moved_);
   }
   // flow: from one frame's moment to the other's
   for (const auto& [flow, time] : {std::pair(&frame.flow, -1.f),
@@ -90,10 +87,12 @@ void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame
       }
   }
   provenance_.reshape(1, rows, cols);
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < cols; ++x)
-      provenance_.at(0, y, x) = frame.provenance.at(0, nearest(y, sources_.at(1, y, x), rows),
-                                                    nearest(x, sources_.at(0, y, x), cols));
+  pool_.for_rows(rows, [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < cols; ++x)
+        provenance_.at(0, y, x) = frame.provenance.at(0, nearest(y, sources_.at(1, y, x), rows),
+                                                      nearest(x, sources_.at(0, y, x), cols));
+  });
   std::swap(frame.provenance, provenance_);
   for (SurfacePoint& point : frame.points) {
     const Offset source = offset_at(sources_, nearest(0, static_cast<float>(point.u_px) - 0.5f, cols),
