@@ -12,11 +12,18 @@ namespace {
 
 constexpr float kMostOfRow = 0.5f;  // of a row time: vertical motion that is believed, in rows
 
-// Of what is seen at a pixel, in pixels per interval. What moves to another row is seen there a little
-// earlier or later than an interval away.
-Offset velocity_of(Offset to_neighbour, float time, float row_time) {
-  const float later = std::clamp(time * to_neighbour.y * row_time, -kMostOfRow, kMostOfRow);
-  return (time / (1 + later)) * to_neighbour;
+// From motion between rows to motion between the moments of two frames: what moves to another row is seen
+// there a little earlier or later than an interval away. time: of the neighbour, in intervals.
+void make_of_whole_interval(Image<float>& flow, float time, float row_time, WorkerPool& pool) {
+  if (flow.empty()) return;
+  pool.for_rows(flow.rows(), [&](int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < flow.cols(); ++x) {
+        const Offset seen = offset_at(flow, x, y);
+        const float later = std::clamp(time * seen.y * row_time, -kMostOfRow, kMostOfRow);
+        flow.at(0, y, x) = seen.x / (1 + later), flow.at(1, y, x) = seen.y / (1 + later);
+      }
+  });
 }
 
 // The first where it is not a number.
@@ -29,15 +36,20 @@ int nearest(int place, float by, int size) {
 
 void RollingShutterCorrection::correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame) {
   const double interval_s = estimate.frame.interval_s;
-  const bool is_last = estimate.to_previous == nullptr && estimate.to_next == nullptr;
-  if (!(readout_s > 0) || !(interval_s > readout_s) || is_last) return;
+  const bool moves_unknown = estimate.to_previous == nullptr && estimate.to_next == nullptr;
+  if (!(readout_s > 0) || !(interval_s > readout_s) || moves_unknown) return;
   const float row_time = static_cast<float>(readout_s / interval_s / frame.radiance.rows());
   const Motion motion = estimate.to_previous != nullptr ? Motion{estimate.to_previous->vectors, -1, row_time}
                                                         : Motion{*estimate.to_next, 1, row_time};
   const ScratchLease borrowed(pool_.scratch(), frame.radiance.rows(), frame.radiance.cols(),
                               {{&sources_, 2}});
   find_sources(motion);
-  move_layers(motion, frame);
+  move_layers(frame);
+  for (Image<float>* flow : {&frame.flow, &frame.field_flow})
+    make_of_whole_interval(*flow, -1, row_time, pool_);
+  for (Image<float>* flow : {&frame.flow_forward, &frame.field_flow_forward})
+    make_of_whole_interval(*flow, 1, row_time, pool_);
+  move_points(frame);
 }
 
 // What is at a place at the frame's moment is seen by another row, which it reaches while rows are read on.
@@ -63,8 +75,7 @@ void RollingShutterCorrection::find_sources(const Motion& motion) {
   });
 }
 
-void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame) {
-  const int rows = sources_.rows(), cols = sources_.cols();
+void RollingShutterCorrection::move_layers(HdrFrame& frame) {
   for (Image<float> HdrFrame::*layer : kFloatLayers) {
     Image<float>& picture = frame.*layer;
     if (picture.empty()) continue;
@@ -74,18 +85,7 @@ void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame
       warp_linear(picture, sources_, moved_, pool_);
     std::swap(picture, moved_);
   }
-  // flow: from one frame's moment to the other's
-  for (const auto& [flow, time] : {std::pair(&frame.flow, -1.f),
-                                   {&frame.flow_forward, 1.f},
-                                   {&frame.field_flow, -1.f},
-                                   {&frame.field_flow_forward, 1.f}}) {
-    if (flow->empty()) continue;
-    for (int y = 0; y < rows; ++y)
-      for (int x = 0; x < cols; ++x) {
-        const Offset corrected = time * velocity_of(offset_at(*flow, x, y), time, motion.row_time);
-        flow->at(0, y, x) = corrected.x, flow->at(1, y, x) = corrected.y;
-      }
-  }
+  const int rows = sources_.rows(), cols = sources_.cols();
   provenance_.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
@@ -94,9 +94,13 @@ void RollingShutterCorrection::move_layers(const Motion& motion, HdrFrame& frame
                                                       nearest(x, sources_.at(0, y, x), cols));
   });
   std::swap(frame.provenance, provenance_);
+}
+
+void RollingShutterCorrection::move_points(HdrFrame& frame) const {
   for (SurfacePoint& point : frame.points) {
-    const Offset source = offset_at(sources_, nearest(0, static_cast<float>(point.u_px) - 0.5f, cols),
-                                    nearest(0, static_cast<float>(point.v_px) - 0.5f, rows));
+    const Offset source =
+        offset_at(sources_, nearest(0, static_cast<float>(point.u_px) - 0.5f, sources_.cols()),
+                  nearest(0, static_cast<float>(point.v_px) - 0.5f, sources_.rows()));
     point.u_px -= static_cast<double>(source.x), point.v_px -= static_cast<double>(source.y);
   }
 }

@@ -25,11 +25,13 @@ class RollingShutterCorrection {
     float row_time;               // from a row's exposure to the next one's, in intervals
   };
   void find_sources(const Motion& motion);
-  void move_layers(const Motion& motion, HdrFrame& frame);
+  void move_layers(HdrFrame& frame);
+  void move_points(HdrFrame& frame) const;
 
   WorkerPool& pool_;
-  Image<float>
-      sources_;  // [dx dy, rows, cols] pixels: from a place to where the frame was when its row saw it
+  // [dx dy, rows, cols] pixels: from where something is at the frame's moment to where its row saw it;
+  // borrowed during a call.
+  Image<float> sources_;
   Image<float> moved_;
   Image<std::uint8_t> provenance_;
 };

@@ -17,7 +17,7 @@ constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
 constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
 constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
 constexpr double kLongestReadout_s = 10;
-constexpr Duration kLatest{4'000'000'000'000'000'000};    // differences of two still fit 64 bits
+constexpr Duration kLatest{4'000'000'000'000'000'000};  // differences of two still fit 64 bits
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
 

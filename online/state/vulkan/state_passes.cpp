@@ -23,7 +23,14 @@
 namespace hdrcam {
 namespace {
 
+constexpr int kColours = 3;  // planes, the first ones of a state
+
 float square(float v) { return v * v; }
+
+struct WarpConstants {
+  int rows, cols, cubic_planes;
+  float limit = 0, dark = 0;
+};
 
 }  // namespace
 
@@ -72,17 +79,6 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
   for (std::size_t i = 0; i < kPasses; ++i) passes.kernels_[i] = TRY(device.kernel(shaders[i]));
   return passes;
 }
-
-namespace {
-
-constexpr int kColours = 3;  // planes, the first ones of a state
-
-struct WarpConstants {
-  int rows, cols, cubic_planes;
-  float limit = 0, dark = 0;
-};
-
-}  // namespace
 
 void StatePasses::warp(const GpuPicture& in, const GpuPicture& motion, const GpuPicture& out) const {
   run(kWarp, {*in, *motion, *out, *in}, WarpConstants{in.rows, in.cols, kColours}, out.grid());

@@ -97,8 +97,8 @@ inline bool same(const FrameFacts& a, const FrameFacts& b) {
   return a.sequence == b.sequence && a.timestamp == b.timestamp && same_bits(a.exposure_s, b.exposure_s) &&
          same_bits(a.analogue_gain, b.analogue_gain) && same_bits(a.digital_gain, b.digital_gain) &&
          a.slot == b.slot && same_black_level(a.black_level, b.black_level) && a.verdict == b.verdict &&
-         a.exposure_within_ev == b.exposure_within_ev && a.readout_s == b.readout_s && a.exposure_source == b.exposure_source &&
-         a.flags == b.flags;
+         a.exposure_within_ev == b.exposure_within_ev && a.readout_s == b.readout_s &&
+         a.exposure_source == b.exposure_source && a.flags == b.flags;
 }
 
 inline bool same(const Image<std::uint16_t>& a, const Image<std::uint16_t>& b) {
