@@ -10,18 +10,19 @@
 namespace hdrcam {
 namespace {
 
-constexpr float kMostOfRow = 0.5f;  // of a row time: vertical motion that is believed, in rows
-
-// From motion between rows to motion between the moments of two frames: what moves to another row is seen
-// there a little earlier or later than an interval away. time: of the neighbour, in intervals.
-void make_of_whole_interval(Image<float>& flow, float time, float row_time, WorkerPool& pool) {
+// From motion between rows to motion in one interval: what moves to another row is seen there a little
+// earlier or later than an interval away. time: of the neighbour, in intervals.
+Offset in_one_interval(Offset seen, float time, float row_time) {
+  constexpr float kMostLater = 0.5f;  // intervals
+  return (1 / (1 + std::clamp(time * seen.y * row_time, -kMostLater, kMostLater))) * seen;
+}
+void make_of_one_interval(Image<float>& flow, float time, float row_time, WorkerPool& pool) {
   if (flow.empty()) return;
   pool.for_rows(flow.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < flow.cols(); ++x) {
-        const Offset seen = offset_at(flow, x, y);
-        const float later = std::clamp(time * seen.y * row_time, -kMostOfRow, kMostOfRow);
-        flow.at(0, y, x) = seen.x / (1 + later), flow.at(1, y, x) = seen.y / (1 + later);
+        const Offset motion = in_one_interval(offset_at(flow, x, y), time, row_time);
+        flow.at(0, y, x) = motion.x, flow.at(1, y, x) = motion.y;
       }
   });
 }
@@ -35,9 +36,12 @@ int nearest(int place, float by, int size) {
 }  // namespace
 
 void RollingShutterCorrection::correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame) {
+  constexpr double kMostIntervals =
+      2;  // between centres of exposures: shorter than a frame before a short one
   const double interval_s = estimate.frame.interval_s;
   const bool moves_unknown = estimate.to_previous == nullptr && estimate.to_next == nullptr;
-  if (!(readout_s > 0) || !(interval_s > readout_s) || moves_unknown) return;
+  if (!(readout_s > 0) || !(interval_s > 0) || readout_s > kMostIntervals * interval_s || moves_unknown)
+    return;
   const float row_time = static_cast<float>(readout_s / interval_s / frame.radiance.rows());
   const Motion motion = estimate.to_previous != nullptr ? Motion{estimate.to_previous->vectors, -1, row_time}
                                                         : Motion{*estimate.to_next, 1, row_time};
@@ -46,10 +50,10 @@ void RollingShutterCorrection::correct(const FrameEstimate& estimate, double rea
   find_sources(motion);
   move_layers(frame);
   for (Image<float>* flow : {&frame.flow, &frame.field_flow})
-    make_of_whole_interval(*flow, -1, row_time, pool_);
+    make_of_one_interval(*flow, -1, row_time, pool_);
   for (Image<float>* flow : {&frame.flow_forward, &frame.field_flow_forward})
-    make_of_whole_interval(*flow, 1, row_time, pool_);
-  move_points(frame);
+    make_of_one_interval(*flow, 1, row_time, pool_);
+  move_points(motion, frame);
 }
 
 // What is at a place at the frame's moment is seen by another row, which it reaches while rows are read on.
@@ -96,13 +100,19 @@ void RollingShutterCorrection::move_layers(HdrFrame& frame) {
   std::swap(frame.provenance, provenance_);
 }
 
-void RollingShutterCorrection::move_points(HdrFrame& frame) const {
+// Those that leave the picture are left out.
+void RollingShutterCorrection::move_points(const Motion& motion, HdrFrame& frame) const {
+  const int rows = motion.vectors.rows(), cols = motion.vectors.cols();
   for (SurfacePoint& point : frame.points) {
-    const Offset source =
-        offset_at(sources_, nearest(0, static_cast<float>(point.u_px) - 0.5f, sources_.cols()),
-                  nearest(0, static_cast<float>(point.v_px) - 0.5f, sources_.rows()));
-    point.u_px -= static_cast<double>(source.x), point.v_px -= static_cast<double>(source.y);
+    const auto x = static_cast<float>(point.u_px) - 0.5f, y = static_cast<float>(point.v_px) - 0.5f;
+    const Offset seen = offset_at(motion.vectors, nearest(0, x, cols), nearest(0, y, rows));
+    const float late = motion.row_time * (y - 0.5f * static_cast<float>(rows));
+    const Offset way = motion.time * late * in_one_interval(seen, motion.time, motion.row_time);
+    point.u_px -= static_cast<double>(way.x), point.v_px -= static_cast<double>(way.y);
   }
+  std::erase_if(frame.points, [&](const SurfacePoint& point) {
+    return !(point.u_px >= 0 && point.u_px < cols && point.v_px >= 0 && point.v_px < rows);
+  });
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,6 @@
 // Rolling shutter correction. A sensor that reads row after row exposes the lower ones later: what moves
 // sideways leans, what moves down or up is stretched or squeezed. Where the read-out time is known
-// (FrameFacts::readout_s) a finished frame is put back, each pixel along its motion, to the one moment that
+// a finished frame is put back, each pixel along its motion, to the one moment that
 // its time stamp states: that of the middle row. Thread-bound; deterministic for any number of threads.
 #pragma once
 
@@ -14,7 +14,8 @@ class RollingShutterCorrection {
   explicit RollingShutterCorrection(WorkerPool& pool) : pool_(pool) {}
 
   // Radiance, all layers and points of the frame. Motion goes on as from the previous frame, that of the
-  // first frame as to the next one; a frame of which no motion or no interval is known stays as it is.
+  // first frame as to the next one; a frame of which no motion or no interval is known, or one of less than
+  // half of the read-out time, stays as it is.
   // readout_s: from the exposure of the first row to that of the last one.
   void correct(const FrameEstimate& estimate, double readout_s, HdrFrame& frame);
 
@@ -26,7 +27,7 @@ class RollingShutterCorrection {
   };
   void find_sources(const Motion& motion);
   void move_layers(HdrFrame& frame);
-  void move_points(HdrFrame& frame) const;
+  void move_points(const Motion& motion, HdrFrame& frame) const;
 
   WorkerPool& pool_;
   // [dx dy, rows, cols] pixels: from where something is at the frame's moment to where its row saw it;

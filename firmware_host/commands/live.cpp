@@ -51,10 +51,8 @@ std::string recorded_line(const Settings& settings, std::uint64_t recorded, std:
 void warn_of_empty_outputs(const RunRecord& record, const Settings::Output& output) {
   for (const SinkTimes& sink : record.sinks)
     if (sink.frames == 0 && sink.left_out > 0)
-      remark(
-          "warning: '{}' got no frame: {} left out to keep up; --deadline off writes them, and so does a "
-          "replay of a recording\n",
-          output.path(sink.name), sink.left_out == 1 ? "1 was" : fmt::format("{} were", sink.left_out));
+      remark("warning: '{}' got no frame: {} left out to keep up\n", output.path(sink.name),
+             sink.left_out == 1 ? "1 was" : fmt::format("{} were", sink.left_out));
 }
 
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
@@ -98,8 +96,7 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
     write_result_beside_frames(
         settings.output,
         account_of(*camera) + recorded_line(settings, counters.recorded, counters.captured()));
-  if (const std::string advice = way_out(counters, settings.record.file); !advice.empty())
-    remark("note: {}\n", advice);
+  if (const std::string advice = way_out(counters, settings); !advice.empty()) remark("note: {}\n", advice);
   warn_of_empty_outputs(record, settings.output);
   const bool stopped_at_once = camera->end() == LiveEnd::Stopped && counters.emitted == 0;
   if (stopped_at_once && !ended && ended.error().code == ErrorCode::TooShort) {

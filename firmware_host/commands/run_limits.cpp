@@ -24,8 +24,8 @@ std::function<std::string(const std::string&)> counts_frames() {
 void RunLimits::add_to(CLI::App& verb) {
   verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(counts_frames());
   const std::function<std::string(std::string)> in_seconds = [](const std::string& text) {
-    const auto duration = parse_duration(text);
-    return duration ? fmt::format("{}", to_seconds(duration.value())) : text;
+    if (const auto duration = parse_duration(text)) return fmt::format("{}", to_seconds(duration.value()));
+    return text.ends_with('s') ? text.substr(0, text.size() - 1) : text;  // longer than an exposure may be
   };
   verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
       ->transform(in_seconds)
@@ -34,8 +34,10 @@ void RunLimits::add_to(CLI::App& verb) {
         const bool sound =
             CLI::detail::lexical_cast(text, seconds) && seconds > 0 && seconds <= kLongestRun_s;
         return sound ? std::string()
-                     : fmt::format("takes seconds, more than 0 and at most {:g}, not '{}'", kLongestRun_s,
-                                   text);
+                     : fmt::format(
+                           "takes a duration such as 90s, or a number of seconds, more than 0 and at most "
+                           "{:g}, not '{}'",
+                           kLongestRun_s, text);
       });
 }
 

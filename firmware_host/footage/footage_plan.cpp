@@ -188,24 +188,23 @@ std::string described_exposures(const FootagePlan& plan) {
   const std::string measured =
       walk.slots.empty() ? ""
                          : fmt::format(" ({} of {} steps measured)", walk.measured, plan.facts.size() - 1);
+  const int slot = plan.facts.front().slot;
   const std::string phase =
-      fmt::format("the first frame is number {} of the cycle", plan.facts.front().slot + 1);
+      slot >= 0 ? fmt::format("; the first frame is number {} of the cycle", slot + 1) : "";
   std::string stops;
   switch (plan.origin) {
     case ExposureOrigin::Cycle:
-      return fmt::format("{}; {}{}", describe(plan.cycle), phase, measured);
+      return fmt::format("{}{}{}", describe(plan.cycle), phase, measured);
     case ExposureOrigin::Estimated:
       if (plan.cycle.size() == 1) return "estimated: all alike" + measured;
       for (const Exposure& exposure : plan.cycle)
         stops += fmt::format("{}{}", stops.empty() ? "" : " / ", in_stops(exposure, plan.cycle));
-      return fmt::format("estimated, relative, {} EV; {}{}", stops, phase, measured);
+      return fmt::format("estimated, relative, {} EV{}{}", stops, phase, measured);
     case ExposureOrigin::Stated:
       break;
   }
   if (plan.cycle.empty()) return "stated by the files, no cycle";
-  const bool in_cycle = plan.facts.front().slot >= 0;
-  return fmt::format("stated by the files, a cycle of {}{}", describe(plan.cycle),
-                     in_cycle ? "; " + phase : "");
+  return fmt::format("stated by the files, a cycle of {}{}", describe(plan.cycle), phase);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <fmt/ranges.h>
 
+#include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/settings_flags.h"
 
 namespace hdrcam {
@@ -50,17 +51,20 @@ std::string sentence_of(const LiveCounters& counters, bool fits) {
   return text;
 }
 
-std::string way_out(const LiveCounters& counters, const std::string& recording) {
+std::string way_out(const LiveCounters& counters, const Settings& settings) {
   if (counters.shed + counters.left_out == 0) return "";
+  if (is_replayed(settings.camera.id))
+    return "the fit did not keep up with the recording; leave out --pace realtime, and every frame is worked "
+           "on";
+  const std::string& recording = settings.record.file;
   const bool whole = counters.not_recorded() == 0 && counters.recorded > 0;
   const std::string later =
       recording.empty() ? "; --record walk.mkv keeps all frames for a replay"
       : whole           ? fmt::format("; all frames are recorded: hdrcam replay {}", shell_word(recording))
                         : "";
-  return fmt::format(
-      "the fit did not keep up with the camera; give --preset realtime, a smaller --width and "
-      "--height{}{}",
-      counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);
+  return fmt::format("the fit did not keep up with the camera; give {}a smaller --width and --height{}{}",
+                     settings.fit.preset == Preset::Realtime ? "" : "--preset realtime, ",
+                     counters.left_out > 0 ? ", or --deadline off, where frames may be late" : "", later);
 }
 
 namespace {

@@ -6,6 +6,7 @@
 
 #include "firmware_host/live/live_session.h"
 #include "firmware_host/run/progress.h"
+#include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/stopwatch.h"
 
@@ -32,8 +33,7 @@ class LiveStatus {
 std::string sentence_of(const LiveCounters& counters, bool fits);
 
 // What gives more HDR frames where the fit did not keep up, a sentence without a full stop; "" where it did.
-// recording: the file of the run's, "" for none.
-std::string way_out(const LiveCounters& counters, const std::string& recording);
+std::string way_out(const LiveCounters& counters, const Settings& settings);
 
 // Counters for the statistics: "captured", "dropped.shed"...
 std::vector<NamedValue> named(const LiveCounters& counters);

@@ -12,8 +12,8 @@ namespace hdrcam {
 // cols] pixels.
 void warp_cubic(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
 // The same of radiance, in its logarithm, in which an edge to bright light weighs no more than what is beside
-// it; within a factor of e^kMostRinging of the bilinear value, so that no ringing builds up in a recursion.
-// in: nothing below 0; borrows a picture from the pool.
+// it; radiance + kDarkRadiance (picture_kernels.h) is within a factor of e^kMostRinging of its bilinear
+// value, so that no ringing builds up in a recursion. in: nothing below 0; borrows a picture from the pool.
 inline constexpr float kMostRinging = 0.5f;
 void warp_radiance(const Image<float>& in, const Image<float>& flow, Image<float>& out, WorkerPool& pool);
 // warp_cubic; largest: becomes the largest of the four pixels around each place.

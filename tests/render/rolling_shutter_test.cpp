@@ -56,7 +56,8 @@ HdrFrame corrected(const Ball& ball, Toward toward, double readout_s = kReadout_
   frame.sigma = Image<float>(1, kRows, kCols);
   frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
   const FlowField back = motion_of(ball, -1), on = motion_of(ball, 1);
-  frame.flow = back.vectors.clone();
+  frame.flow = back.vectors.clone(), frame.flow_forward = on.vectors.clone();
+  frame.field_flow = back.vectors.clone(), frame.field_flow_forward = on.vectors.clone();
   ExposedFrame input;
   input.interval_s = kInterval_s;
   const RadianceEstimate state;
@@ -66,10 +67,12 @@ HdrFrame corrected(const Ball& ball, Toward toward, double readout_s = kReadout_
                                .own_share = own_share,
                                .to_previous = toward == Toward::Previous ? &back : nullptr,
                                .to_next = toward == Toward::Next ? &on.vectors : nullptr,
+                               .field = {},
                                .view = {},
                                .fit = nullptr,
                                .budget = {},
                                .white = 1,
+                               .unseen_variance = 1,
                                .reference_exposure = 1};
   RollingShutterCorrection(pool).correct(estimate, readout_s, frame);
   return frame;
@@ -96,8 +99,14 @@ TEST_CASE("what a rolling shutter skews stands upright again, from the motion to
 TEST_CASE("the flow of a corrected frame is the motion in one frame interval") {
   const Ball ball{.vx = 6, .vy = 12};
   const HdrFrame frame = corrected(ball, Toward::Previous);
-  CHECK(frame.flow.at(0, 24, 32) == Approx(-6).margin(1e-3));
-  CHECK(frame.flow.at(1, 24, 32) == Approx(-12).margin(1e-3));
+  for (const Image<float>* back : {&frame.flow, &frame.field_flow}) {
+    CHECK(back->at(0, 24, 32) == Approx(-6).margin(1e-3));
+    CHECK(back->at(1, 24, 32) == Approx(-12).margin(1e-3));
+  }
+  for (const Image<float>* on : {&frame.flow_forward, &frame.field_flow_forward}) {
+    CHECK(on->at(0, 24, 32) == Approx(6).margin(1e-3));
+    CHECK(on->at(1, 24, 32) == Approx(12).margin(1e-3));
+  }
 }
 
 TEST_CASE("provenance and points of a frame go with its pixels under rolling shutter correction") {
@@ -108,7 +117,11 @@ TEST_CASE("provenance and points of a frame go with its pixels under rolling shu
   frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
   const int seen_x = 32 + static_cast<int>(std::lround(16 * late(8)));  // the ball's column in row 8
   frame.provenance.at(0, 8, seen_x) = 3;
-  frame.points.push_back({.u_px = seen_x + 0.5, .v_px = 8.5});
+  frame.points.push_back({.p_world = {}, .u_px = seen_x + 0.5, .v_px = 8.5});
+  frame.points.push_back(
+      {.p_world = {}, .u_px = 0.5, .v_px = 47.5});  // was further left at the frame's moment
+  frame.sigma = Image<float>(1, kRows, kCols);
+  for (int x = seen_x - 1; x <= seen_x + 1; ++x) frame.sigma.at(0, 8, x) = 1;
   const FlowField back = motion_of(ball, -1);
   ExposedFrame input;
   input.interval_s = kInterval_s;
@@ -118,13 +131,17 @@ TEST_CASE("provenance and points of a frame go with its pixels under rolling shu
                                .state = state,
                                .own_share = own_share,
                                .to_previous = &back,
+                               .field = {},
                                .view = {},
                                .fit = nullptr,
                                .budget = {},
                                .white = 1,
+                               .unseen_variance = 1,
                                .reference_exposure = 1};
   RollingShutterCorrection(pool).correct(estimate, kReadout_s, frame);
   CHECK(frame.provenance.at(0, 8, 32) == 3);
+  CHECK(frame.sigma.at(0, 8, 32) > 0.9f);
+  REQUIRE(frame.points.size() == 1);
   CHECK(frame.points[0].u_px == Approx(32.5).margin(0.6));
   CHECK(frame.points[0].v_px == Approx(8.5));
 }
@@ -137,8 +154,9 @@ TEST_CASE("a frame stays as it was read without a read-out time, and where no mo
   };
   CHECK(is_read(corrected(ball, Toward::Previous, 0)));
   CHECK(is_read(corrected(ball, Toward::Nowhere)));
-  CHECK(
-      is_read(corrected(ball, Toward::Previous, kInterval_s * 1.01)));  // longer than the frame: it cannot be
+  CHECK(is_read(corrected(ball, Toward::Previous, kInterval_s * 2.01)));  // it cannot be
+  CHECK_FALSE(
+      is_read(corrected(ball, Toward::Previous, kInterval_s * 1.2)));  // before a short exposure it can
 }
 
 TEST_CASE("rolling shutter correction gives the same bytes on any number of threads") {

@@ -44,16 +44,13 @@ class PoseFile : public FrameSink {
     if (clip_.pictures.empty()) TRY(begin(frame));
     if (!frame.pose || frame.pose->lost || clip_.pictures.size() == kMostPictures)
       return ++clip_.left_out, Result<void>{};
-    const int world = frame.pose->world;
-    if (!clip_.pictures.empty() && clip_.pictures.back().world != world) end_world();
-    ++pictures_of_world_;
     PosedPicture picture;
     picture.path = pictures_.path(frame.facts.sequence);
     if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
     picture.time_s = to_seconds(frame.facts.timestamp - *start_);
     picture.exposure_s = frame.facts.exposure_s;
     picture.T_world_camera = frame.pose->T_world_camera;
-    picture.world = world;
+    picture.world = frame.pose->world;
     clip_.pictures.push_back(std::move(picture));
     take_points(frame);
     return {};
@@ -61,8 +58,8 @@ class PoseFile : public FrameSink {
 
   Result<void> conclude(const RunRecord&) override {
     if (clip_.pictures.empty()) return {};  // the run failed before its first frame
-    for (std::deque<std::vector<ColouredPoint>>* seen : {&points_of_largest_, &points_})
-      for (const std::vector<ColouredPoint>& points : *seen)
+    for (const auto& [world, frames] : points_)
+      for (const std::vector<ColouredPoint>& points : frames)
         clip_.points.insert(clip_.points.end(), points.begin(), points.end());
     // A camera's run sheds pictures of some frames; in their place there may be those of an earlier run.
     keep_pictures([&](const PosedPicture& picture) { return was_written(picture.path); });
@@ -97,28 +94,19 @@ class PoseFile : public FrameSink {
   void take_points(const HdrFrame& frame) {
     if (frame.points.empty()) return;
     const ToneCurve& curve = tone_.follow(frame.radiance);
-    std::vector<ColouredPoint>& points = points_.emplace_back();
+    std::deque<std::vector<ColouredPoint>>& frames = points_[frame.pose->world];
+    std::vector<ColouredPoint>& points = frames.emplace_back();
     for (const SurfacePoint& point : frame.points) {
       ColouredPoint coloured{point.p_world, {}, clip_.pictures.size() - 1, point.u_px, point.v_px};
       for (std::size_t c = 0; c < 3; ++c) coloured.rgb[c] = curve.code(point.radiance[c]);
       points.push_back(coloured);
     }
-    if (points_.size() > kFramesWithPoints) points_.pop_front();
+    if (frames.size() > kFramesWithPoints) frames.pop_front();
   }
 
   bool was_written(const std::string& picture) const {
     const auto found = storage_.look_at(picture);
     return found && found.value().kind != FileKind::Missing && !earlier_.remains(picture);
-  }
-
-  // Points are kept of the newest world, and of the largest before it.
-  void end_world() {
-    if (pictures_of_world_ >= pictures_of_largest_) {
-      pictures_of_largest_ = pictures_of_world_;
-      points_of_largest_ = std::move(points_);
-    }
-    pictures_of_world_ = 0;
-    points_.clear();
   }
 
   // Leaves out the other pictures, and the points that they saw.
@@ -161,9 +149,8 @@ class PoseFile : public FrameSink {
   const EarlierFrames earlier_;
   std::optional<Instant> start_;
   PosedClip clip_;
-  std::deque<std::vector<ColouredPoint>> points_;  // of the world's newest frames that have any
-  std::deque<std::vector<ColouredPoint>> points_of_largest_;
-  std::size_t pictures_of_world_ = 0, pictures_of_largest_ = 0;
+  std::map<int, std::deque<std::vector<ColouredPoint>>>
+      points_;  // by world, of its newest frames that have any
   ToneAdaptation tone_;
 };
 
