@@ -84,6 +84,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
                            .fit = nullptr,
                            .budget = {},
                            .white = frame.white,
+                           .unseen_variance = 1,
                            .reference_exposure = 1};
     estimate.view.T_world_camera = frame.pose->T_world_camera;
     estimate.view.time_s = seen.time_s;
