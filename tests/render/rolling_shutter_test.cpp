@@ -117,9 +117,10 @@ TEST_CASE("provenance and points of a frame go with its pixels under rolling shu
   frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
   const int seen_x = 32 + static_cast<int>(std::lround(16 * late(8)));  // the ball's column in row 8
   frame.provenance.at(0, 8, seen_x) = 3;
-  frame.points.push_back({.p_world = {}, .u_px = seen_x + 0.5, .v_px = 8.5});
-  frame.points.push_back(
-      {.p_world = {}, .u_px = 0.5, .v_px = 47.5});  // was further left at the frame's moment
+  frame.points.push_back({.p_world = Eigen::Vector3d::Zero(), .u_px = seen_x + 0.5, .v_px = 8.5});
+  frame.points.push_back({.p_world = Eigen::Vector3d::Zero(),
+                          .u_px = 0.5,
+                          .v_px = 47.5});  // was further left at the frame's moment
   frame.sigma = Image<float>(1, kRows, kCols);
   for (int x = seen_x - 1; x <= seen_x + 1; ++x) frame.sigma.at(0, 8, x) = 1;
   const FlowField back = motion_of(ball, -1);
