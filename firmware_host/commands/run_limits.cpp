@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "capture/exposure.h"
+#include "firmware_host/settings/seconds_text.h"
 
 namespace hdrcam {
 namespace {
@@ -24,8 +24,8 @@ std::function<std::string(const std::string&)> counts_frames() {
 void RunLimits::add_to(CLI::App& verb) {
   verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(counts_frames());
   const std::function<std::string(std::string)> in_seconds = [](const std::string& text) {
-    if (const auto duration = parse_duration(text)) return fmt::format("{}", to_seconds(duration.value()));
-    return text.ends_with('s') ? text.substr(0, text.size() - 1) : text;  // longer than an exposure may be
+    const auto seconds = seconds_of(text);
+    return seconds ? fmt::format("{}", *seconds) : text;
   };
   verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
       ->transform(in_seconds)

@@ -8,6 +8,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/film/steady_path.h"
+#include "firmware_host/settings/seconds_text.h"
 #include "firmware_host/settings/without_field.h"
 #include "hal/core/parse_number.h"
 #include "hal/recording/recording.h"
@@ -17,12 +18,6 @@ namespace {
 
 constexpr int kMostFrames = 1000000, kLeastSide_px = 16, kMostSide_px = 16384;
 constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanoseconds
-
-std::optional<double> seconds_of(std::string_view text) {
-  if (const auto duration = parse_duration(text)) return to_seconds(duration.value());
-  if (text.ends_with('s')) text.remove_suffix(1);
-  return parse_number<double>(text);
-}
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
   if (value >= least && value <= most) return {};

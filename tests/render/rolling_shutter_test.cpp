@@ -49,15 +49,11 @@ FlowField motion_of(const Ball& ball, float intervals) {
 
 enum class Toward { Previous, Next, Nowhere };
 
-HdrFrame corrected(const Ball& ball, Toward toward, double readout_s = kReadout_s, int threads = 2) {
+// Corrects a frame of the ball as its rows saw it.
+void correct(HdrFrame& frame, const Ball& ball, Toward toward, double readout_s = kReadout_s,
+             int threads = 2) {
   WorkerPool pool(threads);
-  HdrFrame frame;
-  frame.radiance = picture_of(ball, true);
-  frame.sigma = Image<float>(1, kRows, kCols);
-  frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
   const FlowField back = motion_of(ball, -1), on = motion_of(ball, 1);
-  frame.flow = back.vectors.clone(), frame.flow_forward = on.vectors.clone();
-  frame.field_flow = back.vectors.clone(), frame.field_flow_forward = on.vectors.clone();
   ExposedFrame input;
   input.interval_s = kInterval_s;
   const RadianceEstimate state;
@@ -75,6 +71,21 @@ HdrFrame corrected(const Ball& ball, Toward toward, double readout_s = kReadout_
                                .unseen_variance = 1,
                                .reference_exposure = 1};
   RollingShutterCorrection(pool).correct(estimate, readout_s, frame);
+}
+
+HdrFrame frame_of(const Ball& ball) {
+  HdrFrame frame;
+  frame.radiance = picture_of(ball, true);
+  frame.sigma = Image<float>(1, kRows, kCols);
+  frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
+  for (Image<float>* back : {&frame.flow, &frame.field_flow}) *back = motion_of(ball, -1).vectors;
+  for (Image<float>* on : {&frame.flow_forward, &frame.field_flow_forward}) *on = motion_of(ball, 1).vectors;
+  return frame;
+}
+
+HdrFrame corrected(const Ball& ball, Toward toward, double readout_s = kReadout_s, int threads = 2) {
+  HdrFrame frame = frame_of(ball);
+  correct(frame, ball, toward, readout_s, threads);
   return frame;
 }
 
@@ -110,36 +121,16 @@ TEST_CASE("the flow of a corrected frame is the motion in one frame interval") {
 }
 
 TEST_CASE("provenance and points of a frame go with its pixels under rolling shutter correction") {
-  WorkerPool pool(1);
   const Ball ball{.vx = 16, .vy = 0};
-  HdrFrame frame;
-  frame.radiance = picture_of(ball, true);
-  frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
+  HdrFrame frame = frame_of(ball);
   const int seen_x = 32 + static_cast<int>(std::lround(16 * late(8)));  // the ball's column in row 8
   frame.provenance.at(0, 8, seen_x) = 3;
   frame.points.push_back({.p_world = Eigen::Vector3d::Zero(), .u_px = seen_x + 0.5, .v_px = 8.5});
   frame.points.push_back({.p_world = Eigen::Vector3d::Zero(),
                           .u_px = 0.5,
                           .v_px = 47.5});  // was further left at the frame's moment
-  frame.sigma = Image<float>(1, kRows, kCols);
   for (int x = seen_x - 1; x <= seen_x + 1; ++x) frame.sigma.at(0, 8, x) = 1;
-  const FlowField back = motion_of(ball, -1);
-  ExposedFrame input;
-  input.interval_s = kInterval_s;
-  const RadianceEstimate state;
-  const Image<float> own_share;
-  const FrameEstimate estimate{.frame = input,
-                               .state = state,
-                               .own_share = own_share,
-                               .to_previous = &back,
-                               .field = {},
-                               .view = {},
-                               .fit = nullptr,
-                               .budget = {},
-                               .white = 1,
-                               .unseen_variance = 1,
-                               .reference_exposure = 1};
-  RollingShutterCorrection(pool).correct(estimate, kReadout_s, frame);
+  correct(frame, ball, Toward::Previous);
   CHECK(frame.provenance.at(0, 8, 32) == 3);
   CHECK(frame.sigma.at(0, 8, 32) > 0.9f);
   REQUIRE(frame.points.size() == 1);

@@ -105,8 +105,7 @@ class PoseFile : public FrameSink {
   }
 
   bool was_written(const std::string& picture) const {
-    const auto found = storage_.look_at(picture);
-    return found && found.value().kind != FileKind::Missing && !earlier_.remains(picture);
+    return is_there(storage_, picture) && !earlier_.remains(picture);
   }
 
   // Leaves out the other pictures, and the points that they saw.
