@@ -38,7 +38,8 @@ OnlineStage::OnlineStage(const Knobs& knobs, const CameraFacts& camera,
       camera_(camera),
       look_ahead_(look_ahead_of(knobs, camera.height, camera.width)),
       pool_(pool),
-      motion_(make_motion_prior(camera.height, camera.width, pool)),
+      gpu_(gpu),
+      motion_(make_motion_prior(camera.height, camera.width, pool, gpu)),
       state_(make_state_layer(knobs.state, camera.height, camera.width, pool, gpu)),
       sensor_(knobs, camera, response, *state_, pool),
       second_layer_(knobs, camera, pool, gpu) {}
@@ -82,7 +83,7 @@ Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame
   while (!steps_.empty()) retire_oldest();
   state_->forget_residuals();
   sensor_.begin_anew(estimate, frame);
-  motion_ = make_motion_prior(camera_.height, camera_.width, pool_);
+  motion_ = make_motion_prior(camera_.height, camera_.width, pool_, gpu_);
   second_layer_.rest();
   white_ = 1;
   darkest_ = kAllBlack;

@@ -46,9 +46,10 @@ class OnlineStage {
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const SensorModel& sensor() const { return sensor_; }
-  // Why the state, or the fit of the field, no longer runs on the graphics device; "" while it does, or was
-  // not asked to.
+  // Why the state, the flow, or the fit of the field no longer runs on the graphics device; "" while it does,
+  // or was not asked to.
   std::string fallback_reason() const { return state_->fallback_reason(); }
+  std::string flow_fallback_reason() const { return motion_->fallback_reason(); }
   std::string field_fallback_reason() const { return second_layer_.fallback_reason(); }
 
  private:
@@ -80,6 +81,7 @@ class OnlineStage {
   const CameraFacts camera_;
   const int look_ahead_;  // frames
   WorkerPool& pool_;
+  GpuDevice* gpu_;                     // null: the processor
   std::vector<CompactFrame> waiting_;  // until codes mean something
 
   std::unique_ptr<MotionPrior> motion_;

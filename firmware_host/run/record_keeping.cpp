@@ -80,6 +80,8 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
       fmt::format("black level: {:.1f}, {:.1f}, {:.1f} codes of 255", black[0], black[1], black[2]));
   if (const std::string reason = online.fallback_reason(); !reason.empty())
     record.notes.push_back("the processor went on with the state: " + reason);
+  if (const std::string reason = online.flow_fallback_reason(); !reason.empty())
+    record.notes.push_back("the processor went on with the flow: " + reason);
   if (const std::string reason = online.field_fallback_reason(); !reason.empty())
     record.notes.push_back("the processor went on with the fit of the field: " + reason);
   if (pipeline.kept_out() > 0)

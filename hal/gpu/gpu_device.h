@@ -29,11 +29,12 @@ inline constexpr int kMostKernelBuffers = 9;  // of a GpuShader; devices that al
 
 // A compute shader as the build made it. It reads and writes `buffers` storage buffers, bound from 0 on, and
 // may read up to 128 bytes of constants. Work group sizes are a specialization constant (id 0), set by the
-// device to suit its subgroups.
+// device to suit its subgroups, but for kernels whose invocations work together.
 struct GpuShader {
   const char* name;
   std::span<const std::uint32_t> code;
   int buffers;
+  int group = 0;  // invocations that work together, at most 128 (its GROUP); 0: the device chooses
 };
 
 struct GpuFacts {

@@ -4,7 +4,7 @@
 // Thread-bound; the answer does not depend on the number of threads.
 #pragma once
 
-#include "online/priors/motion/dense_flow.h"
+#include "online/priors/motion/cpu_flow.h"
 #include "render/views/keyframe.h"
 
 namespace hdrcam {
@@ -21,7 +21,7 @@ class KeyframeMotion {
   void agree(const FlowField& back, FlowField& flow);
 
   WorkerPool& pool_;
-  DenseFlow flow_;
+  CpuFlow flow_;
   Image<float> codes_before_, codes_after_;  // [1, rows, cols] 0..255, logarithmic
 };
 

@@ -1,9 +1,10 @@
-// What runs on a graphics device, beside the same on the processor with two threads: state, look-ahead and
-// shrinkage at 320x240, 640x480 and 1920x1080; a view of the field and its fit at 320x240. HDRCAM_TEST_GPU
-// names the device. Transfers are part of the time. The label names what computed.
+// What runs on a graphics device, beside the same on the processor with two threads: flow, state, look-ahead
+// and shrinkage at 320x240, 640x480 and 1920x1080; a view of the field and its fit at 320x240.
+// HDRCAM_TEST_GPU names the device. Transfers are part of the time. The label names what computed.
 #include <benchmark/benchmark.h>
 
 #include "capture/unpack.h"
+#include "online/priors/motion/dense_flow.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/state/state_layer.h"
@@ -91,6 +92,23 @@ void state_on_device(benchmark::State& state) {
   for (auto _ : state) layer->advance(bench.input(1), bench.motion);
 }
 
+// The flow of the defaults (Medium) between two frames, from a guess.
+void flow_on_device(benchmark::State& state) {
+  Bench bench(state, size_of(state));
+  const auto flow = make_dense_flow(bench.pool, bench.gpu);
+  const auto gray = [&](std::size_t i) {
+    Image<float> green(1, bench.size.rows, bench.size.cols);
+    std::copy_n(bench.frames[i].codes.plane(1), green.size(), green.plane(0));
+    return green;
+  };
+  const Image<float> a = gray(0), b = gray(1);
+  Image<float> there, back;
+  FlowRequest request{&a, &b, &there, &back};
+  request.start_a_to_b = {&bench.motion.vectors, -1, true}, request.start_b_to_a = {&bench.motion.vectors};
+  const DeviceTimes times(state, bench.gpu);
+  for (auto _ : state) flow->compute(FlowQuality::Medium, request);
+}
+
 void look_ahead_on_device(benchmark::State& state) {
   Bench bench(state, size_of(state));
   const auto layer = make_state_layer({}, bench.size.rows, bench.size.cols, bench.pool, bench.gpu);
@@ -176,6 +194,7 @@ void in_all_sizes(benchmark::internal::Benchmark* bench) {
       ->UseRealTime();
 }
 
+BENCHMARK(flow_on_device)->Apply(in_all_sizes);
 BENCHMARK(state_on_device)->Apply(in_all_sizes);
 BENCHMARK(look_ahead_on_device)->Apply(in_all_sizes);
 BENCHMARK(shrinkage_on_device)->Apply(in_all_sizes);

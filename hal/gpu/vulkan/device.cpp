@@ -66,7 +66,7 @@ Result<void> Device::start(const PhysicalDevice& which, const std::string& cache
   memory_ = std::make_unique<Memory>(vk_, device_, which.memory, limits_.maxStorageBufferRange);
   const double tick_ns =
       limits_.timestampComputeAndGraphics == VK_TRUE ? static_cast<double>(limits_.timestampPeriod) : 0;
-  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, facts_.group, tick_ns);
+  work_ = std::make_unique<Work>(vk_, device_, queue, *memory_, tick_ns);
   TRY(work_->open(which.queue_family));
   cache_path_ = pipeline_cache_path(cache_folder, which.uuid);
   open_cache();
@@ -115,6 +115,7 @@ Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
   CHECK(shader.buffers <= kMostKernelBuffers);
   auto kernel = std::make_unique<Kernel>();
   kernel->name = shader.name, kernel->buffers = shader.buffers;
+  kernel->group = shader.group > 0 ? shader.group : facts_.group;
   kernel->uniforms = uniform_bindings(shader.code);
   if (const Result<void> made = compile(shader, *kernel); !made) {
     destroy(*kernel);

@@ -178,7 +178,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
   barrier(kWorkStages, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
           VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_UNIFORM_READ_BIT);
   timed(own.name, [&] {
-    vk_.CmdDispatch(commands_, groups(grid.columns, group_), static_cast<std::uint32_t>(grid.rows),
+    vk_.CmdDispatch(commands_, groups(grid.columns, own.group), static_cast<std::uint32_t>(grid.rows),
                     static_cast<std::uint32_t>(grid.planes));
   });
 }

@@ -13,6 +13,7 @@ namespace hdrcam::vulkan {
 struct Kernel final : GpuKernel {
   std::string name;
   int buffers = 0;
+  int group = 0;               // invocations of a work group
   std::uint32_t uniforms = 0;  // a bit for each binding that is a uniform buffer, not a storage buffer
   VkShaderModule module = VK_NULL_HANDLE;
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;
@@ -25,9 +26,8 @@ constexpr std::uint32_t kConstantBytes = 128;  // what every device offers
 class Work final : public GpuWork {
  public:
   // tick_ns: of the queue's clock; 0: it has none
-  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory, int group,
-       double tick_ns)
-      : vk_(functions), device_(device), queue_(queue), memory_(memory), group_(group), tick_ns_(tick_ns) {}
+  Work(const DeviceFunctions& functions, VkDevice device, VkQueue queue, Memory& memory, double tick_ns)
+      : vk_(functions), device_(device), queue_(queue), memory_(memory), tick_ns_(tick_ns) {}
   ~Work() override;
 
   Result<void> open(std::uint32_t queue_family);
@@ -67,7 +67,6 @@ class Work final : public GpuWork {
   VkDevice device_;
   VkQueue queue_;
   Memory& memory_;
-  int group_;
   double tick_ns_;
   VkCommandPool command_pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;

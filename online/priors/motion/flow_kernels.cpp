@@ -8,6 +8,8 @@
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
+using namespace flow_constants;
+
 typedef float Quad __attribute__((vector_size(16), aligned(4), may_alias));
 
 inline Lanes magnitude(Lanes v) { return (Lanes)((Whole)v & 0x7fffffff); }
@@ -24,8 +26,6 @@ inline Quad sums(Lanes a, Lanes b, Lanes c, Lanes d) {
 }
 
 constexpr float kPixels = kPatchSize * kPatchSize;
-constexpr int kOutside = 16;  // pixels that a patch may leave the picture by
-static_assert(kOutside + kPatchSize <= kFlowBorder);
 
 struct Vector {
   float u, v;
@@ -79,8 +79,6 @@ inline Patch patch_at(const FlowPicture& from, int x, int y) {
 // may be noise, and the motion is expected to be this far from where the step begins. What a texture does not
 // tell against its noise stays as it is.
 inline Vector step_of(const Patch& patch, float error, float bx, float by) {
-  constexpr float kFlat = 4;                   // codes^2 per pixel^2: the texture of a flat patch
-  constexpr float kExpected2 = 0.18f * 0.18f;  // pixels^2
   const float damping = kFlat + error / (kPixels * kExpected2);
   const float xx = patch.xx + damping, yy = patch.yy + damping, xy = patch.xy;
   const float scale = -1 / (xx * yy - xy * xy);
@@ -128,16 +126,11 @@ struct Descent {
   }
   Fit look(Vector at) const { return compare(patch, window(search.to, x, y, at), search.to.pitch); }
   void consider(Vector guess) {
-    // of its error, and codes^2 over the patch: noise makes one of two places that much better
-    constexpr float kShare = 0.25f, kLeast = 32;
     if (guess.u == best.u && guess.v == best.v) return;  // often: neighbours at rest, or that took this one
     const Fit other = look(guess);
-    if (other.error + kLeast < (1 - kShare) * fit.error) best = guess, fit = other;
+    if (other.error + kLeastBetter < (1 - kBetterShare) * fit.error) best = guess, fit = other;
   }
   void descend() {
-    constexpr float kLeastStep2 = 1e-4f;  // pixels^2
-    constexpr float kFarthest2 =
-        kPatchSize * kPatchSize;  // farther off, it is another place that looks alike
     const Vector first = best;
     for (int i = 0; i < search.steps; ++i) {
       const Vector next{best.u + fit.step.u, best.v + fit.step.v};
@@ -198,8 +191,7 @@ struct FarPlace {
 inline FarPlace most_alike(const PatchSearch& s, const FarSearch& far, const Descent& patch) {
   const int x0 = most(0, patch.x - far.reach_x), x1 = least(s.to.cols - kPatchSize, patch.x + far.reach_x);
   const int y0 = most(0, patch.y - far.reach_y), y1 = least(s.to.rows - kPatchSize, patch.y + far.reach_y);
-  constexpr float kWorst = 1e30f;
-  Lanes best = all<Lanes>(kWorst);
+  Lanes best = all<Lanes>(kWorstError);
   Whole best_x{}, best_y{};
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; x += kLanes) {
@@ -216,17 +208,13 @@ inline FarPlace most_alike(const PatchSearch& s, const FarSearch& far, const Des
       best_x = better ? x + kEachLane : best_x;
       best_y = better ? Whole{} + y : best_y;
     }
-  FarPlace found{0, 0, kWorst};
+  FarPlace found{0, 0, kWorstError};
   for (int k = 0; k < kLanes; ++k)
     if (best[k] < found.error) found = {best_x[k], best_y[k], best[k]};
   return found;
 }
 
 void search_far(const PatchSearch& s, const FarSearch& far, int first, int last) {
-  constexpr float kLeastTexture = 2500;  // codes^2 over the patch: with less, much looks alike
-  constexpr float kExplained = 0.5f;     // of the texture: a patch whose error is below is where it should be
-  constexpr float kFound = 0.35f;        // of the texture, and
-  constexpr float kBetter = 0.5f;        // of the error: what the error at another place must be below
   for (int row = first; row < last; ++row)
     for (int col = 0; col < s.grid.cols; ++col) {
       const int i = row * s.grid.cols + col;
@@ -235,7 +223,7 @@ void search_far(const PatchSearch& s, const FarSearch& far, int first, int last)
       const float texture = texture_of(patch.patch);
       if (!(texture >= kLeastTexture && patch.fit.error >= kExplained * texture)) continue;
       const FarPlace place = most_alike(s, far, patch);
-      if (!(place.error <= least(kFound * texture, kBetter * patch.fit.error))) continue;
+      if (!(place.error <= least(kFound * texture, kFarBetter * patch.fit.error))) continue;
       far.found.u[i] = static_cast<float>(place.x - patch.x);
       far.found.v[i] = static_cast<float>(place.y - patch.y);
     }

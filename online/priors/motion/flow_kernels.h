@@ -6,12 +6,14 @@
 
 #include <cstddef>
 
+#include "online/priors/motion/flow_constants.h"
+
 namespace hdrcam {
 
-constexpr int kFlowBorder = 24;   // pixels around each plane; a patch may leave the picture by 16
-constexpr int kPatchSize = 8;     // pixels; one row of a patch is one register of eight lanes
-constexpr float kNowhere = 1e9f;  // pixels; a component of a vector that is not there
-constexpr int kLandingCell = 8;   // pixels, both ways, of a cell of landing.h
+using flow_constants::kNowhere;
+using flow_constants::kPatchSize;
+constexpr int kFlowBorder = flow_constants::kOutside + kPatchSize;  // pixels around each plane
+constexpr int kLandingCell = 8;  // pixels, both ways, of a cell of landing.h
 
 // One scale of a pyramid. The pointers stand at pixel (0, 0); a row is `pitch` floats long.
 struct FlowPicture {

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "capture/exposed_frame.h"
 #include "hal/core/worker_pool.h"
+#include "hal/gpu/gpu_device.h"
 #include "online/pictures/flow_field.h"
 #include "online/state/exposure_tables.h"
 #include "online/state/radiance_state.h"
@@ -49,9 +51,12 @@ class MotionPrior {
   // Rates the motion to the previous frame in any case.
   virtual void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                         FlowQuality quality, const RatedFlows& rated, StateMotion& motion) = 0;
+  // Why it no longer runs where it was asked to; "" while it does.
+  virtual std::string fallback_reason() const { return {}; }
 };
 
-// Optical flow (DIS) between the frame and the re-exposed state: state_motion.h.
-std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool);
+// Optical flow (DIS) between the frame and the re-exposed state: state_motion.h. gpu: where the flow runs,
+// null for the processor; it outlives the prior, as the pool does.
+std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool, GpuDevice* gpu);
 
 }  // namespace hdrcam

@@ -7,6 +7,8 @@
 namespace hdrcam::HDRCAM_TARGET {
 namespace {
 
+using namespace flow_constants;
+
 // What a row of pixels is solved with, one value per pixel in each line. The equations of a pixel are
 // (a11 + w) u + a12 v = c1 + sum of linked u, and so for v, for the whole vector (not its change); w is the
 // sum of its links. The lines of a row lie side by side, each with a margin of zeros before it and behind it,
@@ -109,7 +111,6 @@ void tie(const Rows& rows, int y) {
 }
 
 void weigh(const Rows& rows, int y) {
-  constexpr float kLeastDistance2 = 1e-2f;  // pixels^2
   const FlowRefinement& r = rows.r;
   const int cols = r.from.cols;
   const std::ptrdiff_t line = static_cast<std::ptrdiff_t>(y) * cols;
@@ -142,7 +143,6 @@ inline Lanes shifted(Lanes last, Lanes now) {
 
 // One row: neighbours in the row as they were, those above and below as they are now.
 void relax(const Rows& rows, int y) {
-  constexpr float kRelaxed = 1.3f;
   const int cols = rows.r.from.cols, last = rows.r.from.rows - 1;
   float *u = rows.line(y, kU), *v = rows.line(y, kV);
   const float *u_above = rows.line(y - 1, kU), *v_above = rows.line(y - 1, kV);

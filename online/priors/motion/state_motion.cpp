@@ -87,8 +87,8 @@ bool tells_change(float ratio) {
 
 }  // namespace
 
-MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool)
-    : rows_(rows), cols_(cols), pool_(pool), flow_(pool), landing_(rows, cols) {}
+MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice* gpu)
+    : rows_(rows), cols_(cols), pool_(pool), flow_(make_dense_flow(pool, gpu)), landing_(rows, cols) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, const MatchContext& context,
@@ -107,7 +107,7 @@ void MotionEstimator::match(const RadianceState& state, const ExposedFrame& fram
     if (blurs) blur_difference(state.radiance, predicted_, fraction, blur_, pool_);
     gray_of_state(state.radiance, blurs ? &blur_ : nullptr, tables, state_gray_, pool_);
   }
-  flow_.compute(context.flow, request);
+  flow_->compute(context.flow, request);
   if (rated.to_previous) rate_flow(motion.to_previous, motion.from_previous, nullptr, pool_);
   if (rated.from_previous) rate_flow(motion.from_previous, motion.to_previous, nullptr, pool_);
 }
@@ -178,7 +178,7 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
   start_at_prediction(context.before_ratio / context.after_ratio, request);
-  flow_.compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
+  flow_->compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, and
@@ -246,8 +246,8 @@ void MotionEstimator::clipped_share(const ExposedFrame& frame, Image<float>& sha
   box_mean(mask_, 2, share, pool_);
 }
 
-std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool) {
-  return std::make_unique<MotionEstimator>(rows, cols, pool);
+std::unique_ptr<MotionPrior> make_motion_prior(int rows, int cols, WorkerPool& pool, GpuDevice* gpu) {
+  return std::make_unique<MotionEstimator>(rows, cols, pool, gpu);
 }
 
 }  // namespace hdrcam

@@ -12,7 +12,7 @@ namespace hdrcam {
 
 class MotionEstimator final : public MotionPrior {
  public:
-  MotionEstimator(int rows, int cols, WorkerPool& pool);
+  MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice* gpu = nullptr);
 
   // Matches both flows. The state is rendered as the frame would show it: at its exposure, and blurred along
   // the predicted motion. The search starts from that motion.
@@ -21,6 +21,7 @@ class MotionEstimator final : public MotionPrior {
   // Completes the motion where the frame is clipped, from the predicted motion and from the next frame.
   void complete(const RadianceState& state, const ExposedFrame& frame, const MotionContext& context,
                 FlowQuality quality, const RatedFlows& rated, StateMotion& motion) override;
+  std::string fallback_reason() const override { return flow_->fallback_reason(); }
 
  private:
   void start_at_prediction(float ratio, FlowRequest& request) const;
@@ -34,7 +35,7 @@ class MotionEstimator final : public MotionPrior {
 
   int rows_, cols_;
   WorkerPool& pool_;
-  DenseFlow flow_;
+  std::unique_ptr<DenseFlow> flow_;
   Image<float> last_;  // the completed motion of the last step: from the state's pixels to the previous state
   Image<float> measured_;         // [1, rows, cols] 0..1: how much of that was measured, and how lately
   Image<float> measured_before_;  // the same of the step before it

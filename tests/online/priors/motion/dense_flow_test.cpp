@@ -1,4 +1,4 @@
-#include "online/priors/motion/dense_flow.h"
+#include "online/priors/motion/cpu_flow.h"
 
 #include <cmath>
 #include <random>
@@ -53,7 +53,7 @@ Flows flows(const Image<float>& a, const Image<float>& b, FlowQuality quality = 
             int threads = 1) {
   WorkerPool pool(threads);
   Flows found;
-  DenseFlow(pool).compute(quality, {&a, &b, &found.there, &found.back});
+  CpuFlow(pool).compute(quality, {&a, &b, &found.there, &found.back});
   return found;
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("where pictures show only their noise, the flow stays where it starts"
   WorkerPool pool(1);
   FlowRequest request{&a, &b, &there, &back};
   request.start_a_to_b = {&start, 1}, request.start_b_to_a = {&start, -1};
-  DenseFlow(pool).compute(FlowQuality::Fine, request);
+  CpuFlow(pool).compute(FlowQuality::Fine, request);
   CHECK(endpoint_error(
             there,
             [](float, float) {
@@ -244,7 +244,7 @@ TEST_CASE("a search that starts from a guess stays with it where the picture rep
     });
   };
   WorkerPool pool(1);
-  DenseFlow flow(pool);
+  CpuFlow flow(pool);
   const Image<float> from = stripes(0), to = stripes(kShift);
   Image<float> found, back, start(2, 64, 96), start_back(2, 64, 96);
   flow.compute(FlowQuality::Fine, {&from, &to, &found, &back});

@@ -1,4 +1,4 @@
-#include "online/priors/motion/dense_flow.h"
+#include "online/priors/motion/cpu_flow.h"
 
 #include <algorithm>
 
@@ -9,28 +9,6 @@
 
 namespace hdrcam {
 namespace {
-
-// The scale whose shorter side is about two patches long.
-int coarsest_scale(int rows, int cols) {
-  constexpr int kLeast = 14;  // pixels
-  int scale = 0;
-  while (std::min(rows, cols) >> (scale + 1) >= kLeast) ++scale;
-  return scale;
-}
-
-// The finest scale at which comparing a patch with a third of the picture costs little, and objects still
-// have patches of their own.
-int far_scale(int rows, int cols) {
-  constexpr int kMost = 85;  // pixels of the shorter side
-  int scale = 0;
-  while (std::min(rows, cols) >> scale > kMost) ++scale;
-  return scale;
-}
-
-PatchGrid grid_of(const FlowPicture& picture, int stride) {
-  const auto places = [&](int size) { return 1 + (size - kPatchSize + stride - 1) / stride; };
-  return {places(picture.rows), places(picture.cols), stride};
-}
 
 Offset guess_at(const FlowGuess& guess, int x, int y) {
   const Image<float>& vectors = *guess.vectors;
@@ -43,36 +21,16 @@ FlowPlanes planes_of(Image<float>& vectors) { return {vectors.plane(0), vectors.
 
 }  // namespace
 
-struct DenseFlow::Effort {
-  int finest_scale;    // 0: full size, 1: half, 2: a quarter
-  int stride;          // pixels between patches
-  int steps;           // of descent, in each of the two sweeps
-  int rounds, sweeps;  // of the refinement
-};
-
-DenseFlow::Effort DenseFlow::effort_of(FlowQuality quality) {
-  switch (quality) {
-    case FlowQuality::Coarse:
-      return {2, 4, 2, 2, 3};
-    case FlowQuality::Fast:
-      return {1, 4, 2, 2, 3};
-    case FlowQuality::Medium:
-      return {0, 4, 3, 2, 3};
-    case FlowQuality::Fine:
-      break;
-  }
-  return {0, 4, 4, 5, 5};
-}
-
-void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
+void CpuFlow::compute(FlowQuality quality, const FlowRequest& request) {
   const int rows = request.a->rows(), cols = request.a->cols();
   for (Image<float>* flow : {request.a_to_b, request.b_to_a}) flow->reshape(2, rows, cols);
   if (rows < kMinSize || cols < kMinSize) {
     request.a_to_b->fill(0), request.b_to_a->fill(0);
     return;
   }
-  const Effort effort = effort_of(quality);
-  const int coarsest = coarsest_scale(rows, cols), finest = std::min(effort.finest_scale, coarsest);
+  const FlowEffort effort = effort_of(quality);
+  const FlowScales scales = scales_of(effort, rows, cols);
+  const int coarsest = scales.coarsest, finest = scales.finest;
   Pyramid &pyramid_a = pyramids_[0], &pyramid_b = pyramids_[1];
   auto& [there, back] = directions_;
   there.from = &pyramid_a, there.to = &pyramid_b;
@@ -97,7 +55,7 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
     const auto piece = static_cast<int>(refinement_kernels().piece_floats(rows >> finest, cols >> finest));
     for (Direction& direction : directions_)
       for (Image<float>& picture : direction.room) pool_.scratch().acquire(picture, 1, 1, piece);
-    for (int scale = coarsest; scale >= finest; --scale) match(scale, coarsest, effort);
+    for (int scale = coarsest; scale >= finest; --scale) match(scale, scales, effort);
     for (int scale = finest; scale > 1; --scale) {
       const ScratchLease larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
                                 {{&there.larger, 2}, {&back.larger, 2}});
@@ -121,13 +79,13 @@ void DenseFlow::compute(FlowQuality quality, const FlowRequest& request) {
     for (Level& level : pyramid) pool_.scratch().release(level.planes);
 }
 
-DenseFlow::Level& DenseFlow::level_of(Pyramid& pyramid, int scale) {
+CpuFlow::Level& CpuFlow::level_of(Pyramid& pyramid, int scale) {
   if (pyramid.size() <= static_cast<std::size_t>(scale)) pyramid.resize(static_cast<std::size_t>(scale) + 1);
   return pyramid[static_cast<std::size_t>(scale)];
 }
 
 // The scales that are matched, from a picture of full size, and those between.
-void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid) {
+void CpuFlow::build(const Image<float>& picture, int finest, int coarsest, Pyramid& pyramid) {
   for (int scale = std::min(finest, 1); scale <= coarsest; ++scale) {
     Level& level = pyramid[static_cast<std::size_t>(scale)];
     const int rows = picture.rows() >> scale, cols = picture.cols() >> scale;
@@ -150,12 +108,11 @@ void DenseFlow::build(const Image<float>& picture, int finest, int coarsest, Pyr
 }
 
 // Both directions at one scale: the patches, the flow that they spread, its refinement.
-void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
-  pool_.for_each(2,
-                 [&](int i) { prepare(directions_[static_cast<std::size_t>(i)], scale, coarsest, effort); });
+void CpuFlow::match(int scale, const FlowScales& scales, const FlowEffort& effort) {
+  pool_.for_each(
+      2, [&](int i) { prepare(directions_[static_cast<std::size_t>(i)], scale, scales.coarsest, effort); });
   search();
-  const Image<float>& picture = *directions_[0].answer;
-  if (scale == std::max(far_scale(picture.rows(), picture.cols()), effort.finest_scale)) search_far();
+  if (scale == scales.far) search_far();
   const int rows = directions_[0].search.from.rows;
   for (Direction& direction : directions_)
     pool_.for_rows(rows, [&](int y0, int y1) {
@@ -164,8 +121,8 @@ void DenseFlow::match(int scale, int coarsest, const Effort& effort) {
   pool_.for_each(2, [&](int i) { refine(directions_[static_cast<std::size_t>(i)], scale, effort); });
 }
 
-void DenseFlow::search() {
-  constexpr int kStrip = 8;  // rows of patches that share one sweep
+void CpuFlow::search() {
+  using flow_constants::kStrip;
   const int patch_rows = directions_[0].search.grid.rows;
   const int strips = (patch_rows + kStrip - 1) / kStrip;
   pool_.for_each(2 * strips, [&](int i) {
@@ -177,8 +134,8 @@ void DenseFlow::search() {
 
 // What is found far away in either direction is a guess in both, which a second search spreads over the rest
 // of the object.
-void DenseFlow::search_far() {
-  constexpr int kReach = 3;  // part of the picture
+void CpuFlow::search_far() {
+  using flow_constants::kReach;
   const PatchGrid grid = directions_[0].search.grid;
   for (Direction& direction : directions_) {
     direction.far.reshape_like(direction.patches), direction.far_back.reshape_like(direction.patches);
@@ -205,10 +162,10 @@ void DenseFlow::search_far() {
 
 // The guesses of this scale's patches: what is given, and what the coarser scale found. Where the picture is
 // clipped only the latter, which comes from the surroundings: what is given could never be refuted.
-void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& effort) {
+void CpuFlow::prepare(Direction& d, int scale, int coarsest, const FlowEffort& effort) {
   const auto at = static_cast<std::size_t>(scale);
   const FlowPicture &from = (*d.from)[at].picture, &to = (*d.to)[at].picture;
-  const PatchGrid grid = grid_of(from, effort.stride);
+  const PatchGrid grid = patch_grid(from.rows, from.cols, effort.stride);
   const bool guided = d.start.vectors != nullptr, begins = scale == coarsest;
   d.patches.reshape(2, grid.rows, grid.cols);
   if (guided) d.starts.reshape_like(d.patches);
@@ -235,10 +192,8 @@ void DenseFlow::prepare(Direction& d, int scale, int coarsest, const Effort& eff
   if (guided && !begins) d.search.start_u = d.starts.plane(0), d.search.start_v = d.starts.plane(1);
 }
 
-void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
-  constexpr float kPictures = 0.5f;   // against smoothness
-  constexpr float kLeastSlope2 = 40;  // (codes per pixel)^2
-  constexpr float kSmallest = 0.05f;  // pixels
+void CpuFlow::refine(Direction& d, int scale, const FlowEffort& effort) {
+  using namespace flow_constants;
   const auto at = static_cast<std::size_t>(scale);
   FlowRefinement refinement{
       (*d.from)[at].picture, (*d.to)[at].picture, planes_of(d.flow), {},           kPictures,
@@ -248,7 +203,7 @@ void DenseFlow::refine(Direction& d, int scale, const Effort& effort) {
 }
 
 // To the size of the answer, which is twice that of the flow, perhaps with an odd last row or column.
-void DenseFlow::enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer) {
+void CpuFlow::enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer) {
   const int rows = flow.rows(), cols = flow.cols();
   line.resize(static_cast<std::size_t>(cols) + 2);  // a column more on both sides
   for (int c = 0; c < 2; ++c)

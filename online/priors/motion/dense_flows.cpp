@@ -1,0 +1,11 @@
+#include "online/priors/motion/cpu_flow.h"
+#include "online/priors/motion/vulkan/vulkan_flow.h"
+
+namespace hdrcam {
+
+std::unique_ptr<DenseFlow> make_dense_flow(WorkerPool& pool, GpuDevice* gpu) {
+  if (gpu == nullptr) return std::make_unique<CpuFlow>(pool);
+  return std::make_unique<VulkanFlow>(pool, *gpu);
+}
+
+}  // namespace hdrcam
