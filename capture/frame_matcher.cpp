@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <span>
-
-#include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
@@ -67,32 +64,13 @@ int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
   const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
   if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
-  const double elapsed =
-      static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(interval_.count());
+  const double elapsed = interval_.frames_in(buffer.timestamp - timestamp_);
   const double by_time = std::round(elapsed);
-  const bool on_grid =
-      interval_count_ >= kConfirmed && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
+  const bool on_grid = interval_.measured() && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
   const double by_strobe = pulse && last_pulse_ ? static_cast<double>(*pulse - *last_pulse_) : 0;
   const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
   const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
-}
-
-// The camera's real frame duration is the median of the last intervals per sequence number, once there are a
-// few: one long interval is a lost frame, many are a slow camera. The agreed duration stays where the median
-// differs from it by no more than time stamps do.
-void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
-  if (buffer.sequence <= sequence_ || buffer.timestamp <= timestamp_) return;
-  const auto steps = static_cast<Duration::rep>(buffer.sequence - sequence_);
-  intervals_[interval_count_++ % kIntervals] = (buffer.timestamp - timestamp_) / steps;
-  if (interval_count_ < kConfirmed) return;
-  auto sorted = intervals_;
-  const Duration measured =
-      median(std::span(sorted).first(std::min<std::size_t>(interval_count_, kIntervals)));
-  constexpr double kJitter = 0.02;
-  const auto agreed = static_cast<double>(options_.frame_duration.count());
-  const bool kept = std::abs(static_cast<double>(measured.count()) - agreed) <= kJitter * agreed;
-  interval_ = kept ? options_.frame_duration : measured;
 }
 
 // The completed request was due when the frame after the previous one began, and stayed due while frames were
@@ -174,7 +152,7 @@ std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer
   if (options_.strobe == StrobePulse::Absent) return std::nullopt;
   const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
   std::optional<std::uint64_t> nearest;
-  Duration least = interval_ / 4;
+  Duration least = interval_.value() / 4;
   for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(pulse_count_, kPulses); ++back) {
     const std::uint64_t pulse = pulse_count_ - back;
     const auto edge = marked_edge(pulses_[pulse % kPulses]);
@@ -228,7 +206,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   if (options_.trigger != TriggerMode::Off) frame.pulse = trigger_of(buffer);
   const int pulses = pulses_since_last(frame.pulse);
   const int advance = started_ ? frames_since_last(buffer, pulse, pulses) : 0;
-  if (started_) learn_interval(buffer);
+  if (started_ && buffer.sequence > sequence_ && buffer.timestamp > timestamp_)
+    interval_.observe(buffer.sequence - sequence_, buffer.timestamp - timestamp_);
   match_trigger(buffer, frame);
   frame.lost_before = std::max(0, (pulses > 0 ? pulses : advance) - 1);
   frame.cookie_repeated = started_ && buffer.cookie <= highest_cookie_;

@@ -18,6 +18,7 @@
 #include "capture/control_delay.h"
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
+#include "capture/frame_interval.h"
 #include "capture/pulse_train.h"
 #include "hal/sync_line.h"
 
@@ -79,7 +80,7 @@ class FrameMatcher {
   // unknown.
   int slot_of(const ExposureClaim& label) const;
   // From frame to frame, as measured.
-  Duration frame_duration() const { return interval_; }
+  Duration frame_duration() const { return interval_.value(); }
   // Frames by which the prediction is shifted so far, and how often that changed.
   int shift() const { return shift_; }
   int relocks() const { return relocks_; }
@@ -87,8 +88,6 @@ class FrameMatcher {
  private:
   static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kObservations = 3,
                        kMaxShift = 4;
-  static constexpr int kIntervals = 8,
-                       kConfirmed = 3;  // intervals used, and needed to know the duration
 
   struct SentRequest {
     ExposureRequest request;  // as it was queued
@@ -107,7 +106,6 @@ class FrameMatcher {
 
   int pulses_since_last(const std::optional<TriggerPulse>& pulse) const;
   int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse, int triggers) const;
-  void learn_interval(const CapturedBuffer& buffer);
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
@@ -131,9 +129,7 @@ class FrameMatcher {
   bool started_ = false;
   std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
   Instant timestamp_;
-  Duration interval_;
-  std::array<Duration, kIntervals> intervals_{};  // per sequence number, the last ones
-  std::uint64_t interval_count_ = 0;
+  FrameInterval interval_;
   // By frame: the cookie of the request whose controls were written when it began.
   std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
