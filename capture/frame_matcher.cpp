@@ -18,7 +18,10 @@ Instant MatchedFrame::centre(Duration exposure, Duration readout) const {
 }
 
 FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule)
-    : options_(options), schedule_(schedule), interval_(options.frame_duration) {
+    : options_(options),
+      schedule_(schedule),
+      interval_(options.frame_duration),
+      strobes_(options.strobe, options.strobe_after_timestamp, options.timestamp_mark) {
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
   const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
@@ -38,19 +41,6 @@ ExposureRequest FrameMatcher::next_request() {
   return request;
 }
 
-void FrameMatcher::strobe(const Edge& edge) {
-  const bool lost_edges = pulse_count_ > 0 && edge.sequence != edge_sequence_ + 1;
-  edge_sequence_ = edge.sequence;
-  if (lost_edges) last_pulse_.reset();
-  if (edge.rising) {
-    pulses_[pulse_count_++ % kPulses] = {edge.at, std::nullopt};
-  } else if (line_high_ && !lost_edges) {
-    Pulse& last = pulses_[(pulse_count_ - 1) % kPulses];
-    last.width = edge.at - last.rise;
-  }
-  line_high_ = edge.rising;
-}
-
 // Trigger pulses between the frame before and this one; 0 where that is not known.
 int FrameMatcher::pulses_since_last(const std::optional<TriggerPulse>& pulse) const {
   if (!pulse || !last_trigger_ || pulse->index <= last_trigger_->index) return 0;
@@ -59,15 +49,14 @@ int FrameMatcher::pulses_since_last(const std::optional<TriggerPulse>& pulse) co
 
 // Frames of the sensor between the buffer before and this one; at least one. A trigger pulse that the sensor
 // did not answer is no frame of its, so its controls did not act meanwhile.
-int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse,
-                                    int triggers) const {
+int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) const {
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
   const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
   if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
   const double elapsed = interval_.frames_in(buffer.timestamp - timestamp_);
   const double by_time = std::round(elapsed);
   const bool on_grid = interval_.measured() && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
-  const double by_strobe = pulse && last_pulse_ ? static_cast<double>(*pulse - *last_pulse_) : 0;
+  const auto by_strobe = static_cast<double>(strobes);
   const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
   const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
@@ -137,32 +126,6 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
       {*buffer.exposure, *gain}, digital, buffer.exposure_source.value_or(ExposureSource::Reported)};
 }
 
-// The edge of a pulse at the moment that the timestamp marks: exposures differ, so the end of one is a
-// constant time from the falling edge only. nullopt where that edge was not seen.
-std::optional<Instant> FrameMatcher::marked_edge(const Pulse& pulse) const {
-  const bool by_end =
-      options_.strobe == StrobePulse::SpansExposure && options_.timestamp_mark == TimestampMark::ExposureEnd;
-  if (!by_end) return pulse.rise;
-  return pulse.width ? std::optional(pulse.rise + *pulse.width) : std::nullopt;
-}
-
-// The number of the pulse, counted from the first, whose edge is within a quarter of a frame of the time
-// expected for this frame.
-std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
-  if (options_.strobe == StrobePulse::Absent) return std::nullopt;
-  const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
-  std::optional<std::uint64_t> nearest;
-  Duration least = interval_.value() / 4;
-  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(pulse_count_, kPulses); ++back) {
-    const std::uint64_t pulse = pulse_count_ - back;
-    const auto edge = marked_edge(pulses_[pulse % kPulses]);
-    if (!edge) continue;
-    const Duration off = std::chrono::abs(*edge - expected);
-    if (off <= least) least = off, nearest = pulse;
-  }
-  return nearest;
-}
-
 // The pulse that began the frame. A driver that stamps the end of exposures set by controls leaves only the
 // order: the pulse before.
 std::optional<TriggerPulse> FrameMatcher::trigger_of(const CapturedBuffer& buffer) const {
@@ -202,10 +165,10 @@ void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& fra
 
 MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   MatchedFrame frame;
-  const auto pulse = pulse_of(buffer);
+  const auto strobe = strobes_.pulse_of(buffer.timestamp, interval_.value() / 4);
   if (options_.trigger != TriggerMode::Off) frame.pulse = trigger_of(buffer);
   const int pulses = pulses_since_last(frame.pulse);
-  const int advance = started_ ? frames_since_last(buffer, pulse, pulses) : 0;
+  const int advance = started_ ? frames_since_last(buffer, strobes_.since_last(strobe), pulses) : 0;
   if (started_ && buffer.sequence > sequence_ && buffer.timestamp > timestamp_)
     interval_.observe(buffer.sequence - sequence_, buffer.timestamp - timestamp_);
   match_trigger(buffer, frame);
@@ -217,7 +180,7 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   frame.mark = options_.timestamp_mark;
   sequence_ = buffer.sequence;
   timestamp_ = buffer.timestamp;
-  last_pulse_ = pulse;
+  strobes_.matched(strobe);
   highest_cookie_ = started_ ? std::max(highest_cookie_, buffer.cookie) : buffer.cookie;
   started_ = true;
 
@@ -229,12 +192,12 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.add(*reported);
   if (predicted) frame.evidence.add(*predicted);
   frame.evidence.prediction_doubtful = predicted && may_show_earlier(index_);
-  if (pulse) match_strobe(pulses_[*pulse % kPulses], frame);
+  if (strobe) match_strobe(*strobe, frame);
   return frame;
 }
 
 // The kernel stamps the edge in its interrupt handler; the driver's timestamp may be later.
-void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
+void FrameMatcher::match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const {
   frame.strobed = true;
   if (options_.strobe == StrobePulse::MarksFrame) {
     frame.timestamp = pulse.rise + -options_.strobe_after_timestamp;

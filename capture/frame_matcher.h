@@ -20,12 +20,10 @@
 #include "capture/exposure_schedule.h"
 #include "capture/frame_interval.h"
 #include "capture/pulse_train.h"
-#include "hal/sync_line.h"
+#include "capture/strobe_pulses.h"
 
 namespace hdrcam {
 
-// What a pulse of the strobe line marks on this sensor.
-enum class StrobePulse { Absent, MarksFrame, SpansExposure };
 struct FrameMatcherOptions {
   Duration frame_duration{33'333'333};
   // Controls are written when the frame of their own request begins (hal/camera.h) and act this many frames
@@ -68,7 +66,7 @@ class FrameMatcher {
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
 
   // Adds an edge of the strobe line, in order.
-  void strobe(const Edge& edge);
+  void strobe(const Edge& edge) { strobes_.add(edge); }
   // Adds a pulse of the trigger line, in order.
   void trigger(const TriggerPulse& pulse) { triggers_[trigger_count_++ % kTriggers] = pulse; }
   // Matches the next completed buffer, in order, after the edges before it.
@@ -86,8 +84,7 @@ class FrameMatcher {
   int relocks() const { return relocks_; }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kObservations = 3,
-                       kMaxShift = 4;
+  static constexpr int kRequests = 64, kFrames = 32, kTriggers = 64, kObservations = 3, kMaxShift = 4;
 
   struct SentRequest {
     ExposureRequest request;  // as it was queued
@@ -95,26 +92,20 @@ class FrameMatcher {
     bool valid = false;
     bool late = false;  // its controls were written late
   };
-  struct Pulse {
-    Instant rise;
-    std::optional<Duration> width;
-  };
   struct Observation {
     std::uint64_t index = 0;
     double log_value = 0;
   };
 
   int pulses_since_last(const std::optional<TriggerPulse>& pulse) const;
-  int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse, int triggers) const;
+  int frames_since_last(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) const;
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
   std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
   const SentRequest* written_at(std::int64_t index) const;
   bool may_show_earlier(std::uint64_t index) const;
-  std::optional<Instant> marked_edge(const Pulse& pulse) const;
-  std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
-  void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
+  void match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const;
   std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;
   void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
@@ -133,11 +124,7 @@ class FrameMatcher {
   // By frame: the cookie of the request whose controls were written when it began.
   std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
-  std::array<Pulse, kPulses> pulses_{};
-  std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
-  bool line_high_ = false;
-  std::optional<std::uint64_t> last_pulse_;  // of the previous frame; none where an edge was lost since
-
+  StrobePulses strobes_;
   std::array<TriggerPulse, kTriggers> triggers_{};
   std::uint64_t trigger_count_ = 0;
   std::optional<TriggerPulse> last_trigger_;  // of the previous frame
