@@ -21,7 +21,8 @@ FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSch
     : options_(options),
       schedule_(schedule),
       interval_(options.frame_duration),
-      strobes_(options.strobe, options.strobe_after_timestamp, options.timestamp_mark) {
+      strobes_(options.strobe, options.strobe_after_timestamp, options.timestamp_mark),
+      triggers_(options.trigger, options.timestamp_mark, options.frame_duration) {
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
   const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
@@ -39,12 +40,6 @@ ExposureRequest FrameMatcher::next_request() {
   }
   sent_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true, false};
   return request;
-}
-
-// Trigger pulses between the frame before and this one; 0 where that is not known.
-int FrameMatcher::pulses_since_last(const std::optional<TriggerPulse>& pulse) const {
-  if (!pulse || !last_trigger_ || pulse->index <= last_trigger_->index) return 0;
-  return static_cast<int>(pulse->index - last_trigger_->index);
 }
 
 // Frames of the sensor between the buffer before and this one; at least one. A trigger pulse that the sensor
@@ -126,23 +121,6 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
       {*buffer.exposure, *gain}, digital, buffer.exposure_source.value_or(ExposureSource::Reported)};
 }
 
-// The pulse that began the frame. A driver that stamps the end of exposures set by controls leaves only the
-// order: the pulse before.
-std::optional<TriggerPulse> FrameMatcher::trigger_of(const CapturedBuffer& buffer) const {
-  const bool exposes = options_.trigger == TriggerMode::PulseWidth;
-  const bool ordered = options_.timestamp_mark == TimestampMark::ExposureEnd && !exposes;
-  Duration least = ordered ? options_.frame_duration : options_.frame_duration / 4;
-  std::optional<TriggerPulse> nearest;
-  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(trigger_count_, kTriggers); ++back) {
-    const TriggerPulse& pulse = triggers_[(trigger_count_ - back) % kTriggers];
-    const bool by_end = options_.timestamp_mark == TimestampMark::ExposureEnd && exposes;
-    const Duration off = buffer.timestamp - (by_end ? pulse.fall.at : pulse.rise.at);
-    if (ordered && off < Duration(0)) continue;
-    if (std::chrono::abs(off) < least) least = std::chrono::abs(off), nearest = pulse;
-  }
-  return nearest;
-}
-
 // The camera's own report is what its controls were set to: in external trigger mode not the exposure.
 ExposureClaim FrameMatcher::claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const {
   const double gain = buffer.analogue_gain.value_or(schedule_.slot(0).exposure.gain);
@@ -150,13 +128,10 @@ ExposureClaim FrameMatcher::claim_of(const TriggerPulse& pulse, const CapturedBu
 }
 
 void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame) {
+  frame.left_out_before = triggers_.left_out_since_last(frame.pulse);
+  triggers_.matched(frame.pulse);
   triggered_.reset();
-  if (!frame.pulse) return last_trigger_.reset();
-  if (last_trigger_)
-    frame.left_out_before = static_cast<int>((frame.pulse->planned.number - last_trigger_->planned.number) -
-                                             (frame.pulse->index - last_trigger_->index));
-  last_trigger_ = frame.pulse;
-  if (options_.trigger != TriggerMode::PulseWidth) return;
+  if (!frame.pulse || options_.trigger != TriggerMode::PulseWidth) return;
   triggered_ = claim_of(*frame.pulse, buffer);
   frame.opened = frame.pulse->rise.at;
   frame.evidence.add(*triggered_);
@@ -166,8 +141,8 @@ void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& fra
 MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   MatchedFrame frame;
   const auto strobe = strobes_.pulse_of(buffer.timestamp, interval_.value() / 4);
-  if (options_.trigger != TriggerMode::Off) frame.pulse = trigger_of(buffer);
-  const int pulses = pulses_since_last(frame.pulse);
+  frame.pulse = triggers_.pulse_of(buffer.timestamp);
+  const int pulses = triggers_.since_last(frame.pulse);
   const int advance = started_ ? frames_since_last(buffer, strobes_.since_last(strobe), pulses) : 0;
   if (started_ && buffer.sequence > sequence_ && buffer.timestamp > timestamp_)
     interval_.observe(buffer.sequence - sequence_, buffer.timestamp - timestamp_);
@@ -237,8 +212,8 @@ void FrameMatcher::learn(double log_value) {
 
 int FrameMatcher::slot_of(const ExposureClaim& label) const {
   const double value = label.log_value();
-  if (triggered_ && last_trigger_->planned.slot < schedule_.slots() && same(triggered_->log_value(), value))
-    return last_trigger_->late ? -1 : last_trigger_->planned.slot;
+  if (const auto& pulse = triggers_.last(); triggered_ && pulse->planned.slot < schedule_.slots())
+    if (same(triggered_->log_value(), value)) return pulse->late ? -1 : pulse->planned.slot;
   const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
   if (const SentRequest* sent = written_at(static_cast<std::int64_t>(index_) - delay); sent != nullptr)
     if (sent->slot < schedule_.slots() && same(log_product(schedule_.slot(sent->slot).exposure), value))

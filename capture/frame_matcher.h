@@ -19,8 +19,8 @@
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
 #include "capture/frame_interval.h"
-#include "capture/pulse_train.h"
 #include "capture/strobe_pulses.h"
+#include "capture/trigger_pulses.h"
 
 namespace hdrcam {
 
@@ -68,7 +68,7 @@ class FrameMatcher {
   // Adds an edge of the strobe line, in order.
   void strobe(const Edge& edge) { strobes_.add(edge); }
   // Adds a pulse of the trigger line, in order.
-  void trigger(const TriggerPulse& pulse) { triggers_[trigger_count_++ % kTriggers] = pulse; }
+  void trigger(const TriggerPulse& pulse) { triggers_.add(pulse); }
   // Matches the next completed buffer, in order, after the edges before it.
   MatchedFrame match(const CapturedBuffer& buffer);
   // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
@@ -84,7 +84,7 @@ class FrameMatcher {
   int relocks() const { return relocks_; }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kTriggers = 64, kObservations = 3, kMaxShift = 4;
+  static constexpr int kRequests = 64, kFrames = 32, kObservations = 3, kMaxShift = 4;
 
   struct SentRequest {
     ExposureRequest request;  // as it was queued
@@ -97,7 +97,6 @@ class FrameMatcher {
     double log_value = 0;
   };
 
-  int pulses_since_last(const std::optional<TriggerPulse>& pulse) const;
   int frames_since_last(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) const;
   void note_turns(std::uint64_t cookie, bool repeated, int advance);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
@@ -106,7 +105,6 @@ class FrameMatcher {
   const SentRequest* written_at(std::int64_t index) const;
   bool may_show_earlier(std::uint64_t index) const;
   void match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const;
-  std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;
   void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
   bool explains(int shift) const;
@@ -125,10 +123,8 @@ class FrameMatcher {
   std::array<std::optional<std::uint64_t>, kFrames> turn_{};
 
   StrobePulses strobes_;
-  std::array<TriggerPulse, kTriggers> triggers_{};
-  std::uint64_t trigger_count_ = 0;
-  std::optional<TriggerPulse> last_trigger_;  // of the previous frame
-  std::optional<ExposureClaim> triggered_;    // of the last matched frame, where its pulse set the exposure
+  TriggerPulses triggers_;
+  std::optional<ExposureClaim> triggered_;  // of the last matched frame, where its pulse set the exposure
 
   std::array<Observation, kObservations> observations_{};
   int observation_count_ = 0, shift_ = 0, relocks_ = 0;
