@@ -1,21 +1,24 @@
-// Joins the parts of one frame: the buffer, the request that it completed, the driver's report and
-// the strobe pulse during its exposure, and the trigger pulse that began it. It also determines which frames
-// were lost. The result is evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed
-// back (learn) and correct the prediction, so that a missed frame start or a wrong delay is corrected within
-// a cycle.
+// Joins the parts of one frame: the buffer, the request that it completed, the driver's report and the strobe
+// pulse during its exposure, and the trigger pulse that began it. It also determines which frames were lost.
+// The result is evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed back (learn)
+// and correct the prediction.
+//
+//   buffers, by number and time  frame_interval.h          strobe edges   strobe_pulses.h
+//   requests, by cookie          control_history.h         driven pulses  trigger_pulses.h
+//                                exposure_prediction.h
 //
 // Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
-// decides if it lies on the grid of the frame duration, otherwise the number (counters restart in standby and
-// miss drops). The frame duration is measured: not every camera keeps the one that it agreed to. With a
-// trigger there is nothing to decide: each pulse that was driven is a frame.
+// decides if it lies on the grid of the frame interval, otherwise the number (counters restart in standby and
+// miss drops). With a trigger there is nothing to decide: each pulse that was driven is a frame.
 // Thread-bound; bounded state, no allocation.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "capture/control_delay.h"
+#include "capture/control_history.h"
+#include "capture/exposure_prediction.h"
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
 #include "capture/frame_interval.h"
@@ -72,7 +75,7 @@ class FrameMatcher {
   // Matches the next completed buffer, in order, after the edges before it.
   MatchedFrame match(const CapturedBuffer& buffer);
   // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
-  void learn(double log_value);
+  void learn(double log_value) { prediction_.learn(controls_, log_value); }
 
   // The slot that was requested for the last matched frame, where its exposure is this one; -1
   // unknown.
@@ -80,54 +83,38 @@ class FrameMatcher {
   // From frame to frame, as measured.
   Duration frame_duration() const { return interval_.value(); }
   // Frames by which the prediction is shifted so far, and how often that changed.
-  int shift() const { return shift_; }
-  int relocks() const { return relocks_; }
+  int shift() const { return prediction_.shift(); }
+  int relocks() const { return prediction_.relocks(); }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kObservations = 3, kMaxShift = 4;
-
-  struct SentRequest {
-    ExposureRequest request;  // as it was queued
-    int slot = -1;            // its slot, though part of it may be held back
-    bool valid = false;
-    bool late = false;  // its controls were written late
-  };
-  struct Observation {
-    std::uint64_t index = 0;
-    double log_value = 0;
+  struct Previous {  // buffer
+    std::uint64_t sequence = 0;
+    Instant timestamp;
   };
 
-  int frames_since_last(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) const;
-  void note_turns(std::uint64_t cookie, bool repeated, int advance);
+  int frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
+                   int triggers) const;
+  int count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
-  std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
-  const SentRequest* written_at(std::int64_t index) const;
-  bool may_show_earlier(std::uint64_t index) const;
-  void match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const;
-  void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
-  bool explains(int shift) const;
+  void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
+  void match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const;
 
   FrameMatcherOptions options_;
   ExposureSchedule schedule_;
-  std::optional<ControlDelay> delay_model_;
-  std::array<SentRequest, kRequests> sent_{};  // by cookie
+  std::optional<ControlDelay> delay_model_;  // where exposure and gain have different delays
   std::uint64_t next_cookie_ = 0;
 
-  bool started_ = false;
-  std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
-  Instant timestamp_;
+  ControlHistory controls_;
+  ExposurePrediction prediction_;
   FrameInterval interval_;
-  // By frame: the cookie of the request whose controls were written when it began.
-  std::array<std::optional<std::uint64_t>, kFrames> turn_{};
-
   StrobePulses strobes_;
   TriggerPulses triggers_;
-  std::optional<ExposureClaim> triggered_;  // of the last matched frame, where its pulse set the exposure
 
-  std::array<Observation, kObservations> observations_{};
-  int observation_count_ = 0, shift_ = 0, relocks_ = 0;
+  std::optional<Previous> previous_;
+  std::uint64_t index_ = 0;                 // of the last matched frame
+  std::optional<ExposureClaim> triggered_;  // of that frame, where its pulse set the exposure
 };
 
 }  // namespace hdrcam
