@@ -107,6 +107,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
 
   const auto strobe = strobes_.pulse_of(buffer.timestamp, interval_.value() / 4);
   frame.pulse = triggers_.pulse_of(buffer.timestamp);
+  frame.pulse_forgotten =
+      (!strobe && strobes_.forgot(buffer.timestamp)) || (!frame.pulse && triggers_.forgot(buffer.timestamp));
   const int triggers = triggers_.since_last(frame.pulse);
   const int frames = count_frames(buffer, strobes_.since_last(strobe), triggers);
   strobes_.matched(strobe);

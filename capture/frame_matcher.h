@@ -52,6 +52,7 @@ struct MatchedFrame {
   std::optional<Instant> opened;      // the exposure, by a strobe or trigger pulse that spans it
   std::optional<TriggerPulse> pulse;  // of the trigger line, that began the frame
   int left_out_before = 0;            // pulses that were not driven between the previous frame and this one
+  bool pulse_forgotten = false;       // taken so late that its strobe or trigger pulse is not kept any more
 
   // The middle of an exposure of this length, of the middle row of a read-out, from the pulse where there is
   // one.

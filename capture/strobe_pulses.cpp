@@ -41,6 +41,10 @@ std::optional<StrobePulses::Pulse> StrobePulses::pulse_of(Instant timestamp, Dur
   return nearest;
 }
 
+bool StrobePulses::forgot(Instant timestamp) const {
+  return count_ > kKept && timestamp + after_timestamp_ < pulses_[count_ % kKept].rise;
+}
+
 std::int64_t StrobePulses::since_last(const std::optional<Pulse>& pulse) const {
   return pulse && last_ ? static_cast<std::int64_t>(pulse->number - *last_) : 0;
 }

@@ -35,6 +35,8 @@ class StrobePulses {
   // The pulse whose edge is nearest to the time expected for a frame with this timestamp, and no further from
   // it than `within`.
   std::optional<Pulse> pulse_of(Instant timestamp, Duration within) const;
+  // Whether a frame with this timestamp is older than all pulses that are kept, and there were others.
+  bool forgot(Instant timestamp) const;
 
   // Pulses from the last frame's to this one; 0 where either frame has none, or an edge between was lost.
   std::int64_t since_last(const std::optional<Pulse>& pulse) const;
@@ -42,7 +44,8 @@ class StrobePulses {
   void matched(const std::optional<Pulse>& pulse);
 
  private:
-  static constexpr std::size_t kKept = 16;
+  // A reader that is late brings all pulses that waited before the first of their frames.
+  static constexpr std::size_t kKept = SyncLine::kMostWaiting / 2;
 
   std::optional<Instant> marked_edge(const Pulse& pulse) const;
 

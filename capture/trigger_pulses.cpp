@@ -16,6 +16,7 @@ std::optional<TriggerPulse> TriggerPulses::pulse_of(Instant timestamp) const {
   for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(count_, kKept); ++back) {
     const TriggerPulse& pulse = pulses_[(count_ - back) % kKept];
     const Duration off = timestamp - (by_end ? pulse.fall.at : pulse.rise.at);
+    if (off >= least) break;  // as are all pulses before it
     if (by_order && off < Duration(0)) continue;
     if (std::chrono::abs(off) < least) least = std::chrono::abs(off), nearest = pulse;
   }

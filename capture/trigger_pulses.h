@@ -21,6 +21,10 @@ class TriggerPulses {
   void add(const TriggerPulse& pulse) { pulses_[count_++ % kKept] = pulse; }
   // The pulse that began the frame with this timestamp.
   std::optional<TriggerPulse> pulse_of(Instant timestamp) const;
+  // Whether a frame with this timestamp is older than all pulses that are kept, and there were others.
+  bool forgot(Instant timestamp) const {
+    return count_ > kKept && timestamp < pulses_[count_ % kKept].rise.at;
+  }
 
   // Pulses driven from the last frame's to this one; 0 where either frame has none.
   int since_last(const std::optional<TriggerPulse>& pulse) const;
@@ -32,7 +36,8 @@ class TriggerPulses {
   const std::optional<TriggerPulse>& last() const { return last_; }
 
  private:
-  static constexpr std::size_t kKept = 64;
+  // A capture thread that is late brings all pulses that waited before the first of their frames.
+  static constexpr std::size_t kKept = kMostWaitingPulses;
 
   TriggerMode mode_;
   TimestampMark mark_;

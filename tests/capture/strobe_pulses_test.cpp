@@ -71,5 +71,19 @@ TEST_CASE("strobe pulses count the frames between two, unless a frame has none o
   CHECK(line.pulses.since_last(fourth) == 0);
 }
 
+TEST_CASE("as many strobe pulses as wait on a line are kept for their frames, and older frames are too late",
+          "[capture]") {
+  constexpr int kWaiting = SyncLine::kMostWaiting / 2, kLost = 20;
+  Line line;
+  for (int i = 0; i < kWaiting; ++i) line.pulse(i);
+  for (int i = 0; i < kWaiting; ++i) CHECK(line.pulse_at(line.begin(i)));
+  CHECK_FALSE(line.pulses.forgot(line.begin(-1)));  // before the first
+  for (int i = kWaiting; i < kWaiting + kLost; ++i) line.pulse(i);
+  for (int i = 0; i < kWaiting + kLost; ++i) {
+    CHECK(line.pulse_at(line.begin(i)).has_value() == (i >= kLost));
+    CHECK(line.pulses.forgot(line.begin(i)) == (i < kLost));
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam

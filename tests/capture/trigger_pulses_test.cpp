@@ -67,5 +67,19 @@ TEST_CASE("trigger pulses between two frames are counted, and instants without o
   CHECK(pulses.left_out_since_last(last) == 0);
 }
 
+TEST_CASE("as many trigger pulses as wait are kept for their frames, and older frames are too late",
+          "[capture]") {
+  constexpr int kWaiting = static_cast<int>(kMostWaitingPulses), kLost = 20;
+  TriggerPulses pulses(TriggerMode::PulseWidth, TimestampMark::ExposureBegin, kInterval);
+  for (int i = 0; i < kWaiting; ++i) pulses.add(pulse(i, i));
+  for (int i = 0; i < kWaiting; ++i) CHECK(number_of(pulses.pulse_of(begin(i))) == i);
+  CHECK_FALSE(pulses.forgot(begin(-1)));  // before the first
+  for (int i = kWaiting; i < kWaiting + kLost; ++i) pulses.add(pulse(i, i));
+  for (int i = 0; i < kWaiting + kLost; ++i) {
+    CHECK(number_of(pulses.pulse_of(begin(i))) == (i < kLost ? -1 : i));
+    CHECK(pulses.forgot(begin(i)) == (i < kLost));
+  }
+}
+
 }  // namespace
 }  // namespace hdrcam
