@@ -95,9 +95,7 @@ class Timeline {
     const double exposure_s = to_seconds(exposure.time);
     return {sequence, centre_s(sequence) - (exposure_s + readout_s()) / 2, exposure_s, exposure.gain};
   }
-  double readout_s() const {
-    return simulation_.plan.on(Effect::RollingShutter) ? to_seconds(simulation_.rolling_shutter.readout) : 0;
-  }
+  double readout_s() const { return to_seconds(simulation_.readout()); }
   FrameFacts facts(std::uint64_t sequence, bool after_drop, int bits) const {
     const Exposure& exposure = cycle_[sequence % cycle_.size()];
     FrameFacts facts;

@@ -273,7 +273,7 @@ CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
   buffer.cookie = frame.report.cookie;
   buffer.sequence = frame.sequence;
   buffer.timestamp = frame.stamp;
-  if (simulation_.plan.on(Effect::RollingShutter)) buffer.readout = simulation_.rolling_shutter.readout;
+  buffer.readout = simulation_.readout();
   if (frame.reported) {
     buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain,
     buffer.digital_gain = 1;
