@@ -19,7 +19,7 @@
 #include "hal/recording/image_sequence.h"
 #include "hal/recording/recording.h"
 #include "hal/sim/effect_costs.h"
-#include "hal/sim/effects/drops.h"
+#include "hal/sim/stream_effects.h"
 
 namespace hdrcam {
 namespace {
@@ -68,17 +68,13 @@ void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double 
 class Timeline {
  public:
   Timeline(const Simulation& simulation, std::vector<Exposure> cycle)
-      : simulation_(simulation), cycle_(std::move(cycle)) {
-    if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
-    if (simulation.plan.on(Effect::ClockJitter))
-      jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
-  }
+      : simulation_(simulation), cycle_(std::move(cycle)), stream_(simulation) {}
 
   // The sequence number of the next frame that is not lost. Errors: Invalid for a scene that loses them all.
   Result<std::uint64_t> next_kept(std::uint64_t sequence) const {
     constexpr std::uint64_t kMostLost = 1'000'000;  // in a row
     const std::uint64_t end = sequence + kMostLost;
-    while (drops_ && drops_->lost(sequence))
+    while (stream_.loses(sequence))
       if (++sequence == end)
         return Error{ErrorCode::Invalid,
                      fmt::format("drops={}: the scene loses {} frames in a row and nothing "
@@ -100,9 +96,8 @@ class Timeline {
     const Exposure& exposure = cycle_[sequence % cycle_.size()];
     FrameFacts facts;
     facts.sequence = sequence;
-    facts.timestamp = Instant::from_seconds(centre_s(sequence));
-    if (jitter_)
-      facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
+    facts.timestamp =
+        Instant{stream_.host_time(from_seconds(centre_s(sequence))) + stream_.latency(sequence)};
     facts.exposure_s = to_seconds(exposure.time);
     facts.readout_s = readout_s();
     facts.analogue_gain = exposure.gain;
@@ -122,8 +117,7 @@ class Timeline {
  private:
   const Simulation& simulation_;
   std::vector<Exposure> cycle_;
-  std::optional<Drops> drops_;
-  std::optional<ClockJitter> jitter_;
+  StreamEffects stream_;
 };
 
 // All files that the run writes, those of the truth first.
