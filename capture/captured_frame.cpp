@@ -26,10 +26,14 @@ void CaptureCounters::count(const Judgement& judgement) {
 }
 
 std::string proof_of(const CaptureCounters& camera) {
-  return fmt::format("exposures: {} proved, {} plausible, {}{} contradicted, {} unknown", camera.proved,
-                     camera.plausible,
-                     camera.estimated > 0 ? fmt::format("{} estimated, ", camera.estimated) : "",
-                     camera.contradicted, camera.unknown);
+  std::string text = fmt::format("exposures: {} proved, {} plausible, {}{} contradicted, {} unknown",
+                                 camera.proved, camera.plausible,
+                                 camera.estimated > 0 ? fmt::format("{} estimated, ", camera.estimated) : "",
+                                 camera.contradicted, camera.unknown);
+  if (camera.pulses_forgotten > 0)
+    text += fmt::format("; frames taken too late for their strobe or trigger pulses: {}",
+                        camera.pulses_forgotten);
+  return text;
 }
 
 }  // namespace hdrcam

@@ -23,18 +23,20 @@ struct CaptureCounters {
   std::uint64_t relabelled = 0;  // among the plausible: by the pictures alone
   std::uint64_t unreported = 0;  // frames whose exposure the driver did not report
   std::uint64_t repeated_cookies = 0;
-  std::uint64_t strobed = 0;        // frames matched with a pulse of the strobe line
-  std::uint64_t controls_late = 0;  // frames whose exposure was written late
-  std::uint64_t requests_late = 0;  // no free buffer when a request was due
-  std::uint64_t relocks = 0;        // times the prediction found the cadence again
-  std::uint64_t cycle_changes = 0;  // to follow the light, or what the fit asked for
+  std::uint64_t strobed = 0;           // frames matched with a pulse of the strobe line
+  std::uint64_t pulses_forgotten = 0;  // frames taken so late that their strobe or trigger pulse was not kept
+  std::uint64_t controls_late = 0;     // frames whose exposure was written late
+  std::uint64_t requests_late = 0;     // no free buffer when a request was due
+  std::uint64_t relocks = 0;           // times the prediction found the cadence again
+  std::uint64_t cycle_changes = 0;     // to follow the light, or what the fit asked for
   TriggerCounters trigger;
 
   std::uint64_t dropped() const { return damaged + undecodable; }
   void count(const Judgement& judgement);  // of an emitted frame
 };
 
-// Returns text like "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown".
+// Returns text like "exposures: 297 proved, 1 plausible, 0 contradicted, 2 unknown", and where there are any
+// "; frames taken too late for their strobe or trigger pulses: 3".
 std::string proof_of(const CaptureCounters& counters);
 
 struct CapturedFrame {

@@ -2,17 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <span>
-
-#include "hal/core/median.h"
+#include <utility>
 
 namespace hdrcam {
-namespace {
-
-bool same(double a, double b) { return std::abs(a - b) <= kSameExposure; }
-
-}  // namespace
 
 Instant MatchedFrame::centre(Duration exposure, Duration readout) const {
   const Duration half = (exposure + readout) / 2;
@@ -21,7 +13,12 @@ Instant MatchedFrame::centre(Duration exposure, Duration readout) const {
 }
 
 FrameMatcher::FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule)
-    : options_(options), schedule_(schedule), interval_(options.frame_duration) {
+    : options_(options),
+      schedule_(schedule),
+      prediction_(options.delays),
+      interval_(options.frame_duration),
+      strobes_(options.strobe, options.strobe_after_timestamp, options.timestamp_mark),
+      triggers_(options.trigger, options.timestamp_mark, options.frame_duration) {
   if (!options_.delays || options_.delays->exposure == options_.delays->gain) return;
   const Exposure& first = schedule_.exposure_of(0);
   const SensorDelays delays{options_.delays->exposure, options_.delays->gain, 0};
@@ -37,108 +34,35 @@ ExposureRequest FrameMatcher::next_request() {
     const ControlDelay::Writes writes = delay_model_->frame_started(cookie);
     request = {cookie, writes.exposure, writes.analogue_gain};
   }
-  sent_[cookie % kRequests] = {request, schedule_.slot_of(cookie), true, false};
+  controls_.sent(request, schedule_.slot_of(cookie));
   return request;
 }
 
-void FrameMatcher::strobe(const Edge& edge) {
-  const bool lost_edges = pulse_count_ > 0 && edge.sequence != edge_sequence_ + 1;
-  edge_sequence_ = edge.sequence;
-  if (lost_edges) last_pulse_.reset();
-  if (edge.rising) {
-    pulses_[pulse_count_++ % kPulses] = {edge.at, std::nullopt};
-  } else if (line_high_ && !lost_edges) {
-    Pulse& last = pulses_[(pulse_count_ - 1) % kPulses];
-    last.width = edge.at - last.rise;
-  }
-  line_high_ = edge.rising;
-}
-
-// Trigger pulses between the frame before and this one; 0 where that is not known.
-int FrameMatcher::pulses_since_last(const std::optional<TriggerPulse>& pulse) const {
-  if (!pulse || !last_trigger_ || pulse->index <= last_trigger_->index) return 0;
-  return static_cast<int>(pulse->index - last_trigger_->index);
-}
-
-// Frames of the sensor between the buffer before and this one; at least one. A trigger pulse that the sensor
-// did not answer is no frame of its, so its controls did not act meanwhile.
-int FrameMatcher::frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse,
-                                    int triggers) const {
+// Frames of the sensor between the previous buffer and this one; at least one. A trigger pulse that the
+// sensor did not answer is no frame of its, so its controls did not act meanwhile.
+int FrameMatcher::frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
+                               int triggers) const {
   constexpr double kOffGrid = 0.3, kLongest = 1e6;
-  const double by_number = buffer.sequence > sequence_ ? static_cast<double>(buffer.sequence - sequence_) : 0;
+  const double by_number =
+      buffer.sequence > previous.sequence ? static_cast<double>(buffer.sequence - previous.sequence) : 0;
   if (triggers > 0) return std::clamp(static_cast<int>(std::min(by_number, kLongest)), 1, triggers);
-  const double elapsed =
-      static_cast<double>((buffer.timestamp - timestamp_).count()) / static_cast<double>(interval_.count());
+  const double elapsed = interval_.frames_in(buffer.timestamp - previous.timestamp);
   const double by_time = std::round(elapsed);
-  const bool on_grid =
-      interval_count_ >= kConfirmed && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
-  const double by_strobe = pulse && last_pulse_ ? static_cast<double>(*pulse - *last_pulse_) : 0;
+  const bool on_grid = interval_.measured() && by_time >= 1 && std::abs(elapsed - by_time) <= kOffGrid;
+  const auto by_strobe = static_cast<double>(strobes);
   const bool strobe_agrees = by_strobe >= 1 && (by_strobe == by_number || by_strobe == by_time);
   const double frames = strobe_agrees ? by_strobe : on_grid ? by_time : by_number;
   return static_cast<int>(std::clamp(frames, 1.0, kLongest));
 }
 
-// The camera's real frame duration is the median of the last intervals per sequence number, once there are a
-// few: one long interval is a lost frame, many are a slow camera. The agreed duration stays where the median
-// differs from it by no more than time stamps do.
-void FrameMatcher::learn_interval(const CapturedBuffer& buffer) {
-  if (buffer.sequence <= sequence_ || buffer.timestamp <= timestamp_) return;
-  const auto steps = static_cast<Duration::rep>(buffer.sequence - sequence_);
-  intervals_[interval_count_++ % kIntervals] = (buffer.timestamp - timestamp_) / steps;
-  if (interval_count_ < kConfirmed) return;
-  auto sorted = intervals_;
-  const Duration measured =
-      median(std::span(sorted).first(std::min<std::size_t>(interval_count_, kIntervals)));
-  constexpr double kJitter = 0.02;
-  const auto agreed = static_cast<double>(options_.frame_duration.count());
-  const bool kept = std::abs(static_cast<double>(measured.count()) - agreed) <= kJitter * agreed;
-  interval_ = kept ? options_.frame_duration : measured;
-}
-
-// The completed request was due when the frame after the previous one began, and stayed due while frames were
-// lost.
-void FrameMatcher::note_turns(std::uint64_t cookie, bool repeated, int advance) {
-  for (std::uint64_t back = 0; back < static_cast<std::uint64_t>(std::clamp(advance, 1, int{kFrames}));
-       ++back)
-    turn_[(index_ - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
-}
-
-// The request whose controls were written when that frame began; null where it is unknown.
-const FrameMatcher::SentRequest* FrameMatcher::written_at(std::int64_t index) const {
-  const auto newest = static_cast<std::int64_t>(index_);
-  if (index < 0 || newest - index >= kFrames) return nullptr;
-  const auto& turn = turn_[static_cast<std::uint64_t>(std::min(index, newest)) % kFrames];
-  if (!turn) return nullptr;
-  const std::uint64_t cookie = *turn + static_cast<std::uint64_t>(std::max<std::int64_t>(0, index - newest));
-  const SentRequest& sent = sent_[cookie % kRequests];
-  return sent.valid && sent.request.cookie == cookie ? &sent : nullptr;
-}
-
-std::optional<ExposureClaim> FrameMatcher::predicted_for(std::uint64_t index, int shift) const {
-  if (!options_.delays) return std::nullopt;
-  const std::int64_t frame = static_cast<std::int64_t>(index) + shift;
-  const SentRequest* time = written_at(frame - options_.delays->exposure);
-  const SentRequest* gain = written_at(frame - options_.delays->gain);
-  if (time == nullptr || gain == nullptr) return std::nullopt;
-  return ExposureClaim{{time->request.exposure, gain->request.analogue_gain}, 1, ExposureSource::Predicted};
-}
-
-// Whether the controls behind the prediction were written so late that the frame may show others.
-bool FrameMatcher::may_show_earlier(std::uint64_t index) const {
-  const auto changed_late = [&](int delay, auto&& value) {
-    const std::int64_t frame = static_cast<std::int64_t>(index) + shift_ - delay;
-    const SentRequest* sent = written_at(frame);
-    for (int back = 1; sent != nullptr && sent->late && back <= kMaxShift; ++back) {
-      const SentRequest* before = written_at(frame - back);
-      if (before == nullptr || value(*before) != value(*sent)) return true;
-      sent = before;
-    }
-    return false;
-  };
-  return changed_late(options_.delays->exposure,
-                      [](const SentRequest& sent) { return sent.request.exposure; }) ||
-         changed_late(options_.delays->gain,
-                      [](const SentRequest& sent) { return sent.request.analogue_gain; });
+// The same, 0 for the first buffer, which becomes the previous one.
+int FrameMatcher::count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers) {
+  const auto previous = std::exchange(previous_, Previous{buffer.sequence, buffer.timestamp});
+  if (!previous) return 0;
+  const int frames = frames_since(*previous, buffer, strobes, triggers);
+  if (buffer.sequence > previous->sequence && buffer.timestamp > previous->timestamp)
+    interval_.observe(buffer.sequence - previous->sequence, buffer.timestamp - previous->timestamp);
+  return frames;
 }
 
 // The driver's report for this frame. A report without gain takes the gain from the prediction, or from a
@@ -159,49 +83,6 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
       {*buffer.exposure, *gain}, digital, buffer.exposure_source.value_or(ExposureSource::Reported)};
 }
 
-// The edge of a pulse at the moment that the timestamp marks: exposures differ, so the end of one is a
-// constant time from the falling edge only. nullopt where that edge was not seen.
-std::optional<Instant> FrameMatcher::marked_edge(const Pulse& pulse) const {
-  const bool by_end =
-      options_.strobe == StrobePulse::SpansExposure && options_.timestamp_mark == TimestampMark::ExposureEnd;
-  if (!by_end) return pulse.rise;
-  return pulse.width ? std::optional(pulse.rise + *pulse.width) : std::nullopt;
-}
-
-// The number of the pulse, counted from the first, whose edge is within a quarter of a frame of the time
-// expected for this frame.
-std::optional<std::uint64_t> FrameMatcher::pulse_of(const CapturedBuffer& buffer) const {
-  if (options_.strobe == StrobePulse::Absent) return std::nullopt;
-  const Instant expected = buffer.timestamp + options_.strobe_after_timestamp;
-  std::optional<std::uint64_t> nearest;
-  Duration least = interval_ / 4;
-  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(pulse_count_, kPulses); ++back) {
-    const std::uint64_t pulse = pulse_count_ - back;
-    const auto edge = marked_edge(pulses_[pulse % kPulses]);
-    if (!edge) continue;
-    const Duration off = std::chrono::abs(*edge - expected);
-    if (off <= least) least = off, nearest = pulse;
-  }
-  return nearest;
-}
-
-// The pulse that began the frame. A driver that stamps the end of exposures set by controls leaves only the
-// order: the pulse before.
-std::optional<TriggerPulse> FrameMatcher::trigger_of(const CapturedBuffer& buffer) const {
-  const bool exposes = options_.trigger == TriggerMode::PulseWidth;
-  const bool ordered = options_.timestamp_mark == TimestampMark::ExposureEnd && !exposes;
-  Duration least = ordered ? options_.frame_duration : options_.frame_duration / 4;
-  std::optional<TriggerPulse> nearest;
-  for (std::uint64_t back = 1; back <= std::min<std::uint64_t>(trigger_count_, kTriggers); ++back) {
-    const TriggerPulse& pulse = triggers_[(trigger_count_ - back) % kTriggers];
-    const bool by_end = options_.timestamp_mark == TimestampMark::ExposureEnd && exposes;
-    const Duration off = buffer.timestamp - (by_end ? pulse.fall.at : pulse.rise.at);
-    if (ordered && off < Duration(0)) continue;
-    if (std::chrono::abs(off) < least) least = std::chrono::abs(off), nearest = pulse;
-  }
-  return nearest;
-}
-
 // The camera's own report is what its controls were set to: in external trigger mode not the exposure.
 ExposureClaim FrameMatcher::claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const {
   const double gain = buffer.analogue_gain.value_or(schedule_.slot(0).exposure.gain);
@@ -209,13 +90,10 @@ ExposureClaim FrameMatcher::claim_of(const TriggerPulse& pulse, const CapturedBu
 }
 
 void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame) {
+  frame.left_out_before = triggers_.left_out_since_last(frame.pulse);
+  triggers_.matched(frame.pulse);
   triggered_.reset();
-  if (!frame.pulse) return last_trigger_.reset();
-  if (last_trigger_)
-    frame.left_out_before = static_cast<int>((frame.pulse->planned.number - last_trigger_->planned.number) -
-                                             (frame.pulse->index - last_trigger_->index));
-  last_trigger_ = frame.pulse;
-  if (options_.trigger != TriggerMode::PulseWidth) return;
+  if (!frame.pulse || options_.trigger != TriggerMode::PulseWidth) return;
   triggered_ = claim_of(*frame.pulse, buffer);
   frame.opened = frame.pulse->rise.at;
   frame.evidence.add(*triggered_);
@@ -224,38 +102,33 @@ void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& fra
 
 MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   MatchedFrame frame;
-  const auto pulse = pulse_of(buffer);
-  if (options_.trigger != TriggerMode::Off) frame.pulse = trigger_of(buffer);
-  const int pulses = pulses_since_last(frame.pulse);
-  const int advance = started_ ? frames_since_last(buffer, pulse, pulses) : 0;
-  if (started_) learn_interval(buffer);
-  match_trigger(buffer, frame);
-  frame.lost_before = std::max(0, (pulses > 0 ? pulses : advance) - 1);
-  frame.cookie_repeated = started_ && buffer.cookie <= highest_cookie_;
-  index_ += static_cast<std::uint64_t>(advance);
-  frame.index = index_;
   frame.timestamp = buffer.timestamp;
   frame.mark = options_.timestamp_mark;
-  sequence_ = buffer.sequence;
-  timestamp_ = buffer.timestamp;
-  last_pulse_ = pulse;
-  highest_cookie_ = started_ ? std::max(highest_cookie_, buffer.cookie) : buffer.cookie;
-  started_ = true;
 
-  if (SentRequest& sent = sent_[buffer.cookie % kRequests]; sent.request.cookie == buffer.cookie)
-    sent.late = buffer.control_late;
-  note_turns(buffer.cookie, frame.cookie_repeated, advance);
-  const auto predicted = predicted_for(index_, shift_);
+  const auto strobe = strobes_.pulse_of(buffer.timestamp, interval_.value() / 4);
+  frame.pulse = triggers_.pulse_of(buffer.timestamp);
+  frame.pulse_forgotten =
+      (!strobe && strobes_.forgot(buffer.timestamp)) || (!frame.pulse && triggers_.forgot(buffer.timestamp));
+  const int triggers = triggers_.since_last(frame.pulse);
+  const int frames = count_frames(buffer, strobes_.since_last(strobe), triggers);
+  strobes_.matched(strobe);
+  frame.lost_before = std::max(0, (triggers > 0 ? triggers : frames) - 1);
+  index_ += static_cast<std::uint64_t>(frames);
+  frame.index = index_;
+  match_trigger(buffer, frame);
+
+  frame.cookie_repeated = !controls_.completed(index_, buffer.cookie, buffer.control_late);
+  const auto predicted = prediction_.predict(controls_);
   const auto reported = reported_in(buffer, predicted);
   if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.add(*reported);
   if (predicted) frame.evidence.add(*predicted);
-  frame.evidence.prediction_doubtful = predicted && may_show_earlier(index_);
-  if (pulse) match_strobe(pulses_[*pulse % kPulses], frame);
+  frame.evidence.prediction_doubtful = predicted && prediction_.doubtful(controls_);
+  if (strobe) match_strobe(*strobe, frame);
   return frame;
 }
 
 // The kernel stamps the edge in its interrupt handler; the driver's timestamp may be later.
-void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
+void FrameMatcher::match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const {
   frame.strobed = true;
   if (options_.strobe == StrobePulse::MarksFrame) {
     frame.timestamp = pulse.rise + -options_.strobe_after_timestamp;
@@ -265,45 +138,18 @@ void FrameMatcher::match_strobe(const Pulse& pulse, MatchedFrame& frame) const {
   }
 }
 
-bool FrameMatcher::explains(int shift) const {
-  return std::all_of(observations_.begin(), observations_.end(), [&](const Observation& observation) {
-    const auto predicted = predicted_for(observation.index, shift);
-    return predicted && same(predicted->log_value(), observation.log_value);
-  });
-}
-
-// Shifts the prediction when the last frames, with at least two different exposures, all show it late or
-// early by the same number of frames. A single late frame does not shift it.
-void FrameMatcher::learn(double log_value) {
-  if (!predicted_for(index_, shift_)) return;
-  std::rotate(observations_.begin(), observations_.begin() + 1, observations_.end());
-  observations_.back() = {index_, log_value};
-  observation_count_ = std::min(observation_count_ + 1, kObservations);
-  const bool various =
-      std::any_of(observations_.begin(), observations_.end(),
-                  [&](const Observation& observation) { return !same(observation.log_value, log_value); });
-  if (observation_count_ < kObservations || !various || explains(shift_)) return;
-  for (int distance = 1; distance <= kMaxShift; ++distance) {
-    for (const int shift : {shift_ - distance, shift_ + distance}) {
-      if (std::abs(shift) > kMaxShift || !explains(shift)) continue;
-      shift_ = shift;
-      ++relocks_;
-      return;
-    }
-  }
-}
-
 int FrameMatcher::slot_of(const ExposureClaim& label) const {
-  const double value = label.log_value();
-  if (triggered_ && last_trigger_->planned.slot < schedule_.slots() && same(triggered_->log_value(), value))
-    return last_trigger_->late ? -1 : last_trigger_->planned.slot;
-  const int delay = options_.delays ? std::max(options_.delays->exposure, options_.delays->gain) - shift_ : 0;
-  if (const SentRequest* sent = written_at(static_cast<std::int64_t>(index_) - delay); sent != nullptr)
-    if (sent->slot < schedule_.slots() && same(log_product(schedule_.slot(sent->slot).exposure), value))
-      return sent->slot;
+  const auto is_label = [value = label.log_value()](double log_value) {
+    return std::abs(log_value - value) <= kSameExposure;
+  };
+  const auto has_label = [&](int slot) { return is_label(log_product(schedule_.slot(slot).exposure)); };
+  if (const auto& pulse = triggers_.last(); triggered_ && pulse->planned.slot < schedule_.slots())
+    if (is_label(triggered_->log_value())) return pulse->late ? -1 : pulse->planned.slot;
+  if (const ControlHistory::Request* request = prediction_.shown(controls_); request != nullptr)
+    if (request->slot < schedule_.slots() && has_label(request->slot)) return request->slot;
   int slot = -1;
   for (int i = 0; i < schedule_.slots(); ++i) {
-    if (!same(log_product(schedule_.slot(i).exposure), value)) continue;
+    if (!has_label(i)) continue;
     if (slot >= 0) return -1;  // two slots have this exposure
     slot = i;
   }

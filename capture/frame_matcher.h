@@ -1,30 +1,32 @@
-// Joins the parts of one frame: the buffer, the request that it completed, the driver's report and
-// the strobe pulse during its exposure, and the trigger pulse that began it. It also determines which frames
-// were lost. The result is evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed
-// back (learn) and correct the prediction, so that a missed frame start or a wrong delay is corrected within
-// a cycle.
+// Joins the parts of one frame: the buffer, the request that it completed, the driver's report and the strobe
+// pulse during its exposure, and the trigger pulse that began it. It also determines which frames were lost.
+// The result is evidence, not a verdict: exposure_proof.h judges it, and unanimous pictures feed back (learn)
+// and correct the prediction.
+//
+//   buffers, by number and time  frame_interval.h          strobe edges   strobe_pulses.h
+//   requests, by cookie          control_history.h         driven pulses  trigger_pulses.h
+//                                exposure_prediction.h
 //
 // Three independent counts give the number of frames: the driver's sequence number, its timestamp and the
 // strobe pulses. Two that agree decide. Where number and time disagree and there is no strobe, the time
-// decides if it lies on the grid of the frame duration, otherwise the number (counters restart in standby and
-// miss drops). The frame duration is measured: not every camera keeps the one that it agreed to. With a
-// trigger there is nothing to decide: each pulse that was driven is a frame.
+// decides if it lies on the grid of the frame interval, otherwise the number (counters restart in standby and
+// miss drops). With a trigger there is nothing to decide: each pulse that was driven is a frame.
 // Thread-bound; bounded state, no allocation.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "capture/control_delay.h"
+#include "capture/control_history.h"
+#include "capture/exposure_prediction.h"
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
-#include "capture/pulse_train.h"
-#include "hal/sync_line.h"
+#include "capture/frame_interval.h"
+#include "capture/strobe_pulses.h"
+#include "capture/trigger_pulses.h"
 
 namespace hdrcam {
 
-// What a pulse of the strobe line marks on this sensor.
-enum class StrobePulse { Absent, MarksFrame, SpansExposure };
 struct FrameMatcherOptions {
   Duration frame_duration{33'333'333};
   // Controls are written when the frame of their own request begins (hal/camera.h) and act this many frames
@@ -50,6 +52,7 @@ struct MatchedFrame {
   std::optional<Instant> opened;      // the exposure, by a strobe or trigger pulse that spans it
   std::optional<TriggerPulse> pulse;  // of the trigger line, that began the frame
   int left_out_before = 0;            // pulses that were not driven between the previous frame and this one
+  bool pulse_forgotten = false;       // taken so late that its strobe or trigger pulse is not kept any more
 
   // The middle of an exposure of this length, of the middle row of a read-out, from the pulse where there is
   // one.
@@ -67,88 +70,52 @@ class FrameMatcher {
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
 
   // Adds an edge of the strobe line, in order.
-  void strobe(const Edge& edge);
+  void strobe(const Edge& edge) { strobes_.add(edge); }
   // Adds a pulse of the trigger line, in order.
-  void trigger(const TriggerPulse& pulse) { triggers_[trigger_count_++ % kTriggers] = pulse; }
+  void trigger(const TriggerPulse& pulse) { triggers_.add(pulse); }
   // Matches the next completed buffer, in order, after the edges before it.
   MatchedFrame match(const CapturedBuffer& buffer);
   // Takes the exposure (ln E) that pictures and strobe alone found for the last matched frame.
-  void learn(double log_value);
+  void learn(double log_value) { prediction_.learn(controls_, log_value); }
 
   // The slot that was requested for the last matched frame, where its exposure is this one; -1
   // unknown.
   int slot_of(const ExposureClaim& label) const;
   // From frame to frame, as measured.
-  Duration frame_duration() const { return interval_; }
+  Duration frame_duration() const { return interval_.value(); }
   // Frames by which the prediction is shifted so far, and how often that changed.
-  int shift() const { return shift_; }
-  int relocks() const { return relocks_; }
+  int shift() const { return prediction_.shift(); }
+  int relocks() const { return prediction_.relocks(); }
 
  private:
-  static constexpr int kRequests = 64, kFrames = 32, kPulses = 16, kTriggers = 64, kObservations = 3,
-                       kMaxShift = 4;
-  static constexpr int kIntervals = 8,
-                       kConfirmed = 3;  // intervals used, and needed to know the duration
-
-  struct SentRequest {
-    ExposureRequest request;  // as it was queued
-    int slot = -1;            // its slot, though part of it may be held back
-    bool valid = false;
-    bool late = false;  // its controls were written late
-  };
-  struct Pulse {
-    Instant rise;
-    std::optional<Duration> width;
-  };
-  struct Observation {
-    std::uint64_t index = 0;
-    double log_value = 0;
+  struct Previous {  // buffer
+    std::uint64_t sequence = 0;
+    Instant timestamp;
   };
 
-  int pulses_since_last(const std::optional<TriggerPulse>& pulse) const;
-  int frames_since_last(const CapturedBuffer& buffer, std::optional<std::uint64_t> pulse, int triggers) const;
-  void learn_interval(const CapturedBuffer& buffer);
-  void note_turns(std::uint64_t cookie, bool repeated, int advance);
+  int frames_since(const Previous& previous, const CapturedBuffer& buffer, std::int64_t strobes,
+                   int triggers) const;
+  int count_frames(const CapturedBuffer& buffer, std::int64_t strobes, int triggers);
   std::optional<ExposureClaim> reported_in(const CapturedBuffer& buffer,
                                            const std::optional<ExposureClaim>& predicted) const;
-  std::optional<ExposureClaim> predicted_for(std::uint64_t index, int shift) const;
-  const SentRequest* written_at(std::int64_t index) const;
-  bool may_show_earlier(std::uint64_t index) const;
-  std::optional<Instant> marked_edge(const Pulse& pulse) const;
-  std::optional<std::uint64_t> pulse_of(const CapturedBuffer& buffer) const;
-  void match_strobe(const Pulse& pulse, MatchedFrame& frame) const;
-  std::optional<TriggerPulse> trigger_of(const CapturedBuffer& buffer) const;
-  void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
   ExposureClaim claim_of(const TriggerPulse& pulse, const CapturedBuffer& buffer) const;
-  bool explains(int shift) const;
+  void match_trigger(const CapturedBuffer& buffer, MatchedFrame& frame);
+  void match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& frame) const;
 
   FrameMatcherOptions options_;
   ExposureSchedule schedule_;
-  std::optional<ControlDelay> delay_model_;
-  std::array<SentRequest, kRequests> sent_{};  // by cookie
+  std::optional<ControlDelay> delay_model_;  // where exposure and gain have different delays
   std::uint64_t next_cookie_ = 0;
 
-  bool started_ = false;
-  std::uint64_t sequence_ = 0, index_ = 0, highest_cookie_ = 0;
-  Instant timestamp_;
-  Duration interval_;
-  std::array<Duration, kIntervals> intervals_{};  // per sequence number, the last ones
-  std::uint64_t interval_count_ = 0;
-  // By frame: the cookie of the request whose controls were written when it began.
-  std::array<std::optional<std::uint64_t>, kFrames> turn_{};
+  ControlHistory controls_;
+  ExposurePrediction prediction_;
+  FrameInterval interval_;
+  StrobePulses strobes_;
+  TriggerPulses triggers_;
 
-  std::array<Pulse, kPulses> pulses_{};
-  std::uint64_t pulse_count_ = 0, edge_sequence_ = 0;
-  bool line_high_ = false;
-  std::optional<std::uint64_t> last_pulse_;  // of the previous frame; none where an edge was lost since
-
-  std::array<TriggerPulse, kTriggers> triggers_{};
-  std::uint64_t trigger_count_ = 0;
-  std::optional<TriggerPulse> last_trigger_;  // of the previous frame
-  std::optional<ExposureClaim> triggered_;    // of the last matched frame, where its pulse set the exposure
-
-  std::array<Observation, kObservations> observations_{};
-  int observation_count_ = 0, shift_ = 0, relocks_ = 0;
+  std::optional<Previous> previous_;
+  std::uint64_t index_ = 0;                 // of the last matched frame
+  std::optional<ExposureClaim> triggered_;  // of that frame, where its pulse set the exposure
 };
 
 }  // namespace hdrcam

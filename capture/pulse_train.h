@@ -3,6 +3,7 @@
 // type, thread-bound.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "capture/exposure_schedule.h"
@@ -39,6 +40,9 @@ struct TriggerPulse {
   Duration begin_error() const { return rise.at - planned.begin; }
   Duration width_error() const { return width() - planned.width; }
 };
+
+// Driven pulses that wait at most for a capture thread that is late.
+inline constexpr std::size_t kMostWaitingPulses = 1024;
 
 class PulseTrain {
  public:

@@ -48,7 +48,7 @@ class Trigger {
   std::optional<Error> failure() const;
 
  private:
-  static constexpr std::size_t kRing = 1024;
+  static constexpr std::size_t kRing = kMostWaitingPulses;
 
   std::optional<PlannedPulse> next_pulse();
   Result<void> drive(const PlannedPulse& planned);

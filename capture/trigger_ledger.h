@@ -55,8 +55,8 @@ class TriggerLedger {
 
  private:
   // Pulses and edges that are not settled. A consumer that is late brings all pulses that were driven
-  // meanwhile before their answers: up to as many as a Trigger keeps, 1024.
-  static constexpr std::size_t kOpen = 2048;
+  // meanwhile before their answers.
+  static constexpr std::size_t kOpen = 2 * kMostWaitingPulses;
   template <class T>
   struct Ring {
     std::array<T, kOpen> items{};

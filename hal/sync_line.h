@@ -3,6 +3,7 @@
 // line that drives a sensor is hal/trigger_line.h.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "hal/core/instant.h"
@@ -18,6 +19,9 @@ struct Edge {
 
 class SyncLine {
  public:
+  // Edges that a line keeps at most for a reader that is late; then it loses the oldest.
+  static constexpr std::size_t kMostWaiting = 256;
+
   virtual ~SyncLine() = default;
   // The next edge. Timeout, Unplugged, Interrupted.
   virtual Result<Edge> wait_edge(Duration timeout) = 0;

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "firmware_host/live/capture_setup.h"
+#include "firmware_host/simulation/truth_folder.h"
 #include "firmware_host/sinks/frame_ledger.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
-#include "firmware_host/sinks/truth_folder.h"
 #include "hal/recording/image_sequence.h"
 #include "hal/video/video_writer.h"
 

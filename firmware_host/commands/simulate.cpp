@@ -14,12 +14,12 @@
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/progress.h"
-#include "firmware_host/sinks/truth_folder.h"
+#include "firmware_host/simulation/clip_timeline.h"
+#include "firmware_host/simulation/truth_clip.h"
 #include "firmware_host/terminal.h"
-#include "hal/recording/image_sequence.h"
+#include "hal/core/stopwatch.h"
 #include "hal/recording/recording.h"
 #include "hal/sim/effect_costs.h"
-#include "hal/sim/effects/drops.h"
 
 namespace hdrcam {
 namespace {
@@ -64,83 +64,10 @@ void print_plan(const SimulatedSensor& sensor, const EffectCosts& costs, double 
                    describe(from_seconds(exposure_s)), costs.noise_ms));
 }
 
-// The frames of the clip in order, each with its scene time and its exposure.
-class Timeline {
- public:
-  Timeline(const Simulation& simulation, std::vector<Exposure> cycle)
-      : simulation_(simulation), cycle_(std::move(cycle)) {
-    if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
-    if (simulation.plan.on(Effect::ClockJitter))
-      jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
-  }
-
-  // The sequence number of the next frame that is not lost. Errors: Invalid for a scene that loses them all.
-  Result<std::uint64_t> next_kept(std::uint64_t sequence) const {
-    constexpr std::uint64_t kMostLost = 1'000'000;  // in a row
-    const std::uint64_t end = sequence + kMostLost;
-    while (drops_ && drops_->lost(sequence))
-      if (++sequence == end)
-        return Error{ErrorCode::Invalid,
-                     fmt::format("drops={}: the scene loses {} frames in a row and nothing "
-                                 "arrives; give drops below 1, such as drops=0.1",
-                                 simulation_.drops.probability, kMostLost)};
-    return sequence;
-  }
-  // Scene time of the middle of the picture and of its exposure.
-  double centre_s(std::uint64_t sequence) const {
-    return static_cast<double>(sequence) / simulation_.framerate_hz;
-  }
-  Shot shot(std::uint64_t sequence) const {
-    const Exposure& exposure = cycle_[sequence % cycle_.size()];
-    const double exposure_s = to_seconds(exposure.time);
-    return {sequence, centre_s(sequence) - (exposure_s + readout_s()) / 2, exposure_s, exposure.gain};
-  }
-  double readout_s() const {
-    return simulation_.plan.on(Effect::RollingShutter) ? to_seconds(simulation_.rolling_shutter.readout) : 0;
-  }
-  FrameFacts facts(std::uint64_t sequence, bool after_drop, int bits) const {
-    const Exposure& exposure = cycle_[sequence % cycle_.size()];
-    FrameFacts facts;
-    facts.sequence = sequence;
-    facts.timestamp = Instant::from_seconds(centre_s(sequence));
-    if (jitter_)
-      facts.timestamp = Instant{jitter_->stretched(facts.timestamp.since_boot) + jitter_->latency(sequence)};
-    facts.exposure_s = to_seconds(exposure.time);
-    facts.readout_s = readout_s();
-    facts.analogue_gain = exposure.gain;
-    facts.slot = static_cast<int>(sequence % cycle_.size());
-    if (simulation_.black_level > 0)
-      facts.black_level = BlackLevel::of_code(
-          static_cast<double>(simulation_.black_level * static_cast<float>((1 << bits) - 1)), bits);
-    if (after_drop) facts.flags |= kFrameAfterDrop;
-    return facts;
-  }
-  double longest_s() const {
-    Duration longest{};
-    for (const Exposure& exposure : cycle_) longest = std::max(longest, exposure.time);
-    return to_seconds(longest);
-  }
-
- private:
-  const Simulation& simulation_;
-  std::vector<Exposure> cycle_;
-  std::optional<Drops> drops_;
-  std::optional<ClockJitter> jitter_;
-};
-
 // All files that the run writes, those of the truth first.
 std::vector<NamedOutput> outputs_of(const SimulateFlags& flags) {
   std::vector<NamedOutput> outputs;
-  const auto add = [&](const std::string& file, OutputKind kind) {
-    outputs.push_back({"--truth", flags.truth + "/" + file, kind});
-  };
-  if (!flags.truth.empty()) {
-    const std::string truth = std::string(TruthFolder::kFolder) + "/";
-    add(ImageSequence::kFile, OutputKind::Document);
-    for (const char* file : TruthFolder::kFiles) add(truth + file, OutputKind::Document);
-    add(std::string(ImageSequence::kPictures) + "/%04d.png", OutputKind::Frames);
-    for (const char* frames : TruthFolder::kFrames) add(truth + frames, OutputKind::Frames);
-  }
+  if (!flags.truth.empty()) outputs = TruthClip::outputs("--truth", flags.truth);
   outputs.push_back({"--output", flags.output, OutputKind::Recording});
   return outputs;
 }
@@ -148,21 +75,18 @@ std::vector<NamedOutput> outputs_of(const SimulateFlags& flags) {
 // The outputs of a run; each exists if it was requested.
 struct Outputs {
   std::unique_ptr<RecordingWriter> recording;
-  std::optional<ImageSequenceWriter> clip;
-  std::optional<TruthFolder> truth;
+  std::unique_ptr<TruthClip> clip;
 };
 
 Result<Outputs> open_outputs(Surroundings& around, const SimulateFlags& flags, const SimulatedSensor& sensor,
-                             RecordingCodec codec) {
+                             RecordingCodec codec, WorkerPool& pool) {
   Outputs outputs;
-  CameraFacts facts = sensor.facts();
-  if (!flags.truth.empty()) {
-    outputs.clip = TRY(ImageSequenceWriter::create(around.storage, flags.truth, facts, Creation::Replace));
-    outputs.truth = TRY(TruthFolder::create(around.storage, flags.truth, sensor, flags.scene));
-  }
+  if (!flags.truth.empty())
+    outputs.clip = TRY(TruthClip::create(around.storage, flags.truth, sensor, flags.scene, pool));
   // last, so that a refused run never empties an earlier recording
   if (!flags.output.empty())
-    outputs.recording = TRY(create_recording(around.storage, flags.output, facts, Creation::Replace, codec));
+    outputs.recording =
+        TRY(create_recording(around.storage, flags.output, sensor.facts(), Creation::Replace, codec));
   return outputs;
 }
 
@@ -173,8 +97,7 @@ Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, i
     TRY(outputs.recording->finish());
     say("{}\n", describe_recording(flags.output, sensor.facts(), static_cast<std::uint64_t>(frames)));
   }
-  if (outputs.truth) {
-    TRY(outputs.truth->finish());
+  if (outputs.clip) {
     TRY(outputs.clip->finish());
     say("{}: a clip of {} images with ground truth\n", flags.truth, frames);
   }
@@ -183,16 +106,12 @@ Result<void> finish(const SimulateFlags& flags, const SimulatedSensor& sensor, i
 
 Error stopped_before_any() { return {ErrorCode::Interrupted, "stopped before the first frame"}; }
 
-Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeline& timeline,
-                  SimulatedSensor& sensor, WorkerPool& pool, Outputs& outputs) {
-  const Simulation& s = sensor.simulation();
-  std::optional<TruthRenderer> truth_renderer;
-  if (outputs.truth)
-    truth_renderer.emplace(*sensor.scene(), sensor.lens(), s.height, s.width, pool, sensor.vignetting());
+Result<void> film(Surroundings& around, const SimulateFlags& flags, const ClipTimeline& timeline,
+                  SimulatedSensor& sensor, Outputs& outputs) {
   Progress progress(stderr, flags.frames);
-  SceneTruth truth;
   RawFrame frame;
-  std::uint64_t sequence = TRY(timeline.next_kept(0)), before = sequence;
+  std::uint64_t sequence = TRY(timeline.next_kept(0));
+  bool after_drop = false;
   for (int i = 0; i < flags.frames; ++i) {
     if (around.stop) {
       TRY(finish(flags, sensor, i, outputs));
@@ -200,19 +119,14 @@ Result<void> film(Surroundings& around, const SimulateFlags& flags, const Timeli
                     : Error{ErrorCode::Interrupted,
                             fmt::format("stopped after {} of {} frames; they are complete", i, flags.frames)};
     }
-    const auto begin = std::chrono::steady_clock::now();
+    Stopwatch watch;
     sensor.expose(timeline.shot(sequence), frame.codes);
-    frame.facts = timeline.facts(sequence, i > 0 && sequence != before + 1, sensor.facts().bits);
+    frame.facts = timeline.facts(sequence, after_drop, sensor.facts().bits);
     const std::uint64_t next = TRY(timeline.next_kept(sequence + 1));
     if (outputs.recording) TRY(outputs.recording->append(frame));
-    if (outputs.truth) {
-      truth_renderer->render(timeline.centre_s(sequence), timeline.centre_s(next), truth);
-      TRY(outputs.clip->append(frame));
-      TRY(outputs.truth->append(truth, frame.facts));
-    }
-    before = sequence, sequence = next;
-    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
-    progress.frame_done(took.count(), std::nullopt);
+    if (outputs.clip) TRY(outputs.clip->append(frame, timeline.centre_s(sequence), timeline.centre_s(next)));
+    after_drop = next != sequence + 1, sequence = next;
+    progress.frame_done(watch.lap_ms(), std::nullopt);
   }
   return finish(flags, sensor, flags.frames, outputs);
 }
@@ -243,12 +157,7 @@ Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surr
   const Format format = TRY(format_of(flags));
   const std::vector<Exposure> cycle = TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
   TRY(check_distinct(cycle));
-  const Timeline timeline(simulation, cycle);
-  if (timeline.longest_s() * simulation.framerate_hz > 1)
-    return Error{
-        ErrorCode::BadExposure,
-        fmt::format("an exposure of {:.1f} ms does not fit a frame at {} fps; lower --shutter or fps",
-                    timeline.longest_s() * 1e3, simulation.framerate_hz)};
+  const ClipTimeline timeline = TRY(ClipTimeline::create(simulation, cycle));
   TRY(admit_parts(settings, fmt::format("a scene of {}x{}", simulation.width, simulation.height),
                   simulator_bytes(simulation.width, simulation.height)));
   WorkerPool pool(thread_count(settings.fit));
@@ -256,15 +165,15 @@ Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surr
   if (flags.explain) {
     constexpr Duration kPatience = std::chrono::seconds(4);
     const EffectCosts costs =
-        measure_costs(simulation, format.layout, format.bits, timeline.longest_s(), kPatience, pool);
-    print_plan(sensor, costs, timeline.longest_s());
+        measure_costs(simulation, format.layout, format.bits, timeline.longest_exposure_s(), kPatience, pool);
+    print_plan(sensor, costs, timeline.longest_exposure_s());
   }
   if (flags.output.empty() && flags.truth.empty()) return {};
   TRY(timeline.next_kept(0));  // before an output is opened
   if (around.stop) return stopped_before_any();
   TRY(flags.kept.check(around.storage, {}, outputs_of(flags)));
-  Outputs outputs = TRY(open_outputs(around, flags, sensor, settings.record.codec));
-  return film(around, flags, timeline, sensor, pool, outputs);
+  Outputs outputs = TRY(open_outputs(around, flags, sensor, settings.record.codec, pool));
+  return film(around, flags, timeline, sensor, outputs);
 }
 
 }  // namespace

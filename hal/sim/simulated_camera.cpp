@@ -57,6 +57,7 @@ int near_size(int wanted, int otherwise, int multiple) {
 SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int threads,
                                  const SimulatedWiring& wiring)
     : simulation_(simulation),
+      stream_(simulation),
       time_(time),
       wiring_(wiring),
       pool_(threads),
@@ -64,9 +65,6 @@ SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int
       exposure_(delays_of(simulation).exposure, kFirstExposure),
       gain_(delays_of(simulation).gain, 1),
       harm_(std::make_unique<Harm>()) {
-  if (simulation.plan.on(Effect::Drops)) drops_.emplace(simulation.drops, simulation.scene.seed);
-  if (simulation.plan.on(Effect::ClockJitter))
-    jitter_.emplace(simulation.clock_jitter, simulation.scene.seed);
   if (triggered()) wiring_.trigger->listen([this](const Edge& edge) { trigger(edge); });
 }
 
@@ -178,8 +176,7 @@ void SimulatedCamera::give_back(int buffer) {
 }
 
 Instant SimulatedCamera::begin_of(std::uint64_t frame) const {
-  const Duration since_start = mode_.frame_duration * static_cast<Duration::rep>(frame);
-  return epoch_ + (jitter_ ? jitter_->stretched(since_start) : since_start);
+  return epoch_ + stream_.host_time(mode_.frame_duration * static_cast<Duration::rep>(frame));
 }
 
 // Starts every frame that is due.
@@ -224,7 +221,7 @@ void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::op
   frame.exposure = exposure_.latch(sequence), frame.gain = gain_.latch(sequence);
   if (pulse) frame.exposure = *pulse;
   frame.begin = begin;
-  frame.stamp = jitter_ ? frame.begin + jitter_->latency(sequence) : frame.begin;
+  frame.stamp = frame.begin + stream_.latency(sequence);
   frame.ready = read_out_ = ready_after(frame);
   harm_->history[sequence % Harm::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
   if (wiring_.strobe != nullptr) wiring_.strobe->strobe(frame.begin, frame.exposure);
@@ -236,7 +233,7 @@ void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::op
 
 bool SimulatedCamera::is_lost(std::uint64_t frame) {
   if (harm_->drops > 0) return --harm_->drops, true;
-  return drops_ && drops_->lost(frame);
+  return stream_.loses(frame);
 }
 
 void SimulatedCamera::write_controls(std::uint64_t frame, const ExposureRequest& asked) {
@@ -273,7 +270,7 @@ CapturedBuffer SimulatedCamera::develop(const Frame& frame) {
   buffer.cookie = frame.report.cookie;
   buffer.sequence = frame.sequence;
   buffer.timestamp = frame.stamp;
-  if (simulation_.plan.on(Effect::RollingShutter)) buffer.readout = simulation_.rolling_shutter.readout;
+  buffer.readout = simulation_.readout();
   if (frame.reported) {
     buffer.exposure = frame.report.exposure, buffer.analogue_gain = frame.report.gain,
     buffer.digital_gain = 1;

@@ -22,6 +22,7 @@
 #include "hal/sim/effects/delayed_control.h"
 #include "hal/sim/simulated_sensor.h"
 #include "hal/sim/simulated_sync_line.h"
+#include "hal/sim/stream_effects.h"
 #include "hal/trigger_line.h"
 
 namespace hdrcam {
@@ -110,6 +111,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   CapturedBuffer develop(const Frame& frame);
 
   Simulation simulation_;
+  const StreamEffects stream_;
   const SimTime time_;
   const SimulatedWiring wiring_;
   WorkerPool pool_;
@@ -118,8 +120,6 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   std::unique_ptr<SimulatedSensor> sensor_;
   Image<std::uint16_t> codes_;
   std::vector<std::vector<std::byte>> buffers_;
-  std::optional<Drops> drops_;
-  std::optional<ClockJitter> jitter_;
 
   mutable std::mutex mutex_;  // of everything below
   std::condition_variable changed_;

@@ -25,7 +25,7 @@ class SimulatedWire {
 
  private:
   friend class SimulatedSyncLine;
-  static constexpr std::size_t kEdges = 256;  // history; a reader that is further behind loses the oldest
+  static constexpr std::size_t kEdges = SyncLine::kMostWaiting;  // history
   Edge add(Instant at, bool rising);
 
   const SimTime time_;

@@ -49,6 +49,10 @@ struct Simulation {
   DropSettings drops;
   ClockJitterSettings clock_jitter;
 
+  // From the first row's exposure to the last one's; 0 where all rows are exposed at once.
+  Duration readout() const {
+    return plan.on(Effect::RollingShutter) ? rolling_shutter.readout : Duration::zero();
+  }
   Duration frame_duration() const { return Duration(static_cast<Duration::rep>(1e9 / framerate_hz + 0.5)); }
 };
 

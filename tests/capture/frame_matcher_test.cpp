@@ -368,6 +368,18 @@ TEST_CASE("a pulse as long as the exposure tells when it began, one that marks a
   }
 }
 
+TEST_CASE("a frame that is taken after its strobe pulse was forgotten says so", "[capture]") {
+  constexpr int kFrames = 200, kKept = SyncLine::kMostWaiting / 2;
+  Stream stream({.frame_duration = kAgreed, .strobe = StrobePulse::MarksFrame});
+  for (int i = 1; i <= kFrames; ++i) stream.pulse(i);
+  for (int i = 1; i <= kFrames; ++i) {
+    const MatchedFrame frame = stream.step();
+    CHECK(frame.strobed == (i > kFrames - kKept));
+    CHECK(frame.pulse_forgotten == !frame.strobed);
+  }
+  CHECK_FALSE(stream.step().pulse_forgotten);  // its pulse never came
+}
+
 TEST_CASE("where timestamps mark the end of exposures, pulses of every length are matched by their ends",
           "[capture]") {
   for (const Duration delay : {Duration(-2ms), Duration(0), Duration(1ms)}) {

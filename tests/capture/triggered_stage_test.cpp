@@ -184,6 +184,22 @@ TEST_CASE("an answer without a pulse is counted", "[capture]") {
   CHECK(rig.stage->counters().trigger.unanswered == 0);
 }
 
+TEST_CASE("frames that are taken too late for their pulses are counted, and no label is wrong", "[capture]") {
+  constexpr int kPulses = 150, kFrames = 30;  // eight buffers wait for 1200 pulses, of which 1024 are kept
+  Rig rig(TriggerMode::PulseWidth);
+  for (int i = 0; i < kFrames; ++i) {
+    for (int p = 0; p < kPulses; ++p) (void)rig.pulse();
+    require_done(rig.stage->next(rig.frame));
+    const FrameFacts& facts = rig.frame.raw.facts;
+    if ((facts.flags & kFrameExposureUnproved) == 0)
+      CHECK(facts.exposure_s == Approx(to_seconds(rig.truth().exposure)));
+  }
+  const CaptureCounters& counters = rig.stage->counters();
+  CHECK(counters.pulses_forgotten >= 15);
+  CHECK_THAT(proof_of(counters),
+             Catch::EndsWith(fmt::format("strobe or trigger pulses: {}", counters.pulses_forgotten)));
+}
+
 TEST_CASE("a sensor that answers no pulse is an error that names the line", "[capture]") {
   Rig rig(TriggerMode::PulseWidth);  // its trigger, and a sensor on another wire
   SimulatedWire dead{SimTime(rig.clock)};

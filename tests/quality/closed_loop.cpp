@@ -105,7 +105,7 @@ constexpr SinkKind kKinds[] = {{"kept", "--kept", "keeps the frames", SinkPace::
 std::vector<Image<float>> truths_of(const std::vector<KeptFrame>& frames, const SimulatedSensor& sensor,
                                     WorkerPool& pool) {
   const Simulation& s = sensor.simulation();
-  const double readout_s = s.plan.on(Effect::RollingShutter) ? to_seconds(s.rolling_shutter.readout) : 0;
+  const double readout_s = to_seconds(s.readout());
   TruthRenderer renderer(*sensor.scene(), sensor.lens(), s.height, s.width, pool, sensor.vignetting());
   std::vector<Image<float>> truths;
   SceneTruth truth;

@@ -55,6 +55,12 @@ TEST_CASE("with and without overrule the scene, and say so") {
   CHECK(plan.why(Effect::Noise).find("without=noise") != std::string::npos);
 }
 
+TEST_CASE("a scene without a rolling shutter has no read-out time") {
+  CHECK(value_of(simulation_of("fast")).readout() == std::chrono::milliseconds(12));
+  CHECK(value_of(simulation_of("fast?without=rolling-shutter")).readout() == Duration::zero());
+  CHECK(value_of(simulation_of("still")).readout() == Duration::zero());
+}
+
 TEST_CASE("every effect is found by its name") {
   for (std::size_t i = 0; i < kEffects; ++i)
     CHECK(effect_of(name(static_cast<Effect>(i))) == static_cast<Effect>(i));

@@ -1,4 +1,4 @@
-#include "firmware_host/sinks/truth_folder.h"
+#include "firmware_host/simulation/truth_folder.h"
 
 #include <algorithm>
 

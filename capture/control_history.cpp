@@ -1,0 +1,33 @@
+#include "capture/control_history.h"
+
+#include <algorithm>
+
+namespace hdrcam {
+
+void ControlHistory::sent(const ExposureRequest& controls, int slot) {
+  requests_[controls.cookie % kRequests] = {controls, slot, false};
+}
+
+bool ControlHistory::completed(std::uint64_t frame, std::uint64_t cookie, bool late) {
+  const bool repeated = highest_cookie_ && cookie <= *highest_cookie_;
+  highest_cookie_ = repeated ? *highest_cookie_ : cookie;
+  if (auto& request = requests_[cookie % kRequests]; request && request->controls.cookie == cookie)
+    request->late = late;
+  const std::uint64_t due = std::clamp<std::uint64_t>(frame - newest_frame_, 1, kFrames);
+  for (std::uint64_t back = 0; back < due; ++back)
+    cookies_[(frame - back) % kFrames] = repeated ? std::nullopt : std::optional(cookie);
+  newest_frame_ = frame;
+  return !repeated;
+}
+
+const ControlHistory::Request* ControlHistory::written_at(std::int64_t frame) const {
+  const auto newest = static_cast<std::int64_t>(newest_frame_);
+  if (frame < 0 || newest - frame >= kFrames) return nullptr;
+  const auto& known = cookies_[static_cast<std::uint64_t>(std::min(frame, newest)) % kFrames];
+  if (!known) return nullptr;
+  const std::uint64_t cookie = *known + static_cast<std::uint64_t>(std::max<std::int64_t>(0, frame - newest));
+  const auto& request = requests_[cookie % kRequests];
+  return request && request->controls.cookie == cookie ? &*request : nullptr;
+}
+
+}  // namespace hdrcam
