@@ -120,7 +120,8 @@ void CaptureStage::restart_matching() {
   proof_.forget();
   proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
   pending_.reset();
-  if (const auto space = room(); space && options_.adapt == Adapt::Light) adaptation_.emplace(*space);
+  if (const auto limits = exposure_limits(); limits && options_.adapt == Adapt::Light)
+    adaptation_.emplace(*limits);
   queued_requests_ = lost_since_emitted_ = 0;
   last_place_.reset(), not_decoded_.reset();
   dropped_in_a_row_ = 0;
@@ -361,18 +362,18 @@ Duration CaptureStage::longest_exposure() const {
   return std::min(offers.exposure_max, mode_.frame_duration - margin);
 }
 
-std::optional<ExposureRoom> CaptureStage::room() const {
+std::optional<ExposureLimits> CaptureStage::exposure_limits() const {
   const CameraCapabilities& offers = camera_.capabilities();
   if (!offers.sets_exposure) return std::nullopt;
   const auto cycle = exposures_of(schedule_);
   const bool one_gain = trigger_.exposes();  // nothing ties a gain to a pulse
   const double gain = schedule_.slot(0).exposure.gain;
-  return ExposureRoom{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
-                      .shortest = offers.exposure_min,
-                      .longest = longest_exposure(),
-                      .least_gain = one_gain ? gain : offers.gain_min,
-                      .greatest_gain = one_gain ? gain : offers.gain_max,
-                      .mains = mains_};
+  return ExposureLimits{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
+                        .shortest = offers.exposure_min,
+                        .longest = longest_exposure(),
+                        .least_gain = one_gain ? gain : offers.gain_min,
+                        .greatest_gain = one_gain ? gain : offers.gain_max,
+                        .mains = mains_};
 }
 
 void CaptureStage::learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level) {

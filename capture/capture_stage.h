@@ -12,7 +12,7 @@
 
 #include "capture/captured_frame.h"
 #include "capture/exposure_adaptation.h"
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "capture/raw_black.h"
@@ -73,7 +73,7 @@ class CaptureStage {
   // The same for one that the light or the fit asks for; counted.
   Result<void> follow(std::span<const Exposure> cycle);
   // What the fit may ask for; none of a camera that sets its exposures itself.
-  std::optional<ExposureRoom> room() const;
+  std::optional<ExposureLimits> exposure_limits() const;
   // Takes the camera's response once the fit has estimated it; ratios then become exact (photometry.h).
   void learn_response(const PhotometricResponse::Curve& inverse, const BlackLevel& black_level);
 

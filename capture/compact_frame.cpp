@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
 namespace {

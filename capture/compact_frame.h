@@ -1,5 +1,5 @@
 // An exposed frame that waits, in as few bytes as hold it exactly: its codes as the camera wrote them, where
-// they are no more than those scaled (unpack.h), else as they are. Move-only value.
+// they are no more than those scaled (to_exposed_frame.h), else as they are. Move-only value.
 #pragma once
 
 #include "capture/exposed_frame.h"

@@ -87,7 +87,7 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
 Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
   Stopwatch watch;
-  TRY(unpack_into(raw, arrived_, interval_s, settings_, frame_));
+  TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
   if (black_level_) remove_black_level(frame_, *black_level_);
   ++arrived_;
   if (timing_) timing_(Stage::Unpack, watch.lap_ms());

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "hal/core/stage_timing.h"
 
 namespace hdrcam {
@@ -38,7 +38,7 @@ class ExposedStream {
 
   const std::size_t first_frames_;
   const StatedBlack stated_black_;
-  UnpackSettings settings_;
+  ExposedFrameSettings settings_;
   std::optional<BlackLevel> black_level_;  // removed here
   std::vector<RawFrame> waiting_;          // until the reference is known
   bool started_ = false;

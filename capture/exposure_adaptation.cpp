@@ -4,9 +4,9 @@
 
 namespace hdrcam {
 
-ExposureAdaptation::ExposureAdaptation(const ExposureRoom& room)
-    : room_(room), slots_(static_cast<int>(room.cycle.size())) {
-  std::ranges::copy(room.cycle, cycle_.begin());
+ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
+    : limits_(limits), slots_(static_cast<int>(limits.cycle.size())) {
+  std::ranges::copy(limits.cycle, cycle_.begin());
 }
 
 std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
@@ -28,7 +28,7 @@ std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, c
   const std::span<const Exposure> cycle(cycle_.data(), slots);
   const ExposureAdvice advice = advise(cycle, {means.data(), slots});
   if (!advice.changes()) return std::nullopt;
-  const Cycle next = followed(cycle, advice, room_);
+  const Cycle next = followed(cycle, advice, limits_);
   if (next == cycle_) return std::nullopt;  // the sensor's range is exhausted
   return next;
 }

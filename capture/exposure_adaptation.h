@@ -9,7 +9,7 @@
 #include <span>
 
 #include "capture/exposure_advice.h"
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 
 namespace hdrcam {
 
@@ -17,7 +17,7 @@ class ExposureAdaptation {
  public:
   using Cycle = std::array<Exposure, ExposureSchedule::kMaxSlots>;
 
-  explicit ExposureAdaptation(const ExposureRoom& room);
+  explicit ExposureAdaptation(const ExposureLimits& limits);
 
   // Adds a frame whose slot and exposure are certain. Returns the next cycle (its first slots() entries)
   // where it should change.
@@ -30,7 +30,7 @@ class ExposureAdaptation {
   static constexpr int kCycles = 4;    // averaged before it proposes a change
   static constexpr int kSettling = 5;  // queued cycles when the schedule changes
 
-  const ExposureRoom room_;
+  const ExposureLimits limits_;
   const int slots_;
   Cycle cycle_{};  // that the camera is asked for
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};

@@ -51,13 +51,13 @@ ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShare
 
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
                                                            const ExposureAdvice& advice,
-                                                           const ExposureRoom& room) {
+                                                           const ExposureLimits& limits) {
   std::array<Exposure, ExposureSchedule::kMaxSlots> next{};
   for (std::size_t i = 0; i < cycle.size(); ++i) {
     const double product = cycle[i].product() * std::exp2(advice.stops[i]);
     const double time =
-        std::clamp(product / room.least_gain, to_seconds(room.shortest), to_seconds(room.longest));
-    next[i] = {from_seconds(time), std::clamp(product / time, room.least_gain, room.greatest_gain)};
+        std::clamp(product / limits.least_gain, to_seconds(limits.shortest), to_seconds(limits.longest));
+    next[i] = {from_seconds(time), std::clamp(product / time, limits.least_gain, limits.greatest_gain)};
   }
   return next;
 }

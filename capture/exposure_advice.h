@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 #include "capture/exposure_schedule.h"
 
 namespace hdrcam {
@@ -29,6 +29,6 @@ ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShare
 // then by gain.
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
                                                            const ExposureAdvice& advice,
-                                                           const ExposureRoom& room);
+                                                           const ExposureLimits& limits);
 
 }  // namespace hdrcam

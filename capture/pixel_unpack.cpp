@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "hal/pixel_packing.h"
+#include "hal/pixel_format_table.h"
 
 namespace hdrcam {
 namespace {

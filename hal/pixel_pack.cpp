@@ -1,6 +1,6 @@
 #include "hal/pixel_pack.h"
 
-#include "hal/pixel_packing.h"
+#include "hal/pixel_format_table.h"
 
 namespace hdrcam {
 namespace {

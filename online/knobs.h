@@ -57,17 +57,17 @@ enum class KnobKind { Whole, Real, Choice };
 enum class KnobChange { PerFrame, AtStart };
 
 struct Knob {
-  std::string name;  // "steps"
-  const char* unit;  // "steps", "px"; "" for a share or a choice
-  KnobKind kind;
-  KnobChange change;
-  double least, most;                // limits of a number
-  int multiple;                      // whole numbers are a multiple of this
-  std::vector<std::string> choices;  // words of a choice
-  const char* costs;                 // the cost of a larger value
-  const char* gives;                 // the effect, and a reason to change it
-  double (*get)(const Knobs&);       // the index of a choice
-  void (*put)(Knobs&, double);       // unchecked: set_knob() checks
+  std::string name;       // "steps"
+  const char* unit = "";  // "steps", "px"; "" for a share or a choice
+  KnobKind kind = KnobKind::Real;
+  KnobChange change = KnobChange::AtStart;
+  double least = 0, most = 0;             // limits of a number
+  int multiple = 1;                       // whole numbers are a multiple of this
+  std::vector<std::string> choices = {};  // words of a choice
+  const char* costs = "";                 // the cost of a larger value
+  const char* gives = "";                 // the effect, and a reason to change it
+  double (*get)(const Knobs&) = nullptr;  // the index of a choice
+  void (*put)(Knobs&, double) = nullptr;  // unchecked: set_knob() checks
 };
 
 // In the order of the processing of a frame. Built once, at the first call.

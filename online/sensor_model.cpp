@@ -1,7 +1,7 @@
 #include "online/sensor_model.h"
 
 #include "capture/amplified_noise.h"
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
 namespace {

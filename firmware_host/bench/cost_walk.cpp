@@ -10,7 +10,7 @@
 #include "firmware_host/run/run.h"
 #include "firmware_host/terminal.h"
 #include "hal/recording/image_sequence.h"
-#include "render/scores/scores.h"
+#include "render/scores/scores_json.h"
 
 namespace hdrcam {
 namespace {

@@ -9,7 +9,7 @@
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/freed_pictures.h"
-#include "render/scores/scores.h"
+#include "render/scores/scores_json.h"
 
 namespace hdrcam {
 namespace {

@@ -75,8 +75,8 @@ void CameraSource::learn_response(const Response::Curve& inverse, const BlackLev
   session_->learn_response(inverse, black_level);
 }
 
-std::optional<ExposureRoom> CameraSource::exposure_room() const {
-  return adapt_ == Adapt::Motion ? capture_->room() : std::nullopt;
+std::optional<ExposureLimits> CameraSource::exposure_limits() const {
+  return adapt_ == Adapt::Motion ? capture_->exposure_limits() : std::nullopt;
 }
 
 Result<void> CameraSource::finish(RunRecord& record) {

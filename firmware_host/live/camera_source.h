@@ -31,7 +31,7 @@ class CameraSource : public FrameSource, public RunControl {
   void emitted(FrameRecord& record) override;
   void left_out() override { session_->left_out(); }
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override;
-  std::optional<ExposureRoom> exposure_room() const override;
+  std::optional<ExposureLimits> exposure_limits() const override;
   Result<void> follow(const std::vector<Exposure>& cycle) override { return session_->follow(cycle); }
   // Errors: those that ended the camera or the recording. The end of a replayed recording is not an error.
   Result<void> finish(RunRecord& record) override;

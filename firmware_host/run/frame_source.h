@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 #include "firmware_host/run/backlog.h"
 #include "firmware_host/run/progress.h"
 #include "firmware_host/run_pace.h"
@@ -40,8 +40,8 @@ class FrameSource {
   // Takes the fit's estimates of the camera: codes 0..255 to relative exposure, and the black level.
   virtual void learn_response(const Response::Curve&, const BlackLevel&) {}
   // What the fit may ask of the exposures; none where they stay as they are. Not after follow().
-  virtual std::optional<ExposureRoom> exposure_room() const { return std::nullopt; }
-  // Takes the cycle that the fit asks for, within that room; later frames have it. Errors: those of the
+  virtual std::optional<ExposureLimits> exposure_limits() const { return std::nullopt; }
+  // Takes the cycle that the fit asks for, within those limits; later frames have it. Errors: those of the
   // camera that cannot do it; the cycle before goes on.
   virtual Result<void> follow(const std::vector<Exposure>&) { return {}; }
   // Ends the run and adds the source's counters to its record. Errors: why it ended early, if not yet

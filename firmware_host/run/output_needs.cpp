@@ -18,22 +18,51 @@ struct MotionOrDepth {
   bool ExrLayers::*layer;
   const char* sink;
   const char* flag;
-  bool is_motion, is_of_field;
+  bool OutputNeeds::*need;
+  bool is_motion = false, is_of_field = false;
 };
 constexpr MotionOrDepth kMotionAndDepth[] = {
-    {"depth", &ExrLayers::depth, "depth", "--depth", false, true},
-    {"flow", &ExrLayers::flow, "flow_backward", "--flow-backward", true, false},
-    {"flow_forward", &ExrLayers::flow_forward, "flow_forward", "--flow-forward", true, false},
-    {"field_flow", &ExrLayers::field_flow, "field_flow_backward", "--field-flow-backward", true, true},
-    {"field_flow_forward", &ExrLayers::field_flow_forward, "field_flow_forward", "--field-flow-forward", true,
-     true},
+    {.word = "depth",
+     .layer = &ExrLayers::depth,
+     .sink = "depth",
+     .flag = "--depth",
+     .need = &OutputNeeds::depth,
+     .is_of_field = true},
+    {.word = "flow",
+     .layer = &ExrLayers::flow,
+     .sink = "flow_backward",
+     .flag = "--flow-backward",
+     .need = &OutputNeeds::flow_backward,
+     .is_motion = true},
+    {.word = "flow_forward",
+     .layer = &ExrLayers::flow_forward,
+     .sink = "flow_forward",
+     .flag = "--flow-forward",
+     .need = &OutputNeeds::flow_forward,
+     .is_motion = true},
+    {.word = "field_flow",
+     .layer = &ExrLayers::field_flow,
+     .sink = "field_flow_backward",
+     .flag = "--field-flow-backward",
+     .need = &OutputNeeds::field_flow,
+     .is_motion = true,
+     .is_of_field = true},
+    {.word = "field_flow_forward",
+     .layer = &ExrLayers::field_flow_forward,
+     .sink = "field_flow_forward",
+     .flag = "--field-flow-forward",
+     .need = &OutputNeeds::field_flow,
+     .is_motion = true,
+     .is_of_field = true},
 };
+
+bool is_written(const Settings::Output& output, const char* sink) { return !output.path(sink).empty(); }
 
 // The first of them that is wanted, as it was asked for; "" for none.
 std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kind) {
   for (const MotionOrDepth& one : kMotionAndDepth) {
     if (!(one.*kind)) continue;
-    if (!output.path(one.sink).empty()) return one.flag;
+    if (is_written(output, one.sink)) return one.flag;
     if (output.layers.*one.layer) return fmt::format("--layers {}", one.word);
   }
   return "";
@@ -42,16 +71,11 @@ std::string first_asked(const Settings::Output& output, bool MotionOrDepth::*kin
 }  // namespace
 
 OutputNeeds needs_of(const Settings::Output& output) {
-  const ExrLayers& layers = output.layers;
-  const auto wanted = [&](const char* sink) { return !output.path(sink).empty(); };
   OutputNeeds needs;
-  needs.depth = layers.depth || wanted("depth");
-  needs.flow_backward = layers.flow || wanted("flow_backward");
-  needs.flow_forward = layers.flow_forward || wanted("flow_forward");
-  needs.field_flow = layers.field_flow || layers.field_flow_forward || wanted("field_flow_forward") ||
-                     wanted("field_flow_backward");
-  needs.poses = wanted("transforms") || wanted("colmap");
-  needs.points = wanted("colmap");
+  for (const MotionOrDepth& one : kMotionAndDepth)
+    if (output.layers.*one.layer || is_written(output, one.sink)) needs.*one.need = true;
+  needs.poses = is_written(output, "transforms") || is_written(output, "colmap");
+  needs.points = is_written(output, "colmap");
   return needs;
 }
 
@@ -85,7 +109,7 @@ Result<void> check_needs(const Settings& settings) {
                  "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
                  "look_ahead=1"};
   for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
-    if (!settings.output.path(sink).empty()) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
+    if (is_written(settings.output, sink)) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
   const std::string shown = first_asked(settings.output, &MotionOrDepth::is_of_field);
   const std::string_view without_field = what_leaves_out_field(settings.fit);
   if (shown.empty() || without_field.empty()) return {};

@@ -120,7 +120,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
 Result<void> Run::to_end(std::string& where) {
   TRY(open_outputs());
   open_governor();
-  if (const auto room = source_.exposure_room()) choice_.emplace(*room);
+  if (const auto limits = source_.exposure_limits()) choice_.emplace(*limits);
   between_shows_ = {};
   Stopwatch wall;
   TRY(source_.start());

@@ -23,8 +23,11 @@ constexpr SettingType kTypeOf = std::is_same_v<T, bool>     ? SettingType::Switc
 
 // kGroup: &Settings::camera; kMember: &Settings::Camera::width.
 template <auto kGroup, auto kMember>
+using MemberType = std::remove_cvref_t<decltype(std::declval<Settings>().*kGroup.*kMember)>;
+
+template <auto kGroup, auto kMember>
 SettingField any(const char* key, const char* flag, const char* about, const char* unset = "") {
-  using T = std::remove_cvref_t<decltype(std::declval<Settings>().*kGroup.*kMember)>;
+  using T = MemberType<kGroup, kMember>;
   SettingField field;
   field.type = kTypeOf<T>;
   field.key = key, field.flag = flag;
@@ -63,48 +66,55 @@ SettingField number(const char* key, const char* flag, const char* about, Settin
   return field;
 }
 
-// kValues: of the member's enum, in the order of the choices.
-template <auto kGroup, auto kMember, auto... kValues>
-SettingField choice(const char* key, const char* flag, const char* about, std::vector<std::string> choices) {
+// A word of a setting and what it stands for.
+template <class T>
+using Meanings = std::vector<std::pair<const char*, T>>;
+
+template <class T>
+std::vector<std::string> words_of(const Meanings<T>& meanings) {
+  std::vector<std::string> words;
+  for (const auto& [word, meaning] : meanings) words.emplace_back(word);
+  return words;
+}
+
+template <auto kGroup, auto kMember>
+SettingField choice(const char* key, const char* flag, const char* about,
+                    const Meanings<MemberType<kGroup, kMember>>& meanings) {
   SettingField field;
   field.type = SettingType::Choice;
   field.key = key, field.flag = flag, field.about = about;
-  field.choices = std::move(choices);
-  field.read = [words = field.choices](const Settings& s) -> SettingValue {
-    auto word = words.begin();
-    (void)((s.*kGroup.*kMember == kValues || (++word, false)) || ...);
-    return word == words.end() ? std::string() : *word;
+  field.choices = words_of(meanings);
+  field.read = [meanings](const Settings& s) -> SettingValue {
+    for (const auto& [word, value] : meanings)
+      if (s.*kGroup.*kMember == value) return std::string(word);
+    return std::string();
   };
-  field.write = [words = field.choices](Settings& s, const SettingValue& value) {
-    auto word = words.begin();
-    ((std::get<std::string>(value) == *word++ ? void(s.*kGroup.*kMember = kValues) : void()), ...);
+  field.write = [meanings](Settings& s, const SettingValue& given) {
+    for (const auto& [word, value] : meanings)
+      if (std::get<std::string>(given) == word) s.*kGroup.*kMember = value;
   };
   return field;
 }
 
-// kFlags: of the member, in the order of the choices.
-template <auto kGroup, auto kMember, auto... kFlags>
+// Each word switches a flag of the member.
+template <auto kGroup, auto kMember>
 SettingField words(const char* key, const char* flag, const char* about, const char* unset,
-                   std::vector<std::string> choices) {
+                   const Meanings<bool MemberType<kGroup, kMember>::*>& meanings) {
   SettingField field;
   field.type = SettingType::Words;
   field.key = key, field.flag = flag, field.about = about, field.unset = unset;
-  field.choices = std::move(choices);
+  field.choices = words_of(meanings);
   field.list = true;
-  field.read = [words = field.choices](const Settings& s) -> SettingValue {
+  field.read = [meanings](const Settings& s) -> SettingValue {
     std::string text;
-    auto word = words.begin();
-    const auto add = [&](bool set) {
-      if (set) text += (text.empty() ? "" : ",") + *word;
-      ++word;
-    };
-    (add(s.*kGroup.*kMember.*kFlags), ...);
+    for (const auto& [word, on] : meanings)
+      if (s.*kGroup.*kMember.*on) text += (text.empty() ? "" : ",") + std::string(word);
     return text;
   };
-  field.write = [words = field.choices](Settings& s, const SettingValue& value) {
+  field.write = [meanings](Settings& s, const SettingValue& value) {
     const std::vector<std::string> given = parts_of(std::get<std::string>(value));
-    auto word = words.begin();
-    ((s.*kGroup.*kMember.*kFlags = std::ranges::find(given, *word++) != given.end()), ...);
+    for (const auto& [word, on] : meanings)
+      s.*kGroup.*kMember.*on = std::ranges::find(given, word) != given.end();
   };
   return field;
 }
@@ -187,18 +197,17 @@ std::vector<SettingField> camera_fields() {
       number<&Settings::camera, &C::black_level>("camera.black_level", "--black-level",
                                                  "black level of raw formats, in codes of 255", {0, 254, -1},
                                                  "from the table of sensors"),
-      choice<kGroup, &C::timestamp, AsDriverSays, ExposureBegin, ExposureEnd>(
+      choice<kGroup, &C::timestamp>(
           "camera.timestamp", "--timestamp",
           "what the timestamp marks: start or end of exposure, or what the driver reports",
-          {"driver", "begin", "end"}),
-      choice<kGroup, &C::yuv_range, YuvRange::Limited, YuvRange::Full>(
-          "camera.yuv_range", "--yuv-range", "luma range of YUV formats: limited is 16..235, full is 0..255",
-          {"limited", "full"}),
-      choice<kGroup, &C::pace, ReplayPace::AsFastAsAsked, ReplayPace::AsRecorded>(
-          "camera.pace", "--pace",
-          "pace of replay:FILE: as fast as the fit or the recording takes its frames, or in real time, as "
-          "from a camera",
-          {"fit", "realtime"}),
+          {{"driver", AsDriverSays}, {"begin", ExposureBegin}, {"end", ExposureEnd}}),
+      choice<kGroup, &C::yuv_range>("camera.yuv_range", "--yuv-range",
+                                    "luma range of YUV formats: limited is 16..235, full is 0..255",
+                                    {{"limited", YuvRange::Limited}, {"full", YuvRange::Full}}),
+      choice<kGroup, &C::pace>("camera.pace", "--pace",
+                               "pace of replay:FILE: as fast as the fit or the recording takes its frames, "
+                               "or in real time, as from a camera",
+                               {{"fit", ReplayPace::AsFastAsAsked}, {"realtime", ReplayPace::AsRecorded}}),
   };
 }
 
@@ -210,16 +219,15 @@ std::vector<SettingField> schedule_fields() {
       list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
                                           "analogue gain of each exposure, or one for all",
                                           "1, or the sensor's least"),
-      choice<&Settings::schedule, &S::adapt, Adapt::Off, Adapt::Light, Adapt::Motion>(
+      choice<&Settings::schedule, &S::adapt>(
           "schedule.adapt", "--adapt",
           "what the cycle follows: the light (shortest exposure keeps the highlights, longest the shadows), "
-          "or "
-          "the error that the fit expects of noise, clipping and motion blur",
-          {"off", "light", "motion"}),
-      choice<&Settings::schedule, &S::mains, Mains::Off, Mains::Hz50, Mains::Hz60>(
+          "or the error that the fit expects of noise, clipping and motion blur",
+          {{"off", Adapt::Off}, {"light", Adapt::Light}, {"motion", Adapt::Motion}}),
+      choice<&Settings::schedule, &S::mains>(
           "schedule.mains", "--mains",
           "mains frequency in Hz (anti-flicker): long exposures become whole half periods",
-          {"off", "50", "60"}),
+          {{"off", Mains::Off}, {"50", Mains::Hz50}, {"60", Mains::Hz60}}),
   };
 }
 
@@ -229,9 +237,9 @@ std::vector<SettingField> sync_fields() {
   return {
       any<&Settings::sync, &S::line>("sync.line", "--sync-line",
                                      "GPIO line of the strobe: gpiochip0:17, its name, or sim", "none"),
-      choice<&Settings::sync, &S::strobe, StrobePulse::MarksFrame, StrobePulse::SpansExposure>(
+      choice<&Settings::sync, &S::strobe>(
           "sync.strobe", "--strobe", "what a strobe pulse does: marks the frame, or spans the exposure",
-          {"frame", "exposure"}),
+          {{"frame", StrobePulse::MarksFrame}, {"exposure", StrobePulse::SpansExposure}}),
       delay<&Settings::sync, &S::strobe_delay>("sync.strobe_delay", "--strobe-delay",
                                                "time from the driver's timestamp to the pulse's rising edge, "
                                                "or to its falling edge where it spans the "
@@ -242,10 +250,12 @@ std::vector<SettingField> sync_fields() {
           "sync.trigger_line", "--trigger-line",
           "GPIO line that triggers the sensor: gpiochip0:17, its name, or sim for a simulated camera",
           "none"),
-      choice<kGroup, &S::trigger, TriggerMode::Off, TriggerMode::FrameStart, TriggerMode::PulseWidth>(
+      choice<kGroup, &S::trigger>(
           "sync.trigger", "--trigger",
           "what a trigger pulse does: starts a frame, or is as wide as the exposure (external trigger mode)",
-          {"off", "fsync", "pulse-width"}),
+          {{"off", TriggerMode::Off},
+           {"fsync", TriggerMode::FrameStart},
+           {"pulse-width", TriggerMode::PulseWidth}}),
       any<kGroup, &S::trigger_width>("sync.trigger_width", "--trigger-width",
                                      "width of a pulse that starts a frame"),
       any<kGroup, &S::trigger_gap>("sync.trigger_gap", "--trigger-gap",
@@ -290,13 +300,15 @@ std::vector<SettingField> fit_fields() {
   using F = Settings::Fit;
   constexpr auto kGroup = &Settings::fit;
   return {
-      choice<kGroup, &F::preset, Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best>(
-          "fit.preset", "--preset", "quality against time; realtime has no field",
-          {"realtime", "fast", "balanced", "best"}),
-      choice<kGroup, &F::emit, EmitLayer::Merged, EmitLayer::State, EmitLayer::Field>(
+      choice<kGroup, &F::preset>("fit.preset", "--preset", "quality against time; realtime has no field",
+                                 {{"realtime", Preset::Realtime},
+                                  {"fast", Preset::Fast},
+                                  {"balanced", Preset::Balanced},
+                                  {"best", Preset::Best}}),
+      choice<kGroup, &F::emit>(
           "fit.emit", "--emit",
           "HDR frames of the state with the field fitted beside it, of the state alone, or of the field",
-          {"merged", "state", "field"}),
+          {{"merged", EmitLayer::Merged}, {"state", EmitLayer::State}, {"field", EmitLayer::Field}}),
       deadline_field(),
       flag_of_knob("look_ahead", "fit.lookahead", "--lookahead", "later frames that an HDR frame waits for",
                    {0, 2, -1}, -1, "those of the preset"),
@@ -324,12 +336,14 @@ std::vector<SettingField> video_fields() {
   using enum PipeFormat;
   constexpr auto kGroup = &Settings::video;
   return {
-      choice<kGroup, &V::transfer, Pq, Hlg, Sdr>(
-          "video.transfer", "--transfer",
-          "of videos: HDR10, hybrid log-gamma, or tone-mapped for SDR displays", {"pq", "hlg", "sdr"}),
-      choice<kGroup, &V::codec, CodecChoice::Suitable, CodecChoice::Hevc, CodecChoice::Av1,
-             CodecChoice::H264>("video.codec", "--codec", "of videos; auto: h264 for sdr, else hevc",
-                                {"auto", "hevc", "av1", "h264"}),
+      choice<kGroup, &V::transfer>("video.transfer", "--transfer",
+                                   "of videos: HDR10, hybrid log-gamma, or tone-mapped for SDR displays",
+                                   {{"pq", Pq}, {"hlg", Hlg}, {"sdr", Sdr}}),
+      choice<kGroup, &V::codec>("video.codec", "--codec", "of videos; auto: h264 for sdr, else hevc",
+                                {{"auto", CodecChoice::Suitable},
+                                 {"hevc", CodecChoice::Hevc},
+                                 {"av1", CodecChoice::Av1},
+                                 {"h264", CodecChoice::H264}}),
       number<kGroup, &V::white_nits>("video.white", "--white", "luminance of radiance 1 in HDR videos, cd/m2",
                                      {1, 10000, {}}),
       number<kGroup, &V::peak_nits>(
@@ -337,10 +351,10 @@ std::vector<SettingField> video_fields() {
           "peak luminance of HDR videos, cd/m2; brighter light is compressed below it", {100, 10000, {}}),
       number<kGroup, &V::crf>("video.crf", "--crf",
                               "constant rate factor of videos: less is better and larger", {0, 51, {}}),
-      choice<kGroup, &V::pipe, Nut, Y4m, Half>(
+      choice<kGroup, &V::pipe>(
           "video.pipe_format", "--pipe-format",
           "of frames to the standard output: uncompressed video, or bare half-float RGB radiance",
-          {"nut", "y4m", "half"}),
+          {{"nut", Nut}, {"y4m", Y4m}, {"half", Half}}),
   };
 }
 
@@ -359,17 +373,22 @@ std::vector<SettingField> output_fields() {
   using L = ExrLayers;
   std::vector<SettingField> fields;
   for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
-  fields.push_back(words<&Settings::output, &O::layers, &L::depth, &L::flow, &L::flow_forward, &L::field_flow,
-                         &L::field_flow_forward, &L::confidence, &L::provenance>(
+  fields.push_back(words<&Settings::output, &O::layers>(
       "output.layers", "--layers",
       "more EXR channels; flow is the state's motion to the previous frame, field_flow the field's", "none",
-      {"depth", "flow", "flow_forward", "field_flow", "field_flow_forward", "confidence", "provenance"}));
+      {{"depth", &L::depth},
+       {"flow", &L::flow},
+       {"flow_forward", &L::flow_forward},
+       {"field_flow", &L::field_flow},
+       {"field_flow_forward", &L::field_flow_forward},
+       {"confidence", &L::confidence},
+       {"provenance", &L::provenance}}));
   using C = FrameCompression;
-  fields.push_back(choice<&Settings::output, &O::compression, C::Auto, C::Piz, C::Zip, C::Rle, C::None>(
+  fields.push_back(choice<&Settings::output, &O::compression>(
       "output.compression", "--compression",
       "compression of the EXR files, all without loss: piz is the smallest, rle takes a third of its time; "
       "auto: piz, but none beside a camera, which does not wait",
-      {"auto", "piz", "zip", "rle", "none"}));
+      {{"auto", C::Auto}, {"piz", C::Piz}, {"zip", C::Zip}, {"rle", C::Rle}, {"none", C::None}}));
   fields.push_back(white_balance_field());
   fields.push_back(any<&Settings::output, &O::http_token>(
       "output.http_token", "--http-token", "token that actions on the live page need", "made at the start"));
@@ -386,10 +405,10 @@ std::vector<SettingField> record_fields() {
       file<&Settings::record, &R::file>(
           "record.file", "--record",
           "the raw recording to write: walk.mkv; {start} becomes the time of the start", "none"),
-      choice<&Settings::record, &R::codec, RecordingCodec::Huffyuv, RecordingCodec::Ffv1>(
+      choice<&Settings::record, &R::codec>(
           "record.codec", "--record-codec",
           "of its pixels, without loss: huffyuv takes a fifth of the time, ffv1 a fifth less space",
-          {"huffyuv", "ffv1"}),
+          {{"huffyuv", RecordingCodec::Huffyuv}, {"ffv1", RecordingCodec::Ffv1}}),
       number<&Settings::record, &R::memory_mib>("record.memory_mib", "--record-memory",
                                                 "memory for frames that wait for the disk, MiB",
                                                 {1, 65536, {}}),
@@ -403,9 +422,9 @@ std::vector<SettingField> machine_fields() {
       number<kGroup, &M::memory_mib>("machine.memory_mib", "--memory",
                                      "most memory that the run may need, MiB, estimated before it starts",
                                      {64, 1 << 24, 0}, "half of the machine's"),
-      choice<kGroup, &M::log_format, LogFormat::Text, LogFormat::Json>(
-          "machine.log_format", "--log-format",
-          "of progress, remarks and errors: text, or one JSON object a line", {"text", "json"}),
+      choice<kGroup, &M::log_format>("machine.log_format", "--log-format",
+                                     "of progress, remarks and errors: text, or one JSON object a line",
+                                     {{"text", LogFormat::Text}, {"json", LogFormat::Json}}),
       file<kGroup, &M::trace>("machine.trace", "--trace",
                               "what each thread did when, for ui.perfetto.dev: trace.json", "none"),
   };

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "firmware_host/log_format.h"

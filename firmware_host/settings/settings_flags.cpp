@@ -55,8 +55,11 @@ Result<void> set_knob_from(const std::string& assignment, const std::vector<cons
 }  // namespace
 
 struct SettingsFlags::Given {
-  std::vector<const SettingField*> fields;
-  std::vector<CLI::Option*> options;  // one for each
+  struct Flag {
+    const SettingField* field;
+    CLI::Option* option;
+  };
+  std::vector<Flag> flags;
   std::vector<const SettingField*> knobs;
   std::vector<std::string> assignments;  // of --set, in their order
   std::string config;
@@ -66,8 +69,7 @@ struct SettingsFlags::Given {
     if (field.type == SettingType::Knob) return knobs.push_back(&field);
     CLI::Option* option = add_flag(verb, field, flag);
     option->group(title(field.group));
-    fields.push_back(&field);
-    options.push_back(option);
+    flags.push_back({&field, option});
   }
   void add_config(CLI::App& verb) {
     if (!knobs.empty())
@@ -80,7 +82,7 @@ struct SettingsFlags::Given {
     verb.add_option("--config", config, "settings in TOML; flags override them")
         ->check(names_file)
         ->group("Configuration");
-    if (fields.empty()) return;
+    if (flags.empty()) return;
     // What a run needs is not needed to print its settings.
     const auto print_instead = [this, &verb](std::int64_t) {
       print_config = true;
@@ -88,6 +90,10 @@ struct SettingsFlags::Given {
     };
     verb.add_flag_function("--print-config", print_instead, "print the settings as such a file and exit")
         ->group("Configuration");
+  }
+  bool takes(const SettingField& field) const {
+    return std::ranges::find(flags, &field, &Flag::field) != flags.end() ||
+           std::ranges::find(knobs, &field) != knobs.end();
   }
 };
 
@@ -119,11 +125,9 @@ Result<Settings> SettingsFlags::read(Storage& storage) const {
                    fmt::format("'{}' is no file of settings, which is text in TOML", given_->config)};
     TRY(read_toml(text, given_->config, settings));
   }
-  for (std::size_t i = 0; i < given_->fields.size(); ++i) {
-    const CLI::Option& option = *given_->options[i];
-    if (option.count() > 0)
-      TRY(set_from_text(*given_->fields[i], option.as<std::string>(), option.get_name(), settings));
-  }
+  for (const auto& [field, option] : given_->flags)
+    if (option->count() > 0)
+      TRY(set_from_text(*field, option->as<std::string>(), option->get_name(), settings));
   for (const std::string& assignment : given_->assignments)
     TRY(set_knob_from(assignment, given_->knobs, settings));
   if (settings.machine.log_format == LogFormat::Json) set_log_format(LogFormat::Json);
@@ -158,30 +162,26 @@ Result<std::optional<Settings>> SettingsFlags::read_or_print(Storage& storage) c
 std::string SettingsFlags::printed(const Settings& settings) const {
   std::vector<const SettingField*> all;
   for (const SettingField& field : setting_fields())
-    for (const auto* taken : {&given_->fields, &given_->knobs})
-      if (std::ranges::find(*taken, &field) != taken->end()) all.push_back(&field);
+    if (given_->takes(field)) all.push_back(&field);
   return to_toml(settings, all);
 }
 
 std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& keys) const {
   std::vector<std::string> flags;
-  for (std::size_t i = 0; i < given_->fields.size(); ++i)
-    if (given_->options[i]->count() > 0 && std::ranges::find(keys, given_->fields[i]->key) != keys.end())
-      flags.push_back(given_->options[i]->get_name());
+  for (const auto& [field, option] : given_->flags)
+    if (option->count() > 0 && std::ranges::find(keys, field->key) != keys.end())
+      flags.push_back(option->get_name());
   return flags;
 }
 
 std::string SettingsFlags::as_flags(const Settings& settings) const {
   std::string text;
   std::map<std::string, std::string> to_set = settings.fit.knobs;
-  for (std::size_t i = 0; i < given_->fields.size(); ++i) {
-    const SettingField& field = *given_->fields[i];
-    const SettingValue value = field.read(settings);
-    if (field.secret) continue;
-    if (value == field.read(Settings{})) continue;
-    const std::string word = to_text(value);
-    text += fmt::format(" {}={}", given_->options[i]->get_name(), shell_word(word));
-    if (field.knob != nullptr) to_set.erase(field.knob->name);
+  for (const auto& [field, option] : given_->flags) {
+    const SettingValue value = field->read(settings);
+    if (field->secret || value == field->read(Settings{})) continue;
+    text += fmt::format(" {}={}", option->get_name(), shell_word(to_text(value)));
+    if (field->knob != nullptr) to_set.erase(field->knob->name);
   }
   for (const auto& [name, value] : to_set)
     if (!given_->knobs.empty()) text += " --set " + shell_word(fmt::format("{}={}", name, value));

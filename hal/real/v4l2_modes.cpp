@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "hal/pixel_packing.h"
+#include "hal/pixel_format_table.h"
 #include "hal/real/v4l2_formats.h"
 
 namespace hdrcam {

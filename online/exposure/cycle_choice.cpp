@@ -20,10 +20,10 @@ std::string describe(const CycleRequest& request) {
                      100 * request.blur_share);
 }
 
-CycleChoice::CycleChoice(const ExposureRoom& room)
-    : room_(room), gaps_(room.cycle.size()), order_(room.cycle.size()), cycle_(room.cycle) {
+CycleChoice::CycleChoice(const ExposureLimits& limits)
+    : limits_(limits), gaps_(limits.cycle.size()), order_(limits.cycle.size()), cycle_(limits.cycle) {
   std::iota(order_.begin(), order_.end(), std::size_t{0});
-  const auto log_of = [&](std::size_t slot) { return log_product(room_.cycle[slot]); };
+  const auto log_of = [&](std::size_t slot) { return log_product(limits_.cycle[slot]); };
   std::ranges::stable_sort(order_, [&](auto a, auto b) { return log_of(a) < log_of(b); });
   for (std::size_t k = 1; k < order_.size(); ++k) gaps_[k] = log_of(order_[k]) - log_of(order_[k - 1]);
 }
@@ -36,15 +36,15 @@ std::string CycleChoice::summary() const {
 std::optional<CycleRequest> CycleChoice::observe(const FrameEstimate& estimate,
                                                  const ExposureForecast::Sensor& sensor) {
   if (first_white_ == 0) {
-    double least = room_.cycle.front().product();
-    for (const Exposure& exposure : room_.cycle) least = std::min(least, exposure.product());
+    double least = limits_.cycle.front().product();
+    for (const Exposure& exposure : limits_.cycle) least = std::min(least, exposure.product());
     first_white_ = static_cast<float>(estimate.reference_exposure / least);
   }
   if (waiting_ > 0) --waiting_;
   switch (search_) {
     case Search::Waits:
-      outlook_.see(estimate);
-      if (waiting_ == 0 && outlook_.complete()) begin(estimate, sensor);
+      pixels_.see(estimate);
+      if (waiting_ == 0 && pixels_.complete()) begin(estimate, sensor);
       return std::nullopt;
     case Search::Coarse:
       if (!improve(1)) search_ = Search::Fine;
@@ -59,7 +59,7 @@ std::optional<CycleRequest> CycleChoice::observe(const FrameEstimate& estimate,
 }
 
 void CycleChoice::begin(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor) {
-  forecast_.look(outlook_, sensor, estimate.reference_exposure, first_white_);
+  forecast_.look(pixels_, sensor, estimate.reference_exposure, first_white_);
   better_ = cycle_;
   error_ = forecast_.error(better_, ExposureForecast::Blur::Counted);
   for (std::size_t s = 0; s < better_.size(); ++s)
@@ -98,19 +98,19 @@ bool CycleChoice::improve(double stops) {
 std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, double gain) const {
   constexpr double kSlack = 1.001;
   Exposure exposure{from_seconds(time_s), gain};
-  if (const Duration half = half_period(room_.mains); half > Duration(0)) {
-    const bool steady = room_.cycle[slot].time >= half;
+  if (const Duration half = half_period(limits_.mains); half > Duration(0)) {
+    const bool steady = limits_.cycle[slot].time >= half;
     const auto wanted = std::max<Duration::rep>(1, (exposure.time + half / 2) / half);
-    if (steady) exposure.time = std::min(wanted, std::max<Duration::rep>(1, room_.longest / half)) * half;
+    if (steady) exposure.time = std::min(wanted, std::max<Duration::rep>(1, limits_.longest / half)) * half;
     if (!steady && exposure.time >= half) return std::nullopt;
   }
-  if (exposure.time > room_.longest &&
-      to_seconds(exposure.time) < std::sqrt(2.0) * kSlack * to_seconds(room_.longest))
-    exposure.time = room_.longest;
-  if (exposure.time < room_.shortest || exposure.time > room_.longest) return std::nullopt;
-  if (exposure.gain < room_.least_gain / kSlack || exposure.gain > room_.greatest_gain * kSlack)
+  if (exposure.time > limits_.longest &&
+      to_seconds(exposure.time) < std::sqrt(2.0) * kSlack * to_seconds(limits_.longest))
+    exposure.time = limits_.longest;
+  if (exposure.time < limits_.shortest || exposure.time > limits_.longest) return std::nullopt;
+  if (exposure.gain < limits_.least_gain / kSlack || exposure.gain > limits_.greatest_gain * kSlack)
     return std::nullopt;
-  exposure.gain = std::clamp(exposure.gain, room_.least_gain, room_.greatest_gain);
+  exposure.gain = std::clamp(exposure.gain, limits_.least_gain, limits_.greatest_gain);
   if (exposure == better_[slot]) return std::nullopt;
   return exposure;
 }
@@ -120,7 +120,7 @@ bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const 
   const auto log_of = [&](std::size_t k) {
     return log_product(order_[k] == slot ? exposure : better_[order_[k]]);
   };
-  if (std::abs(log_of(0) - log_product(room_.cycle[order_[0]])) > kSlack) return false;
+  if (std::abs(log_of(0) - log_product(limits_.cycle[order_[0]])) > kSlack) return false;
   for (std::size_t k = 1; k < order_.size(); ++k) {
     // near enough to be matched with each other, and far enough apart for the proof of their labels
     const double gap = log_of(k) - log_of(k - 1);
@@ -131,7 +131,7 @@ bool CycleChoice::keeps_order(std::size_t slot, const Exposure& exposure) const 
 
 std::optional<CycleRequest> CycleChoice::conclude() {
   search_ = Search::Waits;
-  outlook_.forget();
+  pixels_.forget();
   CycleRequest request{.cycle = better_, .error_after = error_};
   request.error_before = forecast_.error(cycle_, ExposureForecast::Blur::Counted);
   if (!(request.error_after < (1 - kLeastGain) * request.error_before)) return std::nullopt;

@@ -1,5 +1,5 @@
 // Chooses the exposures that the next frames should have: the cycle for which the least error is expected
-// (exposure_forecast.h), within the room that the camera leaves. Where things move, times get shorter and
+// (exposure_forecast.h), within the limits of the camera. Where things move, times get shorter and
 // gains higher; where nothing does, times get longer. The least exposure stays, and with it the highlights
 // that it keeps. Slots keep their number and their order, and stay far enough apart for the proof of their
 // labels. The search takes one round per frame; the cycle changes only for a gain that is worth it, and then
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/exposure_room.h"
+#include "capture/exposure_limits.h"
 #include "online/exposure/exposure_forecast.h"
 
 namespace hdrcam {
@@ -29,7 +29,7 @@ class CycleChoice {
   // Of the error: a cycle that promises less than this is not worth the change.
   static constexpr double kLeastGain = 0.1;
 
-  explicit CycleChoice(const ExposureRoom& room);
+  explicit CycleChoice(const ExposureLimits& limits);
 
   // Once per emitted frame. Returns the next cycle where it should change, if the camera can do it.
   std::optional<CycleRequest> observe(const FrameEstimate& estimate, const ExposureForecast::Sensor& sensor);
@@ -52,12 +52,12 @@ class CycleChoice {
   bool keeps_order(std::size_t slot, const Exposure& exposure) const;
   std::optional<CycleRequest> conclude();
 
-  const ExposureRoom room_;
+  const ExposureLimits limits_;
   std::vector<double> gaps_;        // ln E between slots in order of E, of the first cycle: they stay as near
   std::vector<std::size_t> order_;  // of the slots, by E
   std::vector<Exposure> cycle_, better_;
   float first_white_ = 0;  // radiance that saturates the shortest exposure of the first cycle; 0: not known
-  ExposureOutlook outlook_;
+  ScenePixels pixels_;
   ExposureForecast forecast_;
   ExposureForecast::SampleVariances variances_{};  // of better_
   ExposureForecast::Values tried_{};

@@ -17,9 +17,9 @@ constexpr StateOptions kState;     // what the state does with its samples
 
 }  // namespace
 
-void ExposureForecast::look(const ExposureOutlook& outlook, const Sensor& sensor, double reference_exposure,
+void ExposureForecast::look(const ScenePixels& pixels, const Sensor& sensor, double reference_exposure,
                             float white) {
-  outlook_ = &outlook;
+  pixels_ = &pixels;
   noise_ = sensor.noise;
   reference_exposure_ = reference_exposure, reference_gain_ = sensor.reference_gain;
   NoiseModel coded = sensor.noise;
@@ -30,7 +30,7 @@ void ExposureForecast::look(const ExposureOutlook& outlook, const Sensor& sensor
     tables_.emplace(sensor.response, coded, 1.f);
   const float scale = kPsnrMu / std::log(1 + kPsnrMu) / white;
   for (std::size_t i = 0; i < weight_.size(); ++i) {
-    const float bright = outlook.radiance()[i] / white;
+    const float bright = pixels.radiance()[i] / white;
     const float slope = bright > 1 ? 0 : scale / (1 + kPsnrMu * bright);
     weight_[i] = slope * slope;
   }
@@ -39,16 +39,16 @@ void ExposureForecast::look(const ExposureOutlook& outlook, const Sensor& sensor
 void ExposureForecast::sample_variances(const Exposure& exposure, Blur blur, Values& variances) const {
   const auto relative = static_cast<float>(exposure.product() / reference_exposure_);
   const NoiseModel noise = amplified(noise_, static_cast<float>(exposure.gain / reference_gain_));
-  const auto& radiance = outlook_->radiance();
+  const auto& radiance = pixels_->radiance();
   // the blur of this time lies between those of two lengths
-  const double octave = std::log2(outlook_->interval_s() / to_seconds(exposure.time));
-  const auto place = static_cast<float>(std::clamp(octave, 0.0, ExposureOutlook::kLengths - 1.001));
+  const double octave = std::log2(pixels_->interval_s() / to_seconds(exposure.time));
+  const auto place = static_cast<float>(std::clamp(octave, 0.0, ScenePixels::kLengths - 1.001));
   const auto length = static_cast<int>(place);
   const float between = place - static_cast<float>(length);
-  const Values &longer = outlook_->squared_blur(length), &shorter = outlook_->squared_blur(length + 1);
+  const Values &longer = pixels_->squared_blur(length), &shorter = pixels_->squared_blur(length + 1);
   const float counted = blur == Blur::Counted ? 1 : 0;
   for (std::size_t i = 0; i < variances.size(); ++i) {
-    const int c = outlook_->channel(static_cast<int>(i));
+    const int c = pixels_->channel(static_cast<int>(i));
     const float x = radiance[i] * relative;
     const float weight = 1 - smooth_step(clip_policy::kFadeBegin, clip_policy::kFadeEnd, tables_->code(c, x));
     const float own = (tables_->variance(c, x) + noise.exposure_variance(x)) / (relative * relative);
@@ -65,8 +65,8 @@ double ExposureForecast::error(std::span<const Values* const> slots) const {
   const float growth = 1 + kState.variance_growth,
               relative2 = kState.relative_growth * kState.relative_growth;
   const std::size_t count = slots.size();
-  const Values &radiance = outlook_->radiance(), &misalignment = outlook_->misalignment(),
-               &kept = outlook_->kept();
+  const Values &radiance = pixels_->radiance(), &misalignment = pixels_->misalignment(),
+               &kept = pixels_->kept();
   Values carried, sum{};
   for (std::size_t i = 0; i < carried.size(); ++i)
     carried[i] = kUnknown * radiance[i] * kUnknown * radiance[i];

@@ -31,8 +31,8 @@ struct SceneView {
 SceneView reduced(const SceneView& view, int step);
 
 // Buffers that a kind of snapshot needs for rendering, kept between calls.
-struct LookRoom {
-  virtual ~LookRoom() = default;
+struct RenderBuffers {
+  virtual ~RenderBuffers() = default;
 };
 
 // The rendered view; all images are [n, rows, cols] of the view. The caller keeps it, so that reusing a
@@ -44,7 +44,7 @@ struct FieldPicture {
       flow;                    // [dx dy] by Neighbour: px, to the view of the next and of the previous frame
   Image<float> dynamic_share;  // [1] 0..1 of the light comes from the dynamic branch
   Image<float> confidence;     // [1] 0..1: the state's share; 0 where the field alone gives the radiance
-  std::unique_ptr<LookRoom> room;
+  std::unique_ptr<RenderBuffers> buffers;
 };
 
 class FieldSnapshot {

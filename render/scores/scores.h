@@ -56,11 +56,4 @@ struct ClipScores {
 Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
                               const std::string& estimates_folder, const ScoreOptions& options);
 
-// What the scores of a folder are filed under: the last folder of the path, trailing slashes or not.
-std::string folder_name(const std::string& path);
-
-// The scores as JSON, indented: psnr_mu, flicker.. in the units above, null where not measured, and one
-// object per frame.
-std::string to_json(const ClipScores& scores, const std::string& clip, const std::string& label);
-
 }  // namespace hdrcam

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 
 #include <catch2/catch.hpp>
 
@@ -38,9 +38,9 @@ void check_same(const ExposedFrame& frame, const ExposedFrame& restored) {
 TEST_CASE("a frame waits in one or two bytes a sample and comes back to the bit") {
   for (const int bits : {8, 9, 10, 12, 14, 16}) {
     INFO(bits << " bits");
-    const UnpackSettings settings{.bits = bits, .reference_exposure = 0.002};
-    const ExposedFrame frame = unpack(random_frame(bits, 3), 3, 1 / 30.0, settings).value();
-    const CompactFrame waiting(unpack(random_frame(bits, 3), 3, 1 / 30.0, settings).value(), bits);
+    const ExposedFrameSettings settings{.bits = bits, .reference_exposure = 0.002};
+    const ExposedFrame frame = to_exposed_frame(random_frame(bits, 3), 3, 1 / 30.0, settings).value();
+    const CompactFrame waiting(to_exposed_frame(random_frame(bits, 3), 3, 1 / 30.0, settings).value(), bits);
     CHECK(waiting.bytes() == frame.codes.size() * (bits <= 8 ? 1 : 2));
     ExposedFrame restored;
     waiting.restore(restored);
@@ -49,10 +49,10 @@ TEST_CASE("a frame waits in one or two bytes a sample and comes back to the bit"
 }
 
 TEST_CASE("a frame whose codes were already worked on waits as it is") {
-  const UnpackSettings settings{.bits = 8, .reference_exposure = 0.002};
-  ExposedFrame frame = unpack(random_frame(8, 3), 3, 1 / 30.0, settings).value();
+  const ExposedFrameSettings settings{.bits = 8, .reference_exposure = 0.002};
+  ExposedFrame frame = to_exposed_frame(random_frame(8, 3), 3, 1 / 30.0, settings).value();
   remove_black_level(frame, BlackLevel(4));
-  ExposedFrame again = unpack(random_frame(8, 3), 3, 1 / 30.0, settings).value();
+  ExposedFrame again = to_exposed_frame(random_frame(8, 3), 3, 1 / 30.0, settings).value();
   remove_black_level(again, BlackLevel(4));
   const CompactFrame waiting(std::move(again), 8);
   CHECK(waiting.bytes() == frame.codes.size() * sizeof(float));

@@ -14,11 +14,11 @@ using namespace std::chrono_literals;
 
 constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
 
-const ExposureRoom kRoom{.cycle = {std::begin(kCycle), std::end(kCycle)},
-                         .shortest = 100us,
-                         .longest = 30ms,
-                         .least_gain = 1,
-                         .greatest_gain = 8};
+const ExposureLimits kLimits{.cycle = {std::begin(kCycle), std::end(kCycle)},
+                             .shortest = 100us,
+                             .longest = 30ms,
+                             .least_gain = 1,
+                             .greatest_gain = 8};
 
 struct Followed {
   CaptureCounters counters;
@@ -91,13 +91,13 @@ TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays
   CHECK(still.shortest == 1ms);
   CHECK(still.counters.cycle_changes == 0);
 
-  ExposureAdaptation adaptation(kRoom);
+  ExposureAdaptation adaptation(kLimits);
   for (int i = 0; i < 300; ++i)
     REQUIRE_FALSE(adaptation.observe(i % 3, {i % 3 == 0 ? 0.005f : 0.2f, i % 3 == 2 ? 0.02f : 0.3f}));
 }
 
 TEST_CASE("it waits until the new cycle is back before it judges again", "[capture]") {
-  ExposureAdaptation adaptation(kRoom);
+  ExposureAdaptation adaptation(kLimits);
   int frames = 0;
   const auto until_change = [&] {
     for (int begin = frames; frames < begin + 100; ++frames)
@@ -115,7 +115,7 @@ TEST_CASE("it waits until the new cycle is back before it judges again", "[captu
 }
 
 TEST_CASE("a cycle that the camera refuses is not taken for the one that runs", "[capture]") {
-  ExposureAdaptation adaptation(kRoom);
+  ExposureAdaptation adaptation(kLimits);
   std::vector<ExposureAdaptation::Cycle> asked;
   for (int i = 0; i < 60; ++i)
     if (const auto cycle = adaptation.observe(i % 3, {0.5f, 0})) asked.push_back(*cycle);

@@ -35,21 +35,21 @@ TEST_CASE("a range that is wider than the scene is drawn in again", "[capture]")
 TEST_CASE("advice is followed by time first, then by gain", "[capture]") {
   ExposureAdvice advice;
   advice.stops = {-1, 0, 1};
-  ExposureRoom room{.cycle = {}, .shortest = 100us, .longest = 20ms, .least_gain = 1, .greatest_gain = 8};
-  const auto next = followed(kCycle, advice, room);
+  ExposureLimits limits{.cycle = {}, .shortest = 100us, .longest = 20ms, .least_gain = 1, .greatest_gain = 8};
+  const auto next = followed(kCycle, advice, limits);
   CHECK(next[0] == Exposure{500us, 1});
   CHECK(next[1] == kCycle[1]);
   CHECK(next[2].time == 20ms);
   CHECK(next[2].gain == Approx(1.6));
 
-  room.least_gain = 1.25;  // a sensor that always amplifies: less time instead
-  const auto amplified = followed(kCycle, advice, room);
+  limits.least_gain = 1.25;  // a sensor that always amplifies: less time instead
+  const auto amplified = followed(kCycle, advice, limits);
   CHECK(amplified[0] == Exposure{400us, 1.25});
   CHECK(amplified[1].product() == Approx(kCycle[1].product()));
   CHECK(amplified[2].gain == Approx(1.6));
 
-  room.shortest = 800us;
-  CHECK(followed(kCycle, advice, room)[0] == Exposure{800us, 1.25});
+  limits.shortest = 800us;
+  CHECK(followed(kCycle, advice, limits)[0] == Exposure{800us, 1.25});
 }
 
 TEST_CASE("a cycle of one has no range to move", "[capture]") {

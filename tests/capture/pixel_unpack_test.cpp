@@ -4,7 +4,7 @@
 #include <random>
 
 #include "capture/demosaic.h"
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
 namespace {
@@ -214,8 +214,8 @@ TEST_CASE("a Bayer frame becomes an exposed frame of three channels", "[capture]
   RawFrame raw;
   raw.facts.exposure_s = 0.004;
   raw.codes = mosaic_of(PixelLayout::BayerGbrg, 6, 8, [](int c, int, int) { return 341 * (c + 1); });
-  const auto frame =
-      unpack(raw, 0, 0.033, {.bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
+  const auto frame = to_exposed_frame(
+      raw, 0, 0.033, {.bits = 10, .reference_exposure = 0.004, .layout = PixelLayout::BayerGbrg});
   REQUIRE(frame.ok());
   for (int c = 0; c < 3; ++c) CHECK(frame.value().codes.at(c, 3, 3) == Approx(85.0 * (c + 1)));
   CHECK(frame.value().exposure == 1);

@@ -111,8 +111,8 @@ TEST_CASE("in external trigger mode the pulses expose, whatever was requested", 
 }
 
 TEST_CASE("where pulses expose, all exposures keep one gain: no cycle may ask for another", "[capture]") {
-  const ExposureRoom pulses = Rig(TriggerMode::PulseWidth).stage->room().value(),
-                     starts = Rig(TriggerMode::FrameStart).stage->room().value();
+  const ExposureLimits pulses = Rig(TriggerMode::PulseWidth).stage->exposure_limits().value(),
+                       starts = Rig(TriggerMode::FrameStart).stage->exposure_limits().value();
   CHECK(pulses.least_gain == 1);
   CHECK(pulses.greatest_gain == 1);
   CHECK(starts.greatest_gain > 1);

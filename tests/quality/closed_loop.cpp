@@ -53,8 +53,8 @@ class LoopedCamera : public FrameSource {
   void learn_response(const Response::Curve& inverse, const BlackLevel& black_level) override {
     stage_->learn_response(inverse, black_level);
   }
-  std::optional<ExposureRoom> exposure_room() const override {
-    return adapt_ == Adapt::Motion ? stage_->room() : std::nullopt;
+  std::optional<ExposureLimits> exposure_limits() const override {
+    return adapt_ == Adapt::Motion ? stage_->exposure_limits() : std::nullopt;
   }
   Result<void> follow(const std::vector<Exposure>& cycle) override {
     require_done(stage_->follow(cycle));

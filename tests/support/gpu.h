@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "hal/gpu/gpu_device.h"
+#include "tests/support/not_tested.h"
 
 namespace hdrcam::test {
 
@@ -28,7 +29,7 @@ inline bool gpu_is_required() { return std::getenv("HDRCAM_REQUIRE_GPU") != null
 
 #define LACKS_GPU(reason)                                              \
   if (hdrcam::test::gpu_is_required()) FAIL("not tested: " << reason); \
-  WARN("not tested: " << reason)
+  NOT_TESTED(reason)
 
 #define NEEDS_GPU(gpu)                                                         \
   if ((gpu) == nullptr) {                                                      \

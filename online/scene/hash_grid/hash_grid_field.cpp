@@ -18,10 +18,10 @@ HashGridSnapshot::HashGridSnapshot(const FieldFit& fit, GpuDevice* gpu)
     : window_(fit.field().window.frustum()), networks_(fit.fresh_networks(1)), gpu_(gpu) {}
 
 void HashGridSnapshot::look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const {
-  auto* renderer = dynamic_cast<FieldRenderer*>(picture.room.get());
+  auto* renderer = dynamic_cast<FieldRenderer*>(picture.buffers.get());
   if (renderer == nullptr) {
-    picture.room = std::make_unique<FieldRenderer>(gpu_);
-    renderer = static_cast<FieldRenderer*>(picture.room.get());
+    picture.buffers = std::make_unique<FieldRenderer>(gpu_);
+    renderer = static_cast<FieldRenderer*>(picture.buffers.get());
   }
   renderer->render({window_, networks_, samples_per_ray_, has_dynamic_}, view, pool, picture);
 }

@@ -13,6 +13,7 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/decoded_video.h"
+#include "tests/support/not_tested.h"
 #include "tests/support/ran.h"
 
 #include <catch2/catch.hpp>
@@ -147,7 +148,7 @@ void resumed(const Job& job, long write, const std::string& kind, const std::map
 // step: every which write of a job.
 void every_write_fails(long step) {
   if (!allocations_are_counted()) {
-    WARN("not tested: a sanitizer's build takes no preloaded library");
+    NOT_TESTED("a sanitizer's build takes no preloaded library");
     return;
   }
   const char* const kKinds[] = {"ENOSPC", "EINTR", "EIO", "SHORT"};

@@ -167,14 +167,14 @@ TEST_CASE("a cycle that follows the light is not changed by hand") {
 
 TEST_CASE("exposures that the fit asks for are those of later frames, and counted") {
   Settings settings = settings_of("unused");
-  CHECK_FALSE(Running(settings).source().exposure_room());
+  CHECK_FALSE(Running(settings).source().exposure_limits());
   settings.schedule.adapt = Adapt::Motion;
   Running run(settings);
-  const auto room = run.source().exposure_room();
-  REQUIRE(room);
-  CHECK(room->cycle == std::vector<Exposure>{{milliseconds(1), 1}, {milliseconds(4), 1}});
-  CHECK(room->longest < milliseconds(10));
-  CHECK(room->greatest_gain > 1);
+  const auto limits = run.source().exposure_limits();
+  REQUIRE(limits);
+  CHECK(limits->cycle == std::vector<Exposure>{{milliseconds(1), 1}, {milliseconds(4), 1}});
+  CHECK(limits->longest < milliseconds(10));
+  CHECK(limits->greatest_gain > 1);
   require_done(run.source().follow({{milliseconds(2), 1}, {milliseconds(6), 1}}));
   REQUIRE(run.waits_for([&] { return run.newest_exposure_us() == 6000; }));
   require_error(run.source().follow({{milliseconds(2), 1}, {std::chrono::seconds(1), 1}}),

@@ -15,6 +15,7 @@
 #include "hal/real/sync_line_gpiod.h"
 #include "hal/real/v4l2_formats.h"
 #include "tests/contracts/expect.h"
+#include "tests/support/not_tested.h"
 
 namespace hdrcam {
 namespace {
@@ -49,7 +50,10 @@ TEST_CASE("a camera that libcamera does not know is named") {
 
 TEST_CASE("without any camera the sentence says so and what to do") {
   for (const FoundDevice& device : list_devices())
-    if (device.kind == DeviceKind::Camera && !device.id.empty()) return;  // this machine has one
+    if (device.kind == DeviceKind::Camera && !device.id.empty()) {
+      NOT_TESTED("this machine has a camera");
+      return;
+    }
   require_sentence(open_real_camera(""), ErrorCode::NotFound, "there is no camera");
   require_sentence(open_real_camera("imx219"), ErrorCode::NotFound, "'imx219'");
 }

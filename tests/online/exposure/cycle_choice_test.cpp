@@ -23,7 +23,7 @@ struct Pattern {
 
 constexpr auto kInterval = 33'333'333ns;
 
-ExposureRoom room_of(std::vector<Exposure> cycle) {
+ExposureLimits limits_of(std::vector<Exposure> cycle) {
   return {.cycle = std::move(cycle), .shortest = 50us, .longest = 32ms, .least_gain = 1, .greatest_gain = 8};
 }
 const std::vector<Exposure> kCycle{{1ms, 1}, {4ms, 1}, {16ms, 1}};
@@ -32,9 +32,10 @@ const std::vector<Exposure> kCycle{{1ms, 1}, {4ms, 1}, {16ms, 1}};
 // refuses that.
 class Loop {
  public:
-  Loop(const ExposureRoom& room, const Pattern& pattern) : pattern_(pattern), choice_(room), reference_(1) {
-    for (const Exposure& exposure : room.cycle)
-      reference_ *= std::pow(exposure.product(), 1.0 / static_cast<double>(room.cycle.size()));
+  Loop(const ExposureLimits& limits, const Pattern& pattern)
+      : pattern_(pattern), choice_(limits), reference_(1) {
+    for (const Exposure& exposure : limits.cycle)
+      reference_ *= std::pow(exposure.product(), 1.0 / static_cast<double>(limits.cycle.size()));
     frame_.codes = Image<float>(3, kRows, kCols);
     state_.radiance = Image<float>(3, kRows, kCols), state_.variance = Image<float>(3, kRows, kCols);
     flow_.vectors = Image<float>(2, kRows, kCols), flow_.confidence = Image<float>(1, kRows, kCols);
@@ -119,7 +120,7 @@ double seconds_of(const std::vector<Exposure>& cycle) {
 }  // namespace
 
 TEST_CASE("where everything moves the times get shorter, where nothing does they do not") {
-  Loop moving(room_of(kCycle), {.speed_px = 8}), resting(room_of(kCycle), {});
+  Loop moving(limits_of(kCycle), {.speed_px = 8}), resting(limits_of(kCycle), {});
   moving.run(120), resting.run(120);
   REQUIRE(moving.request());
   INFO(describe(*moving.request()));
@@ -131,14 +132,14 @@ TEST_CASE("where everything moves the times get shorter, where nothing does they
 
 TEST_CASE("a cycle of short times and high gains gets long times and low gains once all is at rest") {
   const std::vector<Exposure> short_times{{250us, 4}, {1ms, 4}, {4ms, 4}};
-  Loop loop(room_of(short_times), {.brightness = 0.02f});
+  Loop loop(limits_of(short_times), {.brightness = 0.02f});
   loop.run(240);
   CHECK(seconds_of(loop.cycle()) > 2 * seconds_of(short_times));
   CHECK(loop.cycle()[2].gain < 3);
 }
 
 TEST_CASE("gain takes the place of time where something moves in the dark") {
-  Loop loop(room_of(kCycle), {.speed_px = 10, .brightness = 0.02f});
+  Loop loop(limits_of(kCycle), {.speed_px = 10, .brightness = 0.02f});
   loop.run(240);
   CHECK(loop.cycle()[2].gain > 1.4);
   CHECK(loop.cycle()[2].time < 16ms);
@@ -147,17 +148,17 @@ TEST_CASE("gain takes the place of time where something moves in the dark") {
 TEST_CASE("whatever moves and however bright it is, no exposure leaves the sensor's limits or its slot") {
   for (const float speed : {0.f, 0.5f, 3.f, 12.f, 40.f})
     for (const float brightness : {0.0005f, 0.02f, 1.f, 30.f}) {
-      const ExposureRoom room = room_of(kCycle);
-      Loop loop(room, {.speed_px = speed, .brightness = brightness});
+      const ExposureLimits limits = limits_of(kCycle);
+      Loop loop(limits, {.speed_px = speed, .brightness = brightness});
       loop.run(200);
       INFO(speed << " px, brightness " << brightness);
       const auto& cycle = loop.cycle();
       REQUIRE(cycle.size() == kCycle.size());
       for (const Exposure& exposure : cycle) {
-        CHECK(exposure.time >= room.shortest);
-        CHECK(exposure.time <= room.longest);
-        CHECK(exposure.gain >= room.least_gain);
-        CHECK(exposure.gain <= room.greatest_gain);
+        CHECK(exposure.time >= limits.shortest);
+        CHECK(exposure.time <= limits.longest);
+        CHECK(exposure.gain >= limits.least_gain);
+        CHECK(exposure.gain <= limits.greatest_gain);
       }
       // the highlights of the first cycle stay as they were kept, and the proof of labels needs different
       // exposures
@@ -168,9 +169,9 @@ TEST_CASE("whatever moves and however bright it is, no exposure leaves the senso
 }
 
 TEST_CASE("lamps do not begin to flicker: a time of whole half periods stays one") {
-  ExposureRoom room = room_of({{1ms, 1}, {10ms, 1}, {30ms, 1}});
-  room.mains = Mains::Hz50;
-  Loop loop(room, {.speed_px = 10});
+  ExposureLimits limits = limits_of({{1ms, 1}, {10ms, 1}, {30ms, 1}});
+  limits.mains = Mains::Hz50;
+  Loop loop(limits, {.speed_px = 10});
   loop.run(240);
   CHECK(loop.request());
   CHECK(loop.cycle()[0].time < 10ms);
@@ -180,7 +181,7 @@ TEST_CASE("lamps do not begin to flicker: a time of whole half periods stays one
 
 TEST_CASE("a scene that stays as it is changes the cycle a few times at most, then never again") {
   for (const float speed : {0.f, 1.5f, 4.f}) {
-    Loop loop(room_of(kCycle), {.speed_px = speed, .noise = 0.1f});
+    Loop loop(limits_of(kCycle), {.speed_px = speed, .noise = 0.1f});
     const int first = loop.run(200), later = loop.run(1000);
     INFO(speed << " px: " << first << " changes, then " << later);
     CHECK(first <= 3);
@@ -189,7 +190,7 @@ TEST_CASE("a scene that stays as it is changes the cycle a few times at most, th
 }
 
 TEST_CASE("the cycle follows when what moved comes to rest") {
-  Loop loop(room_of(kCycle), {.speed_px = 8});
+  Loop loop(limits_of(kCycle), {.speed_px = 8});
   loop.run(200);
   const double moving_s = seconds_of(loop.cycle());
   loop.set_pattern({});
@@ -198,7 +199,7 @@ TEST_CASE("the cycle follows when what moved comes to rest") {
 }
 
 TEST_CASE("the cycle before goes on where the camera refuses the one that the fit asks for") {
-  Loop loop(room_of(kCycle), {.speed_px = 8});
+  Loop loop(limits_of(kCycle), {.speed_px = 8});
   loop.set_refuses(true);
   loop.run(120);
   REQUIRE(loop.request());

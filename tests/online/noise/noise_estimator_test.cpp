@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
@@ -18,13 +18,13 @@ NoiseModel found_in(const test::MovingScene& scene, const Response& response,
   WorkerPool pool(2);
   FlowField still{Image<float>(2, scene.rows, scene.cols), Image<float>(1, scene.rows, scene.cols)};
   still.confidence.fill(1);
-  UnpackSettings settings;
+  ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
   NoiseEstimator estimator(pool);
   if (seen) estimator.expect(*seen);
   for (int i = 0; i + 1 < 9; ++i) {
-    const auto a = unpack(scene.frame(i), i, 1 / 30., settings).value();
-    const auto b = unpack(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
+    const auto a = to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value();
+    const auto b = to_exposed_frame(scene.frame(i + 1), i + 1, 1 / 30., settings).value();
     if (a.exposure <= b.exposure)
       estimator.add_pair(a, b, still, response);
     else

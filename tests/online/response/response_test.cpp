@@ -3,7 +3,7 @@
 #include <array>
 #include <cmath>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "online/response/response_estimator.h"
 #include "tests/support/moving_scene.h"
 
@@ -14,10 +14,11 @@ using namespace hdrcam;
 namespace {
 
 std::vector<ExposedFrame> exposed(const test::MovingScene& scene, int count) {
-  UnpackSettings settings;
+  ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
   std::vector<ExposedFrame> frames;
-  for (int i = 0; i < count; ++i) frames.push_back(unpack(scene.frame(i), i, 1 / 30., settings).value());
+  for (int i = 0; i < count; ++i)
+    frames.push_back(to_exposed_frame(scene.frame(i), i, 1 / 30., settings).value());
   return frames;
 }
 

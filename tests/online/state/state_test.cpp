@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 #include "online/state/state_filter.h"
@@ -37,9 +37,9 @@ FlowField still(int rows, int cols) {
 }
 
 ExposedFrame unpacked(const RawFrame& raw, int index) {
-  UnpackSettings settings;
+  ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
-  return unpack(raw, index, 1 / 30., settings).value();
+  return to_exposed_frame(raw, index, 1 / 30., settings).value();
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/exr.h"
+#include "render/scores/scores_json.h"
 #include "tests/render/scores/synthetic_clip.h"
 
 #include <catch2/catch.hpp>

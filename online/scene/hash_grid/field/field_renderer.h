@@ -12,7 +12,7 @@ namespace hdrcam {
 
 class VulkanProbe;
 
-class FieldRenderer final : public LookRoom {
+class FieldRenderer final : public RenderBuffers {
  public:
   // gpu: which looks along the rays, null for the processor. When it fails, the processor goes on.
   explicit FieldRenderer(GpuDevice* gpu = nullptr);

@@ -10,7 +10,7 @@ namespace hdrcam {
 template <class T>
 struct RaySamples {
   int count = 0;
-  bool has_static = true, has_dynamic = true;
+  bool has_dynamic = true;
   bool warps = false;  // towards a neighbour; needs the dynamic branch
   Neighbour toward = Neighbour::Next;
   T inverse_depth[kMaxSamples], spacing[kMaxSamples];
@@ -41,10 +41,10 @@ struct RayTrace {
 template <class T>
 void set_densities(const RaySamples<T>& ray, Blend blend, Composite<T>& combined, Composite<T>& warped) {
   combined.count = warped.count = ray.count;
+  const bool weighted = blend == Blend::Weight && ray.has_dynamic;
   for (int k = 0; k < ray.count; ++k) {
-    const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
     const T v = ray.static_[k].blend;
-    combined.density[0][k] = ray.has_static ? (weighted ? v : T(1)) * ray.static_[k].density : T(0);
+    combined.density[0][k] = (weighted ? v : T(1)) * ray.static_[k].density;
     combined.density[1][k] = ray.has_dynamic ? (weighted ? 1 - v : T(1)) * ray.dynamic[k].density : T(0);
     warped.density[0][k] = combined.density[0][k];
     warped.density[1][k] = (weighted ? 1 - v : T(1)) * ray.warped[k].density;
@@ -88,10 +88,10 @@ template <class T>
 void set_densities_backward(const RaySamples<T>& ray, Blend blend,
                             FieldSample<T> (RaySamples<T>::*dynamic)[kMaxSamples],
                             const T (*d_density)[kMaxSamples], RaySamples<T>& d) {
-  const bool weighted = blend == Blend::Weight && ray.has_static && ray.has_dynamic;
+  const bool weighted = blend == Blend::Weight && ray.has_dynamic;
   for (int k = 0; k < ray.count; ++k) {
     const T v = ray.static_[k].blend;
-    if (ray.has_static) d.static_[k].density += (weighted ? v : T(1)) * d_density[0][k];
+    d.static_[k].density += (weighted ? v : T(1)) * d_density[0][k];
     if (ray.has_dynamic) (d.*dynamic)[k].density += (weighted ? 1 - v : T(1)) * d_density[1][k];
     if (weighted)
       d.static_[k].blend +=

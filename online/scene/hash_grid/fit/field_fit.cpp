@@ -154,15 +154,14 @@ StepReport FieldFit::step() {
 // The losses of the drawn rays and their gradients, into sums_ and the branches' d_network. Errors: those of
 // the device.
 Result<void> FieldFit::gradients() {
-  const StepSetting<float> setting{networks_,
-                                   window_,
-                                   state_.response,
-                                   options_.losses,
-                                   samples_per_ray_,
-                                   true,
-                                   has_dynamic_,
-                                   options_.fits_response,
-                                   1.f / static_cast<float>(rays_.size())};
+  const StepSetting<float> setting{.networks = networks_,
+                                   .window = window_,
+                                   .response = state_.response,
+                                   .weights = options_.losses,
+                                   .samples_per_ray = samples_per_ray_,
+                                   .has_dynamic = has_dynamic_,
+                                   .fits_response = options_.fits_response,
+                                   .ray_share = 1.f / static_cast<float>(rays_.size())};
   const auto first_stream =
       static_cast<std::uint64_t>(state_.health.counts().steps) * (rays_.size() / kRaysPerShard);
   if (gpu_ == nullptr) {

@@ -136,9 +136,8 @@ LossValues<T> ray_losses(const LossSetting<T>& setting, const TrainingRay& targe
         distortion_loss(weight(LossTerm::Distortion), ray.count, rendered.trace.combined.weight,
                         ray.inverse_depth, gradient.weight);
   if (!ray.has_dynamic) return values;
-  if (ray.has_static)
-    value(LossTerm::BlendEntropy) +=
-        blend_entropy_loss(weight(LossTerm::BlendEntropy), picture.share, d_picture.share);
+  value(LossTerm::BlendEntropy) +=
+      blend_entropy_loss(weight(LossTerm::BlendEntropy), picture.share, d_picture.share);
   flow_regularisers(setting, ray, values, d_ray);
   if (!ray.warps) return values;
 

@@ -33,7 +33,7 @@ void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> r
   for (BranchPass<T>* pass : {&static_, &dynamic_, &warped_}) zero(*pass);
 
   place_rays(step, rays, random);
-  if (step.has_static) static_.forward(step.networks.static_);
+  static_.forward(step.networks.static_);
   if (step.has_dynamic) {
     dynamic_.forward(step.networks.dynamic);
     follow_flow(step, rays);
@@ -45,14 +45,14 @@ void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> r
     warp_backward(step, rays);
     dynamic_.backward(step.networks.dynamic, d_dynamic_);
   }
-  if (step.has_static) static_.backward(step.networks.static_, d_static_);
+  static_.backward(step.networks.static_, d_static_);
 }
 
 template <class T>
 void RayShard<T>::place_rays(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32& random) {
   const int count = step.samples_per_ray, used = static_cast<int>(rays.size()) * count;
   const int n = (used + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
-  static_.n = step.has_static ? n : 0;
+  static_.n = n;
   dynamic_.n = warped_.n = step.has_dynamic ? n : 0;
   for (std::size_t r = 0; r < rays.size(); ++r) {
     RaySamples<T>& ray = ray_[r];
@@ -91,7 +91,7 @@ template <class T>
 void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& target, int r) {
   RaySamples<T>& ray = ray_[static_cast<std::size_t>(r)];
   const T* base = base_[static_cast<std::size_t>(r)].data();
-  for (int k = 0; k < ray.count && step.has_static; ++k)
+  for (int k = 0; k < ray.count; ++k)
     ray.static_[k] = decode_static(static_.raw, r * ray.count + k, base, own_prior(r, k));
   if (ray.warps) {
     const WindowFrame& there = neighbour(step.window, target);
@@ -107,7 +107,6 @@ void RayShard<T>::ray_gradient(const StepSetting<T>& step, const TrainingRay& ta
                  static_cast<T*>(nullptr));
       const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
       ray.warped[k] = decode_dynamic(warped_.raw, s, base_there, prior.log_density);
-      if (!step.has_static) continue;
       fetch_base(there.base, ray.landing_static[k], base_there, static_cast<T*>(nullptr),
                  static_cast<T*>(nullptr));
       decode_radiance(static_.raw, s, base_there, ray.static_there[k]);
@@ -131,21 +130,17 @@ void RayShard<T>::samples_backward(const StepSetting<T>& step, const TrainingRay
   const T* base = base_[static_cast<std::size_t>(r)].data();
   for (int k = 0; k < ray.count; ++k) {
     const int s = r * ray.count + k;
-    if (ray.has_static)
-      decode_static_backward(static_.raw, s, base, own_prior(r, k), ray.static_[k], d.static_[k],
-                             static_.d_raw);
+    decode_static_backward(static_.raw, s, base, own_prior(r, k), ray.static_[k], d.static_[k],
+                           static_.d_raw);
     if (ray.has_dynamic)
       decode_dynamic_backward(dynamic_.raw, s, base, own_prior(r, k), ray.dynamic[k], d.dynamic[k],
                               dynamic_.d_raw, static_cast<T*>(nullptr));
     if (!ray.warps) continue;
     const Image<BasePixel>& there = neighbour(step.window, target).base;
     T base_there[kBaseChannels], d_x[kBaseChannels], d_y[kBaseChannels], d_base[kBaseChannels] = {};
-    if (ray.has_static) {
-      fetch_base(there, ray.landing_static[k], base_there, static_cast<T*>(nullptr),
-                 static_cast<T*>(nullptr));
-      decode_radiance_backward(static_.raw, s, base_there, ray.static_there[k], d.static_there[k],
-                               static_.d_raw, static_cast<T*>(nullptr));
-    }
+    fetch_base(there, ray.landing_static[k], base_there, static_cast<T*>(nullptr), static_cast<T*>(nullptr));
+    decode_radiance_backward(static_.raw, s, base_there, ray.static_there[k], d.static_there[k],
+                             static_.d_raw, static_cast<T*>(nullptr));
     fetch_base(there, ray.landing_dynamic[k], base_there, d_x, d_y);
     const auto prior = surface_prior(ray.landing_dynamic[k][2], base_there[kBaseSurface]);
     const T d_prior = decode_dynamic_backward(warped_.raw, s, base_there, prior.log_density, ray.warped[k],

@@ -17,7 +17,7 @@ struct StepSetting {
   const LearnedResponse<T>& response;
   const LossWeights& weights;
   int samples_per_ray;
-  bool has_static, has_dynamic, fits_response;
+  bool has_dynamic, fits_response;
   T ray_share;  // one over the rays of the step
 };
 
@@ -28,7 +28,7 @@ void place_ray(const StepSetting<T>& step, const TrainingRay& target, Pcg32& ran
   const WindowFrame& frame = step.window.frame(target.frame);
   const ViewGeometry<T> view(step.window.frustum(), frame.T_anchor_camera);
   ray.count = step.samples_per_ray;
-  ray.has_static = step.has_static, ray.has_dynamic = step.has_dynamic;
+  ray.has_dynamic = step.has_dynamic;
   ray.warps = step.has_dynamic && target.warps;
   ray.toward = target.toward;
   place_samples(

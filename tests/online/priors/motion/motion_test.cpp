@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "online/priors/motion/state_motion.h"
 #include "online/state/state_filter.h"
 #include "tests/support/moving_scene.h"
@@ -53,10 +53,10 @@ TEST_CASE("the drift of a scene is found between frames of different exposure, b
   scene.drift_px = 2.5, scene.disc_px = 2.5;
   WorkerPool pool(2);
   const Response response = Response::gamma(scene.gamma);
-  UnpackSettings settings;
+  ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
-  const auto before = unpack(scene.frame(1), 0, 1 / 30., settings).value();
-  const auto after = unpack(scene.frame(2), 1, 1 / 30., settings).value();  // two stops longer
+  const auto before = to_exposed_frame(scene.frame(1), 0, 1 / 30., settings).value();
+  const auto after = to_exposed_frame(scene.frame(2), 1, 1 / 30., settings).value();  // two stops longer
   StateFilter filter({}, scene.rows, scene.cols, pool);
   filter.restart({before, ExposureTables(response, {}, before.exposure), unseen_variance_from(4)});
   MotionEstimator estimator(scene.rows, scene.cols, pool);
@@ -84,10 +84,10 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
     std::vector<float> results[2];
     for (const int threads : {1, 3}) {
       WorkerPool pool(threads);
-      UnpackSettings settings;
+      ExposedFrameSettings settings;
       settings.reference_exposure = 0.004;
-      const auto a = unpack(scene.frame(0), 0, 1 / 30., settings).value();
-      const auto b = unpack(scene.frame(1), 1, 1 / 30., settings).value();
+      const auto a = to_exposed_frame(scene.frame(0), 0, 1 / 30., settings).value();
+      const auto b = to_exposed_frame(scene.frame(1), 1, 1 / 30., settings).value();
       StateFilter filter({}, scene.rows, scene.cols, pool);
       const Response response = Response::gamma(2.2f);
       filter.restart({a, ExposureTables(response, {}, a.exposure), unseen_variance_from(4)});

@@ -6,7 +6,7 @@
 #include <ctime>
 #include <vector>
 
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 #include "hal/fault/faulty_gpu.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
@@ -39,9 +39,9 @@ FlowField swirl(float strength) {
 ExposedFrame exposed(int index) {
   test::MovingScene scene;
   scene.rows = kRows, scene.cols = kCols;
-  UnpackSettings settings;
+  ExposedFrameSettings settings;
   settings.reference_exposure = 0.004;
-  return unpack(scene.frame(index), index, 1 / 30., settings).value();
+  return to_exposed_frame(scene.frame(index), index, 1 / 30., settings).value();
 }
 
 ExposureTables tables_at(float exposure) {

@@ -91,11 +91,11 @@ void GpuRays::download_seen(GpuWork& work) {
 
 void GpuRays::upload_d_seen(GpuWork& work) const { work.upload(bytes_of(d_seen_), **d_seen); }
 
-void GpuRays::unpack(const StepSetting<float>& step, const TrainingRay& target, std::size_t r,
-                     RaySamples<float>& ray, RayPicture<float>& picture, RayTrace<float>& trace) {
+void GpuRays::unpack(const TrainingRay& target, std::size_t r, RaySamples<float>& ray,
+                     RayPicture<float>& picture, RayTrace<float>& trace) {
   const float* const told_here = told_.data() + r * kToldFloats;
   ray.count = trace.combined.count = samples_;
-  ray.has_static = step.has_static, ray.has_dynamic = has_dynamic_;
+  ray.has_dynamic = has_dynamic_;
   ray.warps = has_dynamic_ && target.warps;
   ray.toward = target.toward;
   const auto there = static_cast<std::size_t>(target.toward), back = 1 - there;
@@ -156,7 +156,7 @@ void GpuRays::losses(const StepSetting<float>& step, std::span<const TrainingRay
   RayPicture<float> picture;
   RayGradient<float> gradient;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    unpack(step, rays[i], first + i, ray, picture, trace);
+    unpack(rays[i], first + i, ray, picture, trace);
     misfit[i] = sums.add(step, rays[i], {ray, trace, picture}, gradient);
     pack(first + i, ray, gradient);
   }

@@ -60,8 +60,8 @@ class GpuRays {
   float& seen_of_sample(std::vector<float>& values, int plane, std::size_t s) const {
     return values[place_in(plane, count(), s) + place_in(kSeenPlanes, rays_, 0)];
   }
-  void unpack(const StepSetting<float>& step, const TrainingRay& target, std::size_t r,
-              RaySamples<float>& ray, RayPicture<float>& picture, RayTrace<float>& trace);
+  void unpack(const TrainingRay& target, std::size_t r, RaySamples<float>& ray, RayPicture<float>& picture,
+              RayTrace<float>& trace);
   void pack(std::size_t r, const RaySamples<float>& ray, const RayGradient<float>& gradient);
 
   int rays_ = 0, samples_ = 0;

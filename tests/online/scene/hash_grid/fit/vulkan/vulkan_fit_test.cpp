@@ -62,7 +62,14 @@ struct Bench {
   }
   template <class T>
   StepSetting<T> setting(const FieldNetworks<T>& of, const LearnedResponse<T>& curve) const {
-    return {of, scene.window, curve, weights, samples, true, has_dynamic, true, T(1) / T(kRays)};
+    return {.networks = of,
+            .window = scene.window,
+            .response = curve,
+            .weights = weights,
+            .samples_per_ray = samples,
+            .has_dynamic = has_dynamic,
+            .fits_response = true,
+            .ray_share = T(1) / T(kRays)};
   }
 
   Result<void> begin() {

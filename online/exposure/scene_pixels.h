@@ -11,7 +11,7 @@
 
 namespace hdrcam {
 
-class ExposureOutlook {
+class ScenePixels {
  public:
   static constexpr int kPixels = 768;
   static constexpr int kFrames = 4;           // over which the pixels are spread

@@ -1,5 +1,6 @@
-// What the fit may ask of a camera's exposures: the cycle that runs, and what sensor, frame and mains allow.
-// The camera side states it once; the answer is another cycle of as many exposures. Plain value.
+// What may be asked of a camera's exposures: the cycle that runs, and the limits that sensor, frame and mains
+// set to another one. The camera side states it once; the answer is a cycle of as many exposures. Plain
+// value.
 #pragma once
 
 #include <vector>
@@ -12,7 +13,7 @@ namespace hdrcam {
 // expects of it, blur included (online/exposure/cycle_choice.h).
 enum class Adapt { Off, Light, Motion };
 
-struct ExposureRoom {
+struct ExposureLimits {
   std::vector<Exposure> cycle;               // as it runs: rounded to what the sensor can do
   Duration shortest{0}, longest{0};          // exposure times, within a frame
   double least_gain = 1, greatest_gain = 1;  // analogue; equal where all exposures must have one gain

@@ -1,4 +1,4 @@
-#include "capture/unpack.h"
+#include "capture/to_exposed_frame.h"
 
 #include <cmath>
 
@@ -7,15 +7,15 @@
 
 namespace hdrcam {
 
-Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
-                            const UnpackSettings& settings) {
+Result<ExposedFrame> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
+                                      const ExposedFrameSettings& settings) {
   ExposedFrame frame;
-  TRY(unpack_into(raw, index, interval_s, settings, frame));
+  TRY(to_exposed_frame(raw, index, interval_s, settings, frame));
   return frame;
 }
 
-Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
-                         ExposedFrame& frame) {
+Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
+                              const ExposedFrameSettings& settings, ExposedFrame& frame) {
   TRY(check_exposure(raw.facts));
   frame.facts = raw.facts;
   frame.index = index;

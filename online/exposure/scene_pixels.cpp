@@ -1,4 +1,4 @@
-#include "online/exposure/exposure_outlook.h"
+#include "online/exposure/scene_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace hdrcam {
 namespace {
 
 constexpr int kColumns = 16, kRows = 12;  // cells of the picture, one pixel each
-static_assert(kColumns * kRows * ExposureOutlook::kFrames == ExposureOutlook::kPixels);
+static_assert(kColumns * kRows * ScenePixels::kFrames == ScenePixels::kPixels);
 
 // The fractional part of n times an irrational number: evenly spread, without a period.
 float spread(std::uint64_t n, double step) {
@@ -30,7 +30,7 @@ float contrast_3x3(const Image<float>& picture, int channel, int y, int x) {
 
 }  // namespace
 
-void ExposureOutlook::see(const FrameEstimate& estimate) {
+void ScenePixels::see(const FrameEstimate& estimate) {
   const ExposedFrame& frame = estimate.frame;
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
   constexpr int kLeastSize = 8;  // pixels
@@ -49,7 +49,7 @@ void ExposureOutlook::see(const FrameEstimate& estimate) {
   ++frames_;
 }
 
-void ExposureOutlook::take(const FrameEstimate& estimate, int y, int x, std::size_t to) {
+void ScenePixels::take(const FrameEstimate& estimate, int y, int x, std::size_t to) {
   constexpr float kUnknownStops = 2;  // above its bound a clipped pixel may be as much brighter
   // of the contrast, as Fusion::warp_variance adds in the mean over fractions of a pixel
   constexpr float kMisaligned = 0.5f * FusionOptions().misalignment * FusionOptions().misalignment;

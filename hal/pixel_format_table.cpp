@@ -1,4 +1,4 @@
-#include "hal/pixel_packing.h"
+#include "hal/pixel_format_table.h"
 
 namespace hdrcam {
 namespace {

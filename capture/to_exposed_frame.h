@@ -18,7 +18,7 @@ inline float scaled_code(std::uint16_t code, float scale) {
 }
 
 // Settings common to all frames of a clip.
-struct UnpackSettings {
+struct ExposedFrameSettings {
   int bits = 8;                           // significant bits of a raw code
   double reference_exposure = 1;          // E_ref, seconds x gains
   PixelLayout layout = PixelLayout::Rgb;  // Mono is the same as Rgb with one channel
@@ -26,11 +26,11 @@ struct UnpackSettings {
 
 // A Bayer mosaic is demosaiced (demosaic.h), mono is repeated on the three channels. `interval_s` is the time
 // since the previous frame, seconds. Errors: those of check_exposure().
-Result<ExposedFrame> unpack(const RawFrame& raw, int index, double interval_s,
-                            const UnpackSettings& settings);
+Result<ExposedFrame> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
+                                      const ExposedFrameSettings& settings);
 // The same into a frame whose storage is reused; its content is undefined after an error.
-Result<void> unpack_into(const RawFrame& raw, int index, double interval_s, const UnpackSettings& settings,
-                         ExposedFrame& frame);
+Result<void> to_exposed_frame(const RawFrame& raw, int index, double interval_s,
+                              const ExposedFrameSettings& settings, ExposedFrame& frame);
 
 // BadExposure where the exposure is not positive and finite, naming the frame and the value.
 Result<void> check_exposure(const FrameFacts& facts);
