@@ -52,6 +52,7 @@ OutputNeeds needs_of(const Settings::Output& output) {
                      wanted("field_flow_backward");
   needs.poses = wanted("transforms") || wanted("colmap");
   needs.points = wanted("colmap");
+  needs.scene = wanted(Settings::Output::kSnapshot);
   return needs;
 }
 

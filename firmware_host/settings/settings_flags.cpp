@@ -168,6 +168,8 @@ std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& ke
   for (std::size_t i = 0; i < given_->fields.size(); ++i)
     if (given_->options[i]->count() > 0 && std::ranges::find(keys, given_->fields[i]->key) != keys.end())
       flags.push_back(given_->options[i]->get_name());
+  if (!given_->assignments.empty() && std::ranges::find(keys, "knobs") != keys.end())
+    flags.emplace_back("--set");
   return flags;
 }
 
