@@ -62,7 +62,7 @@ std::string as_json(const SceneHead& scene, const std::string& path, std::uint64
   Json frames = Json::array();
   for (const Keyframe& key : scene.frames)
     frames.push_back({{"sequence", key.frame.facts.sequence},
-                      {"time_s", key.time_s - scene.first.seconds()},
+                      {"time_s", to_seconds(key.frame.facts.timestamp - scene.first)},
                       {"exposure", static_cast<double>(key.frame.exposure)},
                       {"world", key.world}});
   const Json json = {{"snapshot", path},

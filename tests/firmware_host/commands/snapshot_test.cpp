@@ -10,6 +10,7 @@
 #include "tests/support/ran_here.h"
 
 #include "tests/support/files.h"
+#include "tests/support/ran.h"
 
 #include <catch2/catch.hpp>
 
@@ -36,11 +37,11 @@ struct Saved {
     auto writer = create_recording(posix_storage(), clip, moving.camera()).value();
     for (int i = 0; i < kFrames; ++i) REQUIRE(writer->append(moving.frame(i)).ok());
     REQUIRE(writer->finish().ok());
-    const RanHere run = ran_here(
+    const test::Ran run = test::ran(
         {"replay", clip, "--preset", "fast", "--set", "steps=2", "--threads", "2", "--snapshot", scene});
-    INFO(run.err);
+    INFO(run.output);
     REQUIRE(run.exit_code == 0);
-    told = run.out + run.err;
+    told = run.output;
   }
 };
 const Saved& saved() {
@@ -111,13 +112,12 @@ TEST_CASE("from the recorded camera the snapshot's whole span is filmed as from 
 
 TEST_CASE("a run says where it saved its scene, and info what is in it", "[film]") {
   CHECK_THAT(saved().told, Contains("clip.hdrscene: the scene of the last 6 frames"));
-  const RanHere table = ran_here({"info", saved().scene});
-  INFO(table.err);
+  const test::Ran table = test::ran({"info", saved().scene});
   CHECK(table.exit_code == 0);
   for (const char* line : {"a snapshot of a scene", "64x48", "6, number 3 to 8",
                            "0.1 to 0.266667 s of the run", "tracked", "median depth of the first view"})
-    CHECK_THAT(table.out, Contains(line));
-  const auto json = nlohmann::json::parse(ran_here({"info", "--json", saved().scene}).out);
+    CHECK_THAT(table.output, Contains(line));
+  const auto json = nlohmann::json::parse(test::ran({"info", "--json", saved().scene}).output);
   CHECK(json.at("frames").size() == 6);
   CHECK(json.at("frames").at(5).at("sequence") == 8);
   CHECK(json.at("field") == true);
@@ -134,6 +134,8 @@ TEST_CASE("a snapshot is known by its content, and what only has its name is not
   refused({"render", fake, "--force", "-o", out}, ErrorCode::NotRecording);
   refused({"info", fake}, ErrorCode::NotRecording);
   refused({"render", folder + "/none.hdrscene", "-o", out}, ErrorCode::NotFound);
+  CHECK_THAT(refused({"replay", other, "-o", out}, ErrorCode::NotRecording).err,
+             Contains("is a snapshot of a scene, not a recording; 'hdrcam render' films it"));
 }
 
 TEST_CASE("a damaged or cut snapshot is one sentence of render and of info, and leaves no film", "[film]") {
@@ -182,6 +184,8 @@ TEST_CASE("a snapshot takes the place of an earlier one with --force only, and o
   std::vector<std::string> words{"replay", saved().clip, "--preset", "fast", "--snapshot", scene};
   CHECK_THAT(refused(words, ErrorCode::Exists).err, Contains("--snapshot") && Contains("--force"));
   CHECK(text_of(scene) == "an earlier scene");
+  words.back() = "-";
+  CHECK_THAT(refused(words).err, Contains("--snapshot - would write a file named '-'"));
   words.back() = saved().clip;
   words.emplace_back("--force");
   CHECK_THAT(refused(words).err, Contains("would overwrite the recording that is read"));
