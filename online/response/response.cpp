@@ -28,7 +28,7 @@ Response::Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 
 
 Response Response::of_curves(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty) {
   Response response(inverse, uncertainty);
-  response.inverse_ = inverse;  // scaling a scaled one again might change its last bit
+  response.inverse_ = inverse;  // the least steps of a scaled one may be smaller than those of a new one
   response.build_slope();
   response.build_forward();
   return response;
