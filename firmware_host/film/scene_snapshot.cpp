@@ -42,6 +42,7 @@ constexpr std::size_t kMostFrames = 14, kMostPath = 100000;
 
 using Curves = std::array<Response::Curve, 3>;
 
+bool is_place(const RigidTransform& T) { return !objection_to(pose_matrix_of(T)); }
 bool positive(double value) { return value > 0 && value <= 1e12; }
 
 bool is_possible(const Keyframe& key, const SceneHead& scene) {
@@ -49,8 +50,8 @@ bool is_possible(const Keyframe& key, const SceneHead& scene) {
   if (objection_to(frame.facts, nullptr) || objection_to(key.lens, scene.camera.width, scene.camera.height))
     return false;
   if (frame.lens && objection_to(*frame.lens, scene.camera.width, scene.camera.height)) return false;
-  if (frame.pose && !frame.pose->T_world_camera.is_rigid()) return false;
-  return std::isfinite(key.time_s) && key.T_world_camera.is_rigid() &&
+  if (frame.pose && !is_place(frame.pose->T_world_camera)) return false;
+  return std::isfinite(key.time_s) && is_place(key.T_world_camera) &&
          positive(static_cast<double>(key.depth_unit)) && positive(static_cast<double>(frame.exposure)) &&
          positive(frame.reference_exposure) && positive(static_cast<double>(frame.white));
 }
@@ -67,7 +68,7 @@ bool is_possible(const SceneHead& scene) {
     return std::isfinite(time_s) && time_s > std::exchange(before_s, time_s);
   };
   for (const PathPose& pose : scene.path)
-    if (!later(pose.time_s) || !pose.T_world_camera.is_rigid()) return false;
+    if (!later(pose.time_s) || !is_place(pose.T_world_camera)) return false;
   return std::ranges::all_of(
       scene.frames, [&](const Keyframe& key) { return later(key.time_s) && is_possible(key, scene); });
 }

@@ -54,6 +54,8 @@ void list_fields(auto& fields, Field& field) {
 
 bool within(double value, double least, double most) { return value >= least && value <= most; }
 
+bool is_place(const RigidTransform& T) { return !objection_to(pose_matrix_of(T)); }
+
 bool is_possible(const WindowFrustum& frustum) {
   const int step = frustum.step_px;
   return within(frustum.rows, 1, kMostSide_px) && within(frustum.cols, 1, kMostSide_px) &&
@@ -73,7 +75,7 @@ bool is_possible(const HashGridShape& shape) {
 
 bool is_possible(const StoredField& field) {
   const FieldShape& shape = field.shape;
-  if (!is_possible(field.frustum) || !field.T_world_anchor.is_rigid() || !is_possible(shape.static_grid) ||
+  if (!is_possible(field.frustum) || !is_place(field.T_world_anchor) || !is_possible(shape.static_grid) ||
       !is_possible(shape.dynamic_grid))
     return false;
   if (!within(shape.hidden, 4, kMostHidden) || shape.hidden % 4 != 0) return false;
@@ -82,7 +84,7 @@ bool is_possible(const StoredField& field) {
   for (std::size_t i = 0; i < field.frames.size(); ++i) {
     const StoredFrame& frame = field.frames[i];
     if (!within(frame.slot, 0, shape.dynamic_grid.slots - 1) || !std::isfinite(frame.time_s) ||
-        !frame.T_anchor_camera.is_rigid() || (i > 0 && frame.time_s <= field.frames[i - 1].time_s))
+        !is_place(frame.T_anchor_camera) || (i > 0 && frame.time_s <= field.frames[i - 1].time_s))
       return false;
   }
   return true;
@@ -96,8 +98,10 @@ std::uint64_t numbers_in(const HashGridShape& grid, int hidden, int outputs) {
          (inputs + 1) * h + (h + 1) * h + (h + 1) * out;
 }
 
-bool all_finite(std::span<const float> values) {
-  return std::ranges::all_of(values, [](float value) { return std::isfinite(value); });
+// What a fit makes is far below; what is far above overflows where rays are followed.
+bool are_usual(std::span<const float> values) {
+  constexpr float kMost = 1e4f;
+  return std::ranges::all_of(values, [](float value) { return std::abs(value) <= kMost; });
 }
 
 Result<void> load_base(SectionReader& file, const WindowFrustum& frustum, Image<BasePixel>& base) {
@@ -108,8 +112,8 @@ Result<void> load_base(SectionReader& file, const WindowFrustum& frustum, Image<
   base.reshape(1, frustum.rows, frustum.cols);
   TRY(file.read(std::as_writable_bytes(base.samples())));
   TRY(file.end());
-  if (!std::ranges::all_of(base.samples(), [](const BasePixel& pixel) { return all_finite(pixel); }))
-    return file.wrong("it holds a value that is no number");
+  if (!std::ranges::all_of(base.samples(), [](const BasePixel& pixel) { return are_usual(pixel); }))
+    return file.wrong("it holds a value that no field has");
   return {};
 }
 
@@ -120,14 +124,14 @@ Result<FieldNetworks<float>> load_networks(SectionReader& file, const FieldShape
   if (file.length() != numbers * sizeof(float)) return file.wrong("it is not as large as its networks");
   Pcg32 random(1);
   FieldNetworks<float> networks(shape, random);
-  bool finite = true;
+  bool usual = true;
   for (Branch<float>* branch : {&networks.static_, &networks.dynamic})
     for (const std::span<float> values : {branch->grid.tables().samples(), branch->mlp.parameters()}) {
       TRY(file.read(std::as_writable_bytes(values)));
-      finite = finite && all_finite(values);
+      usual = usual && are_usual(values);
     }
   TRY(file.end());
-  if (!finite) return file.wrong("it holds a value that is no number");
+  if (!usual) return file.wrong("it holds a value that no field has");
   return networks;
 }
 
