@@ -44,6 +44,7 @@ bool writes_outputs(const Settings::Output& output) {
 }
 
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {
+  if (!settings.output.path(Settings::Output::kSnapshot).empty()) use = FieldUse::Seen;
   return admit_parts(settings, fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
                      recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
 }

@@ -19,9 +19,9 @@ struct OutputNeeds {
   bool field_flow = false;     // to both neighbours
   bool poses = false;          // which are tracked where the field is
   bool points = false;
-  bool scene = false;  // whose views show the field
+  bool scene = false;  // of which the field is a part
 
-  bool shows_field() const { return depth || field_flow || scene; }
+  bool shows_field() const { return depth || field_flow; }
 };
 OutputNeeds needs_of(const Settings::Output& output);
 

@@ -91,9 +91,12 @@ class Run {
   std::string saved_;  // a line about the scene, once it is saved
 };
 
-// Films and scores look at the field, whatever the settings show of it.
-FieldUse field_use_of(const RunPlan& plan) {
-  return !plan.truth.empty() || plan.film != nullptr ? FieldUse::Seen : FieldUse::Fills;
+// Films and scores look at the field, whatever the settings show of it. A recording waits for a scene that is
+// saved as a film would have it; of a camera it is what the frames leave time for.
+FieldUse field_use_of(const RunPlan& plan, RunPace pace) {
+  const bool saves = !plan.settings.output.path(Settings::Output::kSnapshot).empty();
+  const bool seen = !plan.truth.empty() || plan.film != nullptr || (saves && pace == RunPace::Clip);
+  return seen ? FieldUse::Seen : FieldUse::Fills;
 }
 
 Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source,
@@ -105,7 +108,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       progress_(progress),
       camera_(source.camera()),
       pace_(source.pace()),
-      use_(field_use_of(plan)),
+      use_(field_use_of(plan, pace_)),
       options_(options_of(plan.settings, use_)),
       pool_(thread_count(plan.settings.fit),
             pace_ == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual),

@@ -1,5 +1,7 @@
 #include "firmware_host/run/output_needs.h"
 
+#include "firmware_host/run/pipeline_options.h"
+
 #include <string>
 
 #include <catch2/catch.hpp>
@@ -85,3 +87,16 @@ TEST_CASE("motion is found among the layers and among the outputs of its own") {
 
 }  // namespace
 }  // namespace hdrcam
+
+TEST_CASE(
+    "a scene that is saved has a field whatever the preset, which stays, and none where that is asked for") {
+  Settings settings;
+  settings.fit.preset = Preset::Realtime;
+  const auto field = [&] { return options_of(settings, FieldUse::Fills).knobs.field; };
+  CHECK(field() == FieldKind::None);
+  settings.output.paths[Settings::Output::kSnapshot] = "scene.hdrscene";
+  CHECK(field() == FieldKind::HashGrid);
+  CHECK(field_use(settings, options_of(settings, FieldUse::Fills), FieldUse::Fills) == FieldUse::Seen);
+  settings.fit.emit = EmitLayer::State;
+  CHECK(field() == FieldKind::None);
+}
