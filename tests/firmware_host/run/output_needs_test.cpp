@@ -1,8 +1,8 @@
 #include "firmware_host/run/output_needs.h"
 
-#include "firmware_host/run/pipeline_options.h"
-
 #include <string>
+
+#include "firmware_host/run/pipeline_options.h"
 
 #include <catch2/catch.hpp>
 
@@ -85,9 +85,6 @@ TEST_CASE("motion is found among the layers and among the outputs of its own") {
   CHECK(motion_output(output) == "--flow-backward");
 }
 
-}  // namespace
-}  // namespace hdrcam
-
 TEST_CASE(
     "a scene that is saved has a field whatever the preset, which stays, and none where that is asked for") {
   Settings settings;
@@ -100,3 +97,6 @@ TEST_CASE(
   settings.fit.emit = EmitLayer::State;
   CHECK(field() == FieldKind::None);
 }
+
+}  // namespace
+}  // namespace hdrcam
