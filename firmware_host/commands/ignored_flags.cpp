@@ -6,6 +6,7 @@
 
 #include "firmware_host/commands/camera_run.h"
 #include "firmware_host/live/capture_setup.h"
+#include "firmware_host/settings/setting_fields.h"
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
@@ -81,6 +82,17 @@ Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& set
   TRY(check_pace(flags, settings.camera));
   TRY(check_live_page(flags, settings.output));
   return check_outputs_of(flags, settings.output, settings.video);
+}
+
+Result<void> check_flags_on_snapshot(const SettingsFlags& flags, const std::string& snapshot) {
+  std::vector<std::string> fit{"knobs"};
+  for (const SettingField& field : setting_fields())
+    if (field.group == SettingGroup::Fit && field.key != "fit.threads" && field.key != "fit.backend")
+      fit.push_back(field.key);
+  const std::vector<std::string> ignored = flags.given(fit);
+  if (ignored.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("the scene of '{}' is fitted already; leave out {}", snapshot,
+                                               fmt::join(ignored, ", "))};
 }
 
 }  // namespace hdrcam

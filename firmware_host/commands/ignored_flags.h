@@ -12,4 +12,7 @@ namespace hdrcam {
 // where the run writes none.
 Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings);
 
+// The same for a film of a snapshot, whose scene is fitted. Errors: Invalid, naming the flags of a fit.
+Result<void> check_flags_on_snapshot(const SettingsFlags& flags, const std::string& snapshot);
+
 }  // namespace hdrcam

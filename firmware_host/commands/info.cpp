@@ -1,10 +1,11 @@
-// hdrcam info x.mkv: shows the content of a recording and whether it is complete; if not, it ends with an
-// error.
+// hdrcam info x.mkv: shows the content of a recording, or of a saved scene, and whether it is complete; if
+// not, it ends with an error.
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
+#include "firmware_host/commands/snapshot_summary.h"
 #include "firmware_host/settings/settings_flags.h"
 #include "firmware_host/terminal.h"
 
@@ -16,7 +17,16 @@ struct InfoOptions {
   bool json = false;
 };
 
+Result<void> show_snapshot(Surroundings& around, const InfoOptions& options) {
+  const SceneHead scene = TRY(check_scene(around.storage, options.recording));
+  const std::uint64_t bytes = TRY(around.storage.look_at(options.recording)).size_bytes;
+  say("{}",
+      options.json ? as_json(scene, options.recording, bytes) : as_table(scene, options.recording, bytes));
+  return {};
+}
+
 Result<void> show(Surroundings& around, const InfoOptions& options) {
+  if (TRY(is_scene_snapshot(around.storage, options.recording))) return show_snapshot(around, options);
   const auto summary = TRY(summarize(around.storage, options.recording));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
   if (summary.end) return *summary.end;
@@ -33,8 +43,12 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
 
 void add_info(CLI::App& app, Verb& chosen) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb = app.add_subcommand("info", "show the content of a recording and whether it is complete");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
+  CLI::App* verb = app.add_subcommand(
+      "info", "show the content of a recording, or of a saved scene, and whether it is complete");
+  verb->add_option("recording", options->recording,
+                   "the recording (.mkv), or the scene that --snapshot saved")
+      ->required()
+      ->check(names_file);
   verb->add_flag("--json", options->json, "as JSON, for programs");
   verb->callback(
       [options, &chosen] { chosen = [options](Surroundings& around) { return show(around, *options); }; });

@@ -50,6 +50,9 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
       outputs.push_back({"the list beside --output",
                          (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
   }
+  if (!sinks.empty())
+    outputs.push_back(
+        {"--snapshot", settings.output.path(Settings::Output::kSnapshot), OutputKind::Recording});
   outputs.push_back({"--trace", settings.machine.trace});
   return outputs;
 }

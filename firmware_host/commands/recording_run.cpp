@@ -7,6 +7,7 @@
 
 #include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/trace_file.h"
+#include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
@@ -20,6 +21,10 @@ Result<void> check_recording_named(Storage& storage, const std::string& recordin
                  fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
   if (TRY(storage.look_at(recording)).kind == FileKind::Missing)
     return Error{ErrorCode::NotFound, fmt::format("'{}' does not exist", recording)};
+  if (std::string_view(verb) != "render" && TRY(is_scene_snapshot(storage, recording)))
+    return Error{
+        ErrorCode::NotRecording,
+        fmt::format("'{}' is a snapshot of a scene, not a recording; 'hdrcam render' films it", recording)};
   return {};
 }
 
@@ -39,6 +44,7 @@ bool writes_outputs(const Settings::Output& output) {
 }
 
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {
+  if (!settings.output.path(Settings::Output::kSnapshot).empty()) use = FieldUse::Seen;
   return admit_parts(settings, fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
                      recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
 }

@@ -1,18 +1,23 @@
-// hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording from another view, at
-// another time, with another shutter or exposure.
+// hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording, or one that a run saved,
+// from another view, at another time, with another shutter or exposure.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "firmware_host/commands/command.h"
+#include "firmware_host/commands/ignored_flags.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/recording_run.h"
+#include "firmware_host/commands/trace_file.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/film/film_plan.h"
+#include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
+#include "firmware_host/run/snapshot_film.h"
 #include "firmware_host/sinks/ldr_frames.h"
 #include "firmware_host/sinks/run_record.h"
 #include "firmware_host/terminal.h"
@@ -22,7 +27,7 @@ namespace hdrcam {
 namespace {
 
 struct RenderFlags {
-  std::string recording;
+  std::string recording;  // or a snapshot
   FilmOptions options;
   KeptWork kept;
   std::unique_ptr<SettingsFlags> settings;
@@ -97,28 +102,90 @@ std::string as_flags(const FilmOptions& options) {
   return text;
 }
 
-Result<void> render(const RenderFlags& flags, const Settings& asked, Surroundings& around) {
+// With the path of its view. what: "recording".
+std::vector<NamedInput> inputs_of(const RenderFlags& flags, const char* what) {
+  std::vector<NamedInput> inputs{{fmt::format("the {} that is read", what), flags.recording}};
+  if (!flags.options.path.empty()) inputs.push_back({"the path of the view", flags.options.path});
+  return inputs;
+}
+
+std::string command_line_of(const RenderFlags& flags, const Settings& settings) {
+  return "hdrcam render " + shell_word(flags.recording) + as_flags(flags.options) +
+         flags.settings->as_flags(settings);
+}
+
+// The fit is done, and known to the snapshot: what a file of settings says of one does not count.
+Settings without_fit(Settings settings) {
+  Settings::Fit fit;
+  fit.threads = settings.fit.threads, fit.backend = settings.fit.backend;
+  settings.fit = std::move(fit);
+  return settings;
+}
+
+Result<void> check_depth(const Settings& settings, const FilmedRecording& snapshot) {
+  if (snapshot.kind != FilmedKind::SnapshotWithoutField || !needs_of(settings.output).depth) return {};
+  return Error{ErrorCode::Invalid,
+               "depth comes from the field, and the snapshot was saved without one; leave out --depth and "
+               "--layers depth"};
+}
+
+Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Surroundings& around) {
+  TRY(check_flags_on_snapshot(*flags.settings, flags.recording));
+  const Settings settings = without_fit(asked);
+  const SceneHead scene = TRY(scene_head(around.storage, flags.recording));
+  const FilmedRecording snapshot = filmed(scene);
+  const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, snapshot));
+  TRY(check_pictures(plan, settings));
+  TRY(check_motion(settings));
+  TRY(check_depth(settings, snapshot));
+  TRY(check_needs(settings));
+  const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
+  TRY(flags.kept.check(around.storage, inputs_of(flags, "snapshot"), outputs_of(settings, sinks)));
+  const std::uint64_t bytes = TRY(around.storage.look_at(flags.recording)).size_bytes;
+  TRY(admit_parts(settings,
+                  fmt::format("a film of {}x{} from a snapshot of {}x{}", plan.width, plan.height,
+                              snapshot.width, snapshot.height),
+                  bytes + view_bytes(plan) + sink_bytes(plan.width, plan.height, settings)));
+  TraceFile trace(settings);
+  RunRecord record;
+  const Result<void> ended =
+      trace.write_after(film_snapshot({.settings = settings,
+                                       .title = title_of(scene.camera, flags.recording),
+                                       .command = command_line_of(flags, settings),
+                                       .film = &plan,
+                                       .sinks = sinks,
+                                       .stop = &around.stop,
+                                       .trace = trace.trace(),
+                                       .record = &record},
+                                      flags.recording, around.storage),
+                        around.storage);
+  if (ended) warn_of_view(record, settings);
+  return ended;
+}
+
+Result<void> render(const RenderFlags& flags, const Settings& given, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "render"));
+  Settings asked = given;
+  asked.output.paths.erase(Settings::Output::kSnapshot);  // of runs that fit
   if (!writes_outputs(asked.output))
     return Error{ErrorCode::Invalid, "nothing to write; give --output out/%06d.exr or out.mp4"};
   const Settings settings = TRY(settings_on_recording(*flags.settings, asked, "a film"));
+  if (TRY(is_scene_snapshot(around.storage, flags.recording)))
+    return render_snapshot(flags, settings, around);
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_pictures(plan, settings));
   TRY(check_motion(settings));
   TRY(check_needs(settings));
   const std::span<const SinkKind> sinks = plan.exposure ? ldr_sink_kinds() : sink_kinds();
-  std::vector<NamedInput> inputs{{"the recording that is read", flags.recording}};
-  if (!flags.options.path.empty()) inputs.push_back({"the path of the view", flags.options.path});
-  TRY(flags.kept.check(around.storage, inputs, outputs_of(settings, sinks)));
+  TRY(flags.kept.check(around.storage, inputs_of(flags, "recording"), outputs_of(settings, sinks)));
   const auto source = TRY(RecordingSource::open(around.storage, flags.recording, {}, around.stop));
   TRY(admit(settings, recording, source->camera(), plan));
   RunRecord record;
   Result<void> ended = run_on(*source,
                               {.settings = settings,
                                .title = title_of(source->camera(), flags.recording),
-                               .command = "hdrcam render " + shell_word(flags.recording) +
-                                          as_flags(flags.options) + flags.settings->as_flags(settings),
+                               .command = command_line_of(flags, settings),
                                .film = &plan,
                                .sinks = sinks,
                                .stop = &around.stop,
@@ -143,7 +210,8 @@ void add_view_flags(CLI::App& verb, FilmOptions& options) {
       ->group(kGroup);
   verb.add_option(
           "--time", options.time,
-          "freeze this moment, seconds from the recording's first frame: 0.5; or show this part: 0.2..0.8")
+          "freeze this moment, seconds from the recording's first frame: 0.5, or end; or show this part: "
+          "0.2..0.8")
       ->group(kGroup);
   verb.add_option("--speed", options.speed,
                   "seconds of the recording in a second of the film: 0.25 is slow motion [1]")
@@ -177,14 +245,18 @@ void add_render(CLI::App& app, Verb& chosen) {
   auto flags = std::make_shared<RenderFlags>();
   CLI::App* verb =
       app.add_subcommand("render", "show a recording's scene from any view, at any time and exposure");
-  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->check(names_file);
+  verb->add_option("recording", flags->recording,
+                   "the recording (docs/recording.md), or a scene that --snapshot of replay or live "
+                   "saved (docs/snapshot.md)")
+      ->check(names_file);
   add_view_flags(*verb, flags->options);
   flags->kept.add_to(*verb);
   flags->settings = std::make_unique<SettingsFlags>(
       *verb,
       std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
                                 SettingGroup::Machine},
-      std::vector<std::string>{"fit.deadline"});  // all frames of a film count
+      // all frames of a film count, and it shows a scene but fits none of its own
+      std::vector<std::string>{"fit.deadline", "output.snapshot"});
   verb->callback([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 

@@ -25,31 +25,34 @@ Result<void> check_number(const char* flag, double value, double least, double m
                fmt::format("{} takes a number, {:g}..{:g}, not {:g}", flag, least, most, value)};
 }
 
-Result<void> check_inside(double time_s, double duration_s) {
-  if (time_s >= 0 && time_s <= duration_s + kNearlyWhole) return {};
-  return Error{
-      ErrorCode::Invalid,
-      fmt::format("--time {:g} is outside the recording, which spans 0 to {:.6g} s", time_s, duration_s)};
+Result<void> check_inside(double time_s, const FilmedRecording& recording) {
+  if (time_s >= recording.begin_s - kNearlyWhole && time_s <= recording.duration_s + kNearlyWhole) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("--time {:g} is outside the {}, which spans {:.6g} to {:.6g} s", time_s,
+                           recording.is_snapshot() ? "snapshot" : "recording", recording.begin_s,
+                           recording.duration_s)};
 }
 
-// "0.5" freezes that moment; "0.2..0.8" is a part of the recording.
-Result<void> plan_time(const std::string& text, double duration_s, FilmPlan& plan) {
-  plan.begin_s = 0, plan.end_s = duration_s;
+// "0.5" freezes that moment; "0.2..0.8" is a part of the recording; "end" is its last moment.
+Result<void> plan_time(const std::string& text, const FilmedRecording& recording, FilmPlan& plan) {
+  plan.begin_s = recording.begin_s, plan.end_s = recording.duration_s;
   if (text.empty()) return {};
   const std::size_t dots = text.find("..");
   plan.frozen = dots == std::string::npos;
-  const auto from = seconds_of(std::string_view(text).substr(0, dots));
-  const auto to = plan.frozen ? from : seconds_of(std::string_view(text).substr(dots + 2));
+  const auto moment = [&](std::string_view word) {
+    return word == "end" ? std::optional(recording.duration_s) : seconds_of(word);
+  };
+  const auto from = moment(std::string_view(text).substr(0, dots));
+  const auto to = plan.frozen ? from : moment(std::string_view(text).substr(dots + 2));
   if (!from || !to)
-    return Error{
-        ErrorCode::Invalid,
-        fmt::format("--time takes a moment in seconds, such as 0.5, or a part, such as 0.2..0.8, not '{}'",
-                    text)};
+    return Error{ErrorCode::Invalid, fmt::format("--time takes a moment in seconds, such as 0.5, or a part, "
+                                                 "such as 0.2..0.8 or 0.2..end, not '{}'",
+                                                 text)};
   if (*from > *to)
     return Error{ErrorCode::Invalid,
                  fmt::format("--time {} ends before it begins; give the earlier moment first", text)};
-  TRY(check_inside(*from, duration_s));
-  TRY(check_inside(*to, duration_s));
+  TRY(check_inside(*from, recording));
+  TRY(check_inside(*to, recording));
   plan.begin_s = *from, plan.end_s = *to;
   return {};
 }
@@ -111,12 +114,20 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
   TRY(check_unit("--view", plan.move.in_metres(), recording, tracked));
   TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
   const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || options.stabilize;
+  if (needs_depth && recording.kind == FilmedKind::SnapshotWithoutField)
+    return Error{ErrorCode::Invalid,
+                 "another view needs the depth that the field knows, and the snapshot was saved without one; "
+                 "save it again without --emit state and --set field=none"};
   const std::string_view without_field = what_leaves_out_field(fit);
   if (needs_depth && !without_field.empty())
     return Error{
         ErrorCode::Invalid,
         fmt::format("another view needs the depth that the field knows; leave out {}", without_field)};
   return {};
+}
+
+std::uint64_t pixels(int width, int height) {
+  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
 }
 
 }  // namespace
@@ -143,7 +154,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
                            const FilmedRecording& recording) {
   FilmPlan plan;
   TRY(plan_geometry(storage, options, fit, recording, plan));
-  TRY(plan_time(options.time, recording.duration_s, plan));
+  TRY(plan_time(options.time, recording, plan));
   TRY(plan_size(options.size, recording, plan));
   TRY(plan_exposure(options, plan));
   plan.first = recording.first;
@@ -166,17 +177,16 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   return plan;
 }
 
+std::uint64_t view_bytes(const FilmPlan& plan) {
+  constexpr std::uint64_t kView = 400;  // of a pixel: meshes, what they show, the field's view, both eyes
+  return kView * pixels(plan.width, plan.height);
+}
+
 std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording) {
-  // bytes of a pixel
-  constexpr std::uint64_t kKeyframe = 90;  // with its depth and both motions
-  constexpr std::uint64_t kView = 400;     // meshes, what they show, the field's view, both eyes
-  const auto pixels = [](int width, int height) {
-    return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
-  };
+  constexpr std::uint64_t kKeyframe = 90;  // of a pixel: with its depth and both motions
   const double kept_s = plan.shutter_s + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0);
   const auto keyframes = static_cast<std::uint64_t>(kept_s * recording.framerate_hz) + 4;
-  return kKeyframe * keyframes * pixels(recording.width, recording.height) +
-         kView * pixels(plan.width, plan.height);
+  return kKeyframe * keyframes * pixels(recording.width, recording.height) + view_bytes(plan);
 }
 
 }  // namespace hdrcam

@@ -12,13 +12,19 @@
 
 namespace hdrcam {
 
-// The recording that is filmed, from a pass over its facts.
+enum class FilmedKind { Recording, Snapshot, SnapshotWithoutField };
+
+// The recording that is filmed, from a pass over its facts, or the snapshot (scene_snapshot.h).
 struct FilmedRecording {
-  Instant first = {};     // time stamp of the first frame
-  double duration_s = 0;  // from the first frame to the last
+  Instant first = {};     // time stamp of the recording's first frame, from which scene times count
+  double begin_s = 0;     // of a snapshot: its own first frame
+  double duration_s = 0;  // from the recording's first frame to the last
   double framerate_hz = 30;
   int width = 0, height = 0;
   bool has_poses = false;
+  FilmedKind kind = FilmedKind::Recording;
+
+  bool is_snapshot() const { return kind != FilmedKind::Recording; }
 };
 // Errors: those of open_recording. A damaged recording counts as far as it can be read.
 Result<FilmedRecording> look_through(Storage& storage, const std::string& path);
@@ -56,11 +62,14 @@ struct FilmPlan {
   double scene_s(int frame) const { return frozen ? begin_s : begin_s + playback_s(frame) * speed; }
 };
 
-// Errors: Invalid, naming the flag and what it takes; those of reading a path.
+// fit: of the run that films a recording; a snapshot's is done. Errors: Invalid, naming the flag and what it
+// takes; those of reading a path.
 Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const Settings::Fit& fit,
                            const FilmedRecording& recording);
 
-// Memory for the frames that the virtual camera keeps, and for its own pictures.
+// Memory for the virtual camera's own pictures.
+std::uint64_t view_bytes(const FilmPlan& plan);
+// The same, and for the frames that it keeps of a recording.
 std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording);
 
 }  // namespace hdrcam

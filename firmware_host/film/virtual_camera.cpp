@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "online/mu_law.h"
 #include "render/views/re_exposure.h"
 #include "render/white_balance.h"
 
@@ -33,7 +32,7 @@ void side_by_side(const Image<T>& left, const Image<T>& right, Image<T>& both) {
 
 VirtualCamera::VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance,
                              WorkerPool& pool)
-    : plan_(plan), balance_(balance), pool_(pool), edges_(pool), motion_(pool), renderer_(pool) {}
+    : plan_(plan), balance_(balance), maker_(pool), renderer_(pool) {}
 
 Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& estimate,
                                  const Response& response, const Show& show) {
@@ -42,18 +41,27 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
     key = std::make_unique<Keyframe>();
   else
     key = std::move(spare_.back()), spare_.pop_back();
-  take_keyframe(frame, estimate, pool_, own_view_, *key);
-  constexpr float kDark = 1 / kPsnrMu;  // of white: differences below it are noise
-  edges_.follow(key->frame.radiance, kDark * key->frame.white, {}, key->inverse_depth);
-  if (!keys_.empty()) motion_.match(*keys_.back(), *key);
+  take_keyframe(frame, estimate, *key);
+  field_ = estimate.field.snapshot();
+  maker_.complete(field_, keys_.empty() ? nullptr : keys_.back().get(), *key);
   steady_.add(key->time_s, key->T_world_camera, key->world);
   keys_.push_back(std::move(key));
-  field_ = estimate.field.snapshot();
   response_ = response;
   copy(estimate.frame, input_);
   while (!done() && ready(shown_)) TRY(film(show));
   drop_old();
   return {};
+}
+
+void VirtualCamera::take(SceneSnapshot& scene) {
+  for (const PathPose& pose : scene.path) steady_.add(pose.time_s, pose.T_world_camera, pose.world);
+  for (Keyframe& key : scene.frames) {
+    steady_.add(key.time_s, key.T_world_camera, key.world);
+    keys_.push_back(std::make_unique<Keyframe>(std::move(key)));
+  }
+  if (scene.field != nullptr) field_ = SnapshotHold(*scene.field);
+  response_ = scene.response;
+  copy(scene.input, input_);
 }
 
 Result<void> VirtualCamera::finish(const Show& show) {

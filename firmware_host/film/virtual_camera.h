@@ -1,7 +1,7 @@
 // A virtual camera in the scene of a recording: it takes the run's HDR frames as they are emitted and films
 // them anew as planned, from its own place, at its own moments, with its own shutter and size
 // (render/views/). It keeps the frames that its next moments lie between, and renders each film frame as soon
-// as they are there. Thread-bound.
+// as they are there. Or it takes a scene that was saved, all at once (scene_snapshot.h). Thread-bound.
 #pragma once
 
 #include <deque>
@@ -10,11 +10,11 @@
 #include <optional>
 
 #include "firmware_host/film/film_plan.h"
+#include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/film/steady_path.h"
 #include "firmware_host/sinks/run_record.h"
 #include "online/online_stage.h"
-#include "render/views/depth_edges.h"
-#include "render/views/keyframe_motion.h"
+#include "render/views/keyframe_maker.h"
 #include "render/views/view_renderer.h"
 
 namespace hdrcam {
@@ -30,6 +30,8 @@ class VirtualCamera {
   // Errors: those of show.
   Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const Response& response,
                     const Show& show);
+  // The frames and the field of a saved scene, instead of a run's. Its field outlives the camera.
+  void take(SceneSnapshot& scene);
   // Films the remaining moments from the last frames. Errors: those of show.
   Result<void> finish(const Show& show);
 
@@ -58,9 +60,7 @@ class VirtualCamera {
 
   const FilmPlan plan_;
   const std::optional<ChannelGains> balance_;
-  WorkerPool& pool_;
-  DepthEdges edges_;
-  KeyframeMotion motion_;
+  KeyframeMaker maker_;
   ViewRenderer renderer_;
   SteadyPath steady_;
   std::deque<std::unique_ptr<Keyframe>> keys_;
@@ -68,7 +68,6 @@ class VirtualCamera {
   SnapshotHold field_;  // the newest, of the newest keyframe's world
   std::optional<Response> response_;
   ExposedFrame input_;
-  FieldPicture own_view_;
   HdrFrame frame_, instant_, left_;
   Image<float> sum_;
   int shown_ = 0;

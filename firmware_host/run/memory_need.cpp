@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "capture/recorded_labels.h"
+#include "firmware_host/film/scene_keeper.h"
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/sinks/async_sink.h"
 
@@ -33,11 +34,16 @@ std::uint64_t recording_bytes(const CameraFacts& camera) {
          (kCodec + frame * static_cast<std::uint64_t>(RecordedLabels::kBeginning + 2));
 }
 
-std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use) {
+std::uint64_t sink_bytes(int width, int height, const Settings& settings) {
   const std::uint64_t frame = kQueuedFrame * pixels(width, height);
   std::uint64_t sinks = 0;
   for (const auto& [sink, path] : settings.output.paths)
-    if (!path.empty()) sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixels(width, height);
+    if (!path.empty() && sink != Settings::Output::kSnapshot)
+      sinks += frame * AsyncSink::slots_for(frame) + kWrittenFrame * pixels(width, height);
+  return sinks;
+}
+
+std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use) {
   const Knobs knobs = options_of(settings, use).knobs;
   std::uint64_t per_pixel = kState;
   if (look_ahead_of(knobs, height, width) > 1) per_pixel += kLongerLookAhead;
@@ -46,7 +52,11 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
     per_pixel += kBesideField +
                  kFieldFrame * static_cast<std::uint64_t>(knobs.hash_grid.window.frames + 2) / (step * step);
   }
-  return per_pixel * pixels(width, height) + sinks;
+  std::uint64_t scene = 0;
+  if (!settings.output.path(Settings::Output::kSnapshot).empty())
+    scene = kept_scene_bytes(width, height, knobs.hash_grid.window.frames,
+                             field_step_px(knobs.field_step, height, width));
+  return per_pixel * pixels(width, height) + scene + sink_bytes(width, height, settings);
 }
 
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {

@@ -76,6 +76,7 @@ OutputNeeds needs_of(const Settings::Output& output) {
     if (output.layers.*one.layer || is_written(output, one.sink)) needs.*one.need = true;
   needs.poses = is_written(output, "transforms") || is_written(output, "colmap");
   needs.points = is_written(output, "colmap");
+  needs.scene = is_written(output, Settings::Output::kSnapshot);
   return needs;
 }
 
@@ -108,6 +109,11 @@ Result<void> check_needs(const Settings& settings) {
     return Error{ErrorCode::Invalid,
                  "motion to the next frame is known once that frame is there; give --lookahead 1, or --set "
                  "look_ahead=1"};
+  if (settings.output.path(Settings::Output::kSnapshot) == kStandardOutput)
+    return Error{
+        ErrorCode::Invalid,
+        "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
+        "name a file"};
   for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
     if (is_written(settings.output, sink)) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
   const std::string shown = first_asked(settings.output, &MotionOrDepth::is_of_field);

@@ -19,6 +19,7 @@ struct OutputNeeds {
   bool field_flow = false;     // to both neighbours
   bool poses = false;          // which are tracked where the field is
   bool points = false;
+  bool scene = false;  // of which the field is a part
 
   bool shows_field() const { return depth || field_flow; }
 };

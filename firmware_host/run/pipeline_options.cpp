@@ -50,8 +50,8 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     options.render.depth = DepthLayer::Whole;
   else if (!settings.output.path("sheet").empty())
     options.render.depth = DepthLayer::Glance;
-  // a field that is to be seen, or that poses are tracked beside, is there whatever the preset
-  if ((shows_field(settings, use) || needs.poses) && fit.emit != EmitLayer::State)
+  // a field that is to be seen, to be saved, or that poses are tracked beside, is there whatever the preset
+  if ((shows_field(settings, use) || needs.scene || needs.poses) && fit.emit != EmitLayer::State)
     options.knobs.field = Knobs().field;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
@@ -65,7 +65,8 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
 FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {
   if (options.knobs.field == FieldKind::None) return FieldUse::None;
   // poses before and after a rest of the field would be of two worlds
-  const bool stays = shows_field(settings, use) || needs_of(settings.output).poses;
+  const OutputNeeds needs = needs_of(settings.output);
+  const bool stays = shows_field(settings, use) || needs.scene || needs.poses;
   return stays ? FieldUse::Seen : FieldUse::Fills;
 }
 

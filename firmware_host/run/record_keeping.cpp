@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <limits>
 
+#include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/governor.h"
 #include "firmware_host/run/pipeline.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "hal/core/counted.h"
 #include "render/scores/scores.h"
 
 namespace hdrcam {
@@ -87,6 +89,18 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   if (pipeline.kept_out() > 0)
     record.notes.push_back(fmt::format(
         "{} frame(s) kept out of the fit: exposure not proved, or pixels damaged", pipeline.kept_out()));
+}
+
+void add_findings(const VirtualCamera& film, RunRecord& record) {
+  record.film_from_field = film.filled_share();
+  record.notes.push_back(fmt::format("film: {}; {:.1f} % of their pixels filled by the field",
+                                     counted(film.shown(), "frame"), 100 * record.film_from_field));
+}
+
+Error stopped_film(const VirtualCamera& film, const FilmPlan& plan) {
+  return {ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
+                                              "complete",
+                                              film.shown(), plan.frames)};
 }
 
 Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {

@@ -15,6 +15,8 @@ namespace hdrcam {
 
 class Governor;
 class Pipeline;
+class VirtualCamera;
+struct FilmPlan;
 
 constexpr std::size_t kFramesKept = 2048;  // the latest records of frames, of a run on a camera
 
@@ -28,6 +30,10 @@ FrameRecord& keep(const FrameRecord& frame, RunPace pace, RunRecord& record);
 void add_deadline(const Governor& governor, RunRecord& record);
 // The camera parameters that the method estimated.
 void add_findings(const Pipeline& pipeline, RunRecord& record);
+// How much of a film the field filled.
+void add_findings(const VirtualCamera& film, RunRecord& record);
+// Interrupted: what a film says that the user stopped.
+Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
 // The scores of the HDR frames on disk, where the plan has a clip with ground truth. Errors: those of
 // score_clip.
 Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record);

@@ -5,6 +5,7 @@
 #include <future>
 #include <utility>
 
+#include "firmware_host/film/scene_keeper.h"
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/backend.h"
 #include "firmware_host/run/deadline.h"
@@ -58,6 +59,7 @@ class Run {
   Result<void> give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, FrameRecord& kept);
   void tell_response();
   void ask_for_exposures(const FrameEstimate& estimate, FrameRecord& kept);
+  Result<void> save_scene();
   Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made);
   Result<void> stopped_film() const;
 
@@ -78,6 +80,7 @@ class Run {
   Pipeline pipeline_;
   SinkSet sinks_;
   std::optional<NovelViews> novel_views_;
+  std::optional<SceneKeeper> scene_;  // that is saved at the end
   std::optional<VirtualCamera> film_;
   const VirtualCamera::Show show_;     // a film frame to the sinks
   std::optional<Governor> governor_;   // none without a deadline
@@ -85,11 +88,15 @@ class Run {
   RunRecord record_;
   std::size_t responses_told_;  // to the source
   Stopwatch between_shows_;
+  std::string saved_;  // a line about the scene, once it is saved
 };
 
-// Films and scores look at the field, whatever the settings show of it.
-FieldUse field_use_of(const RunPlan& plan) {
-  return !plan.truth.empty() || plan.film != nullptr ? FieldUse::Seen : FieldUse::Fills;
+// Films and scores look at the field, whatever the settings show of it. A recording waits for a scene that is
+// saved as a film would have it; of a camera it is what the frames leave time for.
+FieldUse field_use_of(const RunPlan& plan, RunPace pace) {
+  const bool saves = !plan.settings.output.path(Settings::Output::kSnapshot).empty();
+  const bool seen = !plan.truth.empty() || plan.film != nullptr || (saves && pace == RunPace::Clip);
+  return seen ? FieldUse::Seen : FieldUse::Fills;
 }
 
 Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameSource& source,
@@ -101,7 +108,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       progress_(progress),
       camera_(source.camera()),
       pace_(source.pace()),
-      use_(field_use_of(plan)),
+      use_(field_use_of(plan, pace_)),
       options_(options_of(plan.settings, use_)),
       pool_(thread_count(plan.settings.fit),
             pace_ == RunPace::Camera ? ThreadPriority::Background : ThreadPriority::Usual),
@@ -115,6 +122,8 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
   pipeline_.set_trace(plan.trace);
   pipeline_.set_left_out([this] { ++record_.left_out, source_.left_out(); });
   if (plan.film != nullptr) film_.emplace(*plan.film, balance, pool_);
+  if (plan.film == nullptr && !plan.settings.output.path(Settings::Output::kSnapshot).empty())
+    scene_.emplace(options_.knobs.hash_grid.window.frames, pool_);  // what the field knows of
 }
 
 Result<void> Run::to_end(std::string& where) {
@@ -126,7 +135,7 @@ Result<void> Run::to_end(std::string& where) {
   TRY(source_.start());
   const Result<void> worked = take_frames();
   Result<void> ended = conclude(worked, wall);
-  where = sinks_.whole_outputs(storage_);
+  where = sinks_.whole_outputs(storage_) + saved_;
   if (plan_.record != nullptr) *plan_.record = std::move(record_);
   return ended;
 }
@@ -163,6 +172,7 @@ Result<void> Run::take_frames() {
   };
   const RawFrame* frame = nullptr;
   while (!(film_ && film_->done()) && (frame = TRY(source_.next())) != nullptr) {
+    if (scene_ && record_.captured == 0) scene_->begin(frame->facts.timestamp);
     ++record_.captured;
     const TraceSpan span(plan_.trace, "frame", static_cast<std::int64_t>(frame->facts.sequence));
     TRY(pipeline_.take(*frame, governor_ ? governor_->next() : options_.knobs.budget, deliver));
@@ -191,6 +201,7 @@ Result<void> Run::deliver(HdrFrame& hdr, const FrameEstimate& estimate, const Fr
 // To the film, which shows its own frames, or to the sinks.
 Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, FrameRecord& kept) {
   Stopwatch watch;
+  if (scene_) scene_->take(hdr, estimate);
   if (film_) {
     TRY(film_->take(hdr, estimate, sensor().response(), show_));
   } else {
@@ -198,10 +209,20 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
     const bool previews = !governor_ || governor_->previews();
     TRY(sinks_.emit({hdr, estimate.frame, kept}, previews ? Previews::Written : Previews::LeftOut));
   }
-  if (sinks_.empty()) return {};
+  if (sinks_.empty() && !scene_) return {};
   const double ms = watch.lap_ms();
   kept.stages_ms.push_back({name(Stage::Sinks), ms});
   kept.total_ms += ms;
+  return {};
+}
+
+Result<void> Run::save_scene() {
+  if (!scene_ || scene_->frames() == 0) return {};
+  const std::string& path = plan_.settings.output.path(Settings::Output::kSnapshot);
+  const std::string frames = counted(scene_->frames(), "frame");
+  TRY(scene_->save(storage_, path, camera_, sensor().response()));
+  record_.notes.push_back(fmt::format("snapshot: the scene of the last {}", frames));
+  saved_ = fmt::format("{}: the scene of the last {}\n", path, frames);
   return {};
 }
 
@@ -235,9 +256,7 @@ Result<void> Run::show(HdrFrame& hdr, const ExposedFrame& input, const FrameReco
 // Interrupted if the user stopped the run before the end of the film.
 Result<void> Run::stopped_film() const {
   if (plan_.stop == nullptr || !*plan_.stop || film_->done()) return {};
-  return Error{ErrorCode::Interrupted, fmt::format("stopped after {} of {} frames of the film; they are "
-                                                   "complete",
-                                                   film_->shown(), plan_.film->frames)};
+  return hdrcam::stopped_film(*film_, *plan_.film);
 }
 
 Backlog Run::backlog() const {
@@ -247,15 +266,12 @@ Backlog Run::backlog() const {
 // The end: completes the files, then writes the outputs about the whole run.
 Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
+  if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;
   if (!backend_.note.empty()) record_.notes.push_back(backend_.note);
   if (governor_) add_deadline(*governor_, record_);
   add_findings(pipeline_, record_);
   if (choice_) record_.notes.push_back(choice_->summary());
-  if (film_) {
-    record_.film_from_field = film_->filled_share();
-    record_.notes.push_back(fmt::format("film: {}; {:.1f} % of their pixels filled by the field",
-                                        counted(film_->shown(), "frame"), 100 * record_.film_from_field));
-  }
+  if (film_) add_findings(*film_, record_);
   close_record(pace_, wall.lap_ms() / 1e3, record_);
   const Result<void> ended = source_.finish(record_);
   if (worked && ended) worked = add_scores(plan_, storage_, record_);

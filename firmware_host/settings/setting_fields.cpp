@@ -119,15 +119,20 @@ SettingField words(const char* key, const char* flag, const char* about, const c
   return field;
 }
 
-SettingField path_of(const SinkKind& sink) {
+SettingField path_of(const std::string& name, const char* flag, const char* about) {
   SettingField field;
-  const std::string name = sink.name;
-  field.key = "output." + name, field.flag = sink.flag, field.about = sink.about, field.unset = "none";
-  field.names_file = sink.target != SinkTarget::Address;
+  field.key = "output." + name, field.flag = flag, field.about = about, field.unset = "none";
+  field.names_file = true;
   field.read = [name](const Settings& s) -> SettingValue { return s.output.path(name); };
   field.write = [name](Settings& s, const SettingValue& path) {
     s.output.paths[name] = std::get<std::string>(path);
   };
+  return field;
+}
+
+SettingField path_of(const SinkKind& sink) {
+  SettingField field = path_of(sink.name, sink.flag, sink.about);
+  field.names_file = sink.target != SinkTarget::Address;
   return field;
 }
 
@@ -367,12 +372,15 @@ SettingField white_balance_field() {
   return field;
 }
 
-// First the path of each sink, then the settings of the frames.
+// First the path of each sink and of the snapshot, then the settings of the frames.
 std::vector<SettingField> output_fields() {
   using O = Settings::Output;
   using L = ExrLayers;
   std::vector<SettingField> fields;
   for (const SinkKind& sink : sink_kinds()) fields.push_back(path_of(sink));
+  fields.push_back(path_of(
+      O::kSnapshot, "--snapshot",
+      "the scene of the last frames, for 'hdrcam render' to film without the recording: scene.hdrscene"));
   fields.push_back(words<&Settings::output, &O::layers>(
       "output.layers", "--layers",
       "more EXR channels; flow is the state's motion to the previous frame, field_flow the field's", "none",

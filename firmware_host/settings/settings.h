@@ -74,7 +74,9 @@ struct Settings {
     std::map<std::string, std::string> knobs;
   } fit;
   struct Output {
-    // Output path by the name of the sink (sinks/sink_table.h); "" or missing: not wanted.
+    // Output path by the name of the sink (sinks/sink_table.h), and that of the scene's snapshot; "" or
+    // missing: not wanted.
+    static constexpr const char* kSnapshot = "snapshot";
     std::map<std::string, std::string, std::less<>> paths;
     ExrLayers layers;
     FrameCompression compression = FrameCompression::Auto;

@@ -171,6 +171,8 @@ std::vector<std::string> SettingsFlags::given(const std::vector<std::string>& ke
   for (const auto& [field, option] : given_->flags)
     if (option->count() > 0 && std::ranges::find(keys, field->key) != keys.end())
       flags.push_back(option->get_name());
+  if (!given_->assignments.empty() && std::ranges::find(keys, "knobs") != keys.end())
+    flags.emplace_back("--set");
   return flags;
 }
 

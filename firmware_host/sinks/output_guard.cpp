@@ -113,7 +113,7 @@ Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
   const std::string extension = lower_extension(path);
   const bool own = kind == OutputKind::Picture && extension == ".png";
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
-                    (kind != OutputKind::Document && describes_work(path));
+                    extension == ".hdrscene" || (kind != OutputKind::Document && describes_work(path));
   if (own || !work) return {};
   return Error{ErrorCode::Invalid,
                fmt::format("{} '{}' would replace {}; name another file", place.words, place.path,

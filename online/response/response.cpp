@@ -22,6 +22,19 @@ Response::Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 
     const float scale = 1 / x[kCodes - 1];
     for (float& value : x) value *= scale;
   }
+  build_slope();
+  build_forward();
+}
+
+Response Response::of_curves(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty) {
+  Response response(inverse, uncertainty);
+  response.inverse_ = inverse;  // the least steps of a scaled one may be smaller than those of a new one
+  response.build_slope();
+  response.build_forward();
+  return response;
+}
+
+void Response::build_slope() {
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& x = inverse_[c];
     for (int z = 0; z < kCodes; ++z) {
@@ -30,7 +43,6 @@ Response::Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 
           (x[static_cast<std::size_t>(hi)] - x[static_cast<std::size_t>(lo)]) / static_cast<float>(hi - lo);
     }
   }
-  build_forward();
 }
 
 void Response::build_forward() {

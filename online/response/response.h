@@ -18,6 +18,8 @@ class Response {
   // means "below x(1)", never 0. uncertainty: [rgb][code] one sigma of ln x; none where the curve is
   // known.
   explicit Response(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty = {});
+  // Of the curves that another one has, unchanged.
+  static Response of_curves(const std::array<Curve, 3>& inverse, const std::array<Curve, 3>& uncertainty);
   static Response linear();
   static Response gamma(float exponent);  // x = (z / 255) ^ exponent
 
@@ -31,9 +33,11 @@ class Response {
   float code_of(int channel, float x) const;
 
   const Curve& inverse(int channel) const { return inverse_[static_cast<std::size_t>(channel)]; }
+  const Curve& uncertainty(int channel) const { return uncertainty_[static_cast<std::size_t>(channel)]; }
 
  private:
   static constexpr int kForward = 2048;  // segments of the forward table, uniform in sqrt(x)
+  void build_slope();
   void build_forward();
 
   std::array<Curve, 3> inverse_{};

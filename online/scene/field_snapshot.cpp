@@ -12,4 +12,8 @@ SceneView reduced(const SceneView& view, int step) {
   return small;
 }
 
+Result<void> FieldSnapshot::save(SectionWriter&) const {
+  return Error{ErrorCode::Unsupported, "this kind of field cannot be saved"};
+}
+
 }  // namespace hdrcam

@@ -11,10 +11,13 @@
 #include "hal/core/frame.h"
 #include "hal/core/geometry.h"
 #include "hal/core/image.h"
+#include "hal/core/result.h"
 #include "hal/core/worker_pool.h"
 #include "online/pictures/flow_field.h"
 
 namespace hdrcam {
+
+class SectionWriter;  // hal/sections/section_file.h
 
 // Pose, time, lens and size of a picture. Pixels of the view are those of its lens, centres at +0.5.
 struct SceneView {
@@ -53,6 +56,9 @@ class FieldSnapshot {
 
   // Renders the view. Reentrant, each caller with its own picture and pool.
   virtual void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const = 0;
+  // Adds all that look() needs to a file (scene_fields.h reads it). Reentrant. Errors: those of the disk;
+  // Unsupported where this kind of field has no place in a file.
+  virtual Result<void> save(SectionWriter& file) const;
   bool is_held() const { return holders_.load(std::memory_order_acquire) > 0; }
 
  private:

@@ -1,5 +1,6 @@
 #include "online/scene/scene_fields.h"
 
+#include "hal/sections/section_file.h"
 #include "online/scene/hash_grid/hash_grid_field.h"
 
 namespace hdrcam {
@@ -22,6 +23,11 @@ std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions&
                                              setup.gpu);
   }
   return nullptr;
+}
+
+Result<std::unique_ptr<FieldSnapshot>> load_field(SectionReader& file, GpuDevice* gpu) {
+  if (TRY(file.next()) == HashGridSnapshot::kSection) return HashGridSnapshot::load(file, gpu);
+  return file.wrong("no kind of field is called so");
 }
 
 }  // namespace hdrcam

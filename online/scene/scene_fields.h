@@ -7,6 +7,7 @@
 
 namespace hdrcam {
 
+class SectionReader;  // hal/sections/section_file.h
 struct FieldOptions;  // hash_grid/fit/field_options.h
 
 enum class FieldKind { None, HashGrid };
@@ -28,5 +29,9 @@ struct SceneSetup {
 // Returns null for None: the state alone.
 std::unique_ptr<SceneField> make_scene_field(FieldKind kind, const FieldOptions& hash_grid,
                                              const SceneSetup& setup, WorkerPool& pool);
+
+// The field that FieldSnapshot::save wrote, from where the file stands. gpu: which looks, null for the
+// processor; outlives the field. Errors: those of SectionReader; Corrupt for values that cannot be.
+Result<std::unique_ptr<FieldSnapshot>> load_field(SectionReader& file, GpuDevice* gpu);
 
 }  // namespace hdrcam

@@ -2,8 +2,7 @@
 
 namespace hdrcam {
 
-void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerPool& pool,
-                   FieldPicture& picture, Keyframe& key) {
+void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, Keyframe& key) {
   copy_picture(frame, key.frame);
   if (estimate.to_previous != nullptr)
     key.frame.flow.copy_from(estimate.to_previous->vectors);
@@ -16,14 +15,7 @@ void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerP
   key.world = estimate.world;
   key.lens = estimate.view.lens;
   key.depth_unit = estimate.depth_unit;
-  key.inverse_depth.reshape(1, frame.radiance.rows(), frame.radiance.cols());
-  if (!estimate.field) {
-    key.inverse_depth.fill(1);
-    return;
-  }
-  estimate.field->look(estimate.view, pool, picture);
-  for (std::size_t i = 0; i < key.inverse_depth.size(); ++i)
-    key.inverse_depth.samples()[i] = 1 / (picture.depth.samples()[i] * estimate.depth_unit);
+  key.inverse_depth.reshape(0, 0, 0);
 }
 
 RigidTransform between(const RigidTransform& T_world_a, const RigidTransform& T_world_b, double share) {

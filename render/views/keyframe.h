@@ -22,10 +22,9 @@ struct Keyframe {
   FlowField from_previous;     // from the keyframe before to this one; empty at the first
 };
 
-// frame: as emitted for the estimate; picture: buffers, reused. Reads the estimate's field for the depth and
-// leaves the motion empty (keyframe_motion.h).
-void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, WorkerPool& pool,
-                   FieldPicture& picture, Keyframe& key);
+// frame: as emitted for the estimate. Copies it with its camera and leaves depth and motion empty
+// (keyframe_maker.h).
+void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, Keyframe& key);
 
 // The camera between two keyframes, 0 at a and 1 at b; outside, the motion goes on.
 RigidTransform between(const RigidTransform& T_world_a, const RigidTransform& T_world_b, double share);

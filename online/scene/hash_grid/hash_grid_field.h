@@ -4,9 +4,12 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "hal/gpu/gpu_device.h"
+#include "hal/sections/section_file.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/scene/scene_field.h"
 
@@ -19,8 +22,21 @@ class HashGridSnapshot final : public FieldSnapshot {
 
   void look(const SceneView& view, WorkerPool& pool, FieldPicture& picture) const override;
 
+  static constexpr std::string_view kSection = "hash grid";  // the first that save() adds
+  Result<void> save(SectionWriter& file) const override;
+  // The file stands in that section. As load_field().
+  static Result<std::unique_ptr<FieldSnapshot>> load(SectionReader& file, GpuDevice* gpu);
+
  private:
   friend class HashGridField;
+  HashGridSnapshot(std::vector<std::unique_ptr<WindowFrame>> own_frames, WindowFrames window,
+                   FieldNetworks<float> networks, GpuDevice* gpu)
+      : own_frames_(std::move(own_frames)),
+        window_(std::move(window)),
+        networks_(std::move(networks)),
+        gpu_(gpu) {}
+
+  std::vector<std::unique_ptr<WindowFrame>> own_frames_;  // of a loaded one; else they are the field's
   WindowFrames window_;
   FieldNetworks<float> networks_;
   int samples_per_ray_ = 1;

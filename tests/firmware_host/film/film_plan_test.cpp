@@ -58,6 +58,22 @@ TEST_CASE("a moment is one frame, a part has its own beginning and end", "[film]
   CHECK(part.scene_s(0) == 0.5);
   CHECK_FALSE(part.frozen);
   CHECK(planned({.time = "500ms..1.5s"}).value().scene_s(0) == 0.5);
+  CHECK(planned({.time = "end"}).value().scene_s(0) == 2);
+  CHECK(planned({.time = "1.5..end"}).value().frames == 16);
+}
+
+TEST_CASE("a film of a snapshot spans the snapshot's own times, and needs its field for another view",
+          "[film]") {
+  FilmedRecording snapshot = kWalk;
+  snapshot.begin_s = 1.5, snapshot.kind = FilmedKind::Snapshot;
+  const FilmPlan plan = planned({}, snapshot).value();
+  CHECK(plan.scene_s(0) == 1.5);
+  CHECK(plan.frames == 16);
+  CHECK(planned({.view = "0.1,0,0", .time = "1.5"}, snapshot).ok());
+  CHECK_THAT(refusal({.time = "1.4"}, snapshot), Contains("outside the snapshot, which spans 1.5 to 2 s"));
+  snapshot.kind = FilmedKind::SnapshotWithoutField;
+  CHECK(planned({.time = "1.6"}, snapshot).ok());
+  CHECK_THAT(refusal({.view = "0.1,0,0"}, snapshot), Contains("the snapshot was saved without one"));
 }
 
 TEST_CASE("the times of a film count from the time stamp of the recording's first frame", "[film]") {

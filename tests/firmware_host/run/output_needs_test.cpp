@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "firmware_host/run/pipeline_options.h"
+
 #include <catch2/catch.hpp>
 
 namespace hdrcam {
@@ -81,6 +83,19 @@ TEST_CASE("motion is found among the layers and among the outputs of its own") {
   CHECK(motion_output(output) == "--layers flow_forward");
   output.paths["flow_backward"] = "back/%06d.flo";
   CHECK(motion_output(output) == "--flow-backward");
+}
+
+TEST_CASE(
+    "a scene that is saved has a field whatever the preset, which stays, and none where that is asked for") {
+  Settings settings;
+  settings.fit.preset = Preset::Realtime;
+  const auto field = [&] { return options_of(settings, FieldUse::Fills).knobs.field; };
+  CHECK(field() == FieldKind::None);
+  settings.output.paths[Settings::Output::kSnapshot] = "scene.hdrscene";
+  CHECK(field() == FieldKind::HashGrid);
+  CHECK(field_use(settings, options_of(settings, FieldUse::Fills), FieldUse::Fills) == FieldUse::Seen);
+  settings.fit.emit = EmitLayer::State;
+  CHECK(field() == FieldKind::None);
 }
 
 }  // namespace

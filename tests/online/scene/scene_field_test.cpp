@@ -5,9 +5,11 @@
 #include <cstring>
 #include <thread>
 
+#include "hal/sections/section_file.h"
 #include "online/scene/scene_fields.h"
 #include "render/render_stage.h"
 #include "tests/online/scene/hash_grid/fit/fit_stream.h"
+#include "tests/support/scratch_folder.h"
 
 #include <catch2/catch.hpp>
 
@@ -141,6 +143,52 @@ TEST_CASE("a snapshot that is held stays as it was, whatever the field learns me
   CHECK(same(before.depth, after.depth));
   CHECK(same(before.flow[0], after.flow[0]));
   CHECK_FALSE(same(before.radiance, now.radiance));
+}
+
+TEST_CASE(
+    "a snapshot that is saved and loaded shows what it showed, from any view and at any time, to the bit",
+    "[field]") {
+  const double step = GENERATE(0., 0.3);  // of the camera, near planes a frame
+  constexpr SectionFormat kFormat{.what = "a field",
+                                  .magic = {'f', 'i', 'e', 'l', 'd', ' ', ' ', ' '},
+                                  .version = 1,
+                                  .mend = "save it again"};
+  const std::string path = test::scratch_folder("field_saved") + "/field";
+  WorkerPool pool(1);
+  Told told;
+  const auto field = told.hash_grid(pool);
+  FitBudget budget = FitStream::small_budget();
+  budget.steps = 10;
+  for (int i = 0; i < 9; ++i) {
+    told.pose.T_world_camera.t = {step * i, 0, 0};
+    told.take(*field, i), field->fit(budget);
+  }
+  const SnapshotHold held = field->snapshot();
+  auto writer = SectionWriter::create(posix_storage(), path, kFormat);
+  REQUIRE(writer.ok());
+  REQUIRE(held->save(*writer).ok());
+  REQUIRE(writer->finish().ok());
+  auto reader = SectionReader::open(posix_storage(), path, kFormat);
+  REQUIRE(reader.ok());
+  const auto loaded = load_field(*reader, nullptr);
+  REQUIRE(loaded.ok());
+  CHECK(reader->end_of_file().ok());
+  for (const double aside : {0., 0.2})
+    for (const double earlier_s : {0., 0.015, 0.1}) {
+      CAPTURE(aside, earlier_s);
+      SceneView view = told.view();
+      view.T_world_camera = told.pose.T_world_camera;
+      view.T_world_camera.t.x() += aside;
+      view.time_s -= earlier_s;
+      FieldPicture before, after;
+      held->look(view, pool, before);
+      loaded.value()->look(view, pool, after);
+      CHECK(same(before.radiance, after.radiance));
+      CHECK(same(before.depth, after.depth));
+      CHECK(same(before.flow[0], after.flow[0]));
+      CHECK(same(before.flow[1], after.flow[1]));
+      CHECK(same(before.confidence, after.confidence));
+    }
 }
 
 TEST_CASE("one thread looks while another fits, and sees what it would have seen alone", "[field]") {

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "hal/core/image.h"
@@ -83,12 +84,17 @@ struct WindowOptions {
 class WindowFrames {
  public:
   explicit WindowFrames(const WindowFrustum& frustum) : frustum_(frustum) {}
+  // Of given frames, which outlive it.
+  WindowFrames(const WindowFrustum& frustum, const RigidTransform& T_world_anchor,
+               std::vector<WindowFrame*> frames)
+      : frustum_(frustum), T_world_anchor_(T_world_anchor), order_(std::move(frames)) {}
 
   int size() const { return static_cast<int>(order_.size()); }
   const WindowFrame& frame(int i) const { return *order_[static_cast<std::size_t>(i)]; }
   const WindowFrame& newest() const { return frame(size() - 1); }
   int nearest(double time_s) const;  // position of the frame nearest in time
   const WindowFrustum& frustum() const { return frustum_; }
+  const RigidTransform& T_world_anchor() const { return T_world_anchor_; }
   RigidTransform T_anchor_camera(const RigidTransform& T_world_camera) const;
   // whether poses differ by a translation that shifts the near plane by half a pixel or more
   bool has_parallax() const;

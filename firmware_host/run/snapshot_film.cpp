@@ -1,0 +1,122 @@
+#include "firmware_host/run/snapshot_film.h"
+
+#include <fmt/format.h>
+
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "firmware_host/film/virtual_camera.h"
+#include "firmware_host/run/backend.h"
+#include "firmware_host/run/output_needs.h"
+#include "firmware_host/run/progress.h"
+#include "firmware_host/run/record_keeping.h"
+#include "firmware_host/sinks/earlier_frames.h"
+#include "firmware_host/sinks/sink_set.h"
+#include "firmware_host/terminal.h"
+#include "hal/core/counted.h"
+#include "hal/core/cpu.h"
+#include "hal/core/stopwatch.h"
+#include "hal/core/thread_name.h"
+#include "render/white_balance.h"
+
+namespace hdrcam {
+namespace {
+
+class SnapshotFilm {
+ public:
+  // All outlives the film.
+  SnapshotFilm(const RunPlan& plan, SceneSnapshot& scene, const std::optional<ChannelGains>& balance,
+               Storage& storage)
+      : plan_(plan),
+        scene_(scene),
+        storage_(storage),
+        pool_(thread_count(plan.settings.fit), ThreadPriority::Usual),
+        film_(*plan.film, balance, pool_),
+        record_(opened_record(plan, scene.camera, RunPace::Clip, pool_.threads())) {
+    if (plan.progress != nullptr) progress_.emplace(plan.progress, plan.film->frames);
+  }
+
+  // where: a list of the outputs, for the user.
+  Result<void> to_end(const std::string& note, std::string& where) {
+    TRY(open_outputs());
+    Stopwatch wall;
+    film_.take(scene_);
+    between_shows_ = {};
+    Result<void> worked = film_.finish([this](HdrFrame& hdr, const ExposedFrame& input,
+                                              const FrameRecord& made) { return show(hdr, input, made); });
+    if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
+    if (!note.empty()) record_.notes.push_back(note);
+    add_findings(film_, record_);
+    record_.response =
+        ResponseCurves{scene_.response->inverse(0), scene_.response->inverse(1), scene_.response->inverse(2)};
+    close_record(RunPace::Clip, wall.lap_ms() / 1e3, record_);
+    record_.sinks = sinks_.times();
+    if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
+    where = sinks_.whole_outputs(storage_);
+    if (plan_.record != nullptr) *plan_.record = std::move(record_);
+    return worked;
+  }
+
+ private:
+  Result<void> open_outputs() {
+    const Settings::Output& output = plan_.settings.output;
+    CameraFacts filming = scene_.camera;
+    filming.framerate_hz = plan_.film->framerate_hz;
+    sinks_ = TRY(SinkSet::open(plan_.sinks, output.paths,
+                               {"", filming, output.layers, compression_of(output, RunPace::Clip),
+                                plan_.settings.video, storage_, output.http_token, nullptr, plan_.trace},
+                               RunPace::Clip));
+    return {};
+  }
+
+  Result<void> show(HdrFrame& hdr, const ExposedFrame& input, const FrameRecord& made) {
+    ++record_.captured;
+    FrameRecord& kept = keep(made, RunPace::Clip, record_);
+    TRY(sinks_.emit({hdr, input, made}));
+    kept.total_ms = between_shows_.lap_ms();
+    if (progress_) progress_->frame_done(kept.total_ms, std::nullopt);
+    if (plan_.stop == nullptr || !*plan_.stop || film_.done()) return {};
+    return stopped_film(film_, *plan_.film);
+  }
+
+  const RunPlan& plan_;
+  SceneSnapshot& scene_;
+  Storage& storage_;
+  WorkerPool pool_;
+  VirtualCamera film_;
+  SinkSet sinks_;
+  RunRecord record_;
+  std::optional<Progress> progress_;  // none where nobody looks
+  Stopwatch between_shows_;
+};
+
+Result<void> load_and_film(const RunPlan& plan, const std::string& snapshot, Storage& storage,
+                           std::string& where) {
+  const Backend backend = open_backend(plan.settings.fit.backend);
+  SceneSnapshot scene = TRY(load_scene(storage, snapshot, backend.gpu.get()));
+  const WhiteBalance wanted = parse_white_balance(plan.settings.output.white_balance).value();
+  const std::optional<ChannelGains> balance = TRY(white_balance_gains(wanted, scene.camera));
+  SnapshotFilm film(plan, scene, balance, storage);
+  return film.to_end(backend.note, where);
+}
+
+}  // namespace
+
+Result<void> film_snapshot(const RunPlan& plan, const std::string& snapshot, Storage& storage) {
+  const std::vector<EarlierFrames> earlier = earlier_frames(storage, plan.sinks, plan.settings.output.paths);
+  std::string where;
+  // of its own, because numbers are rounded there as in a run
+  std::future<Result<void>> work = std::async(std::launch::async, [&] {
+    name_this_thread("film");
+    flush_denormals();
+    return load_and_film(plan, snapshot, storage, where);
+  });
+  Result<void> ended = work.get();
+  for (const EarlierFrames& frames : earlier)
+    if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
+  if (plan.progress != nullptr) write_result_beside_frames(plan.settings.output, where);
+  return ended;
+}
+
+}  // namespace hdrcam

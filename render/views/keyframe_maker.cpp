@@ -1,0 +1,31 @@
+#include "render/views/keyframe_maker.h"
+
+#include "online/mu_law.h"
+
+namespace hdrcam {
+
+void KeyframeMaker::complete(const SnapshotHold& field, const Keyframe* before, Keyframe& key) {
+  constexpr float kDark = 1 / kPsnrMu;  // of white: differences below it are noise
+  take_depth(field, key);
+  edges_.follow(key.frame.radiance, kDark * key.frame.white, {}, key.inverse_depth);
+  if (before != nullptr) motion_.match(*before, key);
+}
+
+void KeyframeMaker::take_depth(const SnapshotHold& field, Keyframe& key) {
+  const int rows = key.frame.radiance.rows(), cols = key.frame.radiance.cols();
+  key.inverse_depth.reshape(1, rows, cols);
+  if (!field) {
+    key.inverse_depth.fill(1);
+    return;
+  }
+  field->look({.T_world_camera = key.T_world_camera,
+               .time_s = key.time_s,
+               .lens = key.lens,
+               .rows = rows,
+               .cols = cols},
+              pool_, own_view_);
+  for (std::size_t i = 0; i < key.inverse_depth.size(); ++i)
+    key.inverse_depth.samples()[i] = 1 / (own_view_.depth.samples()[i] * key.depth_unit);
+}
+
+}  // namespace hdrcam
