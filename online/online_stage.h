@@ -29,8 +29,8 @@ class OnlineStage {
   using Emit = std::function<Result<void>(const FrameEstimate&)>;
   using LeftOut = std::function<void()>;
 
-  // response: none where it is unknown and must be estimated. gpu: runs the state, fits and renders the
-  // field; null for the processor; outlives the stage.
+  // response: none where it is unknown and must be estimated. gpu: runs the flow and the state, fits and
+  // renders the field; null for the processor; outlives the stage.
   OnlineStage(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
               WorkerPool& pool, GpuDevice* gpu = nullptr);
 

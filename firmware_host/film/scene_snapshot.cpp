@@ -39,6 +39,7 @@ constexpr SectionFormat kFormat{.what = "a snapshot of a scene",
 constexpr std::string_view kHead = "scene", kResponse = "response", kInput = "input";
 constexpr int kLeastSide_px = 2, kMostSide_px = 16384;
 constexpr std::size_t kMostFrames = 14, kMostPath = 100000;
+constexpr double kLatest_s = 4e9;  // as time stamps are bounded (hal/core/sound_facts.h)
 
 using Curves = std::array<Response::Curve, 3>;
 
@@ -60,12 +61,15 @@ bool is_possible(const SceneHead& scene) {
   const CameraFacts& camera = scene.camera;
   for (const int side : {camera.width, camera.height})
     if (side < kLeastSide_px || side > kMostSide_px) return false;
-  if (objection_to(camera) || objection_to(scene.input.facts, nullptr)) return false;
+  FrameFacts begin;
+  begin.timestamp = scene.first;
+  if (objection_to(camera) || objection_to(begin, nullptr) || objection_to(scene.input.facts, nullptr))
+    return false;
   if (scene.frames.empty() || scene.frames.size() > kMostFrames || scene.path.size() > kMostPath)
     return false;
   double before_s = -std::numeric_limits<double>::infinity();
   const auto later = [&](double time_s) {
-    return std::isfinite(time_s) && time_s > std::exchange(before_s, time_s);
+    return std::abs(time_s) <= kLatest_s && time_s > std::exchange(before_s, time_s);
   };
   for (const PathPose& pose : scene.path)
     if (!later(pose.time_s) || !is_place(pose.T_world_camera)) return false;

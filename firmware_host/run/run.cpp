@@ -266,7 +266,6 @@ Backlog Run::backlog() const {
 // The end: completes the files, then writes the outputs about the whole run.
 Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   if (const Result<void> completed = sinks_.finish(); worked && !completed) worked = completed;
-  if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;
   if (!backend_.note.empty()) record_.notes.push_back(backend_.note);
   if (governor_) add_deadline(*governor_, record_);
   add_findings(pipeline_, record_);
@@ -274,6 +273,8 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   if (film_) add_findings(*film_, record_);
   close_record(pace_, wall.lap_ms() / 1e3, record_);
   const Result<void> ended = source_.finish(record_);
+  // depth and motion take their time: the camera and its recording have ended
+  if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;
   if (worked && ended) worked = add_scores(plan_, storage_, record_);
   record_.sinks = sinks_.times();
   if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;

@@ -115,9 +115,11 @@ Result<void> is_no_work_of_another_kind(const Place& place, OutputKind kind) {
   const bool work = is_footage(path) || extension == ".exr" || extension == ".flo" ||
                     extension == ".hdrscene" || (kind != OutputKind::Document && describes_work(path));
   if (own || !work) return {};
+  const char* replaced = describes_work(path)       ? "a clip or settings"
+                         : extension == ".hdrscene" ? "a saved scene"
+                                                    : "a picture or a recording";
   return Error{ErrorCode::Invalid,
-               fmt::format("{} '{}' would replace {}; name another file", place.words, place.path,
-                           describes_work(path) ? "a clip or settings" : "a picture or a recording")};
+               fmt::format("{} '{}' would replace {}; name another file", place.words, place.path, replaced)};
 }
 
 }  // namespace

@@ -82,6 +82,7 @@ Result<void> SectionWriter::finish() {
 }
 
 Result<bool> is_section_file(Storage& storage, const std::string& path, const SectionFormat& format) {
+  if (TRY(storage.look_at(path)).kind == FileKind::Folder) return false;
   const auto file = TRY(storage.open(path));
   std::array<char, kMagicLength> magic{};
   const std::size_t n = TRY(file->read_at(0, std::as_writable_bytes(std::span(magic))));

@@ -1,9 +1,8 @@
 // A file of named sections, each with its length and a checksum, so that a cut or damaged file is told before
 // anything of it is used, and no length is believed that the file cannot hold. Little-endian:
 //   file     magic [8], version u32, sections, the last of which is the empty one "end"
-//   section  name [16] padded with zeros, length u64, CRC-32 of the content u32, CRC-32 of these 28 bytes
-//   u32,
-//            content
+//   section  name [16] padded with zeros, length u64, CRC-32 of the content u32,
+//            CRC-32 of these 28 bytes u32, content
 // Checksums are zlib's, as in recordings. Thread-bound.
 #pragma once
 
@@ -52,7 +51,8 @@ class SectionWriter {
   std::uint64_t end_ = 0;
 };
 
-// Whether the file begins as one of this format. Errors: those of Storage::open and of reading.
+// Whether the file begins as one of this format; a folder does not. Errors: those of Storage::look_at,
+// Storage::open and of reading.
 Result<bool> is_section_file(Storage& storage, const std::string& path, const SectionFormat& format);
 
 class SectionReader {

@@ -39,7 +39,8 @@ class DenseFlow {
   virtual std::string fallback_reason() const { return {}; }
 };
 
-// gpu: where to run, null for the processor; it outlives the flow, as the pool does.
-std::unique_ptr<DenseFlow> make_dense_flow(WorkerPool& pool, GpuDevice* gpu);
+// For pictures of rows x cols pixels. gpu: where to run, null for the processor; it outlives the flow, as the
+// pool does. What keeps it from running there is in fallback_reason().
+std::unique_ptr<DenseFlow> make_dense_flow(int rows, int cols, WorkerPool& pool, GpuDevice* gpu);
 
 }  // namespace hdrcam

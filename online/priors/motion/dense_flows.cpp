@@ -3,9 +3,9 @@
 
 namespace hdrcam {
 
-std::unique_ptr<DenseFlow> make_dense_flow(WorkerPool& pool, GpuDevice* gpu) {
+std::unique_ptr<DenseFlow> make_dense_flow(int rows, int cols, WorkerPool& pool, GpuDevice* gpu) {
   if (gpu == nullptr) return std::make_unique<CpuFlow>(pool);
-  return std::make_unique<VulkanFlow>(pool, *gpu);
+  return std::make_unique<VulkanFlow>(rows, cols, pool, *gpu);
 }
 
 }  // namespace hdrcam

@@ -136,6 +136,9 @@ TEST_CASE("a snapshot is known by its content, and what only has its name is not
   refused({"render", folder + "/none.hdrscene", "-o", out}, ErrorCode::NotFound);
   CHECK_THAT(refused({"replay", other, "-o", out}, ErrorCode::NotRecording).err,
              Contains("is a snapshot of a scene, not a recording; 'hdrcam render' films it"));
+  for (const char* verb : {"replay", "render"})
+    CHECK_THAT(refused({verb, folder, "-o", out}, ErrorCode::NotRecording).err, Contains("is a folder"));
+  CHECK_THAT(refused({"info", folder}, ErrorCode::NotRecording).err, Contains("is a folder"));
 }
 
 TEST_CASE("a damaged or cut snapshot is one sentence of render and of info, and leaves no film", "[film]") {
@@ -194,7 +197,7 @@ TEST_CASE("a snapshot takes the place of an earlier one with --force only, and o
                  .err,
              Contains("would overwrite the snapshot that is read"));
   CHECK_THAT(refused({"replay", saved().clip, "-o", folder + "/%06d.exr", "--stats", scene}).err,
-             Contains("would replace a picture or a recording"));
+             Contains("would replace a saved scene"));
   words = {"replay", saved().clip, "--preset", "fast", "--snapshot", scene, "--force"};
   CHECK(ran_here(words).exit_code == 0);
   CHECK(ran_here({"info", scene}).exit_code == 0);

@@ -207,6 +207,8 @@ TEST_CASE("values that no scene has are refused, though their checksums are righ
   CHECK_THAT(told([](Written& w) { w.head.camera.width = 1 << 30; }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.camera.framerate_hz = 0; }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.frames[1].time_s = 0; }), kHead);
+  CHECK_THAT(told([](Written& w) { w.head.frames[2].time_s = 1e300; }), kHead);
+  CHECK_THAT(told([](Written& w) { w.head.first.since_boot = Duration::min(); }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.frames[2].T_world_camera.R.setZero(); }), kHead);
   CHECK_THAT(told([](Written& w) { w.head.frames[2].lens.fx_px = 0; }), kHead);
   CHECK_THAT(told([&](Written& w) { w.head.frames[0].frame.white = kNoNumber; }), kHead);

@@ -21,7 +21,7 @@ constexpr int kFrames = 12;
 struct Outcome {
   double mean_squared = 0;
   int frames = 0;
-  std::string fallback_reason, field_fallback_reason;
+  std::string fallback_reason, flow_fallback_reason, field_fallback_reason;
   int fit_steps = 0;
 
   double psnr_db() const { return -10 * std::log10(mean_squared / frames); }
@@ -57,6 +57,7 @@ Outcome run(GpuDevice* gpu, EmitLayer layer = EmitLayer::Merged) {
   for (int i = 0; i < kFrames; ++i) REQUIRE(pipeline.take(scene.frame(i), deliver).ok());
   REQUIRE(pipeline.finish(deliver).ok());
   outcome.fallback_reason = pipeline.online().fallback_reason();
+  outcome.flow_fallback_reason = pipeline.online().flow_fallback_reason();
   outcome.field_fallback_reason = pipeline.online().field_fallback_reason();
   return outcome;
 }
@@ -70,6 +71,7 @@ TEST_CASE("a whole run on the graphics device is as near to the truth as the pro
   REQUIRE(here.frames == kFrames);
   REQUIRE(there.frames == kFrames);
   CHECK(there.fallback_reason.empty());
+  CHECK(there.flow_fallback_reason.empty());
   INFO(here.psnr_db() << " dB on the processor");
   CHECK(here.psnr_db() > 20);
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));
@@ -93,6 +95,7 @@ TEST_CASE("a run whose graphics device is lost in the middle emits every frame a
   const Outcome here = run(nullptr), there = run(&faulty);
   CHECK(there.frames == kFrames);
   CHECK(there.fallback_reason.find("was lost") != std::string::npos);
+  CHECK(there.flow_fallback_reason.find("was lost") != std::string::npos);
   CHECK(there.field_fallback_reason.find("was lost") != std::string::npos);
   CHECK(there.fit_steps == here.fit_steps);
   CHECK(there.psnr_db() == Approx(here.psnr_db()).margin(0.02));

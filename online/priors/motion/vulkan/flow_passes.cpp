@@ -16,7 +16,8 @@ namespace hdrcam {
 namespace {
 
 constexpr int kDirections = 2;
-constexpr int kGroup = 64;  // GROUP of the searches
+constexpr int kGroup = 64;                                     // GROUP of the searches
+static_assert(kGroup == flow_constants::kStrip * kPatchSize);  // search.comp: a strip by a group
 
 struct SizeConstants {
   int rows, cols;

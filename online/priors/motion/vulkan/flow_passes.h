@@ -60,8 +60,8 @@ class FlowPasses {
   // FlowKernels::spread
   void spread(const GpuFlowLevel& level, const GpuBuffer& patches, const GpuBuffer& flow) const;
 
-  // The steps of RefinementKernels::refine: what is solved, in each round the equations, of which each sweep
-  // leads from `flow` to `next`.
+  // The steps of RefinementKernels::refine: linearise once, weigh once a round, then the round's sweeps, each
+  // from `flow` to `next`.
   void linearise(const GpuPicture& level, const GpuBuffer& flow, const GpuBuffer& data) const;
   void weigh(const GpuPicture& level, const GpuBuffer& data, const GpuBuffer& before, const GpuBuffer& flow,
              const GpuBuffer& system) const;

@@ -11,7 +11,14 @@ struct Window {
 };
 Window window(ivec2 corner, vec2 by) {
   const vec2 outermost = vec2(cols - kPatchSize + kOutside - 1, rows - kPatchSize + kOutside - 1);
-  const vec2 place = min(max(vec2(corner) + by, vec2(-kOutside)), outermost);
+  const vec2 place = clamped(vec2(corner) + by, vec2(-kOutside), outermost);
   const vec2 whole = floor(place);
   return Window(ivec2(whole), place - whole);
+}
+
+// A picture between its pixels; its edges go on.
+float between_pixels(int plane, ivec2 p, vec2 f) {
+  const float above = mix(near(plane, p.y, p.x), near(plane, p.y, p.x + 1), f.x);
+  const float below = mix(near(plane, p.y + 1, p.x), near(plane, p.y + 1, p.x + 1), f.x);
+  return mix(above, below, f.y);
 }

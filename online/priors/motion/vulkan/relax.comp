@@ -10,6 +10,7 @@ layout(push_constant) uniform Constants {
 READS(0, System, system)
 READS(1, Flow, flow)
 CHANGES(2, Next, next)
+// flow.glsl reads a `level`; here only its at() is used.
 #define level system
 #include "online/priors/motion/vulkan/flow.glsl"
 #include "online/priors/motion/vulkan/refinement.glsl"

@@ -25,11 +25,9 @@ void main() {
       window(corner, vec2(patches[of_patch(u, row, col)], patches[of_patch(u + 1, row, col)]));
   vec2 texture_sums = vec2(0), error_sums = vec2(0);  // of the values and of their squares
   for (int k = 0; k < kPatchSize * kPatchSize; ++k) {
-    const int r = k / kPatchSize, c = k % kPatchSize, y = to.at.y + r, x = to.at.x + c;
+    const int r = k / kPatchSize, c = k % kPatchSize;
     const float code = level[at(own, corner.y + r, corner.x + c)];
-    const float above = mix(near(other, y, x), near(other, y, x + 1), to.between.x);
-    const float below = mix(near(other, y + 1, x), near(other, y + 1, x + 1), to.between.x);
-    const float d = mix(above, below, to.between.y) - code;
+    const float d = between_pixels(other, to.at + ivec2(c, r), to.between) - code;
     texture_sums += vec2(code, code * code), error_sums += vec2(d, d * d);
   }
   const float texture_here = texture_sums.y - texture_sums.x * texture_sums.x / kPixels;
@@ -60,6 +58,6 @@ void main() {
     if (errors[k] < best || (errors[k] == best && places[k] < best_place))
       best = errors[k], best_place = places[k];
   const bool found = wanted && best <= min(kFound * texture_here, kFarBetter * error_here);
-  const ivec2 way = least + ivec2(best_place % max(across, 1), best_place / max(across, 1)) - corner;
+  const ivec2 way = least + ivec2(best_place % across, best_place / across) - corner;
   for (int c = 0; c < 2; ++c) far[of_patch(u + c, row, col)] = found ? float(way[c]) : kNowhere;
 }

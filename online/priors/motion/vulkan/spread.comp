@@ -24,16 +24,14 @@ void main() {
   const float code = level[at(own_plane(direction), y, x)];
   vec2 sum = vec2(0);
   float weight = 0;
-  for (int row = min(first_over(y), patch_rows - 1); row <= last_over(y, patch_rows); ++row)
-    for (int col = min(first_over(x), patch_cols - 1); col <= last_over(x, patch_cols); ++col) {
+  for (int row = first_over(y); row <= last_over(y, patch_rows); ++row)
+    for (int col = first_over(x); col <= last_over(x, patch_cols); ++col) {
       const ivec2 corner = corner_of(row, col);
       if (!covers(corner.y, y) || !covers(corner.x, x)) continue;
       const vec2 by = vec2(patches[of_patch(u, row, col)], patches[of_patch(u + 1, row, col)]);
       const Window to = window(corner, by);
       const ivec2 p = to.at + ivec2(x, y) - corner;
-      const float above = mix(near(other, p.y, p.x), near(other, p.y, p.x + 1), to.between.x);
-      const float below = mix(near(other, p.y + 1, p.x), near(other, p.y + 1, p.x + 1), to.between.x);
-      const float w = 1 / max(abs(mix(above, below, to.between.y) - code), 1);
+      const float w = 1 / max(abs(between_pixels(other, p, to.between) - code), 1);
       sum += w * by, weight += w;
     }
   flow[at(u, y, x)] = sum.x / weight, flow[at(u + 1, y, x)] = sum.y / weight;

@@ -24,7 +24,7 @@ vec2 vector_at(int plane, int y, int x) { return vec2(given_at(plane, y, x), giv
 
 // Bilinear; outside, the nearest place inside.
 vec2 vector_between(int plane, vec2 place) {
-  const vec2 inside = min(max(vec2(0), place), vec2(given_cols - 1, given_rows - 1));
+  const vec2 inside = clamped(place, vec2(0), vec2(given_cols - 1, given_rows - 1));
   const ivec2 near = ivec2(inside), far = min(near + 1, ivec2(given_cols - 1, given_rows - 1));
   const vec2 f = inside - vec2(near);
   const vec2 upper = mix(vector_at(plane, near.y, near.x), vector_at(plane, near.y, far.x), f.x);

@@ -52,36 +52,50 @@ Result<VulkanFlow::Room> VulkanFlow::Room::make(GpuDevice& device, int rows, int
   return room;
 }
 
+VulkanFlow::VulkanFlow(int rows, int cols, WorkerPool& pool, GpuDevice& device)
+    : rows_(rows), cols_(cols), pool_(pool), device_(device) {
+  if (rows < kMinSize || cols < kMinSize) return;  // there is no flow to find
+  auto room = [&] {
+    const GpuTurn turn(device_);
+    return Room::make(device, rows, cols);
+  }();
+  if (room)
+    room_.emplace(std::move(*room));
+  else
+    fall_back_to_cpu(room.error());
+}
+
 VulkanFlow::~VulkanFlow() {
   const GpuTurn turn(device_);
   room_.reset();
 }
 
+void VulkanFlow::fall_back_to_cpu(const Error& why) {
+  fallback_reason_ = fmt::format("{}: {}", device_.facts().name, why.message);
+  spdlog::warn("the flow goes on with the processor: {}", fallback_reason_);
+  const GpuTurn turn(device_);
+  room_.reset();
+  processor_.emplace(pool_);
+}
+
 void VulkanFlow::compute(FlowQuality quality, const FlowRequest& request) {
+  CHECK(request.a->rows() == rows_ && request.a->cols() == cols_);
   if (!processor_) {
     const Result<void> done = compute_gpu(quality, request);
     if (done) return;
-    fallback_reason_ = fmt::format("{}: {}", device_.facts().name, done.error().message);
-    spdlog::warn("the flow goes on with the processor: {}", fallback_reason_);
-    const GpuTurn turn(device_);
-    room_.reset();
-    processor_.emplace(pool_);
+    fall_back_to_cpu(done.error());
   }
   processor_->compute(quality, request);
 }
 
 Result<void> VulkanFlow::compute_gpu(FlowQuality quality, const FlowRequest& request) {
-  const int rows = request.a->rows(), cols = request.a->cols();
+  const int rows = rows_, cols = cols_;
   for (Image<float>* flow : {request.a_to_b, request.b_to_a}) flow->reshape(kDirectionPlanes, rows, cols);
-  if (rows < kMinSize || cols < kMinSize) {
+  if (!room_) {
     request.a_to_b->fill(0), request.b_to_a->fill(0);
     return {};
   }
   const GpuTurn turn(device_, &pool_);
-  if (!room_ || room_->flow.rows != rows || room_->flow.cols != cols) {
-    room_.reset();
-    room_.emplace(TRY(Room::make(device_, rows, cols)));
-  }
   Room& on = *room_;
   GpuWork& work = device_.work();
   const FlowEffort effort = effort_of(quality);
@@ -134,7 +148,8 @@ GpuFlowGuess VulkanFlow::upload_guess(const FlowRequest& request) {
   return guess;
 }
 
-// As CpuFlow's, which is believed is decided here: few patches are far.
+// As CpuFlow's. Which of the far patches are believed is decided on the processor, with its code: there are
+// few patches at this scale.
 Result<void> VulkanFlow::search_far(const GpuFlowLevel& level, int steps) {
   Room& on = *room_;
   GpuWork& work = device_.work();

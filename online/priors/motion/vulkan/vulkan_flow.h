@@ -13,15 +13,16 @@ namespace hdrcam {
 
 class VulkanFlow final : public DenseFlow {
  public:
-  VulkanFlow(WorkerPool& pool, GpuDevice& device) : pool_(pool), device_(device) {}
+  // For pictures of this size.
+  VulkanFlow(int rows, int cols, WorkerPool& pool, GpuDevice& device);
   ~VulkanFlow() override;
 
   void compute(FlowQuality quality, const FlowRequest& request) override;
   std::string fallback_reason() const override { return fallback_reason_; }
 
  private:
-  // What lives on the device, for pictures of one size. Vectors and all that a scale is solved with lie in
-  // the first samples of pictures of full size.
+  // What lives on the device. Vectors and all that a scale is solved with lie in the first samples of
+  // pictures of full size.
   struct Room {
     FlowPasses passes;
     std::vector<GpuPicture> levels;  // by scale
@@ -37,7 +38,9 @@ class VulkanFlow final : public DenseFlow {
   GpuFlowGuess upload_guess(const FlowRequest& request);
   Result<void> search_far(const GpuFlowLevel& level, int steps);
   void refine(const GpuPicture& level, const FlowEffort& effort);
+  void fall_back_to_cpu(const Error& why);
 
+  const int rows_, cols_;
   WorkerPool& pool_;
   GpuDevice& device_;
   std::optional<Room> room_;

@@ -10,6 +10,7 @@ READS(0, Data, data)
 READS(1, Before, before)
 READS(2, Flow, flow)
 WRITES(3, System, system)
+// flow.glsl reads a `level`; here only its at() is used.
 #define level data
 #include "online/priors/motion/vulkan/flow.glsl"
 #include "online/priors/motion/vulkan/refinement.glsl"

@@ -1,5 +1,5 @@
 // The passes of the dense flow on the graphics device, each against the kernel of the processor that it is
-// the twin of.
+// the twin of. start and enlarge, whose twins are private, only within whole flows: vulkan_flow_test.cpp.
 #include "online/priors/motion/vulkan/flow_passes.h"
 
 #include <cmath>

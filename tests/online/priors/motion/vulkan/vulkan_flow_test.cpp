@@ -1,5 +1,5 @@
-// The dense flow on the graphics device against the processor's: pass by pass, then whole, then what happens
-// when the device fails.
+// The dense flow on the graphics device against the processor's, and what happens when the device fails. Its
+// passes: flow_passes_test.cpp.
 #include "online/priors/motion/vulkan/vulkan_flow.h"
 
 #include <cmath>
@@ -94,23 +94,35 @@ TEST_CASE("a flow on the graphics device is the processor's, at every quality", 
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
   WorkerPool pool(1);
-  VulkanFlow there(pool, *gpu);
+  VulkanFlow there(kRows, kCols, pool, *gpu);
   CpuFlow here(pool);
   for (const FlowQuality quality : kQualities) {
     INFO("quality " << static_cast<int>(quality));
     const Scene scene;
     check_alike(Flows(there, scene, quality), Flows(here, scene, quality));
   }
-  const Scene other(5, 64, 90);  // another size needs memory of its own
-  check_alike(Flows(there, other, FlowQuality::Medium), Flows(here, other, FlowQuality::Medium));
   CHECK(there.fallback_reason().empty());
+}
+
+TEST_CASE("small pictures have the processor's flow on the graphics device, and the smallest none", "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  WorkerPool pool(1);
+  for (const auto& [rows, cols] : {std::pair{15, 40}, {16, 16}, {17, 40}, {64, 90}}) {
+    CAPTURE(rows, cols);
+    const Scene tiny(2, rows, cols);
+    VulkanFlow there(rows, cols, pool, *gpu);
+    CpuFlow here(pool);
+    check_alike(Flows(there, tiny, FlowQuality::Fine), Flows(here, tiny, FlowQuality::Fine));
+    CHECK(there.fallback_reason().empty());
+  }
 }
 
 TEST_CASE("a flow on the graphics device starts where it is told to, in each direction", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
   WorkerPool pool(1);
-  VulkanFlow there(pool, *gpu);
+  VulkanFlow there(kRows, kCols, pool, *gpu);
   CpuFlow here(pool);
   // stripes, between whose shifts nothing but the start decides
   Scene scene;
@@ -129,21 +141,23 @@ TEST_CASE("a flow on the graphics device starts where it is told to, in each dir
   scene.a.fill(255), scene.b.fill(255);
   check_alike(Flows(there, scene, FlowQuality::Medium, &guess),
               Flows(here, scene, FlowQuality::Medium, &guess));
+  CHECK(there.fallback_reason().empty());
 }
 
 TEST_CASE("an object that moves farther than its own size is found on the graphics device, too", "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
   WorkerPool pool(1);
-  constexpr int kJump = 78, kTall = 240, kWide = 320;
+  constexpr int kJump = 84, kTall = 240, kWide = 320;
   const Scene scene(kJump, kTall, kWide);
-  VulkanFlow there(pool, *gpu);
+  VulkanFlow there(kTall, kWide, pool, *gpu);
   const Flows found(there, scene, FlowQuality::Medium);
   const int x = kWide / 4 + kTall / 6, y = kTall / 3 + kTall / 6;  // the middle of the box
   CHECK(found.there.at(0, y, x) == Approx(kJump).margin(0.5));
   CHECK(found.back.at(0, y, x + kJump) == Approx(-kJump).margin(0.5));
   CpuFlow here(pool);
   check_alike(found, Flows(here, scene, FlowQuality::Medium));
+  CHECK(there.fallback_reason().empty());
 }
 
 TEST_CASE("the same graphics device finds the same flow again, for any number of threads", "[gpu]") {
@@ -151,8 +165,10 @@ TEST_CASE("the same graphics device finds the same flow again, for any number of
   NEEDS_GPU(gpu);
   WorkerPool one(1), three(3);
   const Scene scene;
-  VulkanFlow first(one, *gpu), second(three, *gpu);
+  VulkanFlow first(kRows, kCols, one, *gpu), second(kRows, kCols, three, *gpu);
   check_same(Flows(first, scene, FlowQuality::Medium), Flows(second, scene, FlowQuality::Medium));
+  CHECK(first.fallback_reason().empty());
+  CHECK(second.fallback_reason().empty());
 }
 
 TEST_CASE("a graphics device that fails leaves the flow to the processor, to the same bytes", "[gpu]") {
@@ -164,7 +180,7 @@ TEST_CASE("a graphics device that fails leaves the flow to the processor, to the
   const Flows expected(here, scene, FlowQuality::Medium);
   const auto check = [&](const GpuFaults& faults, const char* reason) {
     FaultyGpu faulty(*gpu, faults);
-    VulkanFlow there(pool, faulty);
+    VulkanFlow there(kRows, kCols, pool, faulty);
     check_same(Flows(there, scene, FlowQuality::Medium), expected);
     CHECK(there.fallback_reason().find(reason) != std::string::npos);
     check_same(Flows(there, scene, FlowQuality::Medium), expected);
@@ -180,7 +196,7 @@ TEST_CASE("the checks of Vulkan find nothing wrong with the flow's passes", "[gp
   if (checked.gpu == nullptr) return;
   {
     WorkerPool pool(1);
-    VulkanFlow there(pool, *checked.gpu);
+    VulkanFlow there(kRows, kCols, pool, *checked.gpu);
     const Scene scene(60);
     Image<float> guess(2, kRows, kCols);
     const Flows fast(there, scene, FlowQuality::Fast), guided(there, scene, FlowQuality::Medium, &guess);
@@ -196,7 +212,7 @@ TEST_CASE("the flow's kernels are compiled and have run once within three second
   NEEDS_GPU(gpu);
   const std::clock_t begin = std::clock();
   WorkerPool pool(1);
-  VulkanFlow there(pool, *gpu);
+  VulkanFlow there(64, 90, pool, *gpu);
   const Flows found(there, Scene(9, 64, 90), FlowQuality::Fast);
   const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
   ::unsetenv("MESA_SHADER_CACHE_DISABLE");
