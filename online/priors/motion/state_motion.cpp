@@ -88,7 +88,11 @@ bool tells_change(float ratio) {
 }  // namespace
 
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice* gpu)
-    : rows_(rows), cols_(cols), pool_(pool), flow_(make_dense_flow(rows, cols, pool, gpu)), landing_(rows, cols) {}
+    : rows_(rows),
+      cols_(cols),
+      pool_(pool),
+      flow_(make_dense_flow(rows, cols, pool, gpu)),
+      landing_(rows, cols) {}
 
 void MotionEstimator::match(const RadianceState& state, const ExposedFrame& frame,
                             const ExposureTables& tables, const MatchContext& context,

@@ -52,7 +52,7 @@ DeviceFunctions functions_of_driver() {
 TEST_CASE("after a driver had no memory to bind buffers, work takes none from a pool that was never made") {
   const DeviceFunctions vk = functions_of_driver();
   Memory memory(vk, VK_NULL_HANDLE, {}, 0);
-  Work work(vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 64, 0);
+  Work work(vk, VK_NULL_HANDLE, VK_NULL_HANDLE, memory, 0);
   const Kernel kernel;
   driver = {};
   work.run(kernel, std::span<const GpuBuffer* const>(), {}, {});

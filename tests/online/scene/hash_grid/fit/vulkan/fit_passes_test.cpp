@@ -56,7 +56,15 @@ struct Bench {
     require_done(static_gpu.reserve(*gpu, kRow));
     require_done(dynamic_gpu.reserve(*gpu, kRow));
     require_done(rays.reserve(*gpu, scene.window, kRays, kSamples));
-    rays.begin({networks, scene.window, response, weights, kSamples, true, true, false, 1.f / kRays}, kRays);
+    rays.begin({.networks = networks,
+                .window = scene.window,
+                .response = response,
+                .weights = weights,
+                .samples_per_ray = kSamples,
+                .has_dynamic = true,
+                .fits_response = false,
+                .ray_share = 1.f / kRays},
+               kRays);
     static_gpu.upload(work(), static_branch);
     dynamic_gpu.upload(work(), dynamic_branch);
     const float edges[] = {0, 1, 0.25f, 0.9999999f, -1e30f, 1e30f};
