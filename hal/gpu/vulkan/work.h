@@ -13,7 +13,7 @@ namespace hdrcam::vulkan {
 struct Kernel final : GpuKernel {
   std::string name;
   int buffers = 0;
-  int group = 0;               // invocations of a work group
+  int group = 1;               // invocations of a work group
   std::uint32_t uniforms = 0;  // a bit for each binding that is a uniform buffer, not a storage buffer
   VkShaderModule module = VK_NULL_HANDLE;
   VkDescriptorSetLayout set_layout = VK_NULL_HANDLE;

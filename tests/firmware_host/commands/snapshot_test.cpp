@@ -137,7 +137,8 @@ TEST_CASE("a snapshot is known by its content, and what only has its name is not
   CHECK_THAT(refused({"replay", other, "-o", out}, ErrorCode::NotRecording).err,
              Contains("is a snapshot of a scene, not a recording; 'hdrcam render' films it"));
   for (const char* verb : {"replay", "render"})
-    CHECK_THAT(refused({verb, folder, "-o", out}, ErrorCode::NotRecording).err, Contains("is a folder"));
+    CHECK_THAT(refused({verb, folder, "-o", folder + "/none/%06d.exr"}, ErrorCode::NotRecording).err,
+               Contains("is a folder"));
   CHECK_THAT(refused({"info", folder}, ErrorCode::NotRecording).err, Contains("is a folder"));
 }
 
