@@ -1,9 +1,10 @@
-// A graphics device that fails when it is told to: its memory is full, or it is lost in the middle of work.
-// All else is the wrapped device's. For tests of what goes on without it. Thread-bound; the wrapped device
-// outlives it.
+// A graphics device that fails when it is told to: its memory is full, it is lost in the middle of work, or
+// it says that it is of another kind. All else is the wrapped device's. For tests of what goes on without it.
+// Thread-bound; the wrapped device outlives it.
 #pragma once
 
 #include <limits>
+#include <string>
 
 #include "hal/gpu/gpu_device.h"
 
@@ -13,13 +14,17 @@ struct GpuFaults {
   static constexpr int kNever = std::numeric_limits<int>::max();
   int buffers_until_full = kNever;   // that can be made before NoSpace
   int finishes_until_lost = kNever;  // that succeed before Unplugged, which it then is for good
+  std::string kind = {};             // GpuFacts::kind; "": the wrapped device's
 };
 
 class FaultyGpu final : public GpuDevice {
  public:
-  FaultyGpu(GpuDevice& device, GpuFaults faults) : device_(device), left_(faults), work_(*this) {}
+  FaultyGpu(GpuDevice& device, const GpuFaults& faults)
+      : device_(device), facts_(device.facts()), left_(faults), work_(*this) {
+    if (!faults.kind.empty()) facts_.kind = faults.kind;
+  }
 
-  const GpuFacts& facts() const override { return device_.facts(); }
+  const GpuFacts& facts() const override { return facts_; }
   Result<std::unique_ptr<GpuBuffer>> buffer(std::size_t bytes) override {
     if (left_.buffers_until_full-- <= 0)
       return Error{ErrorCode::NoSpace, "graphics memory is full, as it was told to be"};
@@ -62,6 +67,7 @@ class FaultyGpu final : public GpuDevice {
   };
 
   GpuDevice& device_;
+  GpuFacts facts_;
   GpuFaults left_;
   Work work_;
 };

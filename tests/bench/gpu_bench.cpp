@@ -4,7 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "capture/to_exposed_frame.h"
-#include "online/priors/motion/dense_flow.h"
+#include "online/priors/motion/vulkan/vulkan_flow.h"
 #include "online/scene/hash_grid/field/field_renderer.h"
 #include "online/scene/hash_grid/fit/field_fit.h"
 #include "online/state/state_layer.h"
@@ -95,7 +95,9 @@ void state_on_device(benchmark::State& state) {
 // The flow of the defaults (Medium) between two frames, from a guess.
 void flow_on_device(benchmark::State& state) {
   Bench bench(state, size_of(state));
-  const auto flow = make_dense_flow(bench.size.rows, bench.size.cols, bench.pool, bench.gpu);
+  const auto [rows, cols] = bench.size;
+  std::unique_ptr<DenseFlow> flow = std::make_unique<CpuFlow>(bench.pool);
+  if (bench.gpu != nullptr) flow = std::make_unique<VulkanFlow>(rows, cols, bench.pool, *bench.gpu);
   const auto gray = [&](std::size_t i) {
     Image<float> green(1, bench.size.rows, bench.size.cols);
     std::copy_n(bench.frames[i].codes.plane(1), green.size(), green.plane(0));

@@ -39,8 +39,9 @@ class DenseFlow {
   virtual std::string fallback_reason() const { return {}; }
 };
 
-// For pictures of rows x cols pixels. gpu: where to run, null for the processor; it outlives the flow, as the
-// pool does. What keeps it from running there is in fallback_reason().
+// For pictures of rows x cols pixels. gpu: where to run, null for the processor, which is also taken in place
+// of a software device; it outlives the flow, as the pool does. What keeps it from running there is in
+// fallback_reason().
 std::unique_ptr<DenseFlow> make_dense_flow(int rows, int cols, WorkerPool& pool, GpuDevice* gpu);
 
 }  // namespace hdrcam
