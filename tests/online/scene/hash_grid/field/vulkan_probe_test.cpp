@@ -141,7 +141,7 @@ TEST_CASE("a graphics device that is full or lost leaves views to the processor"
   FieldRenderer processor;
   processor.render(scene.field(), view, pool, here);
   for (const GpuFaults& faults : {GpuFaults{.buffers_until_full = 3}, GpuFaults{.finishes_until_lost = 0},
-                                 GpuFaults{.finishes_until_lost = 1}}) {
+                                  GpuFaults{.finishes_until_lost = 1}}) {
     FaultyGpu faulty(*gpu, faults);
     FieldRenderer renderer(&faulty);
     FieldPicture there;
