@@ -31,7 +31,7 @@ struct RenderOptions {
   // of the field's radiance to the lower bound of a clipped pixel, > 1: the field's is cut there, so that a
   // pixel rises by at most its square root
   float largest_field_ratio = 4;
-  std::optional<double> readout_s;  // of a rolling shutter; none: as the frames state it
+  std::optional<double> readout_s = {};  // of a rolling shutter; none: as the frames state it
 };
 
 class RenderStage {
