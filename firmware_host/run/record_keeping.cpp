@@ -8,8 +8,11 @@
 
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/governor.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
+#include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "render/scores/scores.h"
 
@@ -131,6 +134,12 @@ void close_record(RunPace pace, double wall_s, RunRecord& record) {
   record.dropped = record.captured - record.emitted;
   record.wall_s = wall_s;
   record.peak_memory_mib = peak_memory_mib();
+}
+
+void tell_of_outputs(const RunPlan& plan, std::span<const EarlierFrames> earlier, std::string_view where) {
+  for (const EarlierFrames& frames : earlier)
+    if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
+  if (plan.progress != nullptr) write_result_beside_frames(plan.settings.output, where);
 }
 
 }  // namespace hdrcam

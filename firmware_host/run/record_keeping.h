@@ -1,8 +1,11 @@
 // What a run writes into its record (sinks/run_record.h): its settings at the start, one entry per emitted
-// frame, and at the end what the method found and how good the frames are. Reentrant.
+// frame, and at the end what the method found and how good the frames are; and what it tells the user of its
+// outputs. Reentrant.
 #pragma once
 
 #include <cstddef>
+#include <span>
+#include <string_view>
 
 #include "firmware_host/run/run.h"
 #include "firmware_host/run_pace.h"
@@ -13,6 +16,7 @@
 
 namespace hdrcam {
 
+class EarlierFrames;
 class Governor;
 class Pipeline;
 class VirtualCamera;
@@ -39,5 +43,8 @@ Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
 Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record);
 // The frames in order, and what the whole run took. wall_s: seconds.
 void close_record(RunPace pace, double wall_s, RunRecord& record);
+// Warns of earlier frames that stayed beside the new ones; and, where somebody follows the run, says where
+// its outputs are: `where`, a list.
+void tell_of_outputs(const RunPlan& plan, std::span<const EarlierFrames> earlier, std::string_view where);
 
 }  // namespace hdrcam

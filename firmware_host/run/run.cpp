@@ -17,7 +17,6 @@
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/sinks/sink_set.h"
-#include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -305,9 +304,7 @@ Result<void> run(const RunPlan& plan, FrameSource& source, Storage& storage) {
   });
   if (plan.progress != nullptr) show_progress(plan.progress, source, progress, work);
   Result<void> ended = work.get();
-  for (const EarlierFrames& frames : earlier)
-    if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
-  if (plan.progress != nullptr) write_result_beside_frames(plan.settings.output, where);
+  tell_of_outputs(plan, earlier, where);
   return ended;
 }
 

@@ -13,7 +13,6 @@
 #include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/sink_set.h"
-#include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
@@ -113,9 +112,7 @@ Result<void> film_snapshot(const RunPlan& plan, const std::string& snapshot, Sto
     return load_and_film(plan, snapshot, storage, where);
   });
   Result<void> ended = work.get();
-  for (const EarlierFrames& frames : earlier)
-    if (const std::string warning = frames.warning(); !warning.empty()) remark("warning: {}\n", warning);
-  if (plan.progress != nullptr) write_result_beside_frames(plan.settings.output, where);
+  tell_of_outputs(plan, earlier, where);
   return ended;
 }
 
