@@ -37,8 +37,8 @@ std::optional<KnownSensor> known_sensor(std::string_view model) {
 
 ControlDelay::ControlDelay(const SensorDelays& delays, const ExposureRequest& now, Duration frame_duration)
     : delays_(delays), before_{now, frame_duration} {
-  CHECK(std::min({delays.exposure, delays.gain, delays.vblank}) >= 0);
-  CHECK_LT(delays.most(), kHistory / 2);
+  HDRCAM_CHECK(std::min({delays.exposure, delays.gain, delays.vblank}) >= 0);
+  HDRCAM_CHECK_LT(delays.most(), kHistory / 2);
   ring_[0] = before_;
 }
 

@@ -11,7 +11,7 @@ DelayCalibration::DelayCalibration(const Exposure& shorter, const Exposure& long
     : exposures_{shorter, longer},
       log_step_(log_product(longer) - log_product(shorter)),
       photometer_(response) {
-  CHECK_LE(0.69, log_step_);
+  HDRCAM_CHECK_LE(0.69, log_step_);
 }
 
 // The shift register of x^5 + x^2 + 1.

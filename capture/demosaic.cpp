@@ -25,7 +25,7 @@ RedAt red_at(PixelLayout layout) {
     case PixelLayout::Mono:
       break;
   }
-  CHECK(is_bayer(layout));
+  HDRCAM_CHECK(is_bayer(layout));
   return {};
 }
 
@@ -120,7 +120,7 @@ void fill_colour(const Image<std::uint16_t>& mosaic, int channel, int sy, int sx
 
 void demosaic(const Image<std::uint16_t>& mosaic, PixelLayout layout, float max_code, Image<float>& rgb) {
   const int rows = mosaic.rows(), cols = mosaic.cols();
-  CHECK_LE(2, std::min(rows, cols));
+  HDRCAM_CHECK_LE(2, std::min(rows, cols));
   const RedAt red = red_at(layout);
   rgb.reshape(3, mosaic.rows(), mosaic.cols());
   fill_green(mosaic, red, rgb.plane(1));

@@ -33,7 +33,7 @@ bool ExposureAdvice::changes() const {
 }
 
 ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShares> shares) {
-  CHECK_EQ(cycle.size(), shares.size());
+  HDRCAM_CHECK_EQ(cycle.size(), shares.size());
   ExposureAdvice advice;
   if (cycle.size() < 2) return advice;
   const auto order = [](const Exposure& a, const Exposure& b) { return a.product() < b.product(); };

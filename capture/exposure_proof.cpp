@@ -32,7 +32,7 @@ int claim_saying(const FrameEvidence& evidence, double value) {
 double ExposureClaim::log_value() const { return log_product(exposure) + std::log(digital_gain); }
 
 void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
-  CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 3);
+  HDRCAM_CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 3);
   const std::array<Exposure, kCandidates> earlier = cycle_;
   const int earlier_count = std::min(cycle_count_, kCandidates - static_cast<int>(cycle.size()));
   current_count_ = static_cast<int>(cycle.size());
@@ -181,7 +181,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     judgement.label = evidence.claims[static_cast<std::size_t>(claim)];
   } else {
     const Exposure* slot = candidate(value, cycle_count_);
-    CHECK(slot != nullptr);
+    HDRCAM_CHECK(slot != nullptr);
     judgement.label = {*slot, 1, ExposureSource::Photometric};
     judgement.relabelled = evidence.claim_count > 0;
   }

@@ -89,7 +89,7 @@ Decoding::Decoding() {
   errors.output_message = no_output;
   jpeg.client_data = this;
   const bool failed = setjmp(escape) != 0;
-  CHECK(!failed);  // only for want of memory, or of a library that fits its header
+  HDRCAM_CHECK(!failed);  // only for want of memory, or of a library that fits its header
   copy_standard_tables(*this);
   jpeg_create_decompress(&jpeg);
   for (int i = 0; i < kTables; ++i) {
@@ -134,7 +134,7 @@ bool read_pixels(Decoding& decoding, Image<std::uint16_t>& rgb) {
 }
 
 Result<void> decode(Decoding& decoding, std::span<const std::byte> bytes, Image<std::uint16_t>& rgb) {
-  CHECK_EQ(rgb.channels(), 3);
+  HDRCAM_CHECK_EQ(rgb.channels(), 3);
   jpeg_decompress_struct& jpeg = decoding.jpeg;
   jpeg_abort_decompress(&jpeg);  // discards the state of the last picture
   const auto damaged = [&] {

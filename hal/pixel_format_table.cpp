@@ -58,7 +58,7 @@ PixelPacking packing_of(PixelFormat format) {
     case Bggr12Packed:
       return bayer(format, Rggb12Packed, 12, Packing::Mipi12);
   }
-  CHECK_EQ(static_cast<int>(format), -1);  // none of the list
+  HDRCAM_CHECK_EQ(static_cast<int>(format), -1);  // none of the list
   return {};
 }
 

@@ -56,7 +56,7 @@ std::size_t packed_stride(PixelFormat format, int width) {
 
 void pack_codes(const Image<std::uint16_t>& codes, PixelFormat format, std::span<std::byte> bytes) {
   const std::size_t stride = packed_stride(format, codes.cols());
-  CHECK_EQ(bytes.size(), stride * static_cast<std::size_t>(codes.rows()));
+  HDRCAM_CHECK_EQ(bytes.size(), stride * static_cast<std::size_t>(codes.rows()));
   const Packing packing = packing_of(format).packing;
   for (int y = 0; y < codes.rows(); ++y) {
     std::byte* out = bytes.data() + static_cast<std::size_t>(y) * stride;

@@ -49,7 +49,7 @@ DisplayLight::DisplayLight(double white_nits, double peak_nits, double brightest
     : white_nits_(white_nits), shoulder_(brightest * white_nits, peak_nits) {}
 
 PictureLight DisplayLight::show(const Image<float>& radiance, Image<float>& light) const {
-  CHECK(light.rows() >= radiance.rows() && light.cols() >= radiance.cols() && light.channels() == 3);
+  HDRCAM_CHECK(light.rows() >= radiance.rows() && light.cols() >= radiance.cols() && light.channels() == 3);
   const auto scale = static_cast<float>(white_nits_);
   const auto knee = static_cast<float>(shoulder_.knee_nits());
   float largest = 0;

@@ -164,7 +164,7 @@ bool all_finite(std::span<const float> samples) {
 
 std::vector<std::uint16_t> to_half(std::span<const float> samples) {
   std::vector<std::uint16_t> halves(samples.size());
-  CHECK(half_kernels().to_half(samples.data(), samples.size(), halves.data()));
+  HDRCAM_CHECK(half_kernels().to_half(samples.data(), samples.size(), halves.data()));
   return halves;
 }
 
@@ -249,8 +249,8 @@ Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::strin
 }  // namespace
 
 TimeCode time_code(Duration since_start, double framerate_hz) {
-  CHECK(since_start.count() >= 0);
-  CHECK_GT(framerate_hz, 0.0);
+  HDRCAM_CHECK(since_start.count() >= 0);
+  HDRCAM_CHECK_GT(framerate_hz, 0.0);
   constexpr int kFrames = 30;  // the largest count; faster cameras count pairs, triples.. of frames (ST 12-1)
   const double counts_per_s = framerate_hz / std::ceil(framerate_hz / kFrames);
   const auto second = since_start.count() / 1'000'000'000;
@@ -268,11 +268,11 @@ std::optional<int> ExrImage::find(std::string_view name) const {
 }
 
 Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector<std::byte> room) {
-  CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
+  HDRCAM_CHECK(picture.rows > 0 && picture.cols > 0 && !picture.channels.empty());
   for (const ExrChannel& channel : picture.channels) {
-    CHECK_EQ(channel.samples.size(),
-             static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
-    if (channel.stored == ExrSample::Float) CHECK(all_finite(channel.samples));
+    HDRCAM_CHECK_EQ(channel.samples.size(),
+                    static_cast<std::size_t>(picture.rows) * static_cast<std::size_t>(picture.cols));
+    if (channel.stored == ExrSample::Float) HDRCAM_CHECK(all_finite(channel.samples));
   }
   try {
     return write_file(picture, std::move(room));

@@ -15,7 +15,7 @@ void SteadyPath::forget_before(double time_s) {
 }
 
 RigidTransform SteadyPath::at(double time_s) const {
-  CHECK(!poses_.empty());
+  HDRCAM_CHECK(!poses_.empty());
   constexpr double kSigma_s = kReach_s / 2;
   const Pose* nearest = &poses_.front();
   for (const Pose& pose : poses_)

@@ -17,7 +17,7 @@ FitInbox::FitInbox(int slots, int most)
       patience_(3 * most_),
       frames_(most_),
       since_shed_(patience_) {
-  CHECK(most_ >= two_cycles(slots));
+  HDRCAM_CHECK(most_ >= two_cycles(slots));
 }
 
 int FitInbox::put(FrameShare frame) {

@@ -22,7 +22,7 @@ bool Recorder::put(FrameShare frame) {
     const std::lock_guard lock(mutex_);
     if (closed_) return false;
     if (!result_) return true;
-    CHECK_LT(count_, ring_.size());
+    HDRCAM_CHECK_LT(count_, ring_.size());
     ring_[(begin_ + count_++) % ring_.size()] = std::move(frame);
   }
   changed_.notify_one();

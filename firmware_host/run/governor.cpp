@@ -39,7 +39,7 @@ Governor::Governor(std::vector<Rung> ladder, Duration deadline)
       to_return_(deadline),
       to_leave_out_(deadline),
       frames_at_(ladder_.size(), 0) {
-  CHECK(!ladder_.empty() && deadline > Duration::zero());
+  HDRCAM_CHECK(!ladder_.empty() && deadline > Duration::zero());
   while (at_ + 1 < ladder_.size() && ladder_[at_ + 1].emits_all()) ++at_;
   emits_all_ = at_;
 }

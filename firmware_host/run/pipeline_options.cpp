@@ -55,7 +55,7 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
     options.knobs.field = Knobs().field;
   for (const auto& [name, value] : fit.knobs) {
     const Result<void> set = set_knob(options.knobs, name, value);
-    CHECK(set.ok());  // already checked when read (settings/setting_field.h)
+    HDRCAM_CHECK(set.ok());  // already checked when read (settings/setting_field.h)
   }
   if (shows_field(settings, use)) make_seen(options.knobs, fit.knobs);
   if (needs.points && options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;

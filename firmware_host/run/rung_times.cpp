@@ -49,7 +49,7 @@ FrameTime RungTimes::upper_quartile(std::size_t newest) const {
 }
 
 FrameTime RungTimes::mean() const {
-  CHECK(kept() > 1);
+  HDRCAM_CHECK(kept() > 1);
   FrameTime sum, longest, second;
   for (std::size_t i = 0; i < kept(); ++i) {
     const FrameTime& time = window_[i];

@@ -22,7 +22,7 @@ cv::Mat plane_of(const Image<T>& image, int channel) {
 
 template <class T>
 Image<T> resized_planes(const Image<T>& picture, int rows, int cols) {
-  CHECK_GT(picture.plane_size(), 0u);
+  HDRCAM_CHECK_GT(picture.plane_size(), 0u);
   Image<T> result;
   result.reshape(picture.channels(), rows, cols);
   const bool smaller = rows <= picture.rows() && cols <= picture.cols();

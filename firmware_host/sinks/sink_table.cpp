@@ -113,7 +113,7 @@ std::span<const SinkKind> sink_kinds() { return kSinkKinds; }
 Result<std::unique_ptr<FrameSink>> open_sink(std::string_view name, const SinkRequest& request) {
   const auto* const kind =
       std::ranges::find(kSinkKinds, name, [](const SinkKind& one) { return std::string_view(one.name); });
-  CHECK(kind != std::end(kSinkKinds));
+  HDRCAM_CHECK(kind != std::end(kSinkKinds));
   return kind->open(request);
 }
 

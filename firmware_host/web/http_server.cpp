@@ -234,7 +234,7 @@ HttpServer::HttpServer(HttpAddress address, std::string token, std::vector<HttpR
 Result<std::unique_ptr<HttpServer>> HttpServer::open(const HttpAddress& address, std::string token,
                                                      std::vector<HttpRoute> routes,
                                                      const HttpLimits& limits) {
-  CHECK(!token.empty());
+  HDRCAM_CHECK(!token.empty());
   HttpAddress got = address;
   const int listening = TRY(listen_on(got));
   std::unique_ptr<HttpServer> server(
@@ -291,7 +291,7 @@ void HttpServer::cut_off_the_slow() {
 
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
-  CHECK_EQ(getrandom(bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  HDRCAM_CHECK_EQ(getrandom(bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
   std::string token;
   for (const unsigned char byte : bytes) token += fmt::format("{:02x}", byte);
   return token;

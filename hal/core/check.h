@@ -1,5 +1,5 @@
-// CHECK is for our own bugs only: it prints the operands and aborts. Failures that a user, a file or a device
-// can cause are an Error (result.h).
+// HDRCAM_CHECK is for our own bugs only: it prints the operands and aborts. Failures that a user, a file or a
+// device can cause are an Error (result.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -18,12 +18,12 @@ namespace hdrcam {
 
 }  // namespace hdrcam
 
-#define CHECK(condition)                                                          \
+#define HDRCAM_CHECK(condition)                                                   \
   do {                                                                            \
     if (!(condition)) ::hdrcam::check_failed(__FILE__, __LINE__, #condition, ""); \
   } while (false)
 
-#define CHECK_COMPARE_(a, op, b)                                                  \
+#define HDRCAM_CHECK_COMPARE_(a, op, b)                                           \
   do {                                                                            \
     const auto check_a_ = (a);                                                    \
     const auto check_b_ = (b);                                                    \
@@ -31,12 +31,12 @@ namespace hdrcam {
       ::hdrcam::check_failed(__FILE__, __LINE__, #a " " #op " " #b,               \
                              fmt::format("({} against {})", check_a_, check_b_)); \
   } while (false)
-#define CHECK_EQ(a, b) CHECK_COMPARE_(a, ==, b)
-#define CHECK_LT(a, b) CHECK_COMPARE_(a, <, b)
-#define CHECK_LE(a, b) CHECK_COMPARE_(a, <=, b)
-#define CHECK_GT(a, b) CHECK_COMPARE_(a, >, b)
+#define HDRCAM_CHECK_EQ(a, b) HDRCAM_CHECK_COMPARE_(a, ==, b)
+#define HDRCAM_CHECK_LT(a, b) HDRCAM_CHECK_COMPARE_(a, <, b)
+#define HDRCAM_CHECK_LE(a, b) HDRCAM_CHECK_COMPARE_(a, <=, b)
+#define HDRCAM_CHECK_GT(a, b) HDRCAM_CHECK_COMPARE_(a, >, b)
 
-#define CHECK_OK(result) \
-  ((result).ok()         \
-       ? (void)0         \
+#define HDRCAM_CHECK_OK(result) \
+  ((result).ok()                \
+       ? (void)0                \
        : ::hdrcam::check_failed(__FILE__, __LINE__, "a result is a value", (result).error().message))

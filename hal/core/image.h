@@ -58,7 +58,7 @@ class Image {
   // Changes the shape; the content is undefined afterwards, but stays where the shape does. Allocates only
   // when the picture is larger than ever before.
   void reshape(int channels, int rows, int cols) {
-    CHECK(channels >= 0 && rows >= 0 && cols >= 0);
+    HDRCAM_CHECK(channels >= 0 && rows >= 0 && cols >= 0);
     channels_ = channels, rows_ = rows, cols_ = cols;
     if (size() <= capacity_) return;
     capacity_ = size();

@@ -16,12 +16,12 @@ class InlineList {
  public:
   InlineList() = default;
   InlineList(std::initializer_list<T> items) : size_(items.size()) {
-    CHECK_LE(items.size(), N);
+    HDRCAM_CHECK_LE(items.size(), N);
     std::copy(items.begin(), items.end(), items_.begin());
   }
 
   void push_back(const T& item) {
-    CHECK_LT(size_, N);
+    HDRCAM_CHECK_LT(size_, N);
     items_[size_++] = item;
   }
   void clear() { size_ = 0; }

@@ -46,9 +46,9 @@ class [[nodiscard]] Result {
   bool ok() const { return std::holds_alternative<T>(content_); }
   explicit operator bool() const { return ok(); }
 
-  T& value() & { return CHECK_OK(*this), std::get<T>(content_); }
-  const T& value() const& { return CHECK_OK(*this), std::get<T>(content_); }
-  T&& value() && { return CHECK_OK(*this), std::get<T>(std::move(content_)); }
+  T& value() & { return HDRCAM_CHECK_OK(*this), std::get<T>(content_); }
+  const T& value() const& { return HDRCAM_CHECK_OK(*this), std::get<T>(content_); }
+  T&& value() && { return HDRCAM_CHECK_OK(*this), std::get<T>(std::move(content_)); }
   T* operator->() { return &value(); }
   T& operator*() & { return value(); }
 
@@ -66,7 +66,7 @@ class [[nodiscard]] Result<void> {
 
   bool ok() const { return ok_; }
   explicit operator bool() const { return ok_; }
-  void value() const { CHECK_OK(*this); }
+  void value() const { HDRCAM_CHECK_OK(*this); }
   const Error& error() const { return error_; }
 
  private:

@@ -44,7 +44,7 @@ std::size_t ScratchPictures::samples_of(const Image<float>& picture) const {
 ScratchLease::ScratchLease(ScratchPictures& scratch, int rows, int cols,
                            std::initializer_list<Request> requests)
     : scratch_(scratch) {
-  CHECK(requests.size() <= kMost);
+  HDRCAM_CHECK(requests.size() <= kMost);
   for (const Request& request : requests) {
     scratch_.acquire(*request.picture, request.channels, rows, cols);
     pictures_[count_++] = request.picture;

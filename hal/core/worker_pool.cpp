@@ -36,7 +36,7 @@ bool comes_soon(Condition&& condition) {
 }  // namespace
 
 WorkerPool::WorkerPool(int threads, ThreadPriority priority) : parts_(static_cast<std::size_t>(threads)) {
-  CHECK_GT(threads, 0);
+  HDRCAM_CHECK_GT(threads, 0);
   for (int i = 1; i < threads; ++i)
     threads_.emplace_back([this, priority, i] {
       name_this_thread("worker " + std::to_string(i));

@@ -171,7 +171,7 @@ class FootageFiles : public FootageReader {
 
 Result<std::unique_ptr<FootageReader>> open_footage(Storage& storage, std::vector<std::string> files,
                                                     double framerate_hz) {
-  CHECK(!files.empty());
+  HDRCAM_CHECK(!files.empty());
   auto footage = std::make_unique<FootageFiles>(storage, std::move(files), framerate_hz);
   TRY(footage->open_first());
   return std::unique_ptr<FootageReader>(std::move(footage));

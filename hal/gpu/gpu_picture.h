@@ -28,12 +28,12 @@ struct GpuPicture {
 
 // Into all planes of `to`, or into those from `first` on.
 inline void upload(GpuWork& work, const Image<float>& from, const GpuPicture& to, int first = 0) {
-  CHECK(first + from.channels() <= to.channels && from.rows() == to.rows && from.cols() == to.cols);
+  HDRCAM_CHECK(first + from.channels() <= to.channels && from.rows() == to.rows && from.cols() == to.cols);
   work.upload(std::as_bytes(from.samples()), *to.buffer, to.bytes_before(first));
 }
 // All planes, or `channels` of them from `first` on. `to` takes its shape at once, its samples with finish().
 inline void download(GpuWork& work, const GpuPicture& from, int first, int channels, Image<float>& to) {
-  CHECK_LE(first + channels, from.channels);
+  HDRCAM_CHECK_LE(first + channels, from.channels);
   to.reshape(channels, from.rows, from.cols);
   work.download(*from.buffer, from.bytes_before(first), std::as_writable_bytes(to.samples()));
 }

@@ -102,7 +102,7 @@ std::string how_to_get_permission(const std::string& path) {
   return "only root may open it; a udev rule can give it to a group";
 }
 
-WakeUp::WakeUp() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { CHECK(fd_ >= 0); }
+WakeUp::WakeUp() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) { HDRCAM_CHECK(fd_ >= 0); }
 WakeUp::~WakeUp() { ::close(fd_); }
 
 void WakeUp::set() {

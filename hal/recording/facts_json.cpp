@@ -192,7 +192,7 @@ std::optional<Verdict> verdict_named(std::string_view wanted) {
 }
 
 std::string seal(const std::string& json_object, std::span<const std::uint8_t> payload) {
-  CHECK(json_object.size() > 2 && json_object.back() == '}');
+  HDRCAM_CHECK(json_object.size() > 2 && json_object.back() == '}');
   const std::string_view open(json_object.data(), json_object.size() - 1);
   return fmt::format("{}{}{:08x}\"}}", open, kSealKey, checksum(payload, open));
 }

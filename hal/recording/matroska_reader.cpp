@@ -76,7 +76,7 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
 
   container.whole = TRY(is_whole(container.stream->file()));
   AVFormatContext* demuxer = avformat_alloc_context();
-  CHECK(demuxer != nullptr);
+  HDRCAM_CHECK(demuxer != nullptr);
   demuxer->pb = container.stream->context();
   demuxer->flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_NOPARSE | AVFMT_FLAG_NOFILLIN;
   const int code =

@@ -110,7 +110,7 @@ Result<void> MatroskaWriter::write_header(const CameraFacts& camera) {
 
 void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
   AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
-  CHECK(track != nullptr && avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
+  HDRCAM_CHECK(track != nullptr && avcodec_parameters_from_context(track->codecpar, encoder_.context()) >= 0);
   // Matroska pads the head of Huffyuv to an even size. The zero is there: behind such data FFmpeg keeps
   // zeros.
   if (encoder_.codec() == RecordingCodec::Huffyuv)
@@ -122,7 +122,7 @@ void MatroskaWriter::add_pixel_track(const CameraFacts& camera) {
 
 void MatroskaWriter::add_facts_track() {
   AVStream* track = avformat_new_stream(muxer_.get(), nullptr);
-  CHECK(track != nullptr);
+  HDRCAM_CHECK(track != nullptr);
   track->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
   track->codecpar->codec_id = AV_CODEC_ID_TEXT;
   track->time_base = kMilliseconds;
@@ -142,7 +142,7 @@ Result<void> MatroskaWriter::checked(int code, const char* what) {
 
 Result<void> MatroskaWriter::append(const RawFrame& frame) {
   if (failure_) return *failure_;
-  CHECK(!finished_);
+  HDRCAM_CHECK(!finished_);
   if (const auto objection = objection_to(frame.facts, before_ ? &*before_ : nullptr))
     return Error{ErrorCode::Invalid, fmt::format("frame {} cannot be recorded: {}", frames_, *objection)};
   AVPacket* picture = TRY(encoder_.encode(frame.codes));
@@ -168,7 +168,7 @@ Result<void> MatroskaWriter::append(const RawFrame& frame) {
 Result<void> MatroskaWriter::write_facts(const std::string& sealed) {
   AVPacket* packet = facts_packet_.get();
   av_packet_unref(packet);
-  CHECK(av_new_packet(packet, static_cast<int>(sealed.size())) >= 0);
+  HDRCAM_CHECK(av_new_packet(packet, static_cast<int>(sealed.size())) >= 0);
   std::memcpy(packet->data, sealed.data(), sealed.size());
   packet->stream_index = matroska::kFactsTrack;
   packet->pts = packet->dts = pts_ms_;

@@ -174,7 +174,7 @@ Result<PictureEncoder> PictureEncoder::open(const CameraFacts& camera, Recording
   encoder.context_.reset(avcodec_alloc_context3(codec));
   encoder.frame_.reset(av_frame_alloc());
   encoder.packet_.reset(av_packet_alloc());
-  CHECK(encoder.context_ && encoder.frame_ && encoder.packet_);
+  HDRCAM_CHECK(encoder.context_ && encoder.frame_ && encoder.packet_);
   AVCodecContext& context = *encoder.context_;
   context.width = camera.width;
   context.height = camera.height;
@@ -229,7 +229,7 @@ Result<PictureDecoder> PictureDecoder::open(const CameraFacts& camera, const AVC
                  fmt::format("the FFmpeg libraries of this machine have no {} decoder", known_as(*known))};
   decoder.context_.reset(avcodec_alloc_context3(codec));
   decoder.frame_.reset(av_frame_alloc());
-  CHECK(decoder.context_ && decoder.frame_);
+  HDRCAM_CHECK(decoder.context_ && decoder.frame_);
   AVCodecContext& context = *decoder.context_;
   if (const int code = avcodec_parameters_to_context(&context, &stream); code < 0)
     return corrupt("the video track cannot be read", code);

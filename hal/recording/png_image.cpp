@@ -172,7 +172,7 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
   reading.png =
       png_create_read_struct(PNG_LIBPNG_VER_STRING, &reading, keep_failure<Reading>, ignore_warning);
   reading.info = reading.png ? png_create_info_struct(reading.png) : nullptr;
-  CHECK(reading.info != nullptr);
+  HDRCAM_CHECK(reading.info != nullptr);
   const auto broken = [&] {
     return Error{ErrorCode::Corrupt, fmt::format("'{}' is a damaged PNG: {}", path, reading.failure)};
   };
@@ -187,7 +187,7 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
   PngImage image;
   image.bits_per_sample = reading.bit_depth == 16 ? 16 : 8;
   const int channels = (reading.color_type & PNG_COLOR_MASK_COLOR) != 0 ? 3 : 1;
-  CHECK_EQ(reading.row_bytes, static_cast<std::size_t>(cols * channels * image.bits_per_sample / 8));
+  HDRCAM_CHECK_EQ(reading.row_bytes, static_cast<std::size_t>(cols * channels * image.bits_per_sample / 8));
   lay_out_rows(reading, rows, reading.row_bytes);
   if (!read_pixels(reading)) return broken();
   image.samples.reshape(channels, rows, cols);
@@ -197,14 +197,14 @@ Result<PngImage> read_png(Storage& storage, const std::string& path, int cols, i
 
 Result<std::vector<std::byte>> png_file(const PngImage& image, PngEase ease) {
   const int channels = image.samples.channels(), rows = image.samples.rows(), cols = image.samples.cols();
-  CHECK(channels == 1 || channels == 3);
+  HDRCAM_CHECK(channels == 1 || channels == 3);
   Writing writing;
   lay_out_rows(writing, rows, static_cast<std::size_t>(cols * channels * image.bits_per_sample / 8));
   to_lines(image.samples, image.bits_per_sample, writing.lines);
   writing.png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, &writing, keep_failure<Writing>, ignore_warning);
   writing.info = writing.png ? png_create_info_struct(writing.png) : nullptr;
-  CHECK(writing.info != nullptr);
+  HDRCAM_CHECK(writing.info != nullptr);
   if (!write_all(writing, image, ease == PngEase::Fast ? kFastCompression : kCompression))
     return Error{ErrorCode::Io,
                  fmt::format("a PNG of {}x{} pixels cannot be encoded: {}", cols, rows, writing.failure)};

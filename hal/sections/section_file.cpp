@@ -62,7 +62,7 @@ Result<void> SectionWriter::append(Bytes bytes) {
 }
 
 Result<void> SectionWriter::add(std::string_view name, std::span<const Bytes> parts) {
-  CHECK(!name.empty() && name.size() <= kNameLength);
+  HDRCAM_CHECK(!name.empty() && name.size() <= kNameLength);
   SectionHead head;
   std::ranges::copy(name, head.name.begin());
   for (const Bytes part : parts) {
@@ -126,7 +126,7 @@ Result<void> SectionReader::read_here(std::span<std::byte> bytes) {
 }
 
 Result<std::string> SectionReader::next() {
-  CHECK_EQ(left_, std::uint64_t{0});
+  HDRCAM_CHECK_EQ(left_, std::uint64_t{0});
   SectionHead head;
   TRY(read_here(std::as_writable_bytes(std::span(&head, 1))));
   if (head.head_crc != crc_of(head)) {
@@ -151,7 +151,7 @@ Result<void> SectionReader::begin(std::string_view name) {
 }
 
 Result<void> SectionReader::read(std::span<std::byte> bytes) {
-  CHECK(bytes.size() <= left_);
+  HDRCAM_CHECK(bytes.size() <= left_);
   TRY(read_here(bytes));
   left_ -= bytes.size();
   crc_ = checksum(crc_, bytes);
@@ -159,7 +159,7 @@ Result<void> SectionReader::read(std::span<std::byte> bytes) {
 }
 
 Result<void> SectionReader::end() {
-  CHECK_EQ(left_, std::uint64_t{0});
+  HDRCAM_CHECK_EQ(left_, std::uint64_t{0});
   return crc_ == stated_ ? Result<void>() : wrong("its checksum is wrong");
 }
 

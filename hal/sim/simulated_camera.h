@@ -81,11 +81,11 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     void reset(std::size_t capacity) { slots_.assign(capacity, T{}), begin_ = size_ = 0; }
     bool empty() const { return size_ == 0; }
     void push(const T& item) {
-      CHECK_LT(size_, slots_.size());
+      HDRCAM_CHECK_LT(size_, slots_.size());
       slots_[(begin_ + size_++) % slots_.size()] = item;
     }
     T pop() {
-      CHECK_GT(size_, 0u);
+      HDRCAM_CHECK_GT(size_, 0u);
       T item = slots_[begin_];
       begin_ = (begin_ + 1) % slots_.size(), --size_;
       return item;

@@ -53,7 +53,7 @@ Pattern matroska_element(std::uint8_t id, int stated, int value) {
 
 void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel& level) {
   AVMasteringDisplayMetadata* mastering = av_mastering_display_metadata_alloc();
-  CHECK(mastering != nullptr);
+  HDRCAM_CHECK(mastering != nullptr);
   const std::array<double, 2>* const primaries[] = {&display.red, &display.green, &display.blue};
   for (int c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 2; ++i) mastering->display_primaries[c][i] = chromaticity((*primaries[c])[i]);
@@ -61,16 +61,16 @@ void add_to(AVStream& stream, const MasteringDisplay& display, const LightLevel&
   mastering->min_luminance = luminance(display.black_nits);
   mastering->max_luminance = luminance(display.peak_nits);
   mastering->has_primaries = mastering->has_luminance = 1;
-  CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA,
-                                reinterpret_cast<std::uint8_t*>(mastering), sizeof *mastering) >= 0);
+  HDRCAM_CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_MASTERING_DISPLAY_METADATA,
+                                       reinterpret_cast<std::uint8_t*>(mastering), sizeof *mastering) >= 0);
 
   std::size_t size = 0;
   AVContentLightMetadata* light = av_content_light_metadata_alloc(&size);
-  CHECK(light != nullptr);
+  HDRCAM_CHECK(light != nullptr);
   light->MaxCLL = static_cast<unsigned>(level.most_nits);
   light->MaxFALL = static_cast<unsigned>(level.most_mean_nits);
-  CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL,
-                                reinterpret_cast<std::uint8_t*>(light), size) >= 0);
+  HDRCAM_CHECK(av_stream_add_side_data(&stream, AV_PKT_DATA_CONTENT_LIGHT_LEVEL,
+                                       reinterpret_cast<std::uint8_t*>(light), size) >= 0);
 }
 
 std::string x265_parameters(const MasteringDisplay& display) {

@@ -68,7 +68,7 @@ LightLevel bound_of(const MasteringDisplay& display) {
 // Fast and good settings, measured in docs/video.md; nothing is predicted from later frames.
 void set_codec_options(const VideoFormat& format, AVCodecContext& encoder) {
   const auto set = [&](const char* option, const std::string& value) {
-    CHECK(av_opt_set(encoder.priv_data, option, value.c_str(), 0) >= 0);
+    HDRCAM_CHECK(av_opt_set(encoder.priv_data, option, value.c_str(), 0) >= 0);
   };
   encoder.max_b_frames = 0;
   if (format.codec == VideoCodec::Uncompressed) return;
@@ -157,14 +157,14 @@ Result<void> VideoWriter::open_encoder(const VideoFormat& format) {
   frame_->color_primaries = encoder.color_primaries, frame_->color_trc = encoder.color_trc;
   frame_->colorspace = encoder.colorspace, frame_->color_range = encoder.color_range;
   frame_->pts = -1;
-  CHECK(av_frame_get_buffer(frame_.get(), PictureConverter::kAlignment_bytes) >= 0);
+  HDRCAM_CHECK(av_frame_get_buffer(frame_.get(), PictureConverter::kAlignment_bytes) >= 0);
   return {};
 }
 
 Result<void> VideoWriter::write_header(const VideoFormat& format) {
   AVFormatContext& muxer = *muxer_;
   AVStream* stream = avformat_new_stream(&muxer, nullptr);
-  CHECK(stream != nullptr && avcodec_parameters_from_context(stream->codecpar, encoder_.get()) >= 0);
+  HDRCAM_CHECK(stream != nullptr && avcodec_parameters_from_context(stream->codecpar, encoder_.get()) >= 0);
   stream->time_base = format.container == VideoContainer::Y4m ? encoder_->time_base : kMicroseconds;
   stream->avg_frame_rate = encoder_->framerate;
   if (is_mp4(format.container) && format.codec == VideoCodec::Hevc)
@@ -183,7 +183,7 @@ Result<void> VideoWriter::write_header(const VideoFormat& format) {
     av_opt_set_int(muxer.priv_data, "write_crc32", 0, 0);  // finish() changes what they would cover
 
   // The header first into memory, so that it is known where it states what finish() may have to change.
-  CHECK(avio_open_dyn_buf(&muxer.pb) >= 0);
+  HDRCAM_CHECK(avio_open_dyn_buf(&muxer.pb) >= 0);
   const int code = avformat_write_header(&muxer, nullptr);
   std::uint8_t* bytes = nullptr;
   const int size = avio_close_dyn_buf(std::exchange(muxer.pb, stream_.context()), &bytes);
@@ -206,7 +206,7 @@ Result<void> VideoWriter::checked(int code, const char* what) {
 }
 
 PicturePlanes VideoWriter::planes() {
-  CHECK(av_frame_make_writable(frame_.get()) >= 0);
+  HDRCAM_CHECK(av_frame_make_writable(frame_.get()) >= 0);
   PicturePlanes planes;
   for (std::size_t i = 0; i < 3; ++i)
     planes.data[i] = frame_->data[i], planes.stride_bytes[i] = frame_->linesize[i];

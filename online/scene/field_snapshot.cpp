@@ -3,7 +3,7 @@
 namespace hdrcam {
 
 SceneView reduced(const SceneView& view, int step) {
-  CHECK(step >= 1);
+  HDRCAM_CHECK(step >= 1);
   SceneView small = view;
   small.rows = (view.rows + step - 1) / step, small.cols = (view.cols + step - 1) / step;
   small.lens = {view.lens.fx_px / step, view.lens.fy_px / step, view.lens.cx_px / step,

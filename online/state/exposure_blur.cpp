@@ -19,7 +19,7 @@ bool exposure_blurs(const Image<float>& flow, float fraction, WorkerPool& pool) 
 void blur_difference(const Image<float>& radiance, const Image<float>& flow, float fraction,
                      Image<float>& difference, WorkerPool& pool) {
   const int rows = radiance.rows(), cols = radiance.cols();
-  CHECK(radiance.channels() <= kBlurChannels);
+  HDRCAM_CHECK(radiance.channels() <= kBlurChannels);
   difference.reshape_like(radiance);
   if (rows < 2 || cols < 2) {
     difference.fill(0);

@@ -90,7 +90,7 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
                     Image<float>& share, SampleOrder order) {
   const RadianceEstimate& before = seen.state;
   const Samples& samples = seen.samples;
-  CHECK(&before != &after);  // a row's neighbours are read until all of them are written
+  HDRCAM_CHECK(&before != &after);  // a row's neighbours are read until all of them are written
   const FusionOptions& o = options_;
   const int rows = before.radiance.rows(), cols = before.radiance.cols();
   const float relative2 = o.relative_noise * o.relative_noise;

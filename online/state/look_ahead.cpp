@@ -7,7 +7,7 @@ namespace hdrcam {
 
 void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> later, float unseen_variance,
                      Fusion& fusion, JoinedState& joined) {
-  CHECK(!later.empty());
+  HDRCAM_CHECK(!later.empty());
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
   const SamplesLease room(pool_.scratch(), state.radiance, samples_);
   const int rows_of_more = later.size() > 1 ? rows : 0;  // what only more than one later frame needs

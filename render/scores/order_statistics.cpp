@@ -8,8 +8,8 @@
 namespace hdrcam {
 
 double percentile(std::vector<float>& samples, double percent) {
-  CHECK(!samples.empty());
-  CHECK(percent >= 0 && percent <= 100);
+  HDRCAM_CHECK(!samples.empty());
+  HDRCAM_CHECK(percent >= 0 && percent <= 100);
   const double position = percent / 100 * static_cast<double>(samples.size() - 1);
   const double below = std::floor(position);
   const auto nth = samples.begin() + static_cast<std::ptrdiff_t>(below);

@@ -86,7 +86,7 @@ Image<float> log2_of(const Image<float>& luminance) {
 
 ComparablePair comparable_pair(const Image<float>& truth, const Image<float>& estimate,
                                const Normalisation& shared) {
-  CHECK(truth.channels() == 3 && truth.same_shape(estimate));
+  HDRCAM_CHECK(truth.channels() == 3 && truth.same_shape(estimate));
   ComparablePair pair;
   pair.truth = normalised(truth, {1, 1, 1}, shared.white);
   pair.estimate = normalised(estimate, shared.gain, shared.white);

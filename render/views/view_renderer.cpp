@@ -79,7 +79,7 @@ RigidTransform KeyframeInterval::T_world_camera() const {
 
 void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& view, const SnapshotHold& field,
                           HdrFrame& frame) {
-  CHECK(interval.before != nullptr || interval.after != nullptr);
+  HDRCAM_CHECK(interval.before != nullptr || interval.after != nullptr);
   static const FlowField kNoMotion;
   const RigidTransform T_view_recorded = view.T_world_camera.inverse() * interval.T_world_camera();
   const auto share = static_cast<float>(interval.share);

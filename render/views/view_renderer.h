@@ -23,7 +23,7 @@ struct KeyframeInterval {
   // The keyframe nearer in time.
   const Keyframe& nearest() const {
     const Keyframe* key = after == nullptr || (before != nullptr && share < 0.5) ? before : after;
-    CHECK(key != nullptr);
+    HDRCAM_CHECK(key != nullptr);
     return *key;
   }
   double time_s() const;

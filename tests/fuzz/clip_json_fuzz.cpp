@@ -11,11 +11,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!clip) return 0;
   const FrameFacts* before = nullptr;
   for (const ClipFrame& frame : clip.value().frames) {
-    CHECK(!objection_to(frame.facts, before));
+    HDRCAM_CHECK(!objection_to(frame.facts, before));
     before = &frame.facts;
   }
   const auto again = clip_from_json(clip_to_json(clip.value()), "clip.json");
-  CHECK(again.ok());
-  CHECK_EQ(again.value().frames.size(), clip.value().frames.size());
+  HDRCAM_CHECK(again.ok());
+  HDRCAM_CHECK_EQ(again.value().frames.size(), clip.value().frames.size());
   return 0;
 }

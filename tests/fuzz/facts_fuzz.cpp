@@ -12,14 +12,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   (void)seal_holds(text, {});
   if (const auto camera = camera_from_json(text)) {
     (void)objection_to(camera.value());
-    CHECK(camera_from_json(to_json(camera.value(), RecordingCodec::Huffyuv)).ok());
+    HDRCAM_CHECK(camera_from_json(to_json(camera.value(), RecordingCodec::Huffyuv)).ok());
   }
   constexpr int kBits = 12;
   if (const auto record = record_from_json(text, kBits); record && !record.value().is_end) {
     (void)objection_to(record.value().facts, nullptr);
     const auto again = record_from_json(to_json(record.value().index, record.value().facts, kBits), kBits);
-    CHECK(again.ok());
-    CHECK(again.value().facts.sequence == record.value().facts.sequence);
+    HDRCAM_CHECK(again.ok());
+    HDRCAM_CHECK(again.value().facts.sequence == record.value().facts.sequence);
   }
   return 0;
 }

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const int cols = side_at({data, size}, 16), rows = side_at({data, size}, 20);
   const auto image = read_png(storage, "x.png", cols, rows);
   if (image)
-    CHECK_EQ(image.value().samples.plane_size(),
+    HDRCAM_CHECK_EQ(image.value().samples.plane_size(),
              static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows));
   return 0;
 }

@@ -15,12 +15,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::optional<FrameFacts> before;
     for (;;) {
       auto frame = reader.value()->next();
-      if (!frame) CHECK(damage == Damage::Ends || frame.error().code != ErrorCode::Corrupt);
+      if (!frame) HDRCAM_CHECK(damage == Damage::Ends || frame.error().code != ErrorCode::Corrupt);
       if (!frame || !frame.value()) break;
       const RawFrame& raw = **frame;
-      CHECK_EQ(raw.codes.rows(), camera.height);
-      CHECK_EQ(raw.codes.cols(), camera.width);
-      if (before) CHECK(raw.facts.timestamp > before->timestamp && raw.facts.sequence > before->sequence);
+      HDRCAM_CHECK_EQ(raw.codes.rows(), camera.height);
+      HDRCAM_CHECK_EQ(raw.codes.cols(), camera.width);
+      if (before) HDRCAM_CHECK(raw.facts.timestamp > before->timestamp && raw.facts.sequence > before->sequence);
       before = raw.facts;
     }
   }

@@ -15,7 +15,7 @@ void load_and_film(std::span<const std::uint8_t> bytes) {
   fuzz::MemoryStorage storage(bytes);
   auto scene = load_scene(storage, "s.hdrscene");
   if (!scene) return;
-  CHECK(check_scene(storage, "s.hdrscene").ok());
+  HDRCAM_CHECK(check_scene(storage, "s.hdrscene").ok());
   FilmOptions options;
   options.view = "0.1,0,0,5,0,0";
   options.size = "32x24";
@@ -25,7 +25,7 @@ void load_and_film(std::span<const std::uint8_t> bytes) {
   WorkerPool pool(1);
   VirtualCamera camera(*plan, std::nullopt, pool);
   camera.take(*scene);
-  CHECK(
+  HDRCAM_CHECK(
       camera.finish([](HdrFrame&, const ExposedFrame&, const FrameRecord&) { return Result<void>(); }).ok());
 }
 

@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                       SettingGroup::Record, SettingGroup::Machine};
   const std::string printed = to_toml(settings, all);
   Settings again;
-  CHECK(read_toml(printed, "x.toml", again).ok());
-  CHECK(to_toml(again, all) == printed);
+  HDRCAM_CHECK(read_toml(printed, "x.toml", again).ok());
+  HDRCAM_CHECK(to_toml(again, all) == printed);
   return 0;
 }

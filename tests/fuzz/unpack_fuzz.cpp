@@ -18,6 +18,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Image<std::uint16_t> codes;
   if (!unpack_pixels(buffer, {.decode_jpeg = decode}, codes)) return 0;
   const int bits = codes_of(buffer.mode.format).bits;
-  for (const std::uint16_t code : codes.samples()) CHECK(code >> bits == 0);
+  for (const std::uint16_t code : codes.samples()) HDRCAM_CHECK(code >> bits == 0);
   return 0;
 }

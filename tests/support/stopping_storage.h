@@ -1,9 +1,8 @@
-// The disk of a program that is told to stop in the middle of its work: a signal that comes while the n-th
-// file of some name is made. Thread-bound, but for stop().
+// The disk of a program that is told to stop in the middle of its work: a signal that comes as soon as the n-th
+// file of some name is complete. Thread-bound, but for stop().
 #pragma once
 
 #include <atomic>
-#include <memory>
 #include <string>
 
 #include "hal/fault/faulty_storage.h"
@@ -12,13 +11,14 @@ namespace hdrcam::test {
 
 class StoppingStorage : public FaultyStorage {
  public:
-  // Counts the files whose paths hold these words; the one that is number `file`, from 1 on, is the signal.
+  // Counts the files that get a path with these words; the one that is number `file`, from 1 on, is the signal.
   StoppingStorage(std::string words, int file)
       : FaultyStorage(posix_storage(), {}), words_(std::move(words)), left_(file) {}
 
-  Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {
-    if (path.find(words_) != std::string::npos && --left_ == 0) stop_ = true;
-    return FaultyStorage::create(path, how);
+  Result<void> rename(const std::string& from, const std::string& to) override {
+    const Result<void> renamed = FaultyStorage::rename(from, to);
+    if (renamed && to.find(words_) != std::string::npos && --left_ == 0) stop_ = true;
+    return renamed;
   }
   const std::atomic<bool>& stop() const { return stop_; }
 

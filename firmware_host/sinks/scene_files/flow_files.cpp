@@ -11,7 +11,7 @@ namespace hdrcam {
 static_assert(std::endian::native == std::endian::little);
 
 std::vector<std::byte> encode_flo(const Image<float>& flow, int rows, int cols) {
-  CHECK((flow.empty() || (flow.channels() == 2 && flow.rows() == rows && flow.cols() == cols)));
+  HDRCAM_CHECK((flow.empty() || (flow.channels() == 2 && flow.rows() == rows && flow.cols() == cols)));
   const std::size_t pixels = static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols);
   std::vector<float> vectors(2 * pixels, kUnknownFlow);
   for (std::size_t i = 0; !flow.empty() && i < pixels; ++i)

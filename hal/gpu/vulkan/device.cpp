@@ -112,7 +112,7 @@ Result<std::unique_ptr<GpuBuffer>> Device::buffer(std::size_t bytes) {
 Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
   auto& kept = kernels_[shader.name];
   if (kept) return kept.get();
-  CHECK(shader.buffers <= kMostKernelBuffers);
+  HDRCAM_CHECK(shader.buffers <= kMostKernelBuffers);
   auto kernel = std::make_unique<Kernel>();
   kernel->name = shader.name, kernel->buffers = shader.buffers;
   kernel->group = shader.group > 0 ? shader.group : facts_.group;

@@ -115,7 +115,7 @@ void Work::timed(std::string_view step, const Record& record) {
 }
 
 void Work::upload(std::span<const std::byte> from, const GpuBuffer& to, std::size_t at) {
-  CHECK(at <= to.bytes() && from.size() <= to.bytes() - at);
+  HDRCAM_CHECK(at <= to.bytes() && from.size() <= to.bytes() - at);
   if (!begin()) return;
   auto staging = memory_.take(from.size(), MemoryUse::Staging);
   if (!staging) {
@@ -148,8 +148,8 @@ void Work::clear(const GpuBuffer& buffer) {
 void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffers,
                std::span<const std::byte> constants, const GpuGrid& grid) {
   const auto& own = static_cast<const Kernel&>(kernel);
-  CHECK_EQ(static_cast<int>(buffers.size()), own.buffers);
-  CHECK(constants.size() <= kConstantBytes && grid.columns > 0 && grid.rows > 0 && grid.planes > 0);
+  HDRCAM_CHECK_EQ(static_cast<int>(buffers.size()), own.buffers);
+  HDRCAM_CHECK(constants.size() <= kConstantBytes && grid.columns > 0 && grid.rows > 0 && grid.planes > 0);
   if (!begin()) return;
   auto set = set_for(own);
   if (!set) {
@@ -184,7 +184,7 @@ void Work::run(const GpuKernel& kernel, std::span<const GpuBuffer* const> buffer
 }
 
 void Work::download(const GpuBuffer& from, std::size_t at, std::span<std::byte> to) {
-  CHECK(at <= from.bytes() && to.size() <= from.bytes() - at);
+  HDRCAM_CHECK(at <= from.bytes() && to.size() <= from.bytes() - at);
   if (!begin()) return;
   auto staging = memory_.take(to.size(), MemoryUse::Staging);
   if (!staging) {
@@ -196,7 +196,7 @@ void Work::download(const GpuBuffer& from, std::size_t at, std::span<std::byte> 
 }
 
 void Work::measure(GpuStepTimes* times) {
-  CHECK(!recording_);
+  HDRCAM_CHECK(!recording_);
   times_ = nullptr;
   if (times == nullptr || tick_ns_ <= 0) return;
   VkQueryPoolCreateInfo info{};

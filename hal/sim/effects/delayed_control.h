@@ -17,7 +17,7 @@ class DelayedControl {
   static constexpr int kMost = 7;  // frames
 
   DelayedControl(int delay, Value initial) : delay_(delay), current_(initial) {
-    CHECK(delay >= 0 && delay <= kMost);
+    HDRCAM_CHECK(delay >= 0 && delay <= kMost);
   }
 
   // `frame` counts up; `late`: additional frames of delay (negative: fewer).
@@ -33,7 +33,7 @@ class DelayedControl {
     return current_;
   }
   void set_delay(int delay) {
-    CHECK(delay >= 0 && delay <= kMost);
+    HDRCAM_CHECK(delay >= 0 && delay <= kMost);
     delay_ = delay;
   }
 

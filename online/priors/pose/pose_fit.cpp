@@ -152,7 +152,7 @@ PoseSums PoseFitter::sum_over(std::span<const ScenePoint> points, Body&& body) {
 PoseFit PoseFitter::fit(std::span<const ScenePoint> points, const Intrinsics& lens,
                         const RigidTransform& T_camera_world, const FitOptions& options,
                         std::span<double> inverse_depths) {
-  CHECK_EQ(points.size(), inverse_depths.size());
+  HDRCAM_CHECK_EQ(points.size(), inverse_depths.size());
   PoseFit fit;
   fit.T_camera_world = T_camera_world;
   RigidTransform& T = fit.T_camera_world;

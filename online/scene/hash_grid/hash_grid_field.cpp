@@ -31,7 +31,7 @@ HashGridField::HashGridField(const FieldOptions& options, float near, const Intr
     : pool_(pool), gpu_(gpu), near_(near), fit_(with_near(options, near), lens, rows, cols, pool, gpu) {}
 
 HashGridField::~HashGridField() {
-  for (const auto& snapshot : snapshots_) CHECK(!snapshot->is_held());
+  for (const auto& snapshot : snapshots_) HDRCAM_CHECK(!snapshot->is_held());
 }
 
 Result<void> HashGridField::observe(const SceneObservation& seen) {

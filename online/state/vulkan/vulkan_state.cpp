@@ -97,7 +97,7 @@ void VulkanState::advance(const StateInput& input, const FlowField& to_previous)
 
 void VulkanState::join(const RadianceEstimate& of, std::span<const LaterFrame> later, float unseen_variance,
                        JoinedState& joined) {
-  CHECK(!later.empty());
+  HDRCAM_CHECK(!later.empty());
   if (processor_) return processor_->join(of, later, unseen_variance, joined);
   if (const Result<void> done = join_gpu(of, later, unseen_variance, joined); !done) {
     // `of` may be our own copy, which goes on living

@@ -79,7 +79,7 @@ void VulkanFlow::fall_back_to_cpu(const Error& why) {
 }
 
 void VulkanFlow::compute(FlowQuality quality, const FlowRequest& request) {
-  CHECK(request.a->rows() == rows_ && request.a->cols() == cols_);
+  HDRCAM_CHECK(request.a->rows() == rows_ && request.a->cols() == cols_);
   if (!processor_) {
     const Result<void> done = compute_gpu(quality, request);
     if (done) return;

@@ -49,7 +49,7 @@ struct Branch {
       : grid(shape, 1e-2f, random), mlp(grid.features(), hidden, outputs, head_gain, random) {}
   // copies the parameters of a branch of the same shape, without gradients
   void copy_parameters(const Branch& from) {
-    CHECK(grid.shape() == from.grid.shape());
+    HDRCAM_CHECK(grid.shape() == from.grid.shape());
     grid.tables().copy_from(from.grid.tables());
     std::copy(from.mlp.parameters().begin(), from.mlp.parameters().end(), mlp.parameters().begin());
   }

@@ -32,7 +32,7 @@ FieldProbe::FieldProbe(const FieldNetworks<float>& networks, int most_samples) {
 
 void FieldProbe::look(const RadianceField& field, const ProbeView& view, std::span<const ProbeRay> rays,
                       std::span<ProbeAnswer> answers) {
-  CHECK(rays.size() <= kRays && answers.size() == rays.size());
+  HDRCAM_CHECK(rays.size() <= kRays && answers.size() == rays.size());
   place(field, view, rays);
   static_.forward(field.networks.static_);
   if (field.has_dynamic) {

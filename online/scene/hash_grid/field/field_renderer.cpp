@@ -93,8 +93,8 @@ void FieldRenderer::splat_surface(const RadianceField& field, const ProbeView& f
 
 void FieldRenderer::render(const RadianceField& field, const SceneView& view, WorkerPool& pool,
                            FieldPicture& picture) {
-  CHECK(field.window.size() > 0 && view.rows > 0 && view.cols > 0);
-  CHECK(view.lens.fx_px > 0 && view.lens.fy_px > 0);
+  HDRCAM_CHECK(field.window.size() > 0 && view.rows > 0 && view.cols > 0);
+  HDRCAM_CHECK(view.lens.fx_px > 0 && view.lens.fy_px > 0);
   if (!(view.exposure_s > 0)) {
     render_instant(field, view, view.time_s, pool, picture);
     return;
@@ -123,7 +123,7 @@ void FieldRenderer::render_instant(const RadianceField& field, const SceneView& 
   const bool own = from.T_anchor_camera == frame.T_anchor_camera;  // then a ray's surface is its pixel's
   if (!own) splat_surface(field, from);
   if (view.wanted != nullptr) {
-    CHECK(view.wanted->rows() == rows && view.wanted->cols() == cols);
+    HDRCAM_CHECK(view.wanted->rows() == rows && view.wanted->cols() == cols);
     for (Image<float>* plane : {&picture.radiance, &picture.depth, &picture.dynamic_share,
                                 &picture.confidence, &picture.flow[0], &picture.flow[1]})
       plane->fill(0);

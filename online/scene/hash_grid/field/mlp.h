@@ -65,7 +65,7 @@ class Mlp {
   // He initialisation; the head is scaled by head_gain, so that 0 starts every output at its bias.
   Mlp(int inputs, int hidden, int outputs, float head_gain, Pcg32& random)
       : width_{inputs, hidden, hidden, outputs} {
-    for (int width : width_) CHECK(width > 0 && width % 4 == 0);
+    for (int width : width_) HDRCAM_CHECK(width > 0 && width % 4 == 0);
     for (int layer = 0; layer < kLayers; ++layer) {
       const float bound =
           std::sqrt(6.f / static_cast<float>(width_[layer])) * (layer == kLayers - 1 ? head_gain : 1);

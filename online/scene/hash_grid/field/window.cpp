@@ -76,9 +76,10 @@ RigidTransform WindowFrames::T_anchor_camera(const RigidTransform& T_world_camer
 
 Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
     : WindowFrames(frustum), options_(options) {
-  CHECK(options.frames >= 2 && options.frames <= 14);
-  CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
-  CHECK(frustum.step_px == 1 || frustum.step_px == 2 || frustum.step_px == 4 || frustum.step_px == kMostStep);
+  HDRCAM_CHECK(options.frames >= 2 && options.frames <= 14);
+  HDRCAM_CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
+  HDRCAM_CHECK(frustum.step_px == 1 || frustum.step_px == 2 || frustum.step_px == 4 ||
+               frustum.step_px == kMostStep);
   for (int i = 0; i < slots(); ++i) storage_.push_back(make_frame());
   order_.reserve(storage_.size());
 }
@@ -304,7 +305,7 @@ void Window::take_surface(WindowFrame& frame, WorkerPool& pool) const {
 }
 
 RigidTransform Window::move_anchor() {
-  CHECK(!order_.empty());
+  HDRCAM_CHECK(!order_.empty());
   const RigidTransform T_world_new = newest().T_world_camera;
   RigidTransform T_new_old = T_world_new.inverse() * T_world_anchor_;
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};

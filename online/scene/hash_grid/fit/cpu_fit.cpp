@@ -13,7 +13,7 @@ void CpuFit::gradients(const StepSetting<float>& step, std::span<const TrainingR
                        OptimisedBranch& dynamic_branch, StepSums& sums) {
   used_ = rays.size() / kRaysPerShard;
   has_dynamic_ = step.has_dynamic;
-  CHECK(used_ <= shards_.size());
+  HDRCAM_CHECK(used_ <= shards_.size());
   pool.for_each(static_cast<int>(used_), [&](int i) {
     const auto at = static_cast<std::size_t>(i);
     shards_[at].run(step, rays.subspan(at * kRaysPerShard, kRaysPerShard), Pcg32(seed, first_stream + at));

@@ -67,8 +67,8 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
 FieldFit::~FieldFit() = default;
 
 void FieldFit::prepare(const FitBudget& budget) {
-  CHECK(budget.rays_per_step >= kRaysPerShard && budget.rays_per_step % kRaysPerShard == 0);
-  CHECK(budget.samples_per_ray <= kMaxSamples && budget.samples_without_parallax <= kMaxSamples);
+  HDRCAM_CHECK(budget.rays_per_step >= kRaysPerShard && budget.rays_per_step % kRaysPerShard == 0);
+  HDRCAM_CHECK(budget.samples_per_ray <= kMaxSamples && budget.samples_without_parallax <= kMaxSamples);
   settle();
   budget_ = budget;
   samples_per_ray_ = window_.has_parallax() ? budget.samples_per_ray : budget.samples_without_parallax;

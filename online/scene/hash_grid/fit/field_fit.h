@@ -59,7 +59,7 @@ class FieldFit {
 
   // Needs settle() after steps on a device.
   RadianceField field() const {
-    CHECK(!uncollected_.is_open);
+    HDRCAM_CHECK(!uncollected_.is_open);
     return {window_, networks_, samples_per_ray_, has_dynamic_};
   }
   Window& window() { return window_; }

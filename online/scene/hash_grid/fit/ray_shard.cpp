@@ -4,7 +4,7 @@ namespace hdrcam {
 
 template <class T>
 RayShard<T>::RayShard(const FieldNetworks<T>& networks, int most_rays, int most_samples) {
-  CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
+  HDRCAM_CHECK(most_samples >= 1 && most_samples <= kMaxSamples);
   const int ld = (most_rays * most_samples + kSampleMultiple - 1) / kSampleMultiple * kSampleMultiple;
   for (auto [pass, branch] : {std::pair(&static_, &networks.static_),
                               {&dynamic_, &networks.dynamic},
@@ -26,7 +26,7 @@ void RayShard<T>::zero(BranchPass<T>& pass) {
 
 template <class T>
 void RayShard<T>::run(const StepSetting<T>& step, std::span<const TrainingRay> rays, Pcg32 random) {
-  CHECK(rays.size() <= ray_.size());
+  HDRCAM_CHECK(rays.size() <= ray_.size());
   sums_ = {};
   std::fill(d_static_.begin(), d_static_.end(), T(0));
   std::fill(d_dynamic_.begin(), d_dynamic_.end(), T(0));

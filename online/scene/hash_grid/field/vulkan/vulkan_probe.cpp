@@ -48,7 +48,7 @@ VulkanProbe::~VulkanProbe() {
 
 Result<void> VulkanProbe::look(const RadianceField& field, const ProbeView& view,
                                std::span<const ProbeRay> rays, std::span<ProbeAnswer> answers) {
-  CHECK(answers.size() == rays.size());
+  HDRCAM_CHECK(answers.size() == rays.size());
   const GpuTurn turn(device_);
   const std::size_t batch = std::min(kBatchRays, rays.size());
   const int ld = static_cast<int>(batch) * field.samples_per_ray;

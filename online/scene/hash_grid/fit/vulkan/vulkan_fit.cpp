@@ -46,9 +46,9 @@ Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<cons
                                   std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
                                   OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
                                   StepSums& sums) {
-  CHECK(rays.size() % kRaysPerShard == 0);
+  HDRCAM_CHECK(rays.size() % kRaysPerShard == 0);
   const std::size_t shards = rays.size() / kRaysPerShard;
-  CHECK(!due_ || rays_.is_alike(step, rays.size()));
+  HDRCAM_CHECK(!due_ || rays_.is_alike(step, rays.size()));
   rays_.begin(step, rays.size());
   pool.for_each(static_cast<int>(shards), [&](int i) {
     const std::size_t first = static_cast<std::size_t>(i) * kRaysPerShard;

@@ -24,7 +24,7 @@ struct WindowFixture {
         window(frustum(rows_, cols_), WindowOptions{.frames = frames_}) {
     Pcg32 random(11);
     WorkerPool pool(1);
-    for (int i = 0; i < frames; ++i) CHECK_OK(window.advance(observe(i, poses, random), pool));
+    for (int i = 0; i < frames; ++i) HDRCAM_CHECK_OK(window.advance(observe(i, poses, random), pool));
   }
 
   static WindowFrustum frustum(int rows, int cols) {
