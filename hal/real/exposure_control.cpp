@@ -34,6 +34,7 @@ ExposureControl ExposureControl::of_sensor(const DeviceNode& sensor, const std::
   control.exposure_ = control.query(V4L2_CID_EXPOSURE);
   control.gain_ = control.query(V4L2_CID_ANALOGUE_GAIN);
   control.gain_codes_ = gain_codes_of(name, static_cast<double>(control.gain_.min));
+  control.shutter_ = shutter_of(name);
   return control;
 }
 
@@ -113,6 +114,11 @@ Result<std::optional<Duration>> ExposureControl::fix_frame_duration(int width, i
   }
   exposure_ = query(V4L2_CID_EXPOSURE);  // its maximum follows the blanking
   return std::optional(Duration(std::llround(static_cast<double>(height + blank_lines) * unit_ns_)));
+}
+
+Duration ExposureControl::readout(int height) const {
+  if (shutter_ != Shutter::Rolling || !exists()) return Duration::zero();
+  return Duration(std::llround((height - 1) * unit_ns_));  // the exposure's unit is a line
 }
 
 void ExposureControl::describe(CameraCapabilities& camera) const {

@@ -11,7 +11,7 @@
 
 #include "hal/camera.h"
 #include "hal/real/device_node.h"
-#include "hal/real/sensor_gain.h"
+#include "hal/real/known_sensors.h"
 
 namespace hdrcam {
 
@@ -38,6 +38,9 @@ class ExposureControl {
   // Sets a constant frame duration on a sensor; the picture is `width` x `height` pixels. Returns the
   // resulting duration.
   Result<std::optional<Duration>> fix_frame_duration(int width, int height, Duration wanted);
+  // From the first row's exposure to the last one's, of a picture with so many rows, once the frame duration
+  // is fixed; zero where the shutter is global, or is not known to be rolling.
+  Duration readout(int height) const;
   // The limits and steps as they are now.
   void describe(CameraCapabilities& camera) const;
   // Writes the controls now, or into a media request. No allocation unless it fails.
@@ -68,6 +71,7 @@ class ExposureControl {
   std::vector<Found> found_;  // before take_over(), in the order in which they are put back
   double unit_ns_ = 1;        // of one step of the exposure control
   GainCodes gain_codes_;
+  Shutter shutter_ = Shutter::Unknown;
   bool sensor_ = false;
 };
 

@@ -11,7 +11,7 @@
 #include "hal/real/control_pacer.h"
 #include "hal/real/device_node.h"
 #include "hal/real/enumerate.h"
-#include "hal/real/sensor_gain.h"
+#include "hal/real/known_sensors.h"
 #include "hal/real/sync_line_gpiod.h"
 #include "hal/real/v4l2_formats.h"
 #include "tests/contracts/expect.h"
@@ -115,6 +115,13 @@ TEST_CASE("the gain codes of known sensors are those of their data sheets") {
       INFO(sensor << " at gain " << gain);
       CHECK(codes.gain_of(codes.code_of(gain)) == Approx(gain));
     }
+}
+
+TEST_CASE("rows of known sensors are exposed one after the other, or all at once") {
+  CHECK(shutter_of("imx219 10-0010") == Shutter::Rolling);
+  for (const char* sensor : {"imx296 10-001a", "ov7251 1-0060", "ov9281 1-0060", "ov9282"})
+    CHECK(shutter_of(sensor) == Shutter::Global);
+  CHECK(shutter_of("some sensor") == Shutter::Unknown);
 }
 
 // A camera of 30 frames a second whose controls are written 20 ms after each frame's timestamp.

@@ -78,5 +78,23 @@ TEST_CASE("a sensor gets back the exposure, the gain and the frame duration that
   CHECK(driver.values == before);
 }
 
+TEST_CASE(
+    "a sensor that is known to roll is read out line by line, as its driver states; another in no time") {
+  SensorDriver driver;
+  const test::AnsweredIoctl kernel(
+      [&](unsigned long request, void* argument) { return driver(request, argument); });
+  const DeviceNode sensor = value_of(DeviceNode::open("/dev/null"));
+  const auto readout_of = [&](const char* name) {
+    ExposureControl control = ExposureControl::of_sensor(sensor, name);
+    REQUIRE(value_of(control.fix_frame_duration(kWidth, kHeight, std::chrono::milliseconds(33))).has_value());
+    return control.readout(kHeight);
+  };
+  // a line is 640 + 160 pixels at 24 MHz, 33.3 us
+  CHECK(std::abs((readout_of("imx219 10-0010") - std::chrono::microseconds(15'967)).count()) < 1000);
+  CHECK(readout_of("ov9281 1-0060") == Duration::zero());
+  CHECK(readout_of("some sensor") == Duration::zero());
+  CHECK(ExposureControl::of_video_node(sensor).readout(kHeight) == Duration::zero());  // a USB camera
+}
+
 }  // namespace
 }  // namespace hdrcam

@@ -1,6 +1,7 @@
-// The meaning of the code of V4L2_CID_ANALOGUE_GAIN: the kernel passes a sensor's register value without its
-// unit. The formulas are those of the data sheets, as libcamera lists them (camera_sensor_helper.cpp).
-// Reentrant.
+// What the kernel does not say of a sensor and its data sheet does. Reentrant.
+//   the meaning of the code of V4L2_CID_ANALOGUE_GAIN, a register's value without its unit: the formulas are
+//   those of the data sheets, as libcamera lists them (camera_sensor_helper.cpp)
+//   whether its rows are exposed one after the other
 #pragma once
 
 #include <string_view>
@@ -20,5 +21,9 @@ struct GainCodes {
 // The law of a sensor, by its entity name ("imx219 10-0010"). An unlisted sensor is assumed proportional,
 // with gain 1 at the driver's `lowest_code`, which must be positive.
 GainCodes gain_codes_of(std::string_view sensor, double lowest_code);
+
+enum class Shutter { Unknown, Rolling, Global };
+// Of a sensor, by its entity name; Unknown for an unlisted one.
+Shutter shutter_of(std::string_view sensor);
 
 }  // namespace hdrcam
