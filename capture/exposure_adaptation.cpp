@@ -10,24 +10,23 @@ ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
 }
 
 std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
-  if (slot < 0 || slot >= slots_) return std::nullopt;
+  if (slot < 0 || slot >= slots_ || slots_ < 2) return std::nullopt;
   if (waiting_ > 0) return --waiting_, std::nullopt;
   const auto at = static_cast<std::size_t>(slot);
   sums_[at].clipped += shares.clipped, sums_[at].dark += shares.dark;
   ++counts_[at];
-  const auto slots = static_cast<std::size_t>(slots_);
   if (std::any_of(counts_.begin(), counts_.begin() + slots_, [](int count) { return count < kCycles; }))
     return std::nullopt;
 
-  std::array<SlotShares, ExposureSchedule::kMaxSlots> means{};
-  for (std::size_t i = 0; i < slots; ++i) {
+  const auto mean = [&](std::size_t i) {
     const auto count = static_cast<float>(counts_[i]);
-    means[i] = {sums_[i].clipped / count, sums_[i].dark / count};
-  }
+    return SlotShares{sums_[i].clipped / count, sums_[i].dark / count};
+  };
+  const CycleEnds ends = ends_of(limits_.cycle);
+  const ExposureAdvice advice = advise(mean(ends.shortest), mean(ends.longest));
   sums_ = {}, counts_ = {};
-  const std::span<const Exposure> cycle(cycle_.data(), slots);
-  const ExposureAdvice advice = advise(cycle, {means.data(), slots});
   if (!advice.changes()) return std::nullopt;
+  const std::span<const Exposure> cycle(cycle_.data(), static_cast<std::size_t>(slots_));
   const Cycle next = followed(cycle, advice, limits_);
   if (next == cycle_) return std::nullopt;  // the sensor's range is exhausted
   return next;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace hdrcam {
 namespace {
@@ -10,7 +11,8 @@ constexpr float kMostClipped = 0.01f;  // of the shortest exposure: lamps and th
 constexpr float kNoneClipped = 0.001f;
 constexpr float kMostDark = 0.05f;  // of the longest exposure
 constexpr float kNoneDark = 0.005f;
-constexpr float kStep = 1;  // stops
+constexpr float kStep = 1;            // stops
+constexpr double kClosest_stops = 1;  // of two neighbours in the cycle
 
 // If too much is lost at this end, the exposure moves a step. If nothing is lost here but the other end of
 // the same frame suffers, it moves back by a smaller step.
@@ -28,33 +30,41 @@ float longest_stops(const SlotShares& shares) {
 
 }  // namespace
 
-bool ExposureAdvice::changes() const {
-  return std::any_of(stops.begin(), stops.end(), [](float stop) { return stop != 0; });
+ExposureAdvice advise(const SlotShares& shortest, const SlotShares& longest) {
+  return {shortest_stops(shortest), longest_stops(longest)};
 }
 
-ExposureAdvice advise(std::span<const Exposure> cycle, std::span<const SlotShares> shares) {
-  HDRCAM_CHECK_EQ(cycle.size(), shares.size());
-  ExposureAdvice advice;
-  if (cycle.size() < 2) return advice;
+CycleEnds ends_of(std::span<const Exposure> cycle) {
   const auto order = [](const Exposure& a, const Exposure& b) { return a.product() < b.product(); };
   const auto [shortest, longest] = std::minmax_element(cycle.begin(), cycle.end(), order);
-  const double low = log_product(*shortest), high = log_product(*longest);
-  if (high - low < 0.1) return advice;
-  const float at_low = shortest_stops(shares[static_cast<std::size_t>(shortest - cycle.begin())]);
-  const float at_high = longest_stops(shares[static_cast<std::size_t>(longest - cycle.begin())]);
-  for (std::size_t i = 0; i < cycle.size(); ++i) {
-    const auto place = static_cast<float>((log_product(cycle[i]) - low) / (high - low));
-    advice.stops[i] = at_low + place * (at_high - at_low);
-  }
-  return advice;
+  return {static_cast<std::size_t>(shortest - cycle.begin()),
+          static_cast<std::size_t>(longest - cycle.begin())};
 }
 
 std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
                                                            const ExposureAdvice& advice,
                                                            const ExposureLimits& limits) {
+  HDRCAM_CHECK_EQ(cycle.size(), limits.cycle.size());
+  const CycleEnds ends = ends_of(limits.cycle);
+  const double asked_low = log_product(limits.cycle[ends.shortest]);
+  const double asked_span = log_product(limits.cycle[ends.longest]) - asked_low;
+  const double least = std::log(to_seconds(limits.shortest) * limits.least_gain);
+  const double greatest = std::log(to_seconds(limits.longest) * limits.greatest_gain);
+  const auto moved = [&](std::size_t slot, float stops) {
+    return std::clamp(log_product(cycle[slot]) + stops * std::numbers::ln2, least, greatest);
+  };
+  double low = moved(ends.shortest, advice.shortest), high = moved(ends.longest, advice.longest);
+  const double closest =
+      std::min(asked_span, static_cast<double>(cycle.size() - 1) * kClosest_stops * std::numbers::ln2);
+  if (high - low < closest && advice.longest >= 0)
+    low = std::max(least, high - closest);  // the short end came too near
+  else if (high - low < closest)
+    high = std::min(greatest, low + closest);
+
   std::array<Exposure, ExposureSchedule::kMaxSlots> next{};
   for (std::size_t i = 0; i < cycle.size(); ++i) {
-    const double product = cycle[i].product() * std::exp2(advice.stops[i]);
+    const double place = asked_span > 0 ? (log_product(limits.cycle[i]) - asked_low) / asked_span : 0;
+    const double product = std::exp(low + place * (high - low));
     const double time =
         std::clamp(product / limits.least_gain, to_seconds(limits.shortest), to_seconds(limits.longest));
     next[i] = {from_seconds(time), std::clamp(product / time, limits.least_gain, limits.greatest_gain)};

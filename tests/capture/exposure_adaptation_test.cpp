@@ -96,6 +96,22 @@ TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays
     REQUIRE_FALSE(adaptation.observe(i % 3, {i % 3 == 0 ? 0.005f : 0.2f, i % 3 == 2 ? 0.02f : 0.3f}));
 }
 
+TEST_CASE(
+    "a cycle of two near exposures follows the light, and one of a single exposure has no range to move",
+    "[capture]") {
+  ExposureLimits limits = kLimits;
+  limits.cycle = {{28ms, 1}, {30ms, 1}};
+  ExposureAdaptation near_ones(limits);
+  std::optional<ExposureAdaptation::Cycle> next;
+  for (int i = 0; i < 20 && !next; ++i) next = near_ones.observe(i % 2, {0.5f, 0});
+  REQUIRE(next.has_value());
+  CHECK((*next)[0].time == 14ms);
+
+  limits.cycle = {{4ms, 1}};
+  ExposureAdaptation single(limits);
+  for (int i = 0; i < 20; ++i) CHECK_FALSE(single.observe(0, {0.5f, 0}));
+}
+
 TEST_CASE("it waits until the new cycle is back before it judges again", "[capture]") {
   ExposureAdaptation adaptation(kLimits);
   int frames = 0;

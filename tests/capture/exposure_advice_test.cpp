@@ -1,6 +1,7 @@
 #include "capture/exposure_advice.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 namespace hdrcam {
 namespace {
@@ -10,32 +11,37 @@ using namespace std::chrono_literals;
 constexpr Exposure kCycle[] = {{1ms, 1}, {4ms, 1}, {16ms, 1}};
 
 TEST_CASE("clipped highlights shorten the short end, lost shadows lengthen the long end", "[capture]") {
-  const SlotShares content[] = {{0.005f, 0.3f}, {0.1f, 0.1f}, {0.3f, 0.02f}};
-  CHECK_FALSE(advise(kCycle, content).changes());
+  CHECK_FALSE(advise({0.005f, 0.3f}, {0.3f, 0.02f}).changes());
 
-  const SlotShares bright[] = {{0.05f, 0.1f}, {0.2f, 0.05f}, {0.5f, 0.02f}};
-  const ExposureAdvice shorter = advise(kCycle, bright);
-  CHECK(shorter.stops[0] == -1);
-  CHECK(shorter.stops[1] == Approx(-0.5));
-  CHECK(shorter.stops[2] == 0);
+  const ExposureAdvice shorter = advise({0.05f, 0.1f}, {0.5f, 0.02f});
+  CHECK(shorter.shortest == -1);
+  CHECK(shorter.longest == 0);
 
-  const SlotShares dark[] = {{0, 0.5f}, {0, 0.4f}, {0.01f, 0.2f}};
-  const ExposureAdvice longer = advise(kCycle, dark);
-  CHECK(longer.stops[0] == 0);
-  CHECK(longer.stops[2] == 1);
+  const ExposureAdvice longer = advise({0, 0.5f}, {0.01f, 0.2f});
+  CHECK(longer.shortest == 0);
+  CHECK(longer.longest == 1);
 }
 
 TEST_CASE("a range that is wider than the scene is drawn in again", "[capture]") {
-  const SlotShares wasted[] = {{0, 0.95f}, {0.2f, 0.1f}, {0.7f, 0}};
-  const ExposureAdvice advice = advise(kCycle, wasted);
-  CHECK(advice.stops[0] > 0);
-  CHECK(advice.stops[2] < 0);
+  const ExposureAdvice advice = advise({0, 0.95f}, {0.7f, 0});
+  CHECK(advice.shortest > 0);
+  CHECK(advice.longest < 0);
 }
 
+ExposureLimits limits_of(std::vector<Exposure> cycle, double greatest_gain = 1) {
+  return {.cycle = std::move(cycle),
+          .shortest = 100us,
+          .longest = 32ms,
+          .least_gain = 1,
+          .greatest_gain = greatest_gain};
+}
+
+double stops_between(const Exposure& a, const Exposure& b) { return std::log2(b.product() / a.product()); }
+
 TEST_CASE("advice is followed by time first, then by gain", "[capture]") {
-  ExposureAdvice advice;
-  advice.stops = {-1, 0, 1};
-  ExposureLimits limits{.cycle = {}, .shortest = 100us, .longest = 20ms, .least_gain = 1, .greatest_gain = 8};
+  const ExposureAdvice advice{-1, 1};
+  ExposureLimits limits = limits_of({std::begin(kCycle), std::end(kCycle)}, 8);
+  limits.longest = 20ms;
   const auto next = followed(kCycle, advice, limits);
   CHECK(next[0] == Exposure{500us, 1});
   CHECK(next[1] == kCycle[1]);
@@ -52,9 +58,34 @@ TEST_CASE("advice is followed by time first, then by gain", "[capture]") {
   CHECK(followed(kCycle, advice, limits)[0] == Exposure{800us, 1.25});
 }
 
-TEST_CASE("a cycle of one has no range to move", "[capture]") {
-  const SlotShares shares[] = {{0.5f, 0}};
-  CHECK_FALSE(advise(std::span(kCycle).first(1), shares).changes());
+TEST_CASE("an end at its limit leaves the exposures between in their place, and light brings all back",
+          "[capture]") {
+  const ExposureLimits limits = limits_of({std::begin(kCycle), std::end(kCycle)});
+  auto cycle = followed(kCycle, {0, 1}, limits);
+  for (int i = 0; i < 10; ++i) cycle = followed({cycle.data(), 3}, {0, 1}, limits);  // a dim room
+  CHECK(cycle[2].time == 32ms);
+  CHECK(stops_between(cycle[0], cycle[1]) == Approx(stops_between(cycle[1], cycle[2])).margin(1e-3));
+  for (int i = 0; i < 3; ++i) cycle = followed({cycle.data(), 3}, {-1, 0}, limits);
+  CHECK(stops_between(cycle[0], cycle[1]) == Approx(stops_between(cycle[1], cycle[2])).margin(1e-3));
+}
+
+TEST_CASE("the ends of a cycle come no closer than a stop for each step, and part again", "[capture]") {
+  const ExposureLimits limits = limits_of({std::begin(kCycle), std::end(kCycle)});
+  auto cycle = followed(kCycle, {0.5f, 1}, limits);
+  for (int i = 0; i < 20; ++i) cycle = followed({cycle.data(), 3}, {0.5f, 1}, limits);  // the lens is covered
+  CHECK(cycle[2].time == 32ms);
+  CHECK(stops_between(cycle[0], cycle[2]) == Approx(2).margin(1e-3));
+  cycle = followed({cycle.data(), 3}, {-1, 0}, limits);
+  CHECK(stops_between(cycle[0], cycle[2]) == Approx(3).margin(1e-3));
+  for (int i = 0; i < 20; ++i) cycle = followed({cycle.data(), 3}, {-1, -0.5f}, limits);  // the sun
+  CHECK(cycle[0].time == 100us);
+  CHECK(stops_between(cycle[0], cycle[2]) == Approx(2).margin(1e-3));
+
+  // those who asked for less have it
+  const Exposure narrow[] = {{30ms, 1}, {32ms, 1}};
+  const auto wider = followed(narrow, {-1, 0}, limits_of({std::begin(narrow), std::end(narrow)}));
+  CHECK(wider[0].time == 15ms);
+  CHECK(wider[1].time == 32ms);
 }
 
 }  // namespace
