@@ -358,7 +358,7 @@ Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
 Duration CaptureStage::longest_exposure() const {
   const CameraCapabilities& offers = camera_.capabilities();
   Duration margin = ExposureSchedule::frame_margin(offers);
-  if (trigger_.exposes()) margin = std::max(margin, trigger_.options()->gap);
+  if (trigger_.exposes()) margin = std::max(margin, trigger_.options()->gap + trigger_.options()->tolerance);
   return std::min(offers.exposure_max, mode_.frame_duration - margin);
 }
 

@@ -6,7 +6,7 @@ namespace hdrcam {
 
 Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule) {
   const bool exposes = options.mode == TriggerMode::PulseWidth;
-  const Duration longest = options.interval - options.gap;
+  const Duration longest = longest_width(options);
   if (longest <= Duration(0))
     return Error{ErrorCode::BadExposure,
                  fmt::format("a gap of {} between trigger pulses does not fit a frame of {}; lower "
@@ -24,10 +24,12 @@ Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSche
     if (width > longest)
       return Error{
           ErrorCode::BadExposure,
-          fmt::format("a trigger pulse of {} does not fit a frame of {} with a gap of {}; shorten it to "
-                      "{} ({}), or lower --framerate or --trigger-gap",
+          fmt::format("a trigger pulse of {} does not fit a frame of {} with a gap of {} and edges up to {} "
+                      "late; shorten it to {} ({}), or lower --framerate, --trigger-gap or "
+                      "--trigger-tolerance",
                       describe(width), describe(options.interval), describe(options.gap),
-                      describe(rounded_down(longest)), exposes ? "--shutter" : "--trigger-width")};
+                      describe(options.tolerance), describe(rounded_down(longest)),
+                      exposes ? "--shutter" : "--trigger-width")};
   }
   return {};
 }

@@ -46,7 +46,11 @@ inline constexpr std::size_t kMostWaitingPulses = 1024;
 
 class PulseTrain {
  public:
-  // Errors: BadExposure for a pulse that leaves less than the gap until the next; Invalid for exposures of
+  // The widest pulse of a train: its edges may be late by the tolerance, and the next one is in time.
+  static Duration longest_width(const TriggerOptions& options) {
+    return options.interval - options.gap - options.tolerance;
+  }
+  // Errors: BadExposure for a pulse wider than that; Invalid for exposures of
   // different gain in PulseWidth (a gain is set by requests, and nothing ties a request to a pulse).
   static Result<void> check(const TriggerOptions& options, const ExposureSchedule& schedule);
 

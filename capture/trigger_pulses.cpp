@@ -29,7 +29,7 @@ int TriggerPulses::since_last(const std::optional<TriggerPulse>& pulse) const {
 }
 
 int TriggerPulses::left_out_since_last(const std::optional<TriggerPulse>& pulse) const {
-  if (!pulse || !last_) return 0;
+  if (!pulse || !last_ || pulse->index <= last_->index) return 0;  // a stamp that steps back
   return static_cast<int>((pulse->planned.number - last_->planned.number) - (pulse->index - last_->index));
 }
 

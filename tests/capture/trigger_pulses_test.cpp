@@ -62,6 +62,9 @@ TEST_CASE("trigger pulses between two frames are counted, and instants without o
   pulses.matched(first);
   CHECK(pulses.since_last(last) == 2);
   CHECK(pulses.left_out_since_last(last) == 2);
+  pulses.matched(last);  // and a stamp that steps back
+  CHECK(pulses.since_last(first) == 0);
+  CHECK(pulses.left_out_since_last(first) == 0);
   pulses.matched(std::nullopt);
   CHECK(pulses.since_last(last) == 0);
   CHECK(pulses.left_out_since_last(last) == 0);

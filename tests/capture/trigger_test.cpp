@@ -96,16 +96,36 @@ TEST_CASE("after a pulse that ended late, the next one waits for the gap") {
   CHECK(next.not_before == first + 20ms + 500us + 1ms);
 }
 
+TEST_CASE("of the widest pulses none is left out, as late as their edges may be") {
+  const TriggerOptions options = options_of(TriggerMode::PulseWidth);
+  const Duration widest = PulseTrain::longest_width(options);
+  const Exposure cycle[] = {{1ms, 1}, {widest - 1us, 1}, {widest, 1}};  // two in a row
+  const ExposureSchedule schedule = schedule_of(cycle);
+  REQUIRE(PulseTrain::check(options, schedule).ok());
+  for (const Duration late : {0us, 50us, 500us}) {
+    PulseTrain train(options, schedule);
+    const Instant first = Instant::from_seconds(5);
+    train.start(first);
+    Instant now = first;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      const PlannedPulse planned = train.next(now);
+      REQUIRE(planned.number == i);
+      now = std::max(planned.not_before, planned.begin) + late + planned.width;
+      (void)train.driven(planned, at(planned.begin + late), at(now));
+    }
+  }
+}
+
 TEST_CASE("pulses that cannot be are refused with what to change") {
   const ExposureSchedule schedule = schedule_of(kCycle);
   const auto longer = PulseTrain::check(options_of(TriggerMode::PulseWidth, 16ms), schedule);
   require_error(longer, ErrorCode::BadExposure);
   CHECK_THAT(longer.error().message, Contains("pulse of 16 ms") && Contains("frame of 16 ms") &&
-                                         Contains("gap of 1 ms") && Contains("15 ms") &&
-                                         Contains("--shutter"));
-  CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 17ms), schedule).ok());
+                                         Contains("gap of 1 ms") && Contains("500 us late") &&
+                                         Contains("14.5 ms") && Contains("--shutter"));
+  CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 17500us), schedule).ok());
   // what the camera's room allows to the nanosecond, though a message names fewer digits
-  const Exposure whole[] = {{1ms, 1}, {32'333'333ns, 1}};
+  const Exposure whole[] = {{1ms, 1}, {31'833'333ns, 1}};
   CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 33'333'333ns), schedule_of(whole)).ok());
   TriggerOptions wide = options_of(TriggerMode::FrameStart);
   wide.width = 19500us;
