@@ -160,7 +160,7 @@ std::vector<Knob> prior_and_scene_knobs() {
            .gives = "side of the blocks that are the field's pixels; auto: 1 where the field itself is seen, "
                     "2 to 8 where it only fills"}),
       whole<&K::hash_grid, &F::window, &WindowOptions::frames>(
-          "window_frames", {2, 14},
+          "window_frames", {WindowOptions::kFewestFrames, WindowOptions::kMostFrames},
           {.unit = "frames",
            .costs = "memory, 6 MB each at 320x240 and a field_step of 1",
            .gives = "motion that is smooth over the window"}),

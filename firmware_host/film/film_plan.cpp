@@ -11,12 +11,13 @@
 #include "firmware_host/settings/seconds_text.h"
 #include "firmware_host/settings/without_field.h"
 #include "hal/core/parse_number.h"
+#include "hal/core/sound_facts.h"
 #include "hal/recording/recording.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr int kMostFrames = 1000000, kLeastSide_px = 16, kMostSide_px = 16384;
+constexpr int kMostFrames = 1000000, kLeastSide_px = 16;
 constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanoseconds
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
@@ -62,7 +63,7 @@ Result<void> plan_size(const std::string& text, const FilmedRecording& recording
   if (text.empty()) return {};
   const auto side = [](std::string_view part) {
     const auto length_px = parse_number<int>(part);
-    return length_px && *length_px >= kLeastSide_px && *length_px <= kMostSide_px ? length_px : std::nullopt;
+    return length_px && *length_px >= kLeastSide_px && *length_px <= kMaxSidePx ? length_px : std::nullopt;
   };
   const std::string_view sides = text;
   const std::size_t by = sides.find('x');
@@ -71,7 +72,7 @@ Result<void> plan_size(const std::string& text, const FilmedRecording& recording
   if (!width || !height)
     return Error{ErrorCode::Invalid, fmt::format("--size takes WIDTHxHEIGHT in pixels, each {}..{}, such as "
                                                  "1280x720, not '{}'",
-                                                 kLeastSide_px, kMostSide_px, text)};
+                                                 kLeastSide_px, kMaxSidePx, text)};
   plan.width = *width, plan.height = *height;
   return {};
 }

@@ -7,7 +7,8 @@
 #include <limits>
 #include <utility>
 
-#include "hal/core/sound_facts.h"
+#include "hal/core/possible_pose.h"
+#include "online/scene/hash_grid/field/window.h"
 #include "online/scene/scene_fields.h"
 #include "render/views/keyframe_file.h"
 
@@ -37,13 +38,11 @@ constexpr SectionFormat kFormat{.what = "a snapshot of a scene",
                                 .version = 1,
                                 .mend = "copy it again, or save it again with --snapshot"};
 constexpr std::string_view kHead = "scene", kResponse = "response", kInput = "input";
-constexpr int kLeastSide_px = 2, kMostSide_px = 16384;
-constexpr std::size_t kMostFrames = 14, kMostPath = 100000;
-constexpr double kLatest_s = 4e9;  // as time stamps are bounded (hal/core/sound_facts.h)
+constexpr std::size_t kMostFrames = WindowOptions::kMostFrames;  // a run keeps those of the field's window
+constexpr std::size_t kMostPath = 100000;
 
 using Curves = std::array<Response::Curve, 3>;
 
-bool is_place(const RigidTransform& T) { return !objection_to(pose_matrix_of(T)); }
 bool positive(double value) { return value > 0 && value <= 1e12; }
 
 bool is_possible(const Keyframe& key, const SceneHead& scene) {
@@ -51,8 +50,8 @@ bool is_possible(const Keyframe& key, const SceneHead& scene) {
   if (objection_to(frame.facts, nullptr) || objection_to(key.lens, scene.camera.width, scene.camera.height))
     return false;
   if (frame.lens && objection_to(*frame.lens, scene.camera.width, scene.camera.height)) return false;
-  if (frame.pose && !is_place(frame.pose->T_world_camera)) return false;
-  return std::isfinite(key.time_s) && is_place(key.T_world_camera) &&
+  if (frame.pose && !is_possible_pose(frame.pose->T_world_camera)) return false;
+  return std::isfinite(key.time_s) && is_possible_pose(key.T_world_camera) &&
          positive(static_cast<double>(key.depth_unit)) && positive(static_cast<double>(frame.exposure)) &&
          positive(frame.reference_exposure) && positive(static_cast<double>(frame.white));
 }
@@ -60,7 +59,7 @@ bool is_possible(const Keyframe& key, const SceneHead& scene) {
 bool is_possible(const SceneHead& scene) {
   const CameraFacts& camera = scene.camera;
   for (const int side : {camera.width, camera.height})
-    if (side < kLeastSide_px || side > kMostSide_px) return false;
+    if (side < kMinSidePx || side > kMaxSidePx) return false;
   FrameFacts begin;
   begin.timestamp = scene.first;
   if (objection_to(camera) || objection_to(begin, nullptr) || objection_to(scene.input.facts, nullptr))
@@ -72,7 +71,7 @@ bool is_possible(const SceneHead& scene) {
     return std::abs(time_s) <= kLatest_s && time_s > std::exchange(before_s, time_s);
   };
   for (const PathPose& pose : scene.path)
-    if (!later(pose.time_s) || !is_place(pose.T_world_camera)) return false;
+    if (!later(pose.time_s) || !is_possible_pose(pose.T_world_camera)) return false;
   return std::ranges::all_of(
       scene.frames, [&](const Keyframe& key) { return later(key.time_s) && is_possible(key, scene); });
 }

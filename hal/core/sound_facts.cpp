@@ -17,20 +17,18 @@ constexpr double kLeastRate_hz = 1e-3, kMostRate_hz = 1e5;
 constexpr double kLeastGain = 1.0 / 64, kMostGain = 64;   // of a white balance
 constexpr double kLongest_s = 86'400, kMostFactor = 1e6;  // of an exposure, and of its gains
 constexpr double kLongestReadout_s = 10;
-constexpr Duration kLatest{4'000'000'000'000'000'000};  // differences of two still fit 64 bits
-
-bool within(double value, double least, double most) { return value >= least && value <= most; }  // NaN: no
+constexpr Duration kLatest = std::chrono::seconds(static_cast<std::int64_t>(kLatest_s));
 
 }  // namespace
 
 std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, int height_px) {
   for (const auto& [name, focal_px] : {std::pair{"fx", lens.fx_px}, std::pair{"fy", lens.fy_px}})
-    if (!within(focal_px, kLeastFocal_px, kMostFocal_px))
+    if (!is_within(focal_px, kLeastFocal_px, kMostFocal_px))
       return fmt::format("'{}' is {}; a focal length is {:g} to {:g} pixels", name, focal_px, kLeastFocal_px,
                          kMostFocal_px);
   for (const auto& [name, centre_px, side_px] :
        {std::tuple{"cx", lens.cx_px, width_px}, std::tuple{"cy", lens.cy_px, height_px}})
-    if (!within(centre_px, -kMostPictures * side_px, kMostPictures * side_px))
+    if (!is_within(centre_px, -kMostPictures * side_px, kMostPictures * side_px))
       return fmt::format("'{}' is {}; a principal point is in or near the picture, in pixels", name,
                          centre_px);
   return std::nullopt;
@@ -60,14 +58,14 @@ std::optional<std::string> objection_to(const PoseMatrix& T) {
 
 std::optional<std::string> objection_to(const ChannelGains& gains) {
   for (const double gain : gains)
-    if (!within(gain, kLeastGain, kMostGain))
+    if (!is_within(gain, kLeastGain, kMostGain))
       return fmt::format("the white balance has a gain of {:g}; {:g} to {:g} are possible", gain, kLeastGain,
                          kMostGain);
   return std::nullopt;
 }
 
 std::optional<std::string> objection_to(const CameraFacts& camera) {
-  if (!within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
+  if (!is_within(camera.framerate_hz, kLeastRate_hz, kMostRate_hz))
     return fmt::format("the frame rate is {:g}; {:g} to {:g} frames a second are possible",
                        camera.framerate_hz, kLeastRate_hz, kMostRate_hz);
   if (camera.white_balance)
@@ -86,7 +84,7 @@ std::optional<std::string> objection_to(const FrameFacts& facts, const FrameFact
   if (facts.black_level)
     if (const double black = static_cast<double>((*facts.black_level)[1]); !(black >= 0 && black < 255))
       return fmt::format("its black level is {:g} codes of 255; it is 0 to below 255", black);
-  if (!within(facts.readout_s, 0, kLongestReadout_s))
+  if (!is_within(facts.readout_s, 0, kLongestReadout_s))
     return fmt::format("its rows are read out in {:g} s; 0 to {:g} s are possible", facts.readout_s,
                        kLongestReadout_s);
   if (facts.timestamp.since_boot > kLatest || facts.timestamp.since_boot < -kLatest)

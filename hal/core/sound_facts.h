@@ -1,5 +1,6 @@
-// Checks whether facts from a file or a setting are possible for a camera. Each function returns nullopt, or
-// a clause that names the wrong value and what is wrong, to follow "frame 3: ". Reentrant.
+// Checks whether facts from a file or a setting are possible for a camera, and the limits that more than one
+// check has. objection_to() returns nullopt, or a clause that names the wrong value and what is wrong, to
+// follow "frame 3: ". Reentrant.
 #pragma once
 
 #include <optional>
@@ -8,6 +9,14 @@
 #include "hal/core/frame.h"
 
 namespace hdrcam {
+
+// Sides of a picture; the FFV1 of FFmpeg 5.1 loses pictures of one line.
+constexpr int kMinSidePx = 2, kMaxSidePx = 16384;
+// Of a time stamp, from the clock's zero; differences of two in nanoseconds still fit 64 bits.
+constexpr double kLatest_s = 4e9;
+
+// False for NaN.
+constexpr bool is_within(double value, double least, double most) { return value >= least && value <= most; }
 
 // Focal lengths of 1 to 1e6 pixels; a principal point within ten pictures of this one.
 std::optional<std::string> objection_to(const Intrinsics& lens, int width_px, int height_px);

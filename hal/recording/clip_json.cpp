@@ -18,8 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLatestSeconds = 4e9;  // differences of nanoseconds still fit 64 bits
-
 // Python writes NaN and Infinity, which JSON does not have. They become strings of the same length, so that
 // positions stay and the field is refused because it is not a number. The mark tells them from other strings.
 constexpr std::array<std::string_view, 3> kNonNumbers = {"-Infinity", "Infinity", "NaN"};
@@ -152,10 +150,9 @@ Result<CameraFacts> camera_of(const Fields& clip) {
   camera.height = TRY(clip.integer<int>("height"));
   camera.framerate_hz = TRY(clip.number("fps"));
   camera.bits = TRY(clip.integer<int>("bits"));
-  if (camera.width < kMinSidePx || camera.width > kMaxSidePx)
-    return clip.wrong("width", "2 to 16384 pixels are possible");
-  if (camera.height < kMinSidePx || camera.height > kMaxSidePx)
-    return clip.wrong("height", "2 to 16384 pixels are possible");
+  for (const auto& [key, side_px] : {std::pair{"width", camera.width}, std::pair{"height", camera.height}})
+    if (side_px < kMinSidePx || side_px > kMaxSidePx)
+      return clip.wrong(key, fmt::format("{} to {} pixels are possible", kMinSidePx, kMaxSidePx));
   if (!(camera.framerate_hz > 0)) return clip.wrong("fps", "it must be greater than 0");
   if (camera.bits < 8 || camera.bits > 16) return clip.wrong("bits", "8 to 16 are possible");
   if (clip.has("layout")) {
@@ -211,7 +208,7 @@ Result<ClipFrame> frame_of(const Json& json, std::size_t index, const std::strin
   facts.analogue_gain = TRY(fields.exposure_factor("gain", facts.exposure_source, 1));
   facts.digital_gain = TRY(fields.exposure_factor("digital_gain", facts.exposure_source, 1));
   const double time_s = TRY(fields.number("time_s"));
-  if (!(std::abs(time_s) < kLatestSeconds))
+  if (!(std::abs(time_s) < kLatest_s))
     return fields.wrong("time_s", "it is the centre of the exposure in seconds");
   facts.timestamp = Instant::from_seconds(time_s);
   if (fields.has("timestamp_ns"))
@@ -254,8 +251,7 @@ Json frame_json(const ClipFrame& frame, std::size_t index, bool with_slot, int b
   const FrameFacts usual;
   const double time_s = static_cast<double>(facts.timestamp.since_boot.count()) / 1e9;
   Json json = {{"file", frame.file}, {"time_s", time_s}, {"exposure_s", facts.exposure_s}};
-  const bool time_fits =
-      std::abs(time_s) < kLatestSeconds && Instant::from_seconds(time_s) == facts.timestamp;
+  const bool time_fits = std::abs(time_s) < kLatest_s && Instant::from_seconds(time_s) == facts.timestamp;
   if (!time_fits) json["timestamp_ns"] = facts.timestamp.since_boot.count();
   if (facts.analogue_gain != usual.analogue_gain) json["gain"] = facts.analogue_gain;
   if (facts.digital_gain != usual.digital_gain) json["digital_gain"] = facts.digital_gain;

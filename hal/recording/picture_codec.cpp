@@ -9,6 +9,8 @@ extern "C" {
 #include <array>
 #include <cmath>
 
+#include "hal/core/sound_facts.h"
+
 namespace hdrcam {
 namespace {
 

@@ -66,9 +66,6 @@ class RecordingReader {
   virtual const LeftOut& left_out() const;
 };
 
-constexpr int kMinSidePx = 2,
-              kMaxSidePx = 16384;  // of a recording; the FFV1 of FFmpeg 5.1 loses pictures of one line
-
 // how: Replace: the file gets its name when its first frame is whole; until then an earlier file stays.
 // Errors: Exists where a file exists that may not be replaced; Permission, also for a device or a FIFO;
 // NoSpace, Io; Invalid for a size or bit depth that the container cannot hold. Once a write has failed, every

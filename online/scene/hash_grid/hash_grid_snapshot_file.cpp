@@ -2,7 +2,7 @@
 // that only a fit needs.
 #include <cmath>
 
-#include "hal/core/sound_facts.h"
+#include "hal/core/possible_pose.h"
 #include "hal/sections/fact_fields.h"
 #include "online/scene/hash_grid/hash_grid_field.h"
 
@@ -21,7 +21,7 @@ void list_fields(auto& fields, Shape& shape) {
 
 namespace {
 
-constexpr int kMostFrames = 14, kMostSide_px = 16384, kMostHidden = 256;
+constexpr int kMostFrames = WindowOptions::kMostFrames, kMostHidden = 256;
 constexpr std::string_view kBase = "field frame", kNetworks = "field networks";
 
 struct StoredFrame {
@@ -52,39 +52,35 @@ void list_fields(auto& fields, Field& field) {
   fields(field.samples_per_ray, field.has_dynamic);
 }
 
-bool within(double value, double least, double most) { return value >= least && value <= most; }
-
-bool is_place(const RigidTransform& T) { return !objection_to(pose_matrix_of(T)); }
-
 bool is_possible(const WindowFrustum& frustum) {
   const int step = frustum.step_px;
-  return within(frustum.rows, 1, kMostSide_px) && within(frustum.cols, 1, kMostSide_px) &&
+  return is_within(frustum.rows, 1, kMaxSidePx) && is_within(frustum.cols, 1, kMaxSidePx) &&
          !objection_to(frustum.camera, frustum.cols, frustum.rows) &&
-         within(static_cast<double>(frustum.margin), 1, 2) &&
-         within(static_cast<double>(frustum.near), 1e-9, 1e9) &&
+         is_within(static_cast<double>(frustum.margin), 1, 2) &&
+         is_within(static_cast<double>(frustum.near), 1e-9, 1e9) &&
          (step == 1 || step == 2 || step == 4 || step == 8);
 }
 
 bool is_possible(const HashGridShape& shape) {
-  return within(shape.levels, 2, 16) && shape.levels % 2 == 0 && within(shape.log2_entries, 6, 20) &&
-         within(shape.slots, 1, kMostFrames + 1) && within(shape.coarsest_cells, 2, 1 << 16) &&
-         within(shape.finest_cells, shape.coarsest_cells, 1 << 16) &&
-         within(static_cast<double>(shape.v_ratio), 1e-3, 1e3) &&
-         within(static_cast<double>(shape.d_ratio), 1e-3, 1e3);
+  return is_within(shape.levels, 2, 16) && shape.levels % 2 == 0 && is_within(shape.log2_entries, 6, 20) &&
+         is_within(shape.slots, 1, kMostFrames + 1) && is_within(shape.coarsest_cells, 2, 1 << 16) &&
+         is_within(shape.finest_cells, shape.coarsest_cells, 1 << 16) &&
+         is_within(static_cast<double>(shape.v_ratio), 1e-3, 1e3) &&
+         is_within(static_cast<double>(shape.d_ratio), 1e-3, 1e3);
 }
 
 bool is_possible(const StoredField& field) {
   const FieldShape& shape = field.shape;
-  if (!is_possible(field.frustum) || !is_place(field.T_world_anchor) || !is_possible(shape.static_grid) ||
-      !is_possible(shape.dynamic_grid))
+  if (!is_possible(field.frustum) || !is_possible_pose(field.T_world_anchor) ||
+      !is_possible(shape.static_grid) || !is_possible(shape.dynamic_grid))
     return false;
-  if (!within(shape.hidden, 4, kMostHidden) || shape.hidden % 4 != 0) return false;
-  if (!within(field.samples_per_ray, 1, kMaxSamples)) return false;
+  if (!is_within(shape.hidden, 4, kMostHidden) || shape.hidden % 4 != 0) return false;
+  if (!is_within(field.samples_per_ray, 1, kMaxSamples)) return false;
   if (field.frames.empty() || field.frames.size() > kMostFrames) return false;
   for (std::size_t i = 0; i < field.frames.size(); ++i) {
     const StoredFrame& frame = field.frames[i];
-    if (!within(frame.slot, 0, shape.dynamic_grid.slots - 1) || !std::isfinite(frame.time_s) ||
-        !is_place(frame.T_anchor_camera) || (i > 0 && frame.time_s <= field.frames[i - 1].time_s))
+    if (!is_within(frame.slot, 0, shape.dynamic_grid.slots - 1) || !std::isfinite(frame.time_s) ||
+        !is_possible_pose(frame.T_anchor_camera) || (i > 0 && frame.time_s <= field.frames[i - 1].time_s))
       return false;
   }
   return true;

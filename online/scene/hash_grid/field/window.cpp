@@ -76,7 +76,8 @@ RigidTransform WindowFrames::T_anchor_camera(const RigidTransform& T_world_camer
 
 Window::Window(const WindowFrustum& frustum, const WindowOptions& options)
     : WindowFrames(frustum), options_(options) {
-  HDRCAM_CHECK(options.frames >= 2 && options.frames <= 14);
+  HDRCAM_CHECK(options.frames >= WindowOptions::kFewestFrames &&
+               options.frames <= WindowOptions::kMostFrames);
   HDRCAM_CHECK(frustum.rows > 0 && frustum.cols > 0 && frustum.camera.fx_px > 0 && frustum.camera.fy_px > 0);
   HDRCAM_CHECK(frustum.step_px == 1 || frustum.step_px == 2 || frustum.step_px == 4 ||
                frustum.step_px == kMostStep);

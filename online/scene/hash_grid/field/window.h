@@ -74,7 +74,10 @@ constexpr float kNoValue = -1;
 constexpr int kGuideStep = 8;
 
 struct WindowOptions {
-  int frames = 6;  // 2..14; longer windows cost memory and, in dynamic scenes, quality
+  // At most what the fit's shaders have room for: a uniform block of 84 vec4, six a view
+  // (fit/vulkan/gpu_rays.cpp).
+  static constexpr int kFewestFrames = 2, kMostFrames = 14;
+  int frames = 6;  // kFewestFrames..kMostFrames; longer windows cost memory and, in dynamic scenes, quality
   float trusted_sigma =
       0.1f;  // of log radiance, 0.01..1: sigma at which networks and state have equal weight
   float default_inverse_depth = 0.3f;  // 0..1, where nothing is known about depth

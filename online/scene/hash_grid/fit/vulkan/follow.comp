@@ -8,6 +8,7 @@
 layout(std430, set = 0, binding = 0) readonly buffer Rays { vec4 told[]; };
 CHANGES(1, Placed, placed)
 READS(2, Raw, raw)
+// six of a frame, WindowOptions::kMostFrames frames
 layout(std140, set = 0, binding = 3) uniform Views { vec4 views[84]; };
 layout(std430, set = 0, binding = 4) readonly buffer BasePixels { vec4 base[]; };
 #include "online/scene/hash_grid/fit/vulkan/ray.glsl"

@@ -5,7 +5,9 @@
 namespace hdrcam {
 namespace {
 
-constexpr std::size_t kMostFrames = 14;  // of ray.glsl's cameras, as of the window
+constexpr std::size_t kMostFrames = WindowOptions::kMostFrames;
+static_assert(kMostFrames * kViewFloats == 84 * 4,
+              "views[84] in follow.comp, render.comp and composite_backward.comp has a view for each frame");
 
 // Of what is seen of a ray, and of one of its samples (render.comp).
 enum SeenOfRay : int { kRadiance = 0, kLanding = 3, kDepth = 5, kShare = 6, kVisible = 7, kWarped = 8 };

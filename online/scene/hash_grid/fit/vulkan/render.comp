@@ -10,6 +10,7 @@
 layout(std430, set = 0, binding = 0) readonly buffer Rays { vec4 told[]; };
 READS(1, Placed, placed)
 READS(2, Raw, raw)
+// six of a frame, WindowOptions::kMostFrames frames
 layout(std140, set = 0, binding = 3) uniform Views { vec4 views[84]; };
 layout(std430, set = 0, binding = 4) readonly buffer BasePixels { vec4 base[]; };
 WRITES(5, Seen, seen)
