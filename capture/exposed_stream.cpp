@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "capture/exposure.h"
-#include "hal/core/stopwatch.h"
 #include "hal/recording/exposure_cycle.h"
 
 namespace hdrcam {
@@ -86,11 +85,11 @@ Result<void> ExposedStream::start(const HandOn& hand_on) {
 // Into frame_.
 Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   last_time_ = raw.facts.timestamp;
-  Stopwatch watch;
+  StageWatch watch(timing_);
   TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
   if (black_level_) remove_black_level(frame_, *black_level_);
   ++arrived_;
-  if (timing_) timing_(Stage::Unpack, watch.lap_ms());
+  watch.lap(Stage::Unpack);
   return {};
 }
 

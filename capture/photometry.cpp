@@ -231,7 +231,7 @@ Photometer::Centre Photometer::centre(int count, double independent) {
   const std::span samples = std::span(scratch_).first(static_cast<std::size_t>(count));
   const float middle = median(samples);
   for (float& sample : samples) sample = std::abs(sample - middle);
-  const double scatter = 1.4826 * median(samples);
+  const double scatter = kSigmaPerMad * median(samples);
   return {middle, scatter, scatter / std::sqrt(std::max(1.0, independent))};
 }
 

@@ -149,7 +149,7 @@ void RecordedLabels::settle(CapturedFrame& frame, const Judgement& judgement) {
   frame.proof.limit_to(facts.exposure_source);
   if (frame.proof.verdict == Verdict::Contradicted && facts.has_exposure()) {
     contradicted_.object("frame {}: its pictures contradict its exposure of {}", facts.sequence,
-                         described(facts.exposure_s, facts.analogue_gain * facts.digital_gain));
+                         described(facts.exposure_s, facts.gain()));
   }
   facts.verdict = frame.proof.verdict;
   if (judgement.within_ev > 0 && std::isfinite(judgement.within_ev) && !facts.exposure_within_ev)
@@ -167,7 +167,7 @@ void RecordedLabels::relabel(FrameFacts& facts, const Judgement& judgement) {
   if (found == cycle_.end()) return;
   if (facts.has_exposure())
     relabelled_.object("frame {}: its pictures changed its exposure from {} to {}", facts.sequence,
-                       described(facts.exposure_s, facts.analogue_gain * facts.digital_gain),
+                       described(facts.exposure_s, facts.gain()),
                        described(found->exposure_s, found->analogue_gain * found->digital_gain));
   facts.exposure_s = found->exposure_s;
   facts.analogue_gain = found->analogue_gain;

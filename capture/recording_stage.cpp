@@ -77,7 +77,7 @@ Result<bool> RecordingStage::next(CapturedFrame& frame) {
 void RecordingStage::compare_exposure(const FrameFacts& facts) {
   if (!facts.has_exposure()) return;
   ++with_exposure_;
-  const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
+  const Exposure exposure{from_seconds(facts.exposure_s), facts.gain()};
   if (!first_exposure_)
     first_exposure_ = exposure, relative_ = facts.exposure_source == ExposureSource::Estimated;
   exposures_differ_ =

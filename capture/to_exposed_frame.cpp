@@ -47,7 +47,7 @@ Result<void> check_exposure(const FrameFacts& facts) {
   if (exposure > 0 && std::isfinite(exposure)) return {};
   return Error{ErrorCode::BadExposure,
                fmt::format("frame {} has exposure {} s x gain {}; it must be positive and finite",
-                           facts.sequence, facts.exposure_s, facts.analogue_gain * facts.digital_gain)};
+                           facts.sequence, facts.exposure_s, facts.gain())};
 }
 
 void remove_black_level(ExposedFrame& frame, const BlackLevel& black_level) {

@@ -4,7 +4,6 @@
 #include <array>
 
 #include "capture/clip_policy.h"
-#include "hal/core/stopwatch.h"
 
 namespace hdrcam {
 
@@ -33,10 +32,10 @@ Result<void> OnlineStage::ingest(ExposedFrame& frame, const FrameBudget& budget,
     return static_cast<int>(first_frames_.size()) < knobs_.bootstrap_frames ? Result<void>()
                                                                             : bootstrap(emit);
   }
-  Stopwatch watch;
+  StageWatch watch(timing_);
   if (const auto found = sensor_.learn_response(frame)) TRY(begin_anew(*found, frame.index, emit));
   sensor_.correct(frame);
-  if (timing_) timing_(Stage::Unpack, watch.lap_ms());
+  watch.lap(Stage::Unpack);
   return take(frame, emit);
 }
 
@@ -96,7 +95,7 @@ Result<void> OnlineStage::begin(PendingFrame& first, const ExposureTables& table
 
 // The motion between the state, which is at the frame before, and the newest frame; and the noise of both.
 void OnlineStage::match(std::size_t place, const ExposureTables& tables) {
-  Stopwatch watch;
+  StageWatch watch(timing_);
   const ExposedFrame& previous = frames_[place - 1].frame;
   PendingFrame& newest = frames_[place];
   frames_.borrow_motion_from_previous(place);
@@ -106,15 +105,15 @@ void OnlineStage::match(std::size_t place, const ExposureTables& tables) {
                          .from_previous = joins_newest() || (learns && !at_newer)};
   motion_->match(state_->state(), newest.frame, tables,
                  {budget_.flow, budget_.blurs, frames_.before_ratio(place)}, rated, newest.motion);
-  if (timing_) timing_(Stage::Motion, watch.lap_ms());
+  watch.lap(Stage::Motion);
   if (!learns) return;
   sensor_.learn_noise(previous, newest.frame, newest.motion);
-  if (timing_) timing_(Stage::Noise, watch.lap_ms());
+  watch.lap(Stage::Noise);
 }
 
 // The state goes on to this frame, then the second layer.
 Result<void> OnlineStage::advance(std::size_t place) {
-  Stopwatch watch;
+  StageWatch watch(timing_);
   PendingFrame& pending = frames_[place];
   MotionContext context{.before_ratio = frames_.before_ratio(place)};
   if (place + 1 < frames_.size()) {
@@ -125,7 +124,7 @@ Result<void> OnlineStage::advance(std::size_t place) {
   }
   motion_->complete(state_->state(), pending.frame, context, budget_.flow,
                     {.from_previous = second_layer_takes_part() || look_ahead_ > 1}, pending.motion);
-  if (timing_) timing_(Stage::Motion, watch.lap_ms());
+  watch.lap(Stage::Motion);
 
   // before the state takes the frame in: the frame must not be compared with itself
   sensor_.compare(pending.frame, pending.stated_blur, pending.motion.to_previous, unseen_variance());
@@ -136,7 +135,7 @@ Result<void> OnlineStage::advance(std::size_t place) {
   lower_darkest(sensor_.tables_for(pending.frame));
   sensor_.take_over_residuals(pending.frame);
   pending.advanced = true;
-  if (timing_) timing_(Stage::State, watch.lap_ms());
+  watch.lap(Stage::State);
   TRY(fit(pending));
   if (look_ahead_ < 2) frames_.return_motion_from_previous(place);  // else frames before it still look along
   return {};
@@ -171,7 +170,7 @@ Result<void> OnlineStage::emit_ready(bool all, const Emit& emit) {
 }
 
 Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Emit& emit) {
-  Stopwatch watch;
+  StageWatch watch(timing_);
   const PendingFrame& pending = frames_[place];
   std::array<LaterFrame, kMaxLookAhead> later;
   for (std::size_t k = 0; k < ahead; ++k) {
@@ -206,7 +205,7 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
       .white = white_,
       .unseen_variance = unseen_variance(),
       .reference_exposure = pending.frame.reference_exposure};
-  if (timing_) timing_(Stage::LookAhead, watch.lap_ms());
+  watch.lap(Stage::LookAhead);
   return emit(estimate);
 }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "hal/core/stopwatch.h"
-
 namespace hdrcam {
 
 SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPool& pool, GpuDevice* gpu)
@@ -16,17 +14,17 @@ SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPo
 
 Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_variance,
                                         const Response& response, const FitBudget& budget) {
-  Stopwatch watch;
+  StageWatch watch(timing_);
   const bool begins = !field_ || rested_;
   if (begins) begin(seen.frame);
   const StateMotion none;  // the frame before was not taken
   const SeenFrame input{seen.frame, seen.state, begins ? none : seen.motion};
   const CameraPose& pose = poses_->estimate(input);
   const DepthMap& depth = depth_->estimate(input, pose);
-  if (timing_) timing_(Stage::Pose, watch.lap_ms());
+  watch.lap(Stage::Pose);
   TRY(field_->observe({input.frame, input.state, unseen_variance, input.motion, pose, depth, response}));
   const FitReport fit = field_->fit(budget);
-  if (timing_) timing_(Stage::Fit, watch.lap_ms());
+  watch.lap(Stage::Fit);
   return SceneEstimate{pose.T_world_camera, world_, stated_pose(seen.frame, pose), &depth, fit};
 }
 

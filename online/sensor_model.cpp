@@ -4,13 +4,6 @@
 #include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
-namespace {
-
-float code_step_of(const CameraFacts& camera) {
-  return kMaxCode / static_cast<float>((1 << camera.bits) - 1);
-}
-
-}  // namespace
 
 SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
                          const std::optional<Response>& response, const StateLayer& state, WorkerPool& pool)
@@ -19,20 +12,20 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
       response_stated_(response.has_value()),
       state_(state),
       pool_(pool),
-      learner_({knobs.response, knobs.bootstrap_frames, code_step_of(camera), camera.bits}),
+      learner_({knobs.response, knobs.bootstrap_frames, code_scale(camera.bits), camera.bits}),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(std::in_place, pool),
       texture_error_(std::in_place, pool),
       shown_blur_(pool) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
-  noise_.code_step = code_step_of(camera);
+  noise_.code_step = code_scale(camera.bits);
   assumed_noise_ = noise_;
 }
 
 void SensorModel::meet(const ExposedFrame& frame) {
   constexpr std::size_t kMaxTables = 32;
   if (tables_.size() > kMaxTables) tables_.clear();
-  if (reference_gain_ == 0) reference_gain_ = frame.facts.analogue_gain * frame.facts.digital_gain;
+  if (reference_gain_ == 0) reference_gain_ = frame.facts.gain();
   if (blur_kind_ == BlurKind::Shown) shown_blur_.observe_exposure(frame);
   if (known_ || !response_stated_) return;
   black_level_ = frame.facts.black_level.value_or(BlackLevel());
@@ -134,7 +127,7 @@ void SensorModel::take_over_residuals(const ExposedFrame& frame) {
 }
 
 float SensorModel::gain_of(const ExposedFrame& frame) const {
-  return static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain / reference_gain_);
+  return static_cast<float>(frame.facts.gain() / reference_gain_);
 }
 
 ExposureTables& SensorModel::tables_of(const ExposedFrame& frame) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "hal/core/stopwatch.h"
 #include "online/pictures/copy_in_parallel.h"
 #include "render/surface_points.h"
 
@@ -48,28 +47,25 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
 
 void RenderStage::render(const FrameEstimate& estimate, HdrFrame& frame) {
   render_as_read(estimate, frame);
-  Stopwatch watch;
+  StageWatch watch(timing_);
   rolling_shutter_.correct(estimate, options_.readout_s.value_or(frame.facts.readout_s), frame);
-  if (timing_) timing_(Stage::Emission, watch.lap_ms());
+  watch.lap(Stage::Emission);
 }
 
 // Each row as it was when it was read.
 void RenderStage::render_as_read(const FrameEstimate& estimate, HdrFrame& frame) {
-  Stopwatch watch;
-  const auto lap = [&](Stage stage) {
-    if (timing_) timing_(stage, watch.lap_ms());
-  };
+  StageWatch watch(timing_);
   emission_.render(estimate, frame);
   for (Image<float>* layer : {&frame.depth, &frame.field_flow, &frame.field_flow_forward})
     layer->reshape(0, 0, 0);
   show_motion_and_points(estimate, frame);
-  lap(Stage::Emission);
+  watch.lap(Stage::Emission);
   if (!estimate.field || options_.layer == EmitLayer::State) return;
   if (options_.layer == EmitLayer::Field)
     emit_field(estimate, frame);
   else
     fill_unseen(estimate, frame);
-  lap(Stage::FieldRender);
+  watch.lap(Stage::FieldRender);
 }
 
 void RenderStage::show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame) {

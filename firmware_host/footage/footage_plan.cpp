@@ -300,7 +300,7 @@ std::string described(const FootagePlan& plan) {
   if (const std::string missing = describe_missing(plan); !missing.empty()) text += missing + "\n";
   for (std::size_t i = 0; i < std::min(kShown, plan.facts.size()); ++i) {
     const FrameFacts& facts = plan.facts[i];
-    const Exposure exposure{from_seconds(facts.exposure_s), facts.analogue_gain * facts.digital_gain};
+    const Exposure exposure{from_seconds(facts.exposure_s), facts.gain()};
     const bool relative = plan.origin == ExposureOrigin::Estimated;  // no times
     text += fmt::format("  frame {:>3} {:>9.3f} s  {}\n", i, facts.timestamp.seconds(),
                         relative ? in_stops(exposure, plan.cycle) + " EV" : describe(exposure));

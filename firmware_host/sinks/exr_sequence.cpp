@@ -74,7 +74,7 @@ ExrAttributes attributes_of(const HdrFrame& frame, const ExrSequenceOptions& opt
   describe(options.layers, frame.length_unit, attributes.texts);
   if (frame.white_balance)
     attributes.texts["hdrcam.whiteBalance"] = fmt::format("{:.6g}", fmt::join(*frame.white_balance, ", "));
-  attributes.texts["hdrcam.gain"] = fmt::format("{:.6g}", facts.analogue_gain * facts.digital_gain);
+  attributes.texts["hdrcam.gain"] = fmt::format("{:.6g}", facts.gain());
   attributes.texts["hdrcam.exposureSource"] = name(facts.exposure_source);
   if (facts.verdict) attributes.texts["hdrcam.exposureVerdict"] = name(*facts.verdict);
   if (facts.exposure_within_ev)

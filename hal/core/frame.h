@@ -74,6 +74,7 @@ struct FrameFacts {
   std::optional<PoseMatrix> T_world_camera;  // metres
 
   double exposure() const { return exposure_s * analogue_gain * digital_gain; }
+  double gain() const { return analogue_gain * digital_gain; }
   // Whether exposure() is one; 0 and NaN stand for an unknown one.
   bool has_exposure() const { return exposure() > 0 && std::isfinite(exposure()); }
   // Whether exposure_s is a time, and not only a ratio to the clip's other exposures.

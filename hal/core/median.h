@@ -1,4 +1,4 @@
-// The median of some values. Reentrant.
+// The median of some values, and the spread that it tells. Reentrant.
 #pragma once
 
 #include <algorithm>
@@ -20,5 +20,8 @@ template <class T>
 T median(std::vector<T>& values) {
   return median(std::span(values));
 }
+
+// Standard deviation of normal values over the median of their absolute deviations.
+constexpr double kSigmaPerMad = 1.4826;
 
 }  // namespace hdrcam

@@ -3,6 +3,8 @@
 
 #include <functional>
 
+#include "hal/core/stopwatch.h"
+
 namespace hdrcam {
 
 enum class Stage {
@@ -50,5 +52,20 @@ constexpr const char* name(Stage stage) {
 
 // Called on the thread that worked, once it has.
 using StageTiming = std::function<void(Stage stage, double ms)>;
+
+// Times the stages of one call, one after the other. An empty timing is not called, and no lap is taken. The
+// timing outlives the watch.
+class StageWatch {
+ public:
+  explicit StageWatch(const StageTiming& timing) : timing_(timing) {}
+  // The stage that has ended: it took the time since the construction or the last lap.
+  void lap(Stage stage) {
+    if (timing_) timing_(stage, watch_.lap_ms());
+  }
+
+ private:
+  const StageTiming& timing_;
+  Stopwatch watch_;
+};
 
 }  // namespace hdrcam

@@ -38,8 +38,7 @@ std::vector<ExposureRequest> recorded_cycle(const std::vector<FrameFacts>& frame
   std::vector<ExposureRequest> cycle(static_cast<std::size_t>(found.period));
   for (const FrameFacts& frame : frames)
     if (const int slot = slot_of(found, frames.front(), frame); slot >= 0 && frame.has_exposure())
-      cycle[static_cast<std::size_t>(slot)] = {0, from_seconds(frame.exposure_s),
-                                               frame.analogue_gain * frame.digital_gain};
+      cycle[static_cast<std::size_t>(slot)] = {0, from_seconds(frame.exposure_s), frame.gain()};
   return cycle;
 }
 

@@ -94,7 +94,7 @@ struct NoiseLevels::Bin {
 void NoiseLevels::add(const ExposedFrame& frame) {
   constexpr float kSameGain = 0.01f;
   if ((frame.facts.flags & kFrameDamaged) != 0) return;
-  const auto gain = static_cast<float>(frame.facts.analogue_gain * frame.facts.digital_gain);
+  const auto gain = static_cast<float>(frame.facts.gain());
   if (gain_ == 0) gain_ = gain;
   if (std::abs(gain - gain_) > kSameGain * gain_) return;
   const int rows = (frame.codes.rows() - 2 * kAround) / kTile,

@@ -18,8 +18,7 @@ void EmissionTally::count(const EmittedFrame& frame) {
   const std::lock_guard lock(mutex_);
   const std::size_t place = sums_.frames % kRecent;
   sums_.newest = times_[place] = Clock::now();
-  exposures_[place] = {facts.exposure_s, facts.analogue_gain * facts.digital_gain,
-                       static_cast<double>(frame.hdr.exposure)};
+  exposures_[place] = {facts.exposure_s, facts.gain(), static_cast<double>(frame.hdr.exposure)};
   ++sums_.frames;
   sums_.latency_ms = frame.record.latency_ms;
   sums_.processing_ms += frame.record.total_ms;

@@ -31,7 +31,7 @@ Json frame_json(const ShownFrame& frame) {
             {"width", frame.hdr.radiance.cols()},
             {"height", frame.hdr.radiance.rows()},
             {"exposure_s", facts.exposure_s},
-            {"gain", facts.analogue_gain * facts.digital_gain},
+            {"gain", facts.gain()},
             {"relative_exposure", frame.hdr.exposure},
             {"total_ms", frame.record.total_ms},
             {"stages_ms", object_of(frame.record.stages_ms)},

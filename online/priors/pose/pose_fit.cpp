@@ -13,12 +13,11 @@ namespace {
 using Matrix23 = Eigen::Matrix<double, 2, 3>;
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
 
-constexpr double kNearestZ = 1e-3;       // of the ray's z in the posed camera: behind it there is no pixel
-constexpr double kRobustSigmas = 3;      // the kernel's width at the end
-constexpr double kGaussianMad = 1.4826;  // standard deviation / median of the absolute value
-constexpr double kSmallestStep = 1e-6;   // radians and lengths: converged
-constexpr double kBehind = 1e9;          // squared sigmas of a point behind the camera
-constexpr int kPartPoints = 64;          // that a thread takes at once
+constexpr double kNearestZ = 1e-3;      // of the ray's z in the posed camera: behind it there is no pixel
+constexpr double kRobustSigmas = 3;     // the kernel's width at the end
+constexpr double kSmallestStep = 1e-6;  // radians and lengths: converged
+constexpr double kBehind = 1e9;         // squared sigmas of a point behind the camera
+constexpr int kPartPoints = 64;         // that a thread takes at once
 
 double robust_cost(double squared, double width) {
   return squared * width * width / (width * width + squared);
@@ -120,7 +119,7 @@ double noise_across(std::span<const ScenePoint> points, std::span<const double> 
     const double across = r.per_inverse_depth.x() * r.px.y() - r.per_inverse_depth.y() * r.px.x();
     if (along > 0) errors.push_back(std::abs(across) / (along * points[i].sigma_px));
   }
-  return kGaussianMad * median(errors);
+  return kSigmaPerMad * median(errors);
 }
 
 void PoseFitter::reserve(std::size_t points) {
