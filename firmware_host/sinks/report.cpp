@@ -38,6 +38,11 @@ std::string tile(const std::string& value, const std::string& unit, const std::s
                      look, escaped(value), escaped(unit), escaped(meaning));
 }
 
+// head: the cells of its first row; rows: whole rows.
+std::string table(const std::string& head, const std::string& rows) {
+  return "<table><thead><tr>" + head + "</tr></thead><tbody>" + rows + "</tbody></table>";
+}
+
 std::string fact(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format("<tr><th>{}</th><td>{}</td></tr>\n", name, escaped(value));
 }
@@ -79,8 +84,14 @@ std::vector<std::string> names_in(const RunRecord& record, FrameValues FrameReco
   return names;
 }
 
-std::vector<double> sequence_axis(const RunRecord& record) {
-  return over_frames(record, [](const FrameRecord& frame) { return static_cast<double>(frame.sequence); });
+// A chart of values over the frames of a run, still without series.
+Chart frame_chart(const RunRecord& record, const char* label, const char* y_label) {
+  Chart chart;
+  chart.label = label;
+  chart.x_label = "frame (sensor sequence)";
+  chart.y_label = y_label;
+  chart.x = over_frames(record, [](const FrameRecord& frame) { return static_cast<double>(frame.sequence); });
+  return chart;
 }
 
 std::vector<ChartSeries> series_of(const RunRecord& record, FrameValues FrameRecord::*list) {
@@ -143,11 +154,7 @@ std::string scores_section(const RunRecord& record) {
 }
 
 std::string time_section(const RunRecord& record) {
-  Chart chart;
-  chart.label = "time per frame by stage";
-  chart.x_label = "frame (sensor sequence)";
-  chart.y_label = "ms per frame";
-  chart.x = sequence_axis(record);
+  Chart chart = frame_chart(record, "time per frame by stage", "ms per frame");
   chart.series = series_of(record, &FrameRecord::stages_ms);
   chart.y_least = 0;
   if (record.deadline_ms > 0)
@@ -158,23 +165,17 @@ std::string time_section(const RunRecord& record) {
         "<tr><th>{}</th><td class=\"n\">{}</td><td class=\"n\">{:.2f}</td><td class=\"n\">{:.2f}</td>"
         "<td class=\"n\">{:.2f}</td></tr>\n",
         escaped(stage.name), stage.frames, stage.mean_ms, stage.p95_ms, stage.max_ms);
-  const std::string table =
-      "<table><thead><tr><th>stage</th><th class=\"n\">frames</th><th class=\"n\">mean, ms</th><th "
-      "class=\"n\">95th percentile, "
-      "ms</th><th class=\"n\">longest, ms</th></tr></thead><tbody>" +
-      rows + "</tbody></table>";
+  const char* const head =
+      "<th>stage</th><th class=\"n\">frames</th><th class=\"n\">mean, ms</th>"
+      "<th class=\"n\">95th percentile, ms</th><th class=\"n\">longest, ms</th>";
   return section("Time", "Time per frame, by stage.",
-                 "<div class=\"two\">" + card(stacked_bars(chart)) + card(table) + "</div>\n");
+                 "<div class=\"two\">" + card(stacked_bars(chart)) + card(table(head, rows)) + "</div>\n");
 }
 
 // What the governor gave up to hold the deadline: over time, and for how many frames.
 std::string deadline_section(const RunRecord& record) {
   if (record.rungs.empty()) return "";
-  Chart chart;
-  chart.label = "rung of quality over time";
-  chart.x_label = "frame (sensor sequence)";
-  chart.y_label = "rung (0: as asked)";
-  chart.x = sequence_axis(record);
+  Chart chart = frame_chart(record, "rung of quality over time", "rung (0: as asked)");
   chart.series.push_back({"rung", series_colour(0), over_frames(record, [](const FrameRecord& frame) {
                             return static_cast<double>(frame.rung);
                           })});
@@ -183,23 +184,16 @@ std::string deadline_section(const RunRecord& record) {
   for (std::size_t r = 0; r < record.rungs.size(); ++r)
     rows += fmt::format("<tr><td class=\"n\">{}</td><th>{}</th><td class=\"n\">{}</td></tr>\n", r,
                         escaped(record.rungs[r].name), record.rungs[r].frames);
-  const std::string table =
-      "<table><thead><tr><th class=\"n\">rung</th><th>gives up</th><th "
-      "class=\"n\">frames</th></tr></thead><tbody>" +
-      rows + "</tbody></table>";
+  const char* const head = "<th class=\"n\">rung</th><th>gives up</th><th class=\"n\">frames</th>";
   return section("Deadline",
                  fmt::format("Quality given up to finish each frame within {:.1f} ms, each rung beyond those "
                              "before it. {} frames were late, {} were not emitted.",
                              record.deadline_ms, record.late, record.left_out),
-                 "<div class=\"two\">" + card(line_chart(chart)) + card(table) + "</div>\n");
+                 "<div class=\"two\">" + card(line_chart(chart)) + card(table(head, rows)) + "</div>\n");
 }
 
 std::string provenance_section(const RunRecord& record) {
-  Chart chart;
-  chart.label = "provenance of the pixels over time";
-  chart.x_label = "frame (sensor sequence)";
-  chart.y_label = "% of the pixels";
-  chart.x = sequence_axis(record);
+  Chart chart = frame_chart(record, "provenance of the pixels over time", "% of the pixels");
   chart.y_least = 0, chart.y_most = 100;
   const auto shares = mean_provenance(record);
   std::string rows;
@@ -213,20 +207,13 @@ std::string provenance_section(const RunRecord& record) {
   return section(
       "Sources of the pixels",
       "Each pixel's main source: this frame's own sample, earlier frames carried along the motion, a later "
-      "frame, "
-      "the field, or only a lower bound because it was clipped everywhere.",
+      "frame, the field, or only a lower bound because it was clipped everywhere.",
       "<div class=\"two\">" + card(stacked_bars(chart)) +
-          card("<table><thead><tr><th>source</th><th class=\"n\">mean share</th></tr></thead><tbody>" + rows +
-               "</tbody></table>") +
-          "</div>\n");
+          card(table("<th>source</th><th class=\"n\">mean share</th>", rows)) + "</div>\n");
 }
 
 std::string loss_section(const RunRecord& record) {
-  Chart chart;
-  chart.label = "loss terms over time";
-  chart.x_label = "frame (sensor sequence)";
-  chart.y_label = "weighted loss";
-  chart.x = sequence_axis(record);
+  Chart chart = frame_chart(record, "loss terms over time", "weighted loss");
   chart.series = series_of(record, &FrameRecord::losses);
   chart.logarithmic_y = true;
   if (chart.series.empty()) return "";
@@ -332,11 +319,9 @@ std::string base64(std::span<const std::byte> bytes) {
 std::string report_html(const RunRecord& record, std::span<const std::byte> contact_sheet_png) {
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0} - "
-      "hdrcam</title>\n"
-      "<style>{1}</style>\n</head>\n<body>\n<main>\n<header><h1>{0}</h1>\n<p>{2} x {3} pixels, {4} frames "
-      "in, {5} HDR "
-      "frames out</p></header>\n",
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{0} - hdrcam</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<header><h1>{0}</h1>\n"
+      "<p>{2} x {3} pixels, {4} frames in, {5} HDR frames out</p></header>\n",
       escaped(record.title), kReportStyle, record.width, record.height, record.captured, record.emitted);
   html += tiles(record);
   html += sheet_section(contact_sheet_png);
