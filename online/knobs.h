@@ -33,8 +33,8 @@ enum class BlurKind { Off, Stated, Shown };
 
 struct Knobs {
   FrameBudget budget;
-  int look_ahead = 1;                       // frames, 0..2: later frames that an emission waits for; or:
-  static constexpr int kAsSizeAllows = -1;  // two where the picture is small, else one (look_ahead_of())
+  int look_ahead = 1;                       // later frames that an emission waits for: 0..2, or kAsSizeAllows
+  static constexpr int kAsSizeAllows = -1;  // look_ahead is two for small pictures, else one: look_ahead_of()
   int bootstrap_frames = 6;  // 2..64: frames from which the response is estimated before the first emission
   int view_steps = 30;       // 0..1000: fit steps per frame where the field itself is to be seen
   float code_noise = 1;      // codes rms (NoiseModel)
