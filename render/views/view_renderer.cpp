@@ -65,18 +65,6 @@ struct Sight {
 
 }  // namespace
 
-double KeyframeInterval::time_s() const {
-  if (after == nullptr) return before->time_s;
-  if (before == nullptr) return after->time_s;
-  return before->time_s + share * (after->time_s - before->time_s);
-}
-
-RigidTransform KeyframeInterval::T_world_camera() const {
-  if (after == nullptr) return before->T_world_camera;
-  if (before == nullptr) return after->T_world_camera;
-  return between(before->T_world_camera, after->T_world_camera, share);
-}
-
 void ViewRenderer::render(const KeyframeInterval& interval, const SceneView& view, const SnapshotHold& field,
                           HdrFrame& frame) {
   HDRCAM_CHECK(interval.before != nullptr || interval.after != nullptr);
