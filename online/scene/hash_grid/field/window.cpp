@@ -5,12 +5,13 @@
 
 #include "capture/clip_policy.h"
 #include "capture/exposed_frame.h"
+#include "online/scene/hash_grid/field/surface_guide.h"
 #include "online/scene/hash_grid/field/window_kernels.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr float kMaxFlow_px = 512, kStatic_px = 0.25f;  // of the stream
+constexpr float kStatic_px = 0.25f;  // of the stream
 constexpr float kClippedCode = clip_policy::kLossOfOne.brightest * kMaxCode;
 constexpr int kBlock = kMostBlocks;  // pixels of a row that a kernel takes at once
 
@@ -42,10 +43,6 @@ BlockRow blocks_of(const Image<float>& picture, int channel, int y, int x, int n
   for (int k = 0; k < step; ++k)
     blocks.row[k] = picture.row(channel, std::min(y * step + k, picture.rows() - 1)) + x * step;
   return blocks;
-}
-
-float guide_at(const Image<float>& guide, int y, int x) {
-  return guide.at(0, std::min(y / kGuideStep, guide.rows() - 1), std::min(x / kGuideStep, guide.cols() - 1));
 }
 
 }  // namespace
@@ -156,11 +153,11 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
   frame.T_anchor_camera = T_anchor_camera(frame.T_world_camera);
   take_base(seen, frame, pool);
   if (previous != nullptr && usable(seen.to_previous, frustum_))
-    carry_guide(*previous, *seen.to_previous, frame);
+    carry_guide(frustum_, *previous, *seen.to_previous, frame);
   else
     frame.guide.fill(options_.default_inverse_depth);
-  guide_by_prior(frame);
-  take_surface(frame, pool);
+  guide_by_prior(frustum_, frame);
+  take_surface(frustum_, frame, pool);
   if (previous != nullptr) {
     if (usable(seen.to_previous, frustum_))
       take_flow(*seen.to_previous, frame, *previous, Neighbour::Previous, pool);
@@ -252,57 +249,6 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   from.dynamic_share =
       std::max(from.dynamic_share, static_cast<float>(dynamic.load()) / static_cast<float>(from.base.size()));
   from.has_flow[k] = true;
-}
-
-// The guide of a new frame: the previous one's, warped along the flow.
-void Window::carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const {
-  const int step = frustum_.step_px;
-  for (int y = 0; y < to.guide.rows(); ++y)
-    for (int x = 0; x < to.guide.cols(); ++x) {
-      const int px = std::min(x * kGuideStep + kGuideStep / 2, frustum_.cols - 1);
-      const int py = std::min(y * kGuideStep + kGuideStep / 2, frustum_.rows - 1);
-      const auto moved = [&](int axis, int at, int size) {
-        const float flow = to_previous.vectors.at(axis, py * step, px * step);
-        return std::isfinite(flow)
-                   ? std::clamp(
-                         at + static_cast<int>(std::lround(std::clamp(flow, -kMaxFlow_px, kMaxFlow_px) /
-                                                           static_cast<float>(step))),
-                         0, size - 1)
-                   : at;
-      };
-      to.guide.at(0, y, x) = guide_at(from.guide, moved(1, py, frustum_.rows), moved(0, px, frustum_.cols));
-    }
-}
-
-// Where a prior covers enough of a tile, its mean is the guide.
-void Window::guide_by_prior(WindowFrame& frame) const {
-  frame.prior_guides.fill(0);
-  if (frame.depth_prior.empty()) return;
-  constexpr int kEnough = kGuideStep * kGuideStep / 4;
-  for (int y = 0; y < frame.guide.rows(); ++y)
-    for (int x = 0; x < frame.guide.cols(); ++x) {
-      float sum = 0;
-      int known = 0;
-      for (int py = y * kGuideStep; py < std::min((y + 1) * kGuideStep, frustum_.rows); ++py)
-        for (int px = x * kGuideStep; px < std::min((x + 1) * kGuideStep, frustum_.cols); ++px) {
-          const float q = frame.depth_prior.at(0, py, px);
-          if (std::isfinite(q)) sum += std::clamp(q, 0.f, 1.f), ++known;
-        }
-      if (known < kEnough) continue;
-      frame.guide.at(0, y, x) = sum / static_cast<float>(known);
-      frame.prior_guides.at(0, y, x) = 1;
-    }
-}
-
-// The prior where it is known, the guide elsewhere.
-void Window::take_surface(WindowFrame& frame, WorkerPool& pool) const {
-  pool.for_rows(frustum_.rows, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < frustum_.cols; ++x) {
-        const float prior = frame.depth_prior.empty() ? kNoValue : frame.depth_prior.at(0, y, x);
-        frame.base.at(0, y, x)[kBaseSurface] = prior >= 0 && prior <= 1 ? prior : guide_at(frame.guide, y, x);
-      }
-  });
 }
 
 RigidTransform Window::move_anchor() {

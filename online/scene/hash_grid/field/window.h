@@ -137,9 +137,6 @@ class Window : public WindowFrames {
   void take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const;
   void take_flow(const FlowField& flow, WindowFrame& from, const WindowFrame& to, Neighbour which,
                  WorkerPool& pool) const;
-  void carry_guide(const WindowFrame& from, const FlowField& to_previous, WindowFrame& to) const;
-  void guide_by_prior(WindowFrame& frame) const;
-  void take_surface(WindowFrame& frame, WorkerPool& pool) const;
 
   WindowOptions options_;
   std::vector<std::unique_ptr<WindowFrame>>
