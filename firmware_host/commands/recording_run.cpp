@@ -9,6 +9,7 @@
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/run/output_needs.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
@@ -44,7 +45,7 @@ bool writes_outputs(const Settings::Output& output) {
 }
 
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {
-  if (!settings.output.path(Settings::Output::kSnapshot).empty()) use = FieldUse::Seen;
+  if (sees_field_in_scene(settings.output, RunPace::Clip)) use = FieldUse::Seen;
   return admit_parts(settings, fmt::format("the fit of pictures of {}x{}", clip.width, clip.height),
                      recording_bytes(clip) + fit_bytes(clip.width, clip.height, settings, use));
 }

@@ -84,6 +84,10 @@ std::string motion_output(const Settings::Output& output) {
   return first_asked(output, &MotionOrDepth::is_motion);
 }
 
+bool sees_field_in_scene(const Settings::Output& output, RunPace pace) {
+  return is_written(output, Settings::Output::kSnapshot) && pace == RunPace::Clip;
+}
+
 ExrCompression compression_of(const Settings::Output& output, RunPace pace) {
   switch (output.compression) {
     case FrameCompression::None:

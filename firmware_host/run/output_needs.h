@@ -28,6 +28,10 @@ OutputNeeds needs_of(const Settings::Output& output);
 // The first output with motion, as it was asked for: "--flow-forward" or "--layers flow"; "" for none.
 std::string motion_output(const Settings::Output& output);
 
+// Whether the field is seen in the scene that is saved: a recording waits for it as a film would have it; of
+// a camera it is what the frames leave time for.
+bool sees_field_in_scene(const Settings::Output& output, RunPace pace);
+
 ExrCompression compression_of(const Settings::Output& output, RunPace pace);
 
 // Writes a result to the standard output; to the standard error stream where the frames take that.

@@ -90,11 +90,10 @@ class Run {
   std::string saved_;  // a line about the scene, once it is saved
 };
 
-// Films and scores look at the field, whatever the settings show of it. A recording waits for a scene that is
-// saved as a film would have it; of a camera it is what the frames leave time for.
+// Films and scores look at the field, whatever the settings show of it.
 FieldUse field_use_of(const RunPlan& plan, RunPace pace) {
-  const bool saves = !plan.settings.output.path(Settings::Output::kSnapshot).empty();
-  const bool seen = !plan.truth.empty() || plan.film != nullptr || (saves && pace == RunPace::Clip);
+  const bool seen =
+      !plan.truth.empty() || plan.film != nullptr || sees_field_in_scene(plan.settings.output, pace);
   return seen ? FieldUse::Seen : FieldUse::Fills;
 }
 
