@@ -2,28 +2,16 @@
 
 #include <cmath>
 
+#include "online/pictures/between_pixels.h"
 #include "online/pictures/copy_in_parallel.h"
 #include "render/surface_points.h"
 
 namespace hdrcam {
 namespace {
 
-// Where a full-size pixel reads, bilinearly, a picture of every `step`-th pixel along one axis.
-struct BilinearTap {
-  int low, high;
-  float share;  // of `high`
-};
-BilinearTap tap_at(int at, int step, int size) {
-  const float place = std::clamp((static_cast<float>(at) + 0.5f) / static_cast<float>(step) - 0.5f, 0.f,
-                                 static_cast<float>(size - 1));
-  const int low = std::min(static_cast<int>(place), size - 1);
-  return {low, std::min(low + 1, size - 1), place - static_cast<float>(low)};
-}
-float interpolated(const Image<float>& in, int channel, const BilinearTap& y, const BilinearTap& x) {
-  const float *a = in.row(channel, y.low), *b = in.row(channel, y.high);
-  const float top = a[x.low] + x.share * (a[x.high] - a[x.low]);
-  const float bottom = b[x.low] + x.share * (b[x.high] - b[x.low]);
-  return top + y.share * (bottom - top);
+// Where a full-size pixel reads, along one axis, a picture of every `step`-th pixel.
+AxisTap reduced_tap(int at, int step, int size) {
+  return tap_at((static_cast<float>(at) + 0.5f) / static_cast<float>(step) - 0.5f, size);
 }
 
 void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>& out, WorkerPool& pool) {
@@ -34,10 +22,10 @@ void enlarge(const Image<float>& in, int step, int rows, int cols, Image<float>&
   }
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const BilinearTap tap_y = tap_at(y, step, in.rows());
+      const AxisTap tap_y = reduced_tap(y, step, in.rows());
       for (int x = 0; x < cols; ++x) {
-        const BilinearTap tap_x = tap_at(x, step, in.cols());
-        for (int c = 0; c < in.channels(); ++c) out.at(c, y, x) = interpolated(in, c, tap_y, tap_x);
+        const BetweenPixels place(tap_y, reduced_tap(x, step, in.cols()));
+        for (int c = 0; c < in.channels(); ++c) out.at(c, y, x) = place.of(in, c);
       }
     }
   });
@@ -112,10 +100,10 @@ bool RenderStage::mark_unseen(const FrameEstimate& estimate, int step) {
   unseen_.fill(0);
   bool any = false;
   for (int y = 0; y < variance.rows(); ++y) {
-    const BilinearTap tap_y = tap_at(y, step, view.rows);
+    const AxisTap tap_y = reduced_tap(y, step, view.rows);
     for (int x = 0; x < variance.cols(); ++x) {
       if (std::max({variance.at(0, y, x), variance.at(1, y, x), variance.at(2, y, x)}) < known) continue;
-      const BilinearTap tap_x = tap_at(x, step, view.cols);
+      const AxisTap tap_x = reduced_tap(x, step, view.cols);
       for (const int v : {tap_y.low, tap_y.high})
         for (const int u : {tap_x.low, tap_x.high}) unseen_.at(0, v, u) = 1;
       any = true;
@@ -146,15 +134,15 @@ void RenderStage::fill_unseen(const FrameEstimate& estimate, HdrFrame& frame) {
   const Image<float>& variance = estimate.state.variance;
   pool_.for_rows(frame.radiance.rows(), [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y) {
-      const BilinearTap tap_y = tap_at(y, step, view_.radiance.rows());
+      const AxisTap tap_y = reduced_tap(y, step, view_.radiance.rows());
       for (int x = 0; x < cols; ++x) {
         bool raised = false;
         for (int c = 0; c < 3; ++c) {
           if (variance.at(c, y, x) < known) continue;
-          const BilinearTap tap_x = tap_at(x, step, view_.radiance.cols());
+          const AxisTap tap_x = reduced_tap(x, step, view_.radiance.cols());
           float& bound = frame.radiance.at(c, y, x);
-          const float from_field =
-              std::min(interpolated(view_.radiance, c, tap_y, tap_x), options_.largest_field_ratio * bound);
+          const float from_field = std::min(BetweenPixels(tap_y, tap_x).of(view_.radiance, c),
+                                            options_.largest_field_ratio * bound);
           if (from_field > bound) bound = std::sqrt(from_field * bound), raised = true;
         }
         if (raised) frame.provenance.at(0, y, x) = static_cast<std::uint8_t>(Provenance::Field);

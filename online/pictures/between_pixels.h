@@ -1,5 +1,6 @@
 // A picture between its pixels, one place after the other: for those who ask for few places. Whole pictures
-// are read along a flow by warp.h. Reentrant.
+// are read along a flow by warp.h. priors/depth/grid_sample.h, the point tracks' sample_flow and the field's
+// fetch_base weigh the same pixels by other formulas, with other last bits, so they stay apart. Reentrant.
 #pragma once
 
 #include <algorithm>
@@ -16,32 +17,39 @@ inline Offset offset_at(const Image<float>& vectors, int x, int y) {
   return {vectors.at(0, y, x), vectors.at(1, y, x)};
 }
 
-// A place in pictures of one size, x and y counted from the middle of the first pixel; outside, the nearest
-// place inside. Where it is not a number: the first pixel.
+// Where a place along a line of pixels is: between these two.
+struct AxisTap {
+  int low, high;
+  float share;  // of `high`
+};
+// place: counted from the middle of the first of `size` pixels; outside, the nearest place inside. Where it
+// is not a number: the first pixel.
+inline AxisTap tap_at(float place, int size) {
+  const float inside = std::min(std::max(0.f, place), static_cast<float>(size - 1));
+  const int low = static_cast<int>(inside);
+  return {low, std::min(low + 1, size - 1), inside - static_cast<float>(low)};
+}
+
+// A place in pictures of one size.
 class BetweenPixels {
  public:
+  BetweenPixels(AxisTap y, AxisTap x) : y_(y), x_(x) {}
   // Where a pixel is when it is moved.
-  BetweenPixels(int rows, int cols, int x, int y, Offset by) {
-    const float to_x = static_cast<float>(x) + by.x, to_y = static_cast<float>(y) + by.y;
-    const float inside_x = std::min(std::max(0.f, to_x), static_cast<float>(cols - 1));
-    const float inside_y = std::min(std::max(0.f, to_y), static_cast<float>(rows - 1));
-    left_ = static_cast<int>(inside_x), above_ = static_cast<int>(inside_y);
-    right_ = std::min(left_ + 1, cols - 1), below_ = std::min(above_ + 1, rows - 1);
-    fx_ = inside_x - static_cast<float>(left_), fy_ = inside_y - static_cast<float>(above_);
-  }
+  BetweenPixels(int rows, int cols, int x, int y, Offset by)
+      : BetweenPixels(tap_at(static_cast<float>(y) + by.y, rows),
+                      tap_at(static_cast<float>(x) + by.x, cols)) {}
 
   // Bilinear.
   float of(const Image<float>& picture, int channel) const {
-    const float *above = picture.row(channel, above_), *below = picture.row(channel, below_);
-    const float upper = above[left_] + fx_ * (above[right_] - above[left_]);
-    const float lower = below[left_] + fx_ * (below[right_] - below[left_]);
-    return upper + fy_ * (lower - upper);
+    const float *above = picture.row(channel, y_.low), *below = picture.row(channel, y_.high);
+    const float upper = above[x_.low] + x_.share * (above[x_.high] - above[x_.low]);
+    const float lower = below[x_.low] + x_.share * (below[x_.high] - below[x_.low]);
+    return upper + y_.share * (lower - upper);
   }
   Offset vector_of(const Image<float>& vectors) const { return {of(vectors, 0), of(vectors, 1)}; }
 
  private:
-  int left_, right_, above_, below_;
-  float fx_, fy_;
+  AxisTap y_, x_;
 };
 
 }  // namespace hdrcam

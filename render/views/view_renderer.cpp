@@ -3,59 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/views/cubic_between_pixels.h"
+
 namespace hdrcam {
 namespace {
-
-// Catmull-Rom at a fractional place (pixel centres at +0.5), kept near the bilinear value, so that edges of
-// lamps do not ring.
-class Interpolation {
- public:
-  Interpolation(const Image<float>& in, float x, float y) : in_(in) {
-    cut(x - 0.5f, in.cols(), cols_, fx_);
-    cut(y - 0.5f, in.rows(), rows_, fy_);
-    cubic(fx_, wx_), cubic(fy_, wy_);
-  }
-
-  float cubic_value(int channel) const {
-    constexpr float kLimit = 0.3f;
-    float sum = 0;
-    for (std::size_t j = 0; j < 4; ++j) {
-      const float* row = in_.row(channel, rows_[j]);
-      sum += wy_[j] * (wx_[0] * row[cols_[0]] + wx_[1] * row[cols_[1]] + wx_[2] * row[cols_[2]] +
-                       wx_[3] * row[cols_[3]]);
-    }
-    const float flat = linear_value(channel);
-    return std::clamp(sum, (1 - kLimit) * flat, (1 + kLimit) * flat);
-  }
-  float linear_value(int channel) const {
-    const float *a = in_.row(channel, rows_[1]), *b = in_.row(channel, rows_[2]);
-    const float top = a[cols_[1]] + fx_ * (a[cols_[2]] - a[cols_[1]]);
-    const float bottom = b[cols_[1]] + fx_ * (b[cols_[2]] - b[cols_[1]]);
-    return top + fy_ * (bottom - top);
-  }
-  int nearest_row() const { return fy_ < 0.5f ? rows_[1] : rows_[2]; }
-  int nearest_col() const { return fx_ < 0.5f ? cols_[1] : cols_[2]; }
-
- private:
-  static void cut(float at, int size, std::array<int, 4>& taps, float& part) {
-    // positions are rounded to 1/32 pixel: what does not move is copied, not interpolated
-    const float place = std::round(std::clamp(at, 0.f, static_cast<float>(size - 1)) * 32) / 32;
-    const int low = static_cast<int>(place);
-    part = place - static_cast<float>(low);
-    for (int k = 0; k < 4; ++k) taps[static_cast<std::size_t>(k)] = std::clamp(low + k - 1, 0, size - 1);
-  }
-  static void cubic(float t, std::array<float, 4>& w) {
-    w[0] = t * (-0.5f + t * (1 - 0.5f * t));
-    w[1] = 1 + t * t * (-2.5f + 1.5f * t);
-    w[2] = t * (0.5f + t * (2 - 1.5f * t));
-    w[3] = t * t * (-0.5f + 0.5f * t);
-  }
-
-  const Image<float>& in_;
-  std::array<int, 4> cols_{}, rows_{};
-  float fx_ = 0, fy_ = 0;
-  std::array<float, 4> wx_{}, wy_{};
-};
 
 // What one source shows at a pixel of the view, and how much it counts.
 struct Sight {
@@ -164,14 +115,14 @@ void ViewRenderer::blend(const KeyframeInterval& interval, HdrFrame& frame) {
         float radiance[3] = {0, 0, 0}, sigma = 0, inverse_depth = 0;
         for (std::size_t i = 0; i < count; ++i) {
           const Sight& sight = sights[i];
-          const Interpolation at(sight.key->frame.radiance, sight.x, sight.y);
+          const CubicBetweenPixels at(sight.key->frame.radiance, sight.x, sight.y);
           const float weight = sight.weight / sum;
-          for (int c = 0; c < 3; ++c) radiance[c] += weight * at.cubic_value(c);
+          for (int c = 0; c < 3; ++c) radiance[c] += weight * at.value(c);
           inverse_depth += weight * sight.inverse_depth;
           sigma += weight * sight.key->frame.sigma.at(0, at.nearest_row(), at.nearest_col());
         }
         const Sight& most = sights[count == 2 && sights[1].weight > sights[0].weight ? 1 : 0];
-        const Interpolation at(most.key->frame.radiance, most.x, most.y);
+        const CubicBetweenPixels at(most.key->frame.radiance, most.x, most.y);
         for (int c = 0; c < 3; ++c) frame.radiance.at(c, y, x) = std::max(0.f, radiance[c]);
         frame.depth.at(0, y, x) = 1 / inverse_depth;
         frame.sigma.at(0, y, x) = sigma;
