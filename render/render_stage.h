@@ -2,9 +2,12 @@
 // layer can also be emitted alone. Thread-bound; deterministic for any number of threads.
 #pragma once
 
+#include <optional>
+
 #include "hal/core/stage_timing.h"
 #include "render/emission.h"
 #include "render/rolling_shutter.h"
+#include "render/unseen_fill.h"
 
 namespace hdrcam {
 
@@ -38,7 +41,11 @@ class RenderStage {
  public:
   // gpu: what computes beside the processor, or null; it outlives the stage.
   RenderStage(RenderOptions options, WorkerPool& pool, GpuDevice* gpu = nullptr)
-      : options_(options), pool_(pool), emission_(pool, gpu), rolling_shutter_(pool) {}
+      : options_(options),
+        pool_(pool),
+        emission_(pool, gpu),
+        rolling_shutter_(pool),
+        unseen_(options.largest_field_ratio, pool) {}
 
   void set_timing(StageTiming timing) { timing_ = std::move(timing); }
   void render(const FrameEstimate& estimate, HdrFrame& frame);
@@ -48,15 +55,15 @@ class RenderStage {
   void show_motion_and_points(const FrameEstimate& estimate, HdrFrame& frame);
   void render_field(const FrameEstimate& estimate, int step, HdrFrame& frame);
   void emit_field(const FrameEstimate& estimate, HdrFrame& frame);
-  bool mark_unseen(const FrameEstimate& estimate, int step);
+  std::optional<int> step_of_layers(int render_step) const;
   void fill_unseen(const FrameEstimate& estimate, HdrFrame& frame);
 
   RenderOptions options_;
   WorkerPool& pool_;
   Emission emission_;
   RollingShutterCorrection rolling_shutter_;
+  UnseenFill unseen_;
   FieldPicture view_;
-  Image<std::uint8_t> unseen_;  // of the view: pixels from which an unseen one is filled
   StageTiming timing_;
 };
 
