@@ -40,11 +40,11 @@ std::optional<Colour> usual_colour(const BlackChannels& black, const RadianceEst
 
 // The level that the other channels tell of a pixel: the mean of those that are sure, else the least that any
 // of them can be; each over its share of the usual colour.
-float level_of(const Colour& r, const Colour& unsure, const Colour& usual, float known) {
+float level_of(const Colour& r, const Colour& unsure, const Colour& usual, float unseen_from) {
   float sum = 0, least = std::numeric_limits<float>::max();
   int count = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    if (unsure[c] >= known) continue;
+    if (unsure[c] >= unseen_from) continue;
     const float level = r[c] / usual[c];
     least = std::min(least, level);
     if (unsure[c] <= kUnsure * r[c] * r[c]) sum += level, ++count;
@@ -72,9 +72,9 @@ void colour_black_channels(const BlackChannels& black, const RadianceEstimate& s
           continue;
         Colour r, unsure;
         for (std::size_t c = 0; c < 3; ++c) r[c] = light[c][x] + black.offset, unsure[c] = doubt[c][x];
-        const float level = level_of(r, unsure, usual, black.known);
+        const float level = level_of(r, unsure, usual, black.unseen_from);
         for (std::size_t c = 0; c < 3; ++c) {
-          if (light[c][x] > black.darkest[c] || unsure[c] >= black.known) continue;
+          if (light[c][x] > black.darkest[c] || unsure[c] >= black.unseen_from) continue;
           const float spread = unsure[c] / (r[c] * r[c]), likely = usual[c] * level;
           if (spread < kUnsure || likely >= r[c]) continue;
           const float share = spread / (spread + 1);  // colours vary by about a factor of e

@@ -14,7 +14,7 @@ namespace hdrcam {
 
 struct BlackChannels {
   std::array<float, 3> darkest;  // radiance up to which even the longest exposure is black
-  float known;                   // variance from which on a pixel counts as unseen
+  float unseen_from;             // variance from which on a pixel counts as unseen
   float offset;                  // radiance below which a difference does not matter
 };
 

@@ -35,7 +35,7 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
 void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& frame) {
   const RadianceEstimate& state = estimate.state;
   const int rows = state.radiance.rows(), cols = state.radiance.cols();
-  const float known = estimate.unseen_variance;
+  const float unseen_from = estimate.unseen_variance;  // a copy: bytes are written, which may be anything
   frame.sigma.reshape(1, rows, cols);
   frame.provenance.reshape(1, rows, cols);
   pool_.for_rows(rows, [&](int y0, int y1) {
@@ -58,7 +58,7 @@ void Emission::judge(const FrameEstimate& estimate, float offset, HdrFrame& fram
         const float joined = later != nullptr ? later[x] : 0;
         int from = own[x] * (1 - joined) > 0.5f ? code(Provenance::Own) : code(Provenance::Carried);
         from = joined > 0.5f ? code(Provenance::LookAhead) : from;
-        from = worst >= known ? code(Provenance::Bound) : from;
+        from = worst >= unseen_from ? code(Provenance::Bound) : from;
         provenance[x] = static_cast<std::uint8_t>(from);
       }
     }

@@ -143,7 +143,7 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
                                .extra = texture_error > 0 || moved != nullptr ? doubt : nullptr,
                                .noise = noise_of(seen.tables, c),
-                               .known = seen.unseen_variance,
+                               .unseen_from = seen.unseen_variance,
                                .relative2 = relative2,
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,

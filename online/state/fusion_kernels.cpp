@@ -81,7 +81,7 @@ void stand_in(const StandInRow& row, int n) {
   across(n, [&](int x, auto lane) {
     using V = decltype(lane);
     const V state = get<V>(row.state + x), sample = get<V>(row.sample + x);
-    put<V>(row.out + x, get<V>(row.variance + x) < row.known ? state : sample);
+    put<V>(row.out + x, get<V>(row.variance + x) < row.unseen_from ? state : sample);
   });
 }
 
@@ -90,7 +90,7 @@ void compare(const ComparedRow& row, int n) {
     using V = decltype(noise);
     const V s = get<V>(row.state + x), v = get<V>(row.variance + x), r = get<V>(row.sample + x);
     const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{};
-    const V mask = v < row.known ? get<V>(row.comparable + x) : V{};
+    const V mask = v < row.unseen_from ? get<V>(row.comparable + x) : V{};
     const V off = s + blur - r, average = 0.5f * (s + r);
     const V allowed = v + noise + row.relative2 * average * average +
                       row.texture2 * get<V>(row.contrast + x) + row.blur_tolerance * blur * blur + kTiny;
@@ -143,13 +143,13 @@ void update(const UpdatedRow& row, int n) {
     V v = get<V>(row.variance + x);
     if (!row.starts) {
       const V guess = weighs < kClipped ? v : least(v, guessed(s, r, row.least));
-      v = v < row.known ? v : guess;
+      v = v < row.unseen_from ? v : guess;
     }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
     const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{}, blur2 = blur * blur;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
-    const V taken = v < row.known ? sharp : r;
-    const V blur_doubt = v < row.known ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
+    const V taken = v < row.unseen_from ? sharp : r;
+    const V blur_doubt = v < row.unseen_from ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
     V weighed = weighs;
@@ -157,7 +157,7 @@ void update(const UpdatedRow& row, int n) {
     // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
     const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const auto counts = (v < row.known) | (weighed * mean2 > kLeastSignal2 * doubt);
+    const auto counts = (v < row.unseen_from) | (weighed * mean2 > kLeastSignal2 * doubt);
     put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
     put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
     put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));
@@ -197,10 +197,11 @@ void age(const AgedRow& row, int n) {
     const V s = get<V>(row.state + x), gate = get<V>(row.gate + x);
     const V aged = get<V>(row.variance + x) * row.growth + row.relative2 * s * s +
                    get<V>(row.per_contrast + x) * get<V>(row.contrast + x);
-    const V unseen = all<V>(row.unseen), doubted = aged / most(gate, all<V>(kLeastGate));
-    V lost = doubted < row.unseen ? doubted : unseen;
-    lost = gate < row.floor ? unseen : lost;
-    const V guess = aged < row.known ? most(aged, guessed(s, get<V>(row.sample + x), row.least)) : unseen;
+    const V lost_variance = all<V>(row.lost_variance), doubted = aged / most(gate, all<V>(kLeastGate));
+    V lost = doubted < row.lost_variance ? doubted : lost_variance;
+    lost = gate < row.floor ? lost_variance : lost;
+    const V guess =
+        aged < row.unseen_from ? most(aged, guessed(s, get<V>(row.sample + x), row.least)) : lost_variance;
     put<V>(row.new_variance + x, get<V>(row.weight + x) < kClipped ? lost : least(lost, guess));
   });
 }

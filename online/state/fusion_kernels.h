@@ -1,6 +1,7 @@
 // The passes of fusion.h on raw pointers, a row of n pixels at a time: one table of functions per instruction
-// set, picked at start by fusion_kernels(). Reentrant. Declarations only: the kernels' file may include
-// nothing with inline code (CMakeLists.txt).
+// set, picked at start by fusion_kernels(). `unseen_from` is the variance from which on a pixel counts as
+// unseen (radiance_state.h). Reentrant. Declarations only: the kernels' file may include nothing with inline
+// code (CMakeLists.txt).
 #pragma once
 
 namespace hdrcam {
@@ -24,7 +25,7 @@ struct RecordedRow {
 // One channel of the state where it knows the pixel, the sample elsewhere.
 struct StandInRow {
   const float *state, *variance, *sample;
-  float known;  // variance from which on the state does not know the pixel
+  float unseen_from;
   float* out;
 };
 
@@ -40,7 +41,7 @@ struct ComparedRow {
   const float *sample, *comparable;
   const float* blur;  // null: 0
   SampleVariances noise;
-  float known;                // variance from which on the state does not know the pixel
+  float unseen_from;
   float relative2, texture2;  // of radiance squared and of the local contrast: always allowed
   float blur_tolerance;
   float *chi2, *covered;
@@ -60,7 +61,7 @@ struct UpdatedRow {
   const float *sample, *weight, *mean;
   const float *blur, *gate, *extra;  // null: 0, 1, 0
   SampleVariances noise;
-  float known, relative2, blur_variance, unknown_blur_variance;
+  float unseen_from, relative2, blur_variance, unknown_blur_variance;
   float least;  // radiance that the samples cannot tell from none
   bool starts;  // the state holds nothing yet, not even a guess
   float *new_state, *new_variance;
@@ -81,8 +82,9 @@ struct AgedRow {
   const float *contrast, *per_contrast;  // what the warp adds
   float growth, relative2;               // of the variance, and of radiance squared
   float floor;                           // of the gate: below it the state shows something else
-  float known, unseen;                   // variance from which on a pixel is not known; of one that is lost
-  float least;                           // radiance that the sample cannot tell from none
+  float unseen_from;
+  float lost_variance;  // of a pixel that is lost
+  float least;          // radiance that the sample cannot tell from none
   float* new_variance;
 };
 

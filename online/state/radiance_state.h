@@ -9,8 +9,9 @@ namespace hdrcam {
 // variance from which on a pixel counts as unseen, by day after a night, too; its quotients by squares of
 // what is barely visible are finite.
 constexpr float kUnseenVariance = 1e30f;
-// The variance from which on a pixel counts as unseen (`unseen_variance` elsewhere): nothing is known except
-// that it is not black. white: the radiance that saturates the shortest exposure so far.
+// The variance from which on a pixel counts as unseen (`unseen_variance` elsewhere, in kernels
+// `unseen_from`): nothing is known except that it is not black. white: the radiance that saturates the
+// shortest exposure so far.
 inline float unseen_variance_from(float white) { return 0.1f * white * white; }
 
 struct RadianceEstimate {

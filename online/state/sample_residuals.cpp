@@ -46,7 +46,8 @@ void SampleResiduals::observe(const RadianceEstimate& predicted, const Samples& 
 }
 
 void SampleResiduals::take_all(int c, const RadianceEstimate& predicted, const Samples& samples,
-                               const Image<float>& confidence, const ExposureTables& tables, float known) {
+                               const Image<float>& confidence, const ExposureTables& tables,
+                               float unseen_from) {
   const ResidualSampling how = kResidualSampling;
   const float exposure2 = tables.exposure() * tables.exposure();
   const int rows = predicted.radiance.rows(), cols = predicted.radiance.cols();
@@ -57,7 +58,8 @@ void SampleResiduals::take_all(int c, const RadianceEstimate& predicted, const S
     const float* blur = samples.blur_row(c, y);
     const float* trust = confidence.row(0, y);
     for (int x = 1; x < cols - 1; x += how.stride_px) {
-      if (trust[x] < how.least_confidence || v[x] >= known || w[x] < pass_constants::kUnclipped) continue;
+      if (trust[x] < how.least_confidence || v[x] >= unseen_from || w[x] < pass_constants::kUnclipped)
+        continue;
       const float variance = tables.variance(c, s[x]) + v[x];
       const float slope_x = s[x + 1] - s[x - 1], slope_y = down[x] - up[x];
       const float misplaced = how.misalignment * (slope_x * slope_x + slope_y * slope_y);

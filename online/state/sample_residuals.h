@@ -52,7 +52,7 @@ class SampleResiduals {
  private:
   static int slot_of(float exposure);
   void take_all(int channel, const RadianceEstimate& predicted, const Samples& samples,
-                const Image<float>& confidence, const ExposureTables& tables, float known);
+                const Image<float>& confidence, const ExposureTables& tables, float unseen_from);
   void learn(std::size_t channel, VarianceExcess& slot);
 
   // From the current frame: at most kCapacity of its pixels, picked evenly.

@@ -36,7 +36,7 @@ struct ShownBlur::Seen {
   const FlowField& to_previous;
   const ExposureTables& tables;
   float stated;
-  float known;  // variance from which on the state does not know a pixel
+  float unseen_from;
 };
 
 float ShownBlur::stated(const ExposedFrame& frame) {
@@ -103,7 +103,7 @@ ShownBlur::Evidence ShownBlur::compare_line(const Seen& seen, int y) {
 // The difference between a sample and the carried state, and what the state's blur along and across the
 // motion would make of it.
 void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& evidence) {
-  const auto& [frame, state, to_previous, tables, stated, known] = seen;
+  const auto& [frame, state, to_previous, tables, stated, unseen_from] = seen;
   const float code = frame.codes.at(channel, y, x);
   if (code < kDarkest || code > clip_policy::kCompareFadeBegin) return;
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
@@ -111,7 +111,7 @@ void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& e
   bool knows = true;
   const auto light = [&](Offset by) {
     const BetweenPixels place(rows, cols, x, y, {motion.x + by.x, motion.y + by.y});
-    knows = knows && place.of(state.variance, channel) < known;
+    knows = knows && place.of(state.variance, channel) < unseen_from;
     return place.of(state.radiance, channel);
   };
   const float here = light({});

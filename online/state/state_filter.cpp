@@ -63,8 +63,8 @@ void StateFilter::predict(const StateInput& input, const FlowField& to_previous)
                             .growth = 1 + options_.variance_growth,
                             .relative2 = options_.relative_growth * options_.relative_growth,
                             .floor = options_.fusion.gate_floor,
-                            .known = input.unseen_variance,
-                            .unseen = kUnseenVariance,
+                            .unseen_from = input.unseen_variance,
+                            .lost_variance = kUnseenVariance,
                             .least = input.tables.least_radiance(c),
                             .new_variance = predicted_.variance.row(c, y)},
                            cols);

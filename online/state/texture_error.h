@@ -38,7 +38,7 @@ class TextureError {
     const RadianceState& state;
     const FlowField& to_previous;
     const ExposureTables& tables;
-    float known;  // variance from which on the state does not know a pixel
+    float unseen_from;
   };
   static std::size_t compare_line(const Seen& seen, int y, float* shares);
   static std::optional<float> compare(const Seen& seen, int channel, int y, int x);

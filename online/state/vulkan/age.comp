@@ -5,7 +5,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols;
-  float growth, relative2, misalignment2, gate_floor, known, unseen;
+  float growth, relative2, misalignment2, gate_floor, unseen_from, lost_variance;
 };
 CHANGES(0, State, state)
 READS(1, Contrast, contrast)
@@ -25,7 +25,7 @@ void main() {
   const float added = warp_variance(motion[at(0, y, x)], motion[at(1, y, x)], misalignment2) * contrast[at(c, y, x)];
   const float aged = v * growth + relative2 * s * s + added;
   const float doubted = aged / max(kLeastGate, g);
-  const float lost = g < gate_floor || !(doubted < unseen) ? unseen : doubted;
-  const float guess = aged < known ? max(aged, guessed(c, s, samples[at(c, y, x)])) : unseen;
+  const float lost = g < gate_floor || !(doubted < lost_variance) ? lost_variance : doubted;
+  const float guess = aged < unseen_from ? max(aged, guessed(c, s, samples[at(c, y, x)])) : lost_variance;
   state[at(kVariance + c, y, x)] = samples[at(kWeight + c, y, x)] < kClipped ? lost : min(lost, guess);
 }

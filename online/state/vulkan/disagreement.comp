@@ -5,7 +5,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols;
-  float known, exposure, relative2, texture2, blur_tolerance;
+  float unseen_from, exposure, relative2, texture2, blur_tolerance;
 };
 READS(0, State, state)
 READS(1, Samples, samples)
@@ -25,7 +25,7 @@ void main() {
     const int i = at(c, y, x);
     const float s = state[i], v = state[at(kVariance + c, y, x)], r = samples[i];
     const float blur = samples[at(kBlur + c, y, x)];
-    const float mask = v < known ? samples[at(kComparable + c, y, x)] : 0;
+    const float mask = v < unseen_from ? samples[at(kComparable + c, y, x)] : 0;
     const float d = s + blur - r, average = 0.5 * (s + r);
     const float allowed = v + noise_variance(c, mean[i]) + relative2 * average * average +
                           texture2 * contrast[i] + blur_tolerance * blur * blur + kTiny;

@@ -4,7 +4,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols;
-  float known;
+  float unseen_from;
 };
 READS(0, State, state)
 READS(1, Samples, samples)
@@ -15,5 +15,5 @@ WRITES(2, Guess, guess)
 void main() {
   if (!is_pixel()) return;
   const int x = column(), y = row(), c = plane(), i = at(c, y, x);
-  guess[i] = state[at(kVariance + c, y, x)] < known ? state[i] : samples[i];
+  guess[i] = state[at(kVariance + c, y, x)] < unseen_from ? state[i] : samples[i];
 }

@@ -6,7 +6,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols, found_rows, found_cols, line_step, bins;
-  float known, exposure, least_confidence, misalignment, relative2;
+  float unseen_from, exposure, least_confidence, misalignment, relative2;
 };
 READS(0, State, state)
 READS(1, Samples, samples)
@@ -24,7 +24,7 @@ void main() {
   const int size = found_rows * found_cols, to = c * size + row() * found_cols + column();
   found[to] = 0, found[3 * size + to] = 0, found[6 * size + to] = -1;
   const float s = state[at(c, y, x)], v = state[at(kVariance + c, y, x)];
-  if (motion[at(kConfidence, y, x)] < least_confidence || v >= known || samples[at(kWeight + c, y, x)] < kUnclipped) return;
+  if (motion[at(kConfidence, y, x)] < least_confidence || v >= unseen_from || samples[at(kWeight + c, y, x)] < kUnclipped) return;
   const float variance = noise_variance(c, s) + v;
   const float slope_x = state[at(c, y, x + 1)] - state[at(c, y, x - 1)];
   const float slope_y = state[at(c, y + 1, x)] - state[at(c, y - 1, x)];

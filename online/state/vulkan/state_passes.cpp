@@ -133,7 +133,7 @@ void StatePasses::gate(const GpuSeen& seen, const GpuPicture& motion, const Pass
   local_contrast(state, room.mean, contrast);
   const struct {
     int rows, cols;
-    float known, exposure, relative2, texture2, blur_tolerance;
+    float unseen_from, exposure, relative2, texture2, blur_tolerance;
   } apart{state.rows,
           state.cols,
           unseen_variance,
@@ -155,7 +155,7 @@ void StatePasses::age(const GpuSeen& seen, const GpuMoved& moved, const GpuPictu
   const auto& [state, samples, tables, unseen_variance] = seen;
   const struct {
     int rows, cols;
-    float growth, relative2, misalignment2, gate_floor, known, unseen;
+    float growth, relative2, misalignment2, gate_floor, unseen_from, lost_variance;
   } constants{state.rows,
               state.cols,
               1 + options_.variance_growth,
@@ -174,7 +174,7 @@ void StatePasses::residuals(const GpuSeen& seen, const GpuPicture& motion, const
   static_assert(kHow.stride_px == 2);
   const struct {
     int rows, cols, found_rows, found_cols, line_step, bins;
-    float known, exposure, least_confidence, misalignment, relative2;
+    float unseen_from, exposure, least_confidence, misalignment, relative2;
   } constants{state.rows,
               state.cols,
               found.rows,
@@ -196,7 +196,7 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
   const FusionOptions& o = options_.fusion;
   const struct {
     int rows, cols;
-    float known;
+    float unseen_from;
   } choice{state.rows, state.cols, unseen_variance};
   run(kGuess, {*state, *samples, *room.guess}, choice, room.guess.grid());
   if (tables.texture_error > 0)
@@ -205,7 +205,8 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
     box_mean(room.guess, 1, room.mean);
   const struct {
     int rows, cols, joins, starts;
-    float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
+    float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2,
+        texture_error;
   } constants{state.rows,
               state.cols,
               taking == Taking::Later ? 1 : 0,

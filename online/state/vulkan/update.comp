@@ -7,7 +7,7 @@
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
   int rows, cols, joins, starts;
-  float known, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
+  float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
 };
 CHANGES(0, State, state)
 READS(1, Samples, samples)
@@ -34,10 +34,10 @@ void main() {
     const int i = at(c, y, x), of_variance = at(kVariance + c, y, x);
     const float s = state[i], r = samples[i], m = mean[i], weighs = samples[at(kWeight + c, y, x)];
     float v = state[of_variance];
-    if (starts == 0 && !(v < known) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
+    if (starts == 0 && !(v < unseen_from) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
     const float blur = samples[at(kBlur + c, y, x)], blur2 = blur * blur;
     float variance = noise_variance(c, m) + relative2 * m * m, value = r;
-    if (v < known) {
+    if (v < unseen_from) {
       value = max(0.0, value - blur * blur2 / (blur2 + v + kTiny));
       variance += blur_variance * blur2;
     } else {
@@ -47,7 +47,7 @@ void main() {
     if (texture_error > 0) variance += texture_error * detail[i];
     const float weight = weighs * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
-    if (weight > kLeastSignal2 / (m * m + kTiny) || v < known) {
+    if (weight > kLeastSignal2 / (m * m + kTiny) || v < unseen_from) {
       state[i] = (s * before + value * weight) / (before + weight);
       state[of_variance] = 1 / (before + weight);
       shared_ += weight / (before + weight) * (1.0 / 3);

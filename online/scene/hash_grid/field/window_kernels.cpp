@@ -25,11 +25,11 @@ void values(const ValueRow& row, int n) {
 void base(const BaseRow& row, int n) {
   const float* __restrict radiance = row.radiance, * __restrict variance = row.variance;
   float* __restrict log_radiance = row.log_radiance, * __restrict gate = row.gate;
-  const float sigma2 = row.trusted_sigma * row.trusted_sigma, unseen = row.unseen;
+  const float sigma2 = row.trusted_sigma * row.trusted_sigma, unseen_from = row.unseen_from;
   for (int i = 0; i < n; ++i) {
     const bool known = is_number(radiance[i]);
     const float light = clamped(known ? radiance[i] : 0.f, kDarkest, kBrightest);
-    const bool seen = known & is_number(variance[i]) & (variance[i] < unseen);
+    const bool seen = known & is_number(variance[i]) & (variance[i] < unseen_from);
     const float spread = (seen & (variance[i] > 0)) ? variance[i] : 0.f;
     log_radiance[i] = log_of(light);
     const float trusted = spread / (spread + sigma2 * light * light);
@@ -138,17 +138,17 @@ void block_values(const ValueBlocks& blocks, int n) {
 void block_state(const StateBlocks& blocks, int n) {
   const BlockRow &radiance = blocks.radiance, &variance = blocks.variance;
   const int step = radiance.step, cols = radiance.cols;
-  const float unseen = blocks.unseen;
+  const float unseen_from = blocks.unseen_from;
   alignas(64) float light[kMostBlocks], spread[kMostBlocks], lost[kMostBlocks];
   sum_blocks(step, cols, n, light, spread, lost, [&](int k, int x) {
     const float mean = radiance.row[k][x], squared = variance.row[k][x];
-    const bool known = is_number(mean + squared) & (squared < unseen);
+    const bool known = is_number(mean + squared) & (squared < unseen_from);
     return Addends{is_number(mean) ? mean : 0.f, squared > 0 ? squared : 0.f, known ? 0.f : 1.f};
   });
   const float share = 1 / pixels_of(step);
   for (int i = 0; i < n; ++i) {
     blocks.mean[i] = light[i] * share;
-    blocks.variance_of_mean[i] = lost[i] > 0 ? unseen : spread[i] * share * share;
+    blocks.variance_of_mean[i] = lost[i] > 0 ? unseen_from : spread[i] * share * share;
   }
 }
 

@@ -15,7 +15,7 @@ struct ValueRow {
 // One channel of the state.
 struct BaseRow {
   const float *radiance, *variance;
-  float unseen;  // variance from which on a pixel counts as unseen
+  float unseen_from;  // variance from which on a pixel counts as unseen
   float trusted_sigma;
   float *log_radiance, *gate;
 };
@@ -56,7 +56,7 @@ struct ValueBlocks {
 // whose errors are independent. With one unseen pixel it is the mean of bounds, a bound: unseen.
 struct StateBlocks {
   BlockRow radiance, variance;
-  float unseen;  // variance from which on a pixel counts as unseen
+  float unseen_from;  // variance from which on a pixel counts as unseen
   float *mean, *variance_of_mean;
 };
 
