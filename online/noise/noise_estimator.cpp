@@ -46,8 +46,15 @@ float interpolated_variance(float dx, float dy) {
 void warp_and_smooth(const Image<float>& codes, const Image<float>& flow, int top, int bottom,
                      Image<float>& warped, Image<float>& mean) {
   const int rows = codes.rows(), cols = codes.cols();
-  picture_kernels().warp_linear({codes.plane(0), warped.plane(0), flow.plane(0), flow.plane(1),
-                                 codes.channels(), rows, cols, top, bottom + 1, 0});
+  picture_kernels().warp_linear({.in = codes.plane(0),
+                                 .out = warped.plane(0),
+                                 .dx = flow.plane(0),
+                                 .dy = flow.plane(1),
+                                 .channels = codes.channels(),
+                                 .rows = rows,
+                                 .cols = cols,
+                                 .y0 = top,
+                                 .y1 = bottom + 1});
   for (int c = 0; c < codes.channels(); ++c)
     for (int y = top + 1; y < bottom; ++y)
       picture_kernels().window(window_at(warped.plane(c), rows, cols, y, 1, mean.row(c, y), nullptr));

@@ -13,6 +13,57 @@ SampleVariances noise_of(const ExposureTables& tables, int channel) {
   return {tables.variances(channel).data(), tables.exposure()};
 }
 
+// The radiance that the noise model is asked for: the state where it is known, else the sample. Of each
+// channel a band keeps the three lines that a mean needs. Reentrant for several bands.
+class GuessedLines {
+ public:
+  // lines: [9, bands, cols]
+  GuessedLines(const Seen& seen, Image<float>& lines) : seen_(seen), lines_(lines) {}
+
+  // Guesses those lines around row y that the band does not have yet; its rows come one after the other.
+  void advance(int band, int y) const {
+    for (int next = y % WorkerPool::kBandRows == 0 ? std::max(0, y - 1) : y + 1;
+         next <= std::min(y + 1, rows() - 1); ++next)
+      for (int c = 0; c < 3; ++c)
+        fusion_kernels().stand_in({.state = seen_.state.radiance.row(c, next),
+                                   .variance = seen_.state.variance.row(c, next),
+                                   .sample = seen_.samples.radiance.row(c, next),
+                                   .unseen_from = seen_.unseen_variance,
+                                   .out = line(band, c, next)},
+                                  seen_.state.radiance.cols());
+  }
+  // For the statistics of row y; variance: null for the mean alone.
+  WindowRow around(int band, int c, int y, float* mean, float* variance) const {
+    WindowRow window{
+        .line = {}, .cols = seen_.state.radiance.cols(), .radius = 1, .mean = mean, .variance = variance};
+    for (int k = 0; k < 3; ++k) window.line[k] = line(band, c, mirrored_row(y + k - 1, rows()));
+    return window;
+  }
+
+ private:
+  int rows() const { return seen_.state.radiance.rows(); }
+  float* line(int band, int c, int y) const { return lines_.row(3 * c + y % 3, band); }
+
+  const Seen& seen_;
+  Image<float>& lines_;
+};
+
+// The variance of a row's samples beyond their noise; null: none. doubt: the guess's local contrast where
+// textures are in error, and becomes the variance. misaligned: by warp_variance(), where samples were moved.
+const float* beyond_noise(float texture_error, const Moved* moved, const float* misaligned, int channel,
+                          int y, int cols, float* doubt) {
+  if (texture_error > 0)
+    for (int x = 0; x < cols; ++x) doubt[x] *= texture_error;
+  if (moved != nullptr) {
+    const float* contrast = moved->contrast.row(channel, y);
+    if (texture_error > 0)
+      for (int x = 0; x < cols; ++x) doubt[x] += misaligned[x] * contrast[x];
+    else
+      for (int x = 0; x < cols; ++x) doubt[x] = misaligned[x] * contrast[x];
+  }
+  return texture_error > 0 || moved != nullptr ? doubt : nullptr;
+}
+
 }  // namespace
 
 void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, const ExposureTables& tables,
@@ -23,10 +74,13 @@ void Fusion::sample(const Image<float>& codes, const Image<float>& brightest, co
   pool_.for_rows(codes.rows(), [&](int y0, int y1) {
     for (int c = 0; c < 3; ++c)
       for (int y = y0; y < y1; ++y)
-        fusion_kernels().sample(
-            {codes.row(c, y), brightest.row(c, y), tables.radiances(c).data(), samples.radiance.row(c, y),
-             samples.weight.row(c, y), samples.comparable.row(c, y)},
-            codes.cols());
+        fusion_kernels().sample({.codes = codes.row(c, y),
+                                 .brightest = brightest.row(c, y),
+                                 .radiances = tables.radiances(c).data(),
+                                 .radiance = samples.radiance.row(c, y),
+                                 .weight = samples.weight.row(c, y),
+                                 .comparable = samples.comparable.row(c, y)},
+                                codes.cols());
   });
 }
 
@@ -55,10 +109,20 @@ void Fusion::gate(const Seen& seen, const Image<float>& confidence, Image<float>
     for (int c = 0; c < 3; ++c) {
       picture_kernels().window(
           window_at(state.radiance.plane(c), rows, cols, y, 1, mean, contrast.row(c, y)));
-      fusion_kernels().compare({state.radiance.row(c, y), state.variance.row(c, y), mean, contrast.row(c, y),
-                                samples.radiance.row(c, y), samples.comparable.row(c, y),
-                                samples.blur_row(c, y), noise_of(seen.tables, c), seen.unseen_variance,
-                                relative2, texture2, o.blur_tolerance, chi2, covered},
+      fusion_kernels().compare({.state = state.radiance.row(c, y),
+                                .variance = state.variance.row(c, y),
+                                .mean = mean,
+                                .contrast = contrast.row(c, y),
+                                .sample = samples.radiance.row(c, y),
+                                .comparable = samples.comparable.row(c, y),
+                                .blur = samples.blur_row(c, y),
+                                .noise = noise_of(seen.tables, c),
+                                .unseen_from = seen.unseen_variance,
+                                .relative2 = relative2,
+                                .texture2 = texture2,
+                                .blur_tolerance = o.blur_tolerance,
+                                .chi2 = chi2,
+                                .covered = covered},
                                cols);
     }
   });
@@ -101,39 +165,15 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
   after.variance.reshape_like(before.variance);
   share.reshape(1, rows, cols);
 
-  // The radiance that the noise model is asked for is the state where it is known, else the sample; smoothed.
-  // Of each channel a band keeps the three lines that a mean needs.
-  const auto guess_line = [&](int band, int c, int y) { return guess_.row(3 * c + y % 3, band); };
-  const auto guess = [&](int band, int y) {
-    for (int c = 0; c < 3; ++c)
-      fusion_kernels().stand_in({before.radiance.row(c, y), before.variance.row(c, y),
-                                 samples.radiance.row(c, y), seen.unseen_variance, guess_line(band, c, y)},
-                                cols);
-  };
+  const GuessedLines guess(seen, guess_);
   pool_.for_rows_of_bands(rows, [&](int band, int y) {
-    for (int next = y % WorkerPool::kBandRows == 0 ? std::max(0, y - 1) : y + 1;
-         next <= std::min(y + 1, rows - 1); ++next)
-      guess(band, next);
+    guess.advance(band, y);
     std::fill_n(share.row(0, y), cols, 0.f);
     float *mean = mean_.row(0, band), *doubt = doubt_.row(0, band), *misaligned = misaligned_.row(0, band);
     if (moved != nullptr) warp_variance(moved->flow, y, misaligned, moved->intervals);
     for (int c = 0; c < 3; ++c) {
-      WindowRow window{.line = {},
-                       .cols = cols,
-                       .radius = 1,
-                       .mean = mean,
-                       .variance = texture_error > 0 ? doubt : nullptr};
-      for (int k = 0; k < 3; ++k) window.line[k] = guess_line(band, c, mirrored_row(y + k - 1, rows));
-      picture_kernels().window(window);
-      if (texture_error > 0)
-        for (int x = 0; x < cols; ++x) doubt[x] *= texture_error;
-      if (moved != nullptr) {
-        const float* contrast = moved->contrast.row(c, y);
-        if (texture_error > 0)
-          for (int x = 0; x < cols; ++x) doubt[x] += misaligned[x] * contrast[x];
-        else
-          for (int x = 0; x < cols; ++x) doubt[x] = misaligned[x] * contrast[x];
-      }
+      picture_kernels().window(guess.around(band, c, y, mean, texture_error > 0 ? doubt : nullptr));
+      const float* extra = beyond_noise(texture_error, moved, misaligned, c, y, cols, doubt);
       fusion_kernels().update({.state = before.radiance.row(c, y),
                                .variance = before.variance.row(c, y),
                                .sample = samples.radiance.row(c, y),
@@ -141,7 +181,7 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
                                .mean = mean,
                                .blur = samples.blur_row(c, y),
                                .gate = gate != nullptr ? gate->row(0, y) : nullptr,
-                               .extra = texture_error > 0 || moved != nullptr ? doubt : nullptr,
+                               .extra = extra,
                                .noise = noise_of(seen.tables, c),
                                .unseen_from = seen.unseen_variance,
                                .relative2 = relative2,

@@ -176,14 +176,26 @@ void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerP
     for (int c = 0; c < 3; ++c) {
       float* const values = frame.values.row(c, y) + x;
       alignas(64) float mean[kBlock], spread[kBlock], log_radiance[kBlock], gate[kBlock];
-      BaseRow row{mean, spread, seen.unseen_variance, options_.trusted_sigma, log_radiance, gate};
+      BaseRow row{.radiance = mean,
+                  .variance = spread,
+                  .unseen_from = seen.unseen_variance,
+                  .trusted_sigma = options_.trusted_sigma,
+                  .log_radiance = log_radiance,
+                  .gate = gate};
       if (step == 1) {
-        kernels.values({seen.codes->row(c, y) + x, kNoValue, values}, n);
+        kernels.values({.codes = seen.codes->row(c, y) + x, .no_value = kNoValue, .values = values}, n);
         row.radiance = seen.radiance->row(c, y) + x, row.variance = seen.variance->row(c, y) + x;
       } else {
-        kernels.block_values({blocks_of(*seen.codes, c, y, x, n, step), kClippedCode, kNoValue, values}, n);
-        kernels.block_state({blocks_of(*seen.radiance, c, y, x, n, step),
-                             blocks_of(*seen.variance, c, y, x, n, step), seen.unseen_variance, mean, spread},
+        kernels.block_values({.codes = blocks_of(*seen.codes, c, y, x, n, step),
+                              .clipped = kClippedCode,
+                              .no_value = kNoValue,
+                              .values = values},
+                             n);
+        kernels.block_state({.radiance = blocks_of(*seen.radiance, c, y, x, n, step),
+                             .variance = blocks_of(*seen.variance, c, y, x, n, step),
+                             .unseen_from = seen.unseen_variance,
+                             .mean = mean,
+                             .variance_of_mean = spread},
                             n);
       }
       kernels.base(row, n);
@@ -216,25 +228,28 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
         mean_confidence[kBlock];
     for (int i = 0; i < n; ++i) surface[i] = base[i][kBaseSurface];
     if (step > 1)
-      window_kernels().block_flow(
-          {blocks_of(flow.vectors, 0, y, x, n, step), blocks_of(flow.vectors, 1, y, x, n, step),
-           blocks_of(flow.confidence, 0, y, x, n, step), dx, dy, mean_confidence},
-          n);
-    const LiftedRow row{step > 1 ? dx : flow.vectors.row(0, y) + x,
-                        step > 1 ? dy : flow.vectors.row(1, y) + x,
-                        step > 1 ? mean_confidence : flow.confidence.row(0, y) + x,
-                        surface,
-                        static_cast<float>(x) + 0.5f,
-                        static_cast<float>(y) + 0.5f,
-                        here.to_anchor(),
-                        there.to_anchor(),
-                        {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
-                        {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
-                        ViewGeometry<float>::kNearest,
-                        kMaxFlow_px / static_cast<float>(step),
-                        u,
-                        v,
-                        sure};
+      window_kernels().block_flow({.dx = blocks_of(flow.vectors, 0, y, x, n, step),
+                                   .dy = blocks_of(flow.vectors, 1, y, x, n, step),
+                                   .confidence = blocks_of(flow.confidence, 0, y, x, n, step),
+                                   .mean_dx = dx,
+                                   .mean_dy = dy,
+                                   .confidence_of_mean = mean_confidence},
+                                  n);
+    const LiftedRow row{.dx = step > 1 ? dx : flow.vectors.row(0, y) + x,
+                        .dy = step > 1 ? dy : flow.vectors.row(1, y) + x,
+                        .confidence = step > 1 ? mean_confidence : flow.confidence.row(0, y) + x,
+                        .surface = surface,
+                        .x = static_cast<float>(x) + 0.5f,
+                        .y = static_cast<float>(y) + 0.5f,
+                        .here = here.to_anchor(),
+                        .there = there.to_anchor(),
+                        .focal = {static_cast<float>(camera.fx_px), static_cast<float>(camera.fy_px)},
+                        .centre = {static_cast<float>(camera.cx_px), static_cast<float>(camera.cy_px)},
+                        .nearest = ViewGeometry<float>::kNearest,
+                        .most = kMaxFlow_px / static_cast<float>(step),
+                        .u = u,
+                        .v = v,
+                        .sure = sure};
     window_kernels().lift(row, n);
     int dynamic_here = 0;
     for (int i = 0; i < n; ++i) {
