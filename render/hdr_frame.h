@@ -2,12 +2,10 @@
 // Radiance is scene-linear and relative: 1 saturates the clip's reference exposure E_ref. Move-only value.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "hal/core/frame.h"
@@ -28,20 +26,7 @@ inline constexpr std::size_t kProvenances = 5;
 
 // The shares of the pixels [1, rows, cols] that have each provenance, by its number; they add up to 1, of an
 // empty picture to 0.
-inline std::array<float, kProvenances> provenance_shares(const Image<std::uint8_t>& provenance) {
-  constexpr std::size_t kTurns = 4;  // neighbours are mostly alike: one count would wait for itself
-  std::array<std::array<std::size_t, 256>, kTurns> pixels{};
-  const std::span<const std::uint8_t> from = provenance.samples();
-  for (std::size_t i = 0; i < from.size(); ++i) ++pixels[i % kTurns][from[i]];
-  std::array<float, kProvenances> shares{};
-  const auto all = static_cast<double>(std::max<std::size_t>(1, from.size()));
-  for (std::size_t i = 0; i < kProvenances; ++i) {
-    std::size_t count = 0;
-    for (const auto& turn : pixels) count += turn[i];
-    shares[i] = static_cast<float>(static_cast<double>(count) / all);
-  }
-  return shares;
-}
+std::array<float, kProvenances> provenance_shares(const Image<std::uint8_t>& provenance);
 
 // A point on a static surface that the frame sees.
 struct SurfacePoint {
