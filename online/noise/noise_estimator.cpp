@@ -10,6 +10,7 @@
 #include "capture/clip_policy.h"
 #include "online/noise/robust_spread.h"
 #include "online/pictures/local_statistics.h"
+#include "online/pictures/sparse_lines.h"
 
 namespace hdrcam {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 constexpr int kMargin = 3, kStride = 2;  // pixels
 constexpr int kStripe = 16;              // rows of those looked at
 constexpr int kWholeFrames = 9;          // at the beginning
-constexpr int kUsualPixels = 320 * 240, kMostTurns = 8;
+constexpr int kMostTurns = 8;
 constexpr float kMinConfidence = 0.8f;  // of the flow
 constexpr float kFirstCode =
     clip_policy::kNoisePair.darkest;  // of the shorter exposure, as the longer one predicts it: darker ones

@@ -6,12 +6,12 @@
 #include "capture/clip_policy.h"
 #include "capture/exposure.h"
 #include "online/pictures/between_pixels.h"
+#include "online/pictures/sparse_lines.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr int kStride = 3;                              // pixels
-constexpr int kUsualPixels = 320 * 240;                 // of a larger picture fewer lines are looked at
 constexpr float kMinConfidence = 0.8f;                  // of the flow
 constexpr float kLeastStated = 0.15f, kMostStated = 3;  // shares of a frame that tells; stills take any time
 constexpr float kLeastBlur = 1, kMostBlur = 32;         // pixels
@@ -68,10 +68,10 @@ void ShownBlur::observe(const ExposedFrame& frame, float stated, const RadianceS
   }
   const Seen seen{frame, state, to_previous, tables, stated, unseen_variance};
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
-  const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
-  lines_.assign(static_cast<std::size_t>((rows + lines_apart - 1) / lines_apart), {});
+  const int apart = lines_apart(rows, cols, kStride);
+  lines_.assign(static_cast<std::size_t>((rows + apart - 1) / apart), {});
   pool_.for_each(static_cast<int>(lines_.size()),
-                 [&](int i) { lines_[static_cast<std::size_t>(i)] = compare_line(seen, i * lines_apart); });
+                 [&](int i) { lines_[static_cast<std::size_t>(i)] = compare_line(seen, i * apart); });
   Evidence& e = evidence_;
   const double kept = e.count > kMemory ? 0.5 : 1;
   for (double* sum : {&e.along2, &e.both, &e.across2, &e.by_along, &e.by_across, &e.count}) *sum *= kept;

@@ -6,12 +6,12 @@
 
 #include "capture/clip_policy.h"
 #include "hal/core/median.h"
+#include "online/pictures/sparse_lines.h"
 
 namespace hdrcam {
 namespace {
 
 constexpr int kMargin = 2, kStride = 3;  // pixels
-constexpr int kUsualPixels = 320 * 240;  // of a larger picture fewer lines are looked at
 constexpr float kMinConfidence = 0.8f;   // of the flow
 constexpr float kMaxBlur = 1;            // pixels: a longer way during the exposure changes textures itself
 constexpr float kMinContrast = 10;       // over the variance of noise
@@ -33,15 +33,15 @@ void TextureError::observe(const ExposedFrame& frame, const RadianceState& state
   if (to_previous.vectors.empty()) return;
   const Seen seen{frame, state, to_previous, tables, unseen_variance};
   const int rows = frame.codes.rows(), cols = frame.codes.cols();
-  const int lines_apart = kStride * std::max(1, rows * cols / kUsualPixels);
-  const int lines = (rows - 2 * kMargin + lines_apart - 1) / lines_apart;
+  const int apart = lines_apart(rows, cols, kStride);
+  const int lines = (rows - 2 * kMargin + apart - 1) / apart;
   if (lines <= 0 || cols <= 2 * kMargin) return;
   const auto line_room = 3 * static_cast<std::size_t>((cols - 2 * kMargin + kStride - 1) / kStride);
   shares_.resize(line_room * static_cast<std::size_t>(lines));
   found_.assign(static_cast<std::size_t>(lines), 0);
   pool_.for_each(lines, [&](int i) {
     const auto line = static_cast<std::size_t>(i);
-    found_[line] = compare_line(seen, kMargin + i * lines_apart, shares_.data() + line * line_room);
+    found_[line] = compare_line(seen, kMargin + i * apart, shares_.data() + line * line_room);
   });
   auto end = shares_.begin() + static_cast<std::ptrdiff_t>(found_[0]);
   for (std::size_t line = 1; line < found_.size(); ++line)
