@@ -13,14 +13,14 @@ namespace {
 
 constexpr float kStatic_px = 0.25f;  // of the stream
 constexpr float kClippedCode = clip_policy::kLossOfOne.brightest * kMaxCode;
-constexpr int kBlock = kMostBlocks;  // pixels of a row that a kernel takes at once
+constexpr int kRun = kMostBlocks;  // pixels of a row that a kernel takes at once
 
-// Calls body(y, x, count) for all blocks of all rows.
+// Calls body(y, x, count) for all runs of all rows.
 template <class Body>
-void for_blocks(WorkerPool& pool, int rows, int cols, Body&& body) {
+void for_runs(WorkerPool& pool, int rows, int cols, Body&& body) {
   pool.for_rows(rows, [&](int y0, int y1) {
     for (int y = y0; y < y1; ++y)
-      for (int x = 0; x < cols; x += kBlock) body(y, x, std::min(kBlock, cols - x));
+      for (int x = 0; x < cols; x += kRun) body(y, x, std::min(kRun, cols - x));
   });
 }
 
@@ -170,12 +170,12 @@ Result<void> Window::advance(const FieldObservation& seen, WorkerPool& pool) {
 void Window::take_base(const FieldObservation& seen, WindowFrame& frame, WorkerPool& pool) const {
   const WindowKernels& kernels = window_kernels();
   const int step = frustum_.step_px;
-  for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
+  for_runs(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &frame.base.at(0, y, x);
     for (int i = 0; i < n; ++i) base[i].fill(0);
     for (int c = 0; c < 3; ++c) {
       float* const values = frame.values.row(c, y) + x;
-      alignas(64) float mean[kBlock], spread[kBlock], log_radiance[kBlock], gate[kBlock];
+      alignas(64) float mean[kRun], spread[kRun], log_radiance[kRun], gate[kRun];
       BaseRow row{.radiance = mean,
                   .variance = spread,
                   .unseen_from = seen.unseen_variance,
@@ -222,10 +222,9 @@ void Window::take_flow(const FlowField& flow, WindowFrame& from, const WindowFra
   const int step = frustum_.step_px;
   const float static_limit = kStatic_px / static_cast<float>(step);
   std::atomic<int> dynamic = 0;
-  for_blocks(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
+  for_runs(pool, frustum_.rows, frustum_.cols, [&](int y, int x, int n) {
     BasePixel* const base = &from.base.at(0, y, x);
-    alignas(64) float surface[kBlock], dx[kBlock], dy[kBlock], u[kBlock], v[kBlock], sure[kBlock],
-        mean_confidence[kBlock];
+    alignas(64) float surface[kRun], dx[kRun], dy[kRun], u[kRun], v[kRun], sure[kRun], mean_confidence[kRun];
     for (int i = 0; i < n; ++i) surface[i] = base[i][kBaseSurface];
     if (step > 1)
       window_kernels().block_flow({.dx = blocks_of(flow.vectors, 0, y, x, n, step),
@@ -273,8 +272,8 @@ RigidTransform Window::move_anchor() {
   const double unit[2] = {frustum_.u_per_px(), frustum_.v_per_px()};
   for (int i = 0; i < size(); ++i) {
     WindowFrame& lifted = writable(i);
-    for (std::size_t k = 0; k < 2; ++k) {
-      const int j = i + (k == 0 ? 1 : -1);
+    for (const auto& [neighbour, j] : {std::pair(Neighbour::Next, i + 1), {Neighbour::Previous, i - 1}}) {
+      const auto k = static_cast<std::size_t>(neighbour);
       if (j < 0 || j >= size()) continue;
       const ViewGeometry<double> here(frustum_, frame(i).T_anchor_camera),
           there(frustum_, frame(j).T_anchor_camera);
