@@ -21,6 +21,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto image = read_png(storage, "x.png", cols, rows);
   if (image)
     HDRCAM_CHECK_EQ(image.value().samples.plane_size(),
-             static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows));
+                    static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows));
   return 0;
 }

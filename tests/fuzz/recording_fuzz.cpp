@@ -20,7 +20,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const RawFrame& raw = **frame;
       HDRCAM_CHECK_EQ(raw.codes.rows(), camera.height);
       HDRCAM_CHECK_EQ(raw.codes.cols(), camera.width);
-      if (before) HDRCAM_CHECK(raw.facts.timestamp > before->timestamp && raw.facts.sequence > before->sequence);
+      if (before)
+        HDRCAM_CHECK(raw.facts.timestamp > before->timestamp && raw.facts.sequence > before->sequence);
       before = raw.facts;
     }
   }

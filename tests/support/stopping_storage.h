@@ -1,5 +1,5 @@
-// The disk of a program that is told to stop in the middle of its work: a signal that comes as soon as the n-th
-// file of some name is complete. Thread-bound, but for stop().
+// The disk of a program that is told to stop in the middle of its work: a signal that comes as soon as the
+// n-th file of some name is complete. Thread-bound, but for stop().
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,8 @@ namespace hdrcam::test {
 
 class StoppingStorage : public FaultyStorage {
  public:
-  // Counts the files that get a path with these words; the one that is number `file`, from 1 on, is the signal.
+  // Counts the files that get a path with these words; the one that is number `file`, from 1 on, is the
+  // signal.
   StoppingStorage(std::string words, int file)
       : FaultyStorage(posix_storage(), {}), words_(std::move(words)), left_(file) {}
 
