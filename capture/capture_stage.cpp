@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/control_delay.h"
+#include "capture/control_latency.h"
 
 namespace hdrcam {
 namespace {

@@ -16,6 +16,7 @@
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "capture/raw_black.h"
+#include "capture/sensor_table.h"
 #include "capture/trigger_link.h"
 
 namespace hdrcam {

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-#include "capture/control_delay.h"
+#include "capture/control_latency.h"
 #include "capture/exposure.h"
 #include "capture/photometry.h"
 #include "capture/pixel_unpack.h"

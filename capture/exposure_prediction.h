@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "capture/control_delay.h"
 #include "capture/control_history.h"
+#include "capture/control_latency.h"
 #include "capture/exposure_proof.h"
 
 namespace hdrcam {
@@ -36,7 +36,7 @@ class ExposurePrediction {
 
  private:
   static constexpr int kObservations = 3, kMaxShift = 4;
-  static constexpr int kMostQueued = 33;  // requests (--buffers), and one that waits for a free buffer
+  static constexpr int kMostQueued = kMostBuffers + 1;      // requests: one waits for a free buffer
   static constexpr int kReach = kMaxDelay + 2 * kMaxShift;  // frames that doubtful() looks back
   static_assert(kReach < ControlHistory::kFrames && kReach + kMostQueued < ControlHistory::kRequests);
 

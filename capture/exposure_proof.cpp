@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "capture/control_delay.h"
+#include "capture/control_latency.h"
 
 namespace hdrcam {
 namespace {
@@ -243,14 +243,15 @@ const Exposure* ExposureProof::candidate(double value, int count) const {
 // then, and the earlier cycles are dropped when more of them follow each other than requests can be left from
 // before.
 void ExposureProof::retire_earlier_cycles(const Judgement& judgement) {
-  constexpr int kMostQueued = 32 + kMaxDelay;  // requests (--buffers), and frames until their controls act
+  // Queued requests, and frames until their controls act.
+  constexpr int kMostUndecided = kMostBuffers + kMaxDelay;
   if (cycle_count_ == current_count_) return;
   undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
   if (judgement.verdict == Verdict::Proved) {
     const bool current = candidate(judgement.label.log_value(), current_count_) != nullptr;
     proved_in_current_ = current ? proved_in_current_ + 1 : 0;
   }
-  if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostQueued) cycle_count_ = current_count_;
+  if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostUndecided) cycle_count_ = current_count_;
 }
 
 Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricSignature& picture,

@@ -16,8 +16,8 @@
 
 #include <optional>
 
-#include "capture/control_delay.h"
 #include "capture/control_history.h"
+#include "capture/delayed_controls.h"
 #include "capture/exposure_prediction.h"
 #include "capture/exposure_proof.h"
 #include "capture/exposure_schedule.h"
@@ -64,7 +64,7 @@ class FrameMatcher {
   FrameMatcher(const FrameMatcherOptions& options, const ExposureSchedule& schedule);
 
   // The request for the next slot of the schedule. Where exposure and gain have different delays, the faster
-  // control is held back for later requests (control_delay.h), so that both act on the same frame.
+  // control is held back for later requests (delayed_controls.h), so that both act on the same frame.
   ExposureRequest next_request();
   // Makes later requests follow another schedule.
   void change_schedule(const ExposureSchedule& schedule) { schedule_ = schedule; }
@@ -104,7 +104,7 @@ class FrameMatcher {
 
   FrameMatcherOptions options_;
   ExposureSchedule schedule_;
-  std::optional<ControlDelay> delay_model_;  // where exposure and gain have different delays
+  std::optional<DelayedControls> delayed_controls_;  // where exposure and gain have different delays
   std::uint64_t next_cookie_ = 0;
 
   ControlHistory controls_;

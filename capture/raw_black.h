@@ -5,8 +5,8 @@
 
 #include <optional>
 
-#include "capture/control_delay.h"
 #include "capture/photometry.h"
+#include "capture/sensor_table.h"
 #include "hal/camera.h"
 
 namespace hdrcam {

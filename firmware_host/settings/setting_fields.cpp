@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "capture/control_latency.h"
 #include "firmware_host/sinks/sink_table.h"
 #include "hal/core/parse_number.h"
 
@@ -195,7 +196,7 @@ std::vector<SettingField> camera_fields() {
                                                   "frames per second; of encode: of files that state no time",
                                                   {0.1, 1000, 0}, "the camera's default, or 30"),
       number<&Settings::camera, &C::buffers>("camera.buffers", "--buffers", "queued capture requests",
-                                             {4, 32, {}}),
+                                             {4, kMostBuffers, {}}),
       list<&Settings::camera, &C::control_delay>("camera.control_delay", "--control-delay",
                                                  "exposure,gain control latency in frames, such as 2,1",
                                                  "as the driver reports"),

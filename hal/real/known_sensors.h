@@ -2,6 +2,7 @@
 //   the meaning of the code of V4L2_CID_ANALOGUE_GAIN, a register's value without its unit: the formulas are
 //   those of the data sheets, as libcamera lists them (camera_sensor_helper.cpp)
 //   whether its rows are exposed one after the other
+// capture/sensor_table.h is another table, for any camera: control delays and black level.
 #pragma once
 
 #include <string_view>

@@ -13,39 +13,16 @@
 // show it (exposure_proof.h). Thread-bound; no allocation.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
-#include <string_view>
 
+#include "capture/sensor_table.h"
 #include "hal/camera.h"
-#include "hal/core/black_level.h"
 
 namespace hdrcam {
 
-// The longest delay of a control, frames: sensors need 1..3; a driver with an internal queue adds its depth.
-inline constexpr int kMaxDelay = 15;
-
-// Frames from the one at whose start a control is written to the first that shows it.
-struct SensorDelays {
-  int exposure = 2, gain = 1, vblank = 2;
-
-  int most() const { return std::max({exposure, gain, vblank}); }
-};
-
-struct KnownSensor {
-  SensorDelays delays;
-  BlackLevel black_level;
-};
-
-// Looks up a sensor whose name occurs anywhere in the model text ("imx219",
-// "/base/soc/i2c0mux/i2c@1/imx219@10"). nullopt for a sensor that is not in the table: the caller warns and
-// uses SensorDelays{}, which most sensors have, or measures the delays (delay_calibration.h). Source:
-// libcamera's camera_sensor_properties.cpp and its tuning files.
-std::optional<KnownSensor> known_sensor(std::string_view model);
-
-class ControlDelay {
+class DelayedControls {
  public:
   static constexpr int kHistory = 32;  // requests; older ones are forgotten
 
@@ -62,7 +39,7 @@ class ControlDelay {
   };
 
   // `now`: the sensor's settings before the first frame.
-  ControlDelay(const SensorDelays& delays, const ExposureRequest& now, Duration frame_duration);
+  DelayedControls(const SensorDelays& delays, const ExposureRequest& now, Duration frame_duration);
 
   // Sets the request for the next frame start. A second push before it replaces the first.
   void push(const ExposureRequest& request, Duration frame_duration);

@@ -1,4 +1,4 @@
-#include "capture/control_delay.h"
+#include "capture/delayed_controls.h"
 
 #include <catch2/catch.hpp>
 #include <random>
@@ -14,13 +14,13 @@ class Registers {
  public:
   explicit Registers(const SensorDelays& delays, const ExposureRequest& now)
       : delays_(delays), frames_(1000, now) {}
-  void write(std::size_t frame, const ControlDelay::Writes& writes) {
+  void write(std::size_t frame, const DelayedControls::Writes& writes) {
     for (std::size_t i = frame + static_cast<std::size_t>(delays_.exposure); i < frames_.size(); ++i)
       frames_[i].exposure = writes.exposure;
     for (std::size_t i = frame + static_cast<std::size_t>(delays_.gain); i < frames_.size(); ++i)
       frames_[i].analogue_gain = writes.analogue_gain;
   }
-  bool shows(std::size_t frame, const ControlDelay::Latched& latched) const {
+  bool shows(std::size_t frame, const DelayedControls::Latched& latched) const {
     return frames_[frame].exposure == latched.exposure &&
            frames_[frame].analogue_gain == latched.analogue_gain;
   }
@@ -41,7 +41,7 @@ TEST_CASE("for every set of delays the twin agrees with the sensor, cookie inclu
     for (int gain = 0; gain <= 4; ++gain) {
       for (int vblank = 0; vblank <= 4; ++vblank) {
         const SensorDelays delays{exposure, gain, vblank};
-        ControlDelay twin(delays, request(0), kFrame);
+        DelayedControls twin(delays, request(0), kFrame);
         Registers sensor(delays, request(0));
         std::vector<std::uint64_t> pushed(1, 0);
         for (std::uint64_t frame = 0; frame < 60; ++frame) {
@@ -68,7 +68,7 @@ TEST_CASE("after a frame start that it missed, the twin disagrees with the senso
   for (int exposure = 0; exposure <= 3; ++exposure) {
     for (int gain = 0; gain <= 3; ++gain) {
       const SensorDelays delays{exposure, gain, 0};
-      ControlDelay twin(delays, request(0), kFrame);
+      DelayedControls twin(delays, request(0), kFrame);
       Registers sensor(delays, request(0));
       std::uint64_t first = 0, last = 0;
       for (std::uint64_t frame = 0; frame < 40; ++frame) {
@@ -89,7 +89,7 @@ TEST_CASE("after a frame start that it missed, the twin disagrees with the senso
 }
 
 TEST_CASE("the twin remembers a while, and says when it does not", "[capture]") {
-  ControlDelay twin({2, 1, 2}, request(0), kFrame);
+  DelayedControls twin({2, 1, 2}, request(0), kFrame);
   for (std::uint64_t frame = 0; frame < 100; ++frame) {
     twin.push(request(frame + 1), kFrame);
     twin.frame_started(frame);
@@ -101,16 +101,6 @@ TEST_CASE("the twin remembers a while, and says when it does not", "[capture]") 
   // A counter that jumps leaves only the last request.
   twin.frame_started(100'000);
   CHECK(twin.shown_by(100'000)->cookie == 100);
-}
-
-TEST_CASE("sensors are known by their name in whatever the driver calls the camera", "[capture]") {
-  const auto imx219 = known_sensor("/base/soc/i2c0mux/i2c@1/imx219@10");
-  REQUIRE(imx219);
-  CHECK((imx219->delays.exposure == 2 && imx219->delays.gain == 1 && imx219->delays.vblank == 2));
-  CHECK(imx219->black_level.code(10) == 64);
-  CHECK(known_sensor("imx477")->delays.most() == 3);
-  CHECK(known_sensor("ov5647")->delays.gain == 2);
-  CHECK_FALSE(known_sensor("HD Webcam C270"));
 }
 
 }  // namespace
