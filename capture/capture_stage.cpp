@@ -6,21 +6,6 @@
 #include "capture/control_latency.h"
 
 namespace hdrcam {
-namespace {
-
-std::array<Exposure, ExposureSchedule::kMaxSlots> exposures_of(const ExposureSchedule& schedule) {
-  std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
-  for (int i = 0; i < schedule.slots(); ++i)
-    exposures[static_cast<std::size_t>(i)] = schedule.slot(i).exposure;
-  return exposures;
-}
-
-std::span<const Exposure> first(const std::array<Exposure, ExposureSchedule::kMaxSlots>& exposures,
-                                int count) {
-  return {exposures.data(), static_cast<std::size_t>(count)};
-}
-
-}  // namespace
 
 Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLine* strobe,
                                                          std::span<const Exposure> cycle, Mains mains,
@@ -118,7 +103,7 @@ void CaptureStage::collect_warnings() {
 void CaptureStage::restart_matching() {
   matcher_.emplace(matching(), schedule_);
   proof_.forget();
-  proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
+  proof_.set_cycle(schedule_.cycle());
   pending_.reset();
   if (const auto limits = exposure_limits(); limits && options_.adapt == Adapt::Light)
     adaptation_.emplace(*limits);
@@ -310,8 +295,7 @@ void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (!adaptation_) return;
   const auto cycle = adaptation_->observe(frame.raw.facts.slot, frame.shares);
   if (!cycle) return;
-  const std::span<const Exposure> next = first(*cycle, schedule_.slots());
-  if (follow(next)) adaptation_->runs(next);  // else the cycle before goes on
+  if (follow(*cycle)) adaptation_->runs(*cycle);  // else the cycle before goes on
 }
 
 // The requests of a camera that sets its exposures itself have no slots.
@@ -344,7 +328,7 @@ Result<void> CaptureStage::change_cycle(std::span<const Exposure> cycle) {
   const ExposureSchedule schedule = TRY(schedule_of(cycle));
   TRY(trigger_.follow(schedule));
   schedule_ = schedule;
-  proof_.set_cycle(first(exposures_of(schedule_), schedule_.slots()));
+  proof_.set_cycle(schedule_.cycle());
   if (matcher_) matcher_->change_schedule(schedule_);
   return {};
 }
@@ -365,10 +349,10 @@ Duration CaptureStage::longest_exposure() const {
 std::optional<ExposureLimits> CaptureStage::exposure_limits() const {
   const CameraCapabilities& offers = camera_.capabilities();
   if (!offers.sets_exposure) return std::nullopt;
-  const auto cycle = exposures_of(schedule_);
+  const ExposureSchedule::Cycle cycle = schedule_.cycle();
   const bool one_gain = trigger_.exposes();  // nothing ties a gain to a pulse
-  const double gain = schedule_.slot(0).exposure.gain;
-  return ExposureLimits{.cycle = {cycle.begin(), cycle.begin() + schedule_.slots()},
+  const double gain = cycle.front().gain;
+  return ExposureLimits{.cycle = {cycle.begin(), cycle.end()},
                         .shortest = offers.exposure_min,
                         .longest = longest_exposure(),
                         .least_gain = one_gain ? gain : offers.gain_min,

@@ -1,15 +1,19 @@
 #include "capture/exposure_adaptation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hdrcam {
+namespace {
+
+constexpr double kRounding = 1e-6;  // of an exposure's logarithm
+
+}  // namespace
 
 ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
-    : limits_(limits), slots_(static_cast<int>(limits.cycle.size())) {
-  std::ranges::copy(limits.cycle, cycle_.begin());
-}
+    : limits_(limits), slots_(static_cast<int>(limits.cycle.size())), cycle_(limits.cycle) {}
 
-std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
+std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
   if (slot < 0 || slot >= slots_ || slots_ < 2) return std::nullopt;
   if (waiting_ > 0) return --waiting_, std::nullopt;
   const auto at = static_cast<std::size_t>(slot);
@@ -26,14 +30,16 @@ std::optional<ExposureAdaptation::Cycle> ExposureAdaptation::observe(int slot, c
   const ExposureAdvice advice = advise(mean(ends.shortest), mean(ends.longest));
   sums_ = {}, counts_ = {};
   if (!advice.changes()) return std::nullopt;
-  const std::span<const Exposure> cycle(cycle_.data(), static_cast<std::size_t>(slots_));
-  const Cycle next = followed(cycle, advice, limits_);
-  if (next == cycle_) return std::nullopt;  // the sensor's range is exhausted
+  const ExposureSchedule::Cycle next = followed(cycle_, advice, limits_);
+  const auto same = [](const Exposure& a, const Exposure& b) {
+    return std::abs(log_product(a) - log_product(b)) < kRounding;
+  };
+  if (std::ranges::equal(next, cycle_, same)) return std::nullopt;  // the sensor's range is exhausted
   return next;
 }
 
 void ExposureAdaptation::runs(std::span<const Exposure> cycle) {
-  std::ranges::copy(cycle, cycle_.begin());
+  cycle_ = ExposureSchedule::Cycle(cycle);
   waiting_ = kSettling * slots_;
 }
 

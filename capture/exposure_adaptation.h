@@ -15,16 +15,13 @@ namespace hdrcam {
 
 class ExposureAdaptation {
  public:
-  using Cycle = std::array<Exposure, ExposureSchedule::kMaxSlots>;
-
   explicit ExposureAdaptation(const ExposureLimits& limits);
 
-  // Adds a frame whose slot and exposure are certain. Returns the next cycle (its first slots() entries)
-  // where it should change.
-  std::optional<Cycle> observe(int slot, const SlotShares& shares);
-  // From now on the camera is asked for this cycle of slots() exposures.
+  // Adds a frame whose slot and exposure are certain. Returns the next cycle where it should
+  // change.
+  std::optional<ExposureSchedule::Cycle> observe(int slot, const SlotShares& shares);
+  // From now on the camera is asked for this cycle, of as many exposures.
   void runs(std::span<const Exposure> cycle);
-  int slots() const { return slots_; }
 
  private:
   static constexpr int kCycles = 4;    // averaged before it proposes a change
@@ -32,7 +29,7 @@ class ExposureAdaptation {
 
   const ExposureLimits limits_;
   const int slots_;
-  Cycle cycle_{};  // that the camera is asked for
+  ExposureSchedule::Cycle cycle_;  // that the camera is asked for
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};
   std::array<int, ExposureSchedule::kMaxSlots> counts_{};
   int waiting_ = 0;  // frames until the new cycle arrives

@@ -41,9 +41,8 @@ CycleEnds ends_of(std::span<const Exposure> cycle) {
           static_cast<std::size_t>(longest - cycle.begin())};
 }
 
-std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
-                                                           const ExposureAdvice& advice,
-                                                           const ExposureLimits& limits) {
+ExposureSchedule::Cycle followed(std::span<const Exposure> cycle, const ExposureAdvice& advice,
+                                 const ExposureLimits& limits) {
   HDRCAM_CHECK_EQ(cycle.size(), limits.cycle.size());
   const CycleEnds ends = ends_of(limits.cycle);
   const double asked_low = log_product(limits.cycle[ends.shortest]);
@@ -61,7 +60,7 @@ std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Expos
   else if (high - low < closest)
     high = std::min(greatest, low + closest);
 
-  std::array<Exposure, ExposureSchedule::kMaxSlots> next{};
+  ExposureSchedule::Cycle next(cycle);
   for (std::size_t i = 0; i < cycle.size(); ++i) {
     const double place = asked_span > 0 ? (log_product(limits.cycle[i]) - asked_low) / asked_span : 0;
     const double product = std::exp(low + place * (high - low));

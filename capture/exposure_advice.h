@@ -2,7 +2,7 @@
 // is a value: the pipeline carries it back to the schedule, which decides. Reentrant.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <span>
 
 #include "capture/exposure_limits.h"
@@ -35,8 +35,7 @@ CycleEnds ends_of(std::span<const Exposure> cycle);
 // gain, then by gain. The exposures between keep the place that they have in `limits.cycle`, the one that was
 // asked for, wherever an end had to stop; the ends stay a stop for each step apart, or as far as they were
 // asked. Else a dark hour would make two exposures one, and nothing could part them again.
-std::array<Exposure, ExposureSchedule::kMaxSlots> followed(std::span<const Exposure> cycle,
-                                                           const ExposureAdvice& advice,
-                                                           const ExposureLimits& limits);
+ExposureSchedule::Cycle followed(std::span<const Exposure> cycle, const ExposureAdvice& advice,
+                                 const ExposureLimits& limits);
 
 }  // namespace hdrcam

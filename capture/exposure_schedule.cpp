@@ -99,7 +99,7 @@ Result<ExposureSchedule> ExposureSchedule::create(std::span<const Exposure> cycl
     schedule.shortest_frame_duration_ =
         std::max(schedule.shortest_frame_duration_, slot.exposure.time + margin);
     exposures.push_back(slot.exposure);
-    schedule.slots_[static_cast<std::size_t>(schedule.count_++)] = slot;
+    schedule.slots_.push_back(slot);
   }
   TRY(check_distinct(exposures));
   return schedule;
@@ -109,10 +109,16 @@ Result<ExposureSchedule> ExposureSchedule::observed(std::span<const Exposure> cy
   TRY(check_slots(cycle));
   ExposureSchedule schedule;
   for (const Exposure& exposure : cycle) {
-    schedule.slots_[static_cast<std::size_t>(schedule.count_++)] = {exposure, exposure, false};
+    schedule.slots_.push_back({exposure, exposure, false});
     schedule.shortest_frame_duration_ = std::max(schedule.shortest_frame_duration_, exposure.time);
   }
   return schedule;
+}
+
+ExposureSchedule::Cycle ExposureSchedule::cycle() const {
+  Cycle exposures;
+  for (const Slot& slot : slots_) exposures.push_back(slot.exposure);
+  return exposures;
 }
 
 int ExposureSchedule::nearest_slot(const Exposure& exposure) const {
@@ -120,16 +126,16 @@ int ExposureSchedule::nearest_slot(const Exposure& exposure) const {
     return std::abs(log_product(slot(i).exposure) - log_product(exposure));
   };
   int nearest = 0, equals = 0;
-  for (int i = 1; i < count_; ++i)
+  for (int i = 1; i < slots(); ++i)
     if (distance(i) < distance(nearest)) nearest = i;
-  for (int i = 0; i < count_; ++i) equals += distance(i) == distance(nearest) ? 1 : 0;
+  for (int i = 0; i < slots(); ++i) equals += distance(i) == distance(nearest) ? 1 : 0;
   return equals == 1 ? nearest : -1;
 }
 
 double ExposureSchedule::reference_exposure() const {
   double sum = 0;
-  for (int i = 0; i < count_; ++i) sum += log_product(slot(i).exposure);
-  return std::exp(sum / count_);
+  for (int i = 0; i < slots(); ++i) sum += log_product(slot(i).exposure);
+  return std::exp(sum / slots());
 }
 
 }  // namespace hdrcam

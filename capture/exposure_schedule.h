@@ -2,11 +2,11 @@
 // capabilities when it is created, then immutable. Value type, reentrant.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 #include "capture/exposure.h"
+#include "hal/core/inline_list.h"
 
 namespace hdrcam {
 
@@ -27,6 +27,7 @@ Duration rounded_down(Duration longest);
 class ExposureSchedule {
  public:
   static constexpr int kMaxSlots = 4;
+  using Cycle = InlineList<Exposure, kMaxSlots>;
 
   struct Slot {
     Exposure asked;         // by the user
@@ -47,14 +48,13 @@ class ExposureSchedule {
   // The part of the frame duration that the exposure cannot use (read-out).
   static Duration frame_margin(const CameraCapabilities& camera);
 
-  int slots() const { return count_; }
+  int slots() const { return static_cast<int>(slots_.size()); }
   const Slot& slot(int index) const { return slots_[static_cast<std::size_t>(index)]; }
-  int slot_of(std::uint64_t request) const {
-    return static_cast<int>(request % static_cast<std::uint64_t>(count_));
-  }
+  int slot_of(std::uint64_t request) const { return static_cast<int>(request % slots_.size()); }
   // The slot whose product is nearest; -1 where several slots share it.
   int nearest_slot(const Exposure& exposure) const;
   const Exposure& exposure_of(std::uint64_t request) const { return slot(slot_of(request)).exposure; }
+  Cycle cycle() const;  // the exposures of all slots
 
   // The shortest frame duration that fits the longest exposure and the sensor's margin.
   Duration shortest_frame_duration() const { return shortest_frame_duration_; }
@@ -62,8 +62,7 @@ class ExposureSchedule {
   double reference_exposure() const;
 
  private:
-  std::array<Slot, kMaxSlots> slots_{};
-  int count_ = 0;
+  InlineList<Slot, kMaxSlots> slots_;
   Duration shortest_frame_duration_{0};
 };
 

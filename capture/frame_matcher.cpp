@@ -73,9 +73,10 @@ std::optional<ExposureClaim> FrameMatcher::reported_in(const CapturedBuffer& buf
   std::optional<double> gain = buffer.analogue_gain;
   if (!gain && predicted) gain = predicted->exposure.gain;
   if (!gain) {
-    gain = schedule_.slot(0).exposure.gain;
-    for (int i = 1; i < schedule_.slots(); ++i)
-      if (schedule_.slot(i).exposure.gain != *gain) return std::nullopt;
+    const ExposureSchedule::Cycle cycle = schedule_.cycle();
+    gain = cycle.front().gain;
+    for (const Exposure& exposure : cycle)
+      if (exposure.gain != *gain) return std::nullopt;
   }
   const double digital = buffer.digital_gain.value_or(1);
   if (!(*gain > 0) || !(digital > 0)) return std::nullopt;

@@ -12,14 +12,14 @@ Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSche
                  fmt::format("a gap of {} between trigger pulses does not fit a frame of {}; lower "
                              "--trigger-gap or --framerate",
                              describe(options.gap), describe(options.interval))};
-  for (int i = 0; i < schedule.slots(); ++i) {
-    const Exposure& exposure = schedule.slot(i).exposure;
-    if (exposes && exposure.gain != schedule.slot(0).exposure.gain)
+  const ExposureSchedule::Cycle cycle = schedule.cycle();
+  for (const Exposure& exposure : cycle) {
+    if (exposes && exposure.gain != cycle.front().gain)
       return Error{
           ErrorCode::Invalid,
           fmt::format("gains {} and {} differ; with --trigger pulse-width all exposures have one gain, "
                       "because nothing ties a gain to a pulse: give one to --gain",
-                      schedule.slot(0).exposure.gain, exposure.gain)};
+                      cycle.front().gain, exposure.gain)};
     const Duration width = exposes ? exposure.time : options.width;
     if (width > longest)
       return Error{

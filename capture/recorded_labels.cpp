@@ -1,7 +1,6 @@
 #include "capture/recorded_labels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -79,10 +78,10 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
     if (std::none_of(distinct.begin(), distinct.end(), same(seen))) distinct.push_back(seen);
   if (distinct.size() > ExposureSchedule::kMaxSlots) distinct.clear();
   cycle_ = std::move(distinct);
-  std::array<Exposure, ExposureSchedule::kMaxSlots> exposures{};
-  for (std::size_t i = 0; i < cycle_.size(); ++i)
-    exposures[i] = {from_seconds(cycle_[i].exposure_s), cycle_[i].analogue_gain * cycle_[i].digital_gain};
-  proof_.set_cycle({exposures.data(), cycle_.size()});
+  ExposureSchedule::Cycle exposures;
+  for (const Label& seen : cycle_)
+    exposures.push_back({from_seconds(seen.exposure_s), seen.analogue_gain * seen.digital_gain});
+  proof_.set_cycle(exposures);
 }
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {

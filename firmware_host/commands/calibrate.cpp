@@ -32,8 +32,7 @@ struct Pair {
 std::vector<Pair> time_pairs(const ExposureSchedule& schedule, const CameraCapabilities& camera) {
   std::vector<Exposure> ladder;
   ladder.reserve(ExposureSchedule::kMaxSlots);
-  for (int i = 0; i < schedule.slots(); ++i)
-    ladder.push_back({schedule.slot(i).exposure.time, camera.gain_min});
+  for (const Exposure& exposure : schedule.cycle()) ladder.push_back({exposure.time, camera.gain_min});
   std::sort(ladder.begin(), ladder.end(),
             [](const Exposure& a, const Exposure& b) { return a.time < b.time; });
   std::vector<Pair> pairs;
@@ -49,10 +48,8 @@ std::vector<Pair> gain_pairs(const ExposureSchedule& schedule, const CameraCapab
   std::vector<Pair> pairs;
   const double most = std::min(camera.gain_max, 4 * camera.gain_min);
   if (most < 2 * camera.gain_min) return pairs;
-  for (int i = 0; i < schedule.slots(); ++i) {
-    const Duration time = schedule.slot(i).exposure.time;
-    pairs.push_back({{time, camera.gain_min}, {time, most}});
-  }
+  for (const Exposure& exposure : schedule.cycle())
+    pairs.push_back({{exposure.time, camera.gain_min}, {exposure.time, most}});
   return pairs;
 }
 

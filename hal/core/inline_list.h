@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <initializer_list>
+#include <span>
 
 #include "hal/core/check.h"
 
@@ -15,7 +16,8 @@ template <class T, std::size_t N>
 class InlineList {
  public:
   InlineList() = default;
-  InlineList(std::initializer_list<T> items) : size_(items.size()) {
+  InlineList(std::initializer_list<T> items) : InlineList(std::span<const T>(items.begin(), items.size())) {}
+  explicit InlineList(std::span<const T> items) : size_(items.size()) {
     HDRCAM_CHECK_LE(items.size(), N);
     std::copy(items.begin(), items.end(), items_.begin());
   }
@@ -34,6 +36,7 @@ class InlineList {
   const T& front() const { return items_[0]; }
   const T& operator[](std::size_t i) const { return items_[i]; }
   T& operator[](std::size_t i) { return items_[i]; }
+  friend bool operator==(const InlineList& a, const InlineList& b) { return std::ranges::equal(a, b); }
 
  private:
   std::array<T, N> items_{};

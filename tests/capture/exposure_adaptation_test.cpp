@@ -119,11 +119,11 @@ TEST_CASE("it waits until the new cycle is back before it judges again", "[captu
     for (int begin = frames; frames < begin + 100; ++frames)
       if (const auto cycle = adaptation.observe(frames % 3, {0.5f, 0})) return *cycle;
     FAIL("no change");
-    return ExposureAdaptation::Cycle{};
+    return ExposureSchedule::Cycle{};
   };
   const auto first = until_change();
   const int before_first = frames;
-  adaptation.runs({first.data(), 3});
+  adaptation.runs(first);
   ++frames;
   const auto second = until_change();
   CHECK(frames - before_first > before_first);
@@ -132,7 +132,7 @@ TEST_CASE("it waits until the new cycle is back before it judges again", "[captu
 
 TEST_CASE("a cycle that the camera refuses is not taken for the one that runs", "[capture]") {
   ExposureAdaptation adaptation(kLimits);
-  std::vector<ExposureAdaptation::Cycle> asked;
+  std::vector<ExposureSchedule::Cycle> asked;
   for (int i = 0; i < 60; ++i)
     if (const auto cycle = adaptation.observe(i % 3, {0.5f, 0})) asked.push_back(*cycle);
   REQUIRE(asked.size() >= 3);

@@ -155,8 +155,8 @@ LoopOutcome closed_loop(const LoopRun& wanted) {
   plan.settings.fit.threads = 1;
   plan.settings.output.paths["kept"] = "in memory";
   double first_shortest = 1e9;
-  for (int i = 0; i < source.stage().schedule().slots(); ++i)
-    first_shortest = std::min(first_shortest, source.stage().schedule().slot(i).exposure.product());
+  for (const Exposure& exposure : source.stage().schedule().cycle())
+    first_shortest = std::min(first_shortest, exposure.product());
   require_done(run(plan, source, posix_storage()));
 
   std::erase_if(frames, [&](const KeptFrame& frame) {
@@ -175,8 +175,7 @@ LoopOutcome closed_loop(const LoopRun& wanted) {
   }
   outcome.wrong_labels = source.wrong();
   outcome.changes = static_cast<int>(source.stage().counters().cycle_changes);
-  for (int i = 0; i < source.stage().schedule().slots(); ++i)
-    outcome.last_cycle.push_back(source.stage().schedule().slot(i).exposure);
+  for (const Exposure& exposure : source.stage().schedule().cycle()) outcome.last_cycle.push_back(exposure);
   return outcome;
 }
 
