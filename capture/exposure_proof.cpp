@@ -20,11 +20,20 @@ bool strobe_allows(Duration width, Duration exposure) {
   return std::chrono::abs(width - exposure) <= strobe_slack(exposure);
 }
 
-// Index of the first claim that states `value`; -1 for none.
-int claim_saying(const FrameEvidence& evidence, double value) {
-  for (int i = 0; i < evidence.claim_count; ++i)
-    if (std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - value) <= kSameExposure) return i;
-  return -1;
+// The first claim that states `value`; null for none.
+const ExposureClaim* claim_saying(const FrameEvidence& evidence, double value) {
+  const auto found = std::ranges::find_if(evidence.claims, [&](const ExposureClaim& claim) {
+    return std::abs(claim.log_value() - value) <= kSameExposure;
+  });
+  return found == evidence.claims.end() ? nullptr : found;
+}
+
+// The first of these exposures that is `value`; null for none.
+const Exposure* exposure_of(std::span<const Exposure> exposures, double value) {
+  const auto found = std::ranges::find_if(exposures, [&](const Exposure& exposure) {
+    return std::abs(log_product(exposure) - value) <= kSameExposure;
+  });
+  return found == exposures.end() ? nullptr : &*found;
 }
 
 }  // namespace
@@ -32,13 +41,12 @@ int claim_saying(const FrameEvidence& evidence, double value) {
 double ExposureClaim::log_value() const { return log_product(exposure) + std::log(digital_gain); }
 
 void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
-  HDRCAM_CHECK_LE(static_cast<int>(cycle.size()), kCandidates / 3);
-  const std::array<Exposure, kCandidates> earlier = cycle_;
-  const int earlier_count = std::min(cycle_count_, kCandidates - static_cast<int>(cycle.size()));
-  current_count_ = static_cast<int>(cycle.size());
-  cycle_count_ = current_count_ + earlier_count;
-  std::copy(cycle.begin(), cycle.end(), cycle_.begin());
-  std::copy_n(earlier.begin(), earlier_count, cycle_.begin() + current_count_);
+  HDRCAM_CHECK_LE(cycle.size(), kCandidates / 3);
+  const Candidates earlier = candidates_;
+  const std::size_t kept = std::min(earlier.size(), kCandidates - cycle.size());
+  candidates_ = Candidates(cycle);
+  for (std::size_t i = 0; i < kept; ++i) candidates_.push_back(earlier[i]);
+  current_count_ = cycle.size();
   proved_in_current_ = undecided_ = 0;
   exposures_differ_ = std::any_of(cycle.begin(), cycle.end(), [&](const Exposure& exposure) {
     return std::abs(log_product(exposure) - log_product(cycle.front())) > kSameExposure;
@@ -48,19 +56,18 @@ void ExposureProof::set_cycle(std::span<const Exposure> cycle) {
 // The distinct exposures of the cycle that the strobe allows. Where the best claim is an exposure outside the
 // cycle, it is a candidate too, in place of a neighbour that no picture could distinguish from it.
 void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) const {
-  frame.value_count = 0;
+  frame.values.clear();
   const auto add = [&](const Exposure& exposure, double value, double distance) {
     if (evidence.strobe_width && !strobe_allows(*evidence.strobe_width, exposure.time)) return;
-    for (int i = 0; i < frame.value_count; ++i)
-      if (std::abs(frame.values[static_cast<std::size_t>(i)] - value) <= distance) return;
-    frame.values[static_cast<std::size_t>(frame.value_count++)] = value;
+    const auto near = [&](double other) { return std::abs(other - value) <= distance; };
+    if (std::ranges::none_of(frame.values, near)) frame.values.push_back(value);
   };
-  bool beyond = evidence.claim_count > 0;
-  for (int i = 0; i < cycle_count_ && beyond; ++i)
-    beyond = claim_saying(evidence, log_product(cycle_[static_cast<std::size_t>(i)])) != 0;
+  const auto is_best_claim = [&](const Exposure& exposure) {
+    return claim_saying(evidence, log_product(exposure)) == evidence.claims.begin();
+  };
+  const bool beyond = !evidence.claims.empty() && std::ranges::none_of(all_candidates(), is_best_claim);
   if (beyond) add(evidence.claims[0].exposure, evidence.claims[0].log_value(), 0);
-  for (int i = 0; i < cycle_count_; ++i) {
-    const Exposure& exposure = cycle_[static_cast<std::size_t>(i)];
+  for (const Exposure& exposure : all_candidates()) {
     const double value = log_product(exposure);
     if (beyond && std::abs(value - evidence.claims[0].log_value()) <= kSameToPictures) continue;
     add(exposure, value, kSameExposure);
@@ -68,11 +75,11 @@ void ExposureProof::gather_values(const FrameEvidence& evidence, Frame& frame) c
 }
 
 // Whether frame `age` may have this exposure, given those of the newer frames.
-bool ExposureProof::fits(int age, double value, const std::array<double, kWindow>& assigned) const {
-  for (int newer = 0; newer < age; ++newer) {
-    const double other = assigned[static_cast<std::size_t>(newer)];
+bool ExposureProof::fits(std::size_t age, double value, const std::array<double, kWindow>& assigned) const {
+  for (std::size_t newer = 0; newer < age; ++newer) {
+    const double other = assigned[newer];
     if (std::isnan(other)) continue;
-    const auto& ratio = back(newer).ratio_from[static_cast<std::size_t>(age - newer - 1)];
+    const auto& ratio = back(newer).ratio_from[age - newer - 1];
     if (ratio && !ratio->allows(other - value)) return false;
   }
   return true;
@@ -80,22 +87,21 @@ bool ExposureProof::fits(int age, double value, const std::array<double, kWindow
 
 // The least number of outliers among all explanations, given the assignment of the newer frames; kNever if it
 // is not below bound.
-int ExposureProof::fewest_outliers(int age, int outliers, int bound,
+int ExposureProof::fewest_outliers(std::size_t age, int outliers, int bound,
                                    std::array<double, kWindow>& assigned) const {
   if (outliers >= bound) return kNever;
   if (age == count_) return outliers;
   int fewest = kNever;
   const Frame& frame = back(age);
   const bool proved = frame.judgement.verdict == Verdict::Proved;
-  for (int i = 0; i < frame.value_count; ++i) {
-    const double value = frame.values[static_cast<std::size_t>(i)];
+  for (const double value : frame.values) {
     if (proved && std::abs(value - frame.judgement.label.log_value()) > kSameExposure) continue;
     if (!fits(age, value, assigned)) continue;
-    assigned[static_cast<std::size_t>(age)] = value;
+    assigned[age] = value;
     fewest = std::min(fewest, fewest_outliers(age + 1, outliers, std::min(bound, fewest), assigned));
     if (fewest == outliers) return fewest;
   }
-  assigned[static_cast<std::size_t>(age)] = kOutlier;
+  assigned[age] = kOutlier;
   return std::min(fewest, fewest_outliers(age + 1, outliers + 1, std::min(bound, fewest), assigned));
 }
 
@@ -105,26 +111,25 @@ ExposureProof::Explanations ExposureProof::explain() const {
   Explanations result;
   const Frame& newest = back(0);
   std::array<double, kWindow> assigned{};
-  int best = -1, second = kNever;
-  const auto outliers_if = [&](int i) {
-    return i < 0 ? kNever : result.outliers_if[static_cast<std::size_t>(i)];
-  };
-  for (int i = 0; i < newest.value_count; ++i) {
-    assigned[0] = newest.values[static_cast<std::size_t>(i)];
-    result.outliers_if[static_cast<std::size_t>(i)] = fewest_outliers(1, 0, kBound, assigned);
-    if (outliers_if(i) < outliers_if(best)) {
-      second = outliers_if(best);
+  std::size_t best = 0;
+  int fewest = kNever, second = kNever;
+  for (std::size_t i = 0; i < newest.values.size(); ++i) {
+    assigned[0] = newest.values[i];
+    const int outliers = fewest_outliers(1, 0, kBound, assigned);
+    result.outliers_if[i] = outliers;
+    if (outliers < fewest) {
+      second = fewest;
+      fewest = outliers;
       best = i;
     } else {
-      second = std::min(second, outliers_if(i));
+      second = std::min(second, outliers);
     }
   }
   assigned[0] = kOutlier;
   result.outliers_if_newest_is_one = fewest_outliers(1, 1, kBound, assigned);
-  result.fewest_outliers = outliers_if(best);
-  result.fits_nothing = result.outliers_if_newest_is_one < outliers_if(best);
-  if (outliers_if(best) <= kMostOutliers && outliers_if(best) + kMargin <= second &&
-      outliers_if(best) < result.outliers_if_newest_is_one)
+  result.fewest_outliers = fewest;
+  result.fits_nothing = result.outliers_if_newest_is_one < fewest;
+  if (fewest <= kMostOutliers && fewest + kMargin <= second && fewest < result.outliers_if_newest_is_one)
     result.unique = best;
   return result;
 }
@@ -132,9 +137,9 @@ ExposureProof::Explanations ExposureProof::explain() const {
 // How often the ratios to trusted neighbours contradict a claim, and how often they support it.
 ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
   Votes votes;
-  for (int age = 1; age < count_; ++age) {
+  for (std::size_t age = 1; age < count_; ++age) {
     const Frame& other = back(age);
-    const auto& ratio = back(0).ratio_from[static_cast<std::size_t>(age - 1)];
+    const auto& ratio = back(0).ratio_from[age - 1];
     if (!ratio || !other.judgement.trusted()) continue;
     ++(ratio->allows(claimed - other.judgement.label.log_value()) ? votes.in_favour : votes.against);
   }
@@ -144,10 +149,10 @@ ExposureProof::Votes ExposureProof::neighbours_on(double claimed) const {
 // Whether the claim needs more outliers than the best explanation does. A claim outside all counted
 // candidates makes every frame an outlier.
 bool ExposureProof::another_explains_better(double claimed, const Explanations& explanations) const {
-  const Frame& newest = back(0);
-  for (int i = 0; i < newest.value_count; ++i)
-    if (std::abs(newest.values[static_cast<std::size_t>(i)] - claimed) <= kSameExposure)
-      return explanations.outliers_if[static_cast<std::size_t>(i)] > explanations.fewest_outliers;
+  const auto& values = back(0).values;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::abs(values[i] - claimed) <= kSameExposure)
+      return explanations.outliers_if[i] > explanations.fewest_outliers;
   return explanations.fewest_outliers < kNever;
 }
 
@@ -155,9 +160,9 @@ bool ExposureProof::another_explains_better(double claimed, const Explanations& 
 // neighbour of the same exposure, at least that neighbour's own uncertainty.
 double ExposureProof::open_interval_ev(double label) const {
   double open = std::numeric_limits<double>::infinity();
-  for (int age = 1; age < count_; ++age) {
+  for (std::size_t age = 1; age < count_; ++age) {
     const Judgement& other = back(age).judgement;
-    const auto& ratio = back(0).ratio_from[static_cast<std::size_t>(age - 1)];
+    const auto& ratio = back(0).ratio_from[age - 1];
     if (!ratio || !other.trusted()) continue;
     const double difference = label - other.label.log_value();
     if (!ratio->allows(difference)) continue;
@@ -175,15 +180,16 @@ double ExposureProof::open_interval_ev(double label) const {
 Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double value) const {
   Judgement judgement;
   judgement.unique = value;
-  const int claim = claim_saying(evidence, value);
-  judgement.verdict = claim == 0 ? Verdict::Proved : Verdict::Plausible;
-  if (claim >= 0) {
-    judgement.label = evidence.claims[static_cast<std::size_t>(claim)];
+  const ExposureClaim* claim = claim_saying(evidence, value);
+  const bool is_best = claim == evidence.claims.begin();
+  judgement.verdict = is_best ? Verdict::Proved : Verdict::Plausible;
+  if (claim != nullptr) {
+    judgement.label = *claim;
   } else {
-    const Exposure* slot = candidate(value, cycle_count_);
+    const Exposure* slot = exposure_of(all_candidates(), value);
     HDRCAM_CHECK(slot != nullptr);
     judgement.label = {*slot, 1, ExposureSource::Photometric};
-    judgement.relabelled = evidence.claim_count > 0;
+    judgement.relabelled = !evidence.claims.empty();
   }
   judgement.within_ev = open_interval_ev(judgement.label.log_value());
   if (evidence.strobe_width) {
@@ -191,7 +197,7 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
     judgement.within_ev =
         std::min(judgement.within_ev, std::log2(1 + to_seconds(strobe_slack(time)) / to_seconds(time)));
   }
-  if (evidence.pulse_within && claim == 0) {
+  if (evidence.pulse_within && is_best) {
     const double time_s = to_seconds(judgement.label.exposure.time);
     judgement.within_ev =
         std::min(judgement.within_ev, std::log2(1 + to_seconds(*evidence.pulse_within) / time_s));
@@ -203,16 +209,15 @@ Judgement ExposureProof::unique_judgement(const FrameEvidence& evidence, double 
 
 Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations& explanations) const {
   if (explanations.unique && (exposures_differ_ || evidence.strobe_width))
-    return unique_judgement(evidence, back(0).values[static_cast<std::size_t>(*explanations.unique)]);
+    return unique_judgement(evidence, back(0).values[*explanations.unique]);
   Judgement judgement;
-  if (evidence.claim_count == 0) return judgement;
-  judgement.label = evidence.claims[0];
+  if (evidence.claims.empty()) return judgement;
+  judgement.label = evidence.claims.front();
   const double claimed = judgement.label.log_value();
   const Votes votes = neighbours_on(claimed);
-  bool claims_agree = true;
-  for (int i = 1; i < evidence.claim_count; ++i)
-    claims_agree &=
-        std::abs(evidence.claims[static_cast<std::size_t>(i)].log_value() - claimed) <= kSameExposure;
+  const bool claims_agree = std::all_of(
+      evidence.claims.begin() + 1, evidence.claims.end(),
+      [&](const ExposureClaim& other) { return std::abs(other.log_value() - claimed) <= kSameExposure; });
 
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
       another_explains_better(claimed, explanations)) {
@@ -230,14 +235,6 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   return judgement;
 }
 
-const Exposure* ExposureProof::candidate(double value, int count) const {
-  const auto end = cycle_.begin() + count;
-  const auto found = std::find_if(cycle_.begin(), end, [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - value) <= kSameExposure;
-  });
-  return found == end ? nullptr : &*found;
-}
-
 // Once enough frames of the new cycle have been proved, the earlier ones are dropped. Pictures do not tell
 // two cycles apart where all exposures changed by one factor: without a right claim all frames are undecided
 // then, and the earlier cycles are dropped when more of them follow each other than requests can be left from
@@ -245,24 +242,25 @@ const Exposure* ExposureProof::candidate(double value, int count) const {
 void ExposureProof::retire_earlier_cycles(const Judgement& judgement) {
   // Queued requests, and frames until their controls act.
   constexpr int kMostUndecided = kMostBuffers + kMaxDelay;
-  if (cycle_count_ == current_count_) return;
+  if (candidates_.size() == current_count_) return;
   undecided_ = judgement.trusted() ? 0 : undecided_ + 1;
   if (judgement.verdict == Verdict::Proved) {
-    const bool current = candidate(judgement.label.log_value(), current_count_) != nullptr;
+    const bool current = exposure_of(current_cycle(), judgement.label.log_value()) != nullptr;
     proved_in_current_ = current ? proved_in_current_ + 1 : 0;
   }
-  if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostUndecided) cycle_count_ = current_count_;
+  if (proved_in_current_ >= 2 * kWindow || undecided_ > kMostUndecided)
+    candidates_ = Candidates(current_cycle());
 }
 
 Judgement ExposureProof::judge(const FrameEvidence& evidence, const PhotometricSignature& picture,
                                Photometer& photometer) {
   newest_ = (newest_ + 1) % kWindow;
-  count_ = std::min(count_ + 1, kWindow);
+  count_ = std::min<std::size_t>(count_ + 1, kWindow);
   Frame& frame = back(0);
   frame.picture = picture;
   frame.judgement = {};
-  for (int age = 1; age < count_; ++age)
-    frame.ratio_from[static_cast<std::size_t>(age - 1)] = photometer.ratio(back(age).picture, picture);
+  for (std::size_t age = 1; age < count_; ++age)
+    frame.ratio_from[age - 1] = photometer.ratio(back(age).picture, picture);
   gather_values(evidence, frame);
   frame.judgement = weigh(evidence, explain());
   retire_earlier_cycles(frame.judgement);

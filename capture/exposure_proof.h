@@ -30,11 +30,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 
 #include "capture/exposure.h"
 #include "capture/photometry.h"
+#include "hal/core/inline_list.h"
 
 namespace hdrcam {
 
@@ -46,16 +48,12 @@ struct ExposureClaim {
   double log_value() const;  // ln of the product of all three
 };
 
-// The evidence about one frame besides its picture. The best claim comes first.
+// The evidence about one frame besides its picture.
 struct FrameEvidence {
-  static constexpr int kMaxClaims = 3;
-  std::array<ExposureClaim, kMaxClaims> claims{};
-  int claim_count = 0;
+  InlineList<ExposureClaim, 3> claims;   // the best one first
   bool prediction_doubtful = false;      // the controls of this frame were written late
   std::optional<Duration> strobe_width;  // as measured; only where the pulse is as long as the exposure
   std::optional<Duration> pulse_within;  // uncertainty of a claim that is the width of the trigger's pulse
-
-  void add(const ExposureClaim& claim) { claims[static_cast<std::size_t>(claim_count++)] = claim; }
 };
 
 struct Judgement {
@@ -76,8 +74,8 @@ struct Judgement {
 
 class ExposureProof {
  public:
-  static constexpr int kWindow = 8;       // frames: two rounds of the longest cycle
-  static constexpr int kCandidates = 12;  // exposures: a cycle of four, and the two before it
+  static constexpr int kWindow = 8;               // frames: two rounds of the longest cycle
+  static constexpr std::size_t kCandidates = 12;  // exposures: a cycle of four, and the two before it
 
   // Sets the exposures that frames can have. After a change of schedule those of the last two stay
   // candidates, because queued requests still carry them, until enough frames are proved to have the new
@@ -90,34 +88,36 @@ class ExposureProof {
   Judgement judge(const FrameEvidence& evidence, const PhotometricSignature& picture, Photometer& photometer);
 
  private:
-  static constexpr int kValues = kCandidates + 1;  // and a claim outside the cycle
+  using Candidates = InlineList<Exposure, kCandidates>;
+  static constexpr std::size_t kValues = kCandidates + 1;  // and a claim outside the cycle
   struct Frame {
     PhotometricSignature picture;
     std::array<std::optional<PhotometricRatio>, kWindow>
-        ratio_from;                        // [k]: from the frame k + 1 before this one
-    std::array<double, kValues> values{};  // ln E that it can have
-    int value_count = 0;
+        ratio_from;                      // [k]: from the frame k + 1 before this one
+    InlineList<double, kValues> values;  // ln E that it can have
     Judgement judgement;
   };
-  // How many frames must be outliers if the newest has exposure `value`; kNever where that is impossible.
   struct Explanations {
+    // outliers_if[i]: frames that must be outliers if the newest has its value i; kNever where that is
+    // impossible.
     std::array<int, kValues> outliers_if{};
     int outliers_if_newest_is_one = 0;
     int fewest_outliers = kNever;
-    std::optional<int> unique;  // index into the newest frame's values
-    bool fits_nothing = false;  // the newest frame is the outlier
+    std::optional<std::size_t> unique;  // index into the newest frame's values
+    bool fits_nothing = false;          // the newest frame is the outlier
   };
   static constexpr int kNever = kWindow + 1;
 
-  Frame& back(int age) { return ring_[static_cast<std::size_t>((newest_ + kWindow - age) % kWindow)]; }
-  const Frame& back(int age) const {
-    return ring_[static_cast<std::size_t>((newest_ + kWindow - age) % kWindow)];
-  }
+  Frame& back(std::size_t age) { return ring_[(newest_ + kWindow - age) % kWindow]; }
+  const Frame& back(std::size_t age) const { return ring_[(newest_ + kWindow - age) % kWindow]; }
+
+  std::span<const Exposure> all_candidates() const { return candidates_; }
+  std::span<const Exposure> current_cycle() const { return all_candidates().first(current_count_); }
 
   void gather_values(const FrameEvidence& evidence, Frame& frame) const;
   Explanations explain() const;
-  int fewest_outliers(int age, int outliers, int bound, std::array<double, kWindow>& assigned) const;
-  bool fits(int age, double value, const std::array<double, kWindow>& assigned) const;
+  int fewest_outliers(std::size_t age, int outliers, int bound, std::array<double, kWindow>& assigned) const;
+  bool fits(std::size_t age, double value, const std::array<double, kWindow>& assigned) const;
   struct Votes {
     int against = 0, in_favour = 0;
   };
@@ -126,17 +126,15 @@ class ExposureProof {
   double open_interval_ev(double label) const;
   Judgement weigh(const FrameEvidence& evidence, const Explanations& explanations) const;
   Judgement unique_judgement(const FrameEvidence& evidence, double value) const;
-  // The first of the cycle's candidates [0, count) that has this exposure; null for none.
-  const Exposure* candidate(double value, int count) const;
   void retire_earlier_cycles(const Judgement& judgement);
 
-  std::array<Exposure, kCandidates> cycle_{};  // the current one first, then those before
-  int current_count_ = 0, cycle_count_ = 0;
+  Candidates candidates_;          // the current cycle, then those before
+  std::size_t current_count_ = 0;  // of the current cycle
   bool exposures_differ_ = false;  // the current cycle has two exposures that differ
   int proved_in_current_ = 0;
   int undecided_ = 0;  // frames in a row, while earlier cycles are candidates
   std::array<Frame, kWindow> ring_{};
-  int newest_ = 0, count_ = 0;
+  std::size_t newest_ = 0, count_ = 0;
 };
 
 }  // namespace hdrcam

@@ -97,7 +97,7 @@ void FrameMatcher::match_trigger(const CapturedBuffer& buffer, MatchedFrame& fra
   if (!frame.pulse || options_.trigger != TriggerMode::PulseWidth) return;
   triggered_ = claim_of(*frame.pulse, buffer);
   frame.opened = frame.pulse->rise.at;
-  frame.evidence.add(*triggered_);
+  frame.evidence.claims.push_back(*triggered_);
   frame.evidence.pulse_within = frame.pulse->width_within();
 }
 
@@ -121,8 +121,8 @@ MatchedFrame FrameMatcher::match(const CapturedBuffer& buffer) {
   frame.cookie_repeated = !controls_.completed(index_, buffer.cookie, buffer.control_late);
   const auto predicted = prediction_.predict(controls_);
   const auto reported = reported_in(buffer, predicted);
-  if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.add(*reported);
-  if (predicted) frame.evidence.add(*predicted);
+  if (reported && options_.trigger != TriggerMode::PulseWidth) frame.evidence.claims.push_back(*reported);
+  if (predicted) frame.evidence.claims.push_back(*predicted);
   frame.evidence.prediction_doubtful = predicted && prediction_.doubtful(controls_);
   if (strobe) match_strobe(*strobe, frame);
   return frame;

@@ -54,7 +54,7 @@ std::optional<FrameEvidence> RecordedLabels::evidence_of(const FrameFacts& facts
   if (!judgeable(facts)) return std::nullopt;
   FrameEvidence evidence;
   if (facts.has_exposure())
-    evidence.add(
+    evidence.claims.push_back(
         {{from_seconds(facts.exposure_s), facts.analogue_gain}, facts.digital_gain, facts.exposure_source});
   return evidence;
 }

@@ -23,7 +23,7 @@ ExposureClaim reported(const Exposure& exposure) { return {exposure, 1, Exposure
 
 FrameEvidence claims(std::initializer_list<ExposureClaim> list) {
   FrameEvidence evidence;
-  for (const ExposureClaim& claim : list) evidence.add(claim);
+  evidence.claims = list;
   return evidence;
 }
 

@@ -160,7 +160,7 @@ TEST_CASE("the exposure of a frame is that of the request as many frames before 
     for (int i = 0; i < 30; ++i) {
       const MatchedFrame frame = stream.step();
       CAPTURE(delay, i);
-      REQUIRE(frame.evidence.claim_count == (i >= delay ? 1 : 0));
+      REQUIRE(frame.evidence.claims.size() == (i >= delay ? 1u : 0u));
       if (i < delay) continue;
       const ExposureClaim& claim = frame.evidence.claims[0];
       CHECK(claim.log_value() == Approx(stream.wanted(i - delay)));
@@ -191,7 +191,7 @@ TEST_CASE("of two controls the faster is held back, so that one frame shows both
       const MatchedFrame frame = stream.step();
       if (i < most) continue;
       CAPTURE(delays.exposure, delays.gain, i);
-      REQUIRE(frame.evidence.claim_count == 1);
+      REQUIRE(frame.evidence.claims.size() == 1);
       const Exposure& wanted = kGains[static_cast<std::size_t>(i - most) % 3];
       const Exposure claim = frame.evidence.claims[0].exposure;
       CHECK(claim == wanted);
@@ -214,7 +214,7 @@ TEST_CASE("pictures that show every prediction late or early shift it, within th
           if (i < 8) continue;
           CAPTURE(cycle.size(), believed, real, i);
           const double truth = stream.wanted(i - real);
-          REQUIRE(frame.evidence.claim_count == 1);
+          REQUIRE(frame.evidence.claims.size() == 1);
           if (i >= 11) CHECK(frame.evidence.claims[0].log_value() == Approx(truth));
           stream.matcher().learn(truth);
         }
@@ -276,9 +276,9 @@ TEST_CASE("a cookie that comes again predicts nothing, and what it hides is not 
       CHECK(frame.lost_before == 0);
       if (i < delay) continue;
       if (i == 12 + delay) {
-        CHECK(frame.evidence.claim_count == 0);
+        CHECK(frame.evidence.claims.empty());
       } else {
-        REQUIRE(frame.evidence.claim_count == 1);
+        REQUIRE(frame.evidence.claims.size() == 1);
         CHECK(frame.evidence.claims[0].log_value() == Approx(stream.wanted(i - delay)));
       }
     }
@@ -332,7 +332,7 @@ TEST_CASE("a report without gain takes the gain from the prediction, or from a c
     buffer.exposure = 15ms, buffer.analogue_gain = row.gain, buffer.digital_gain = 1.5;
     const MatchedFrame frame = stream.match();
     const bool reports = row.want > 0;
-    REQUIRE(frame.evidence.claim_count == (reports ? 1 : 0) + (row.predicts ? 1 : 0));
+    REQUIRE(frame.evidence.claims.size() == (reports ? 1u : 0u) + (row.predicts ? 1u : 0u));
     if (!reports) continue;
     const ExposureClaim& claim = frame.evidence.claims[0];
     CHECK(claim.exposure == Exposure{15ms, row.want});
