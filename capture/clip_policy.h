@@ -11,7 +11,7 @@ struct UsableCodes {
 };
 
 // Ratio of two pictures' exposures: a code from here on may be clipped. The dark limit depends on how well
-// the response is known (photometry.h).
+// the response is known (photometric_response.h).
 inline constexpr float kPhotometryClipped = 250;
 
 // Means of a picture's cells, for the check whether two pictures show the same scene.

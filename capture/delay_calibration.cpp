@@ -100,9 +100,8 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
   constexpr Duration kPatience{2'000'000'000};
   constexpr std::size_t kAsked = 64;
   const PixelCodes kind = codes_of(mode.format);
-  DelayCalibration calibration(
-      shorter, longer,
-      kind.linear ? PhotometricResponse::linear_unknown_black() : PhotometricResponse::unknown());
+  DelayCalibration calibration(shorter, longer,
+                               PhotometricResponse::before_any_fit(kind.linear, std::nullopt));
   std::array<Exposure, kAsked> asked{};  // by cookie
   const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(frames);
   PhotometricSignature picture;

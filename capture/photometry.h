@@ -9,46 +9,15 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
-#include <span>
 
+#include "capture/photometric_response.h"
 #include "hal/core/frame.h"
 #include "hal/core/image.h"
 
 namespace hdrcam {
-
-// ln of the relative exposure of a code 0..255, and its uncertainty.
-class PhotometricResponse {
- public:
-  using Curve = std::array<float, 256>;
-
-  // The mean of real cameras (Grossberg & Nayar's 201 curves). All their ratios are within a factor of 2.8 of
-  // this one's on the logarithmic scale, for exposures 1 to 4 stops apart.
-  static PhotometricResponse unknown();
-  // Response of raw codes. The ratio is measured in green, so the black level of green is used.
-  static PhotometricResponse linear(const BlackLevel& black_level);
-  // Raw codes with an unreported black level of 0..`most` codes of 255. Codes are used from where that range
-  // matters little.
-  static PhotometricResponse linear_unknown_black(float most = kMostBlack);
-  // Relative exposure 0..1 of each code of 255, with black removed and the range stretched again to 255.
-  static PhotometricResponse known(const Curve& inverse, const BlackLevel& black_level);
-
-  // ln of relative exposure; -inf for codes too dark to measure, +inf for clipped ones.
-  float log_exposure(float code) const;
-  // A measured ln ratio may be wrong by this factor in either direction.
-  double stretch() const { return stretch_; }
-
-  static constexpr float kMostBlack = 18;  // codes of 255: the largest of all known sensors
-
- private:
-  PhotometricResponse(float darkest, double stretch) : darkest_(darkest), stretch_(stretch) {}
-
-  Curve log_{};      // at whole codes
-  float black_ = 0;  // for the linear case, where the logarithm is taken directly
-  bool linear_ = false;
-  float darkest_;  // codes below it are not used
-  double stretch_;
-};
 
 // A summary of one frame for comparison with later frames.
 struct PhotometricSignature {
@@ -60,13 +29,13 @@ struct PhotometricSignature {
   int sites = 0;
   float clipped_share = 0, dark_share = 0;  // of the sites
   float darkest_code = 255;                 // of all sites, 0..255: an upper bound of the black level
+
+  std::size_t index_of(int y, int x) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(cols) + static_cast<std::size_t>(x);
+  }
 };
 
-// The content at site (y, x) of one frame is at (y + dy, x + dx) of another.
-struct SiteShift {
-  int dy = 0, dx = 0;
-  double overlap = 1;  // share of the sites that both frames see
-};
+struct SiteShift;  // site_alignment.h
 
 struct PhotometricRatio {
   double log_ratio = 0;      // ln E_b / E_a, the best guess

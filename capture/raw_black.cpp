@@ -12,9 +12,7 @@ RawBlack::RawBlack(const std::optional<BlackLevel>& user, const CameraCapabiliti
 }
 
 PhotometricResponse RawBlack::first_response() const {
-  if (!linear_) return PhotometricResponse::unknown();
-  if (stated_) return PhotometricResponse::linear(*stated_);
-  return PhotometricResponse::linear_unknown_black();
+  return PhotometricResponse::before_any_fit(linear_, stated_);
 }
 
 std::optional<PhotometricResponse> RawBlack::narrow(const PhotometricSignature& picture) {

@@ -14,11 +14,6 @@ bool judgeable(const FrameFacts& facts) {
   return (facts.flags & kFrameDamaged) == 0 && (facts.has_exposure() || unlabelled);
 }
 
-PhotometricResponse response_of(const CameraFacts& camera, const std::optional<BlackLevel>& black) {
-  if (!camera.linear) return PhotometricResponse::unknown();
-  return black ? PhotometricResponse::linear(*black) : PhotometricResponse::linear_unknown_black();
-}
-
 // Merges the judgements of a frame by the frames before it and by the frames after it.
 Judgement joined(const Judgement& by_earlier, const Judgement& by_later) {
   if (by_earlier.unique && by_later.unique &&
@@ -46,7 +41,7 @@ double RecordedLabels::Label::log_value() const {
 }
 
 RecordedLabels::RecordedLabels(const CameraFacts& camera)
-    : camera_(camera), photometer_(response_of(camera, std::nullopt)) {}
+    : camera_(camera), photometer_(PhotometricResponse::before_any_fit(camera.linear, std::nullopt)) {}
 
 // The recording's claim about a frame; empty where the exposure is unknown. nullopt for a frame that cannot
 // be judged.
@@ -86,7 +81,8 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
 
 void RecordedLabels::judge_beginning(std::span<CapturedFrame> frames) {
   if (frames.empty()) return;
-  photometer_.set_response(response_of(camera_, frames.front().raw.facts.black_level));
+  photometer_.set_response(
+      PhotometricResponse::before_any_fit(camera_.linear, frames.front().raw.facts.black_level));
   for (const CapturedFrame& frame : frames)
     if (judgeable(frame.raw.facts)) learn_cycle(frame.raw.facts);
   std::vector<Judgement> by_later(frames.size());

@@ -36,8 +36,7 @@ Result<Scan> scan(FootageReader& footage, const std::atomic<bool>& stop) {
   Scan seen;
   seen.camera = footage.camera(), seen.about = footage.about();
   seen.steps.resize(kLags);
-  Photometer photometer(seen.camera.linear ? PhotometricResponse::linear_unknown_black()
-                                           : PhotometricResponse::unknown());
+  Photometer photometer(PhotometricResponse::before_any_fit(seen.camera.linear, std::nullopt));
   std::array<PhotometricSignature, kLags + 1> recent;  // by frame number, round and round
   RawFrame frame;
   while (TRY(footage.next(frame))) {

@@ -1,0 +1,37 @@
+#include "capture/photometric_response.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+namespace hdrcam {
+namespace {
+
+// ln E of code `b` over that of code `a`.
+float ratio_of(const PhotometricResponse& response, float a, float b) {
+  return response.log_exposure(b) - response.log_exposure(a);
+}
+
+TEST_CASE("before any fit the less is known of the codes, the wider a ratio is left open", "[capture]") {
+  const auto stated = PhotometricResponse::before_any_fit(true, BlackLevel(16));
+  const auto unreported = PhotometricResponse::before_any_fit(true, std::nullopt);
+  const auto processed = PhotometricResponse::before_any_fit(false, std::nullopt);
+  CHECK(ratio_of(stated, 66, 116) == Approx(std::log(2)));
+  CHECK(ratio_of(processed, 66, 116) > std::log(2));  // a camera's curve
+  CHECK(stated.stretch() < unreported.stretch());
+  CHECK(unreported.stretch() < processed.stretch());
+}
+
+TEST_CASE("a black level does not make processed codes linear", "[capture]") {
+  const auto stated = PhotometricResponse::before_any_fit(false, BlackLevel(16));
+  const auto not_stated = PhotometricResponse::before_any_fit(false, std::nullopt);
+  CHECK(ratio_of(stated, 66, 116) == ratio_of(not_stated, 66, 116));
+}
+
+TEST_CASE("codes that are too dark or may be clipped have no exposure", "[capture]") {
+  const auto response = PhotometricResponse::before_any_fit(true, BlackLevel(16));
+  CHECK(response.log_exposure(17) < -1e30f);
+  CHECK(response.log_exposure(252) > 1e30f);
+}
+
+}  // namespace
+}  // namespace hdrcam
