@@ -51,6 +51,7 @@ CaptureStage::CaptureStage(Camera& camera, SyncLine* strobe, const CaptureOption
       sensor_(known_sensor(camera.capabilities().model)),
       black_(options.black_level, camera.capabilities(), sensor_, codes_.linear),
       photometer_(black_.first_response()),
+      requests_(camera),
       trigger_(options.trigger) {
   collect_warnings();
 }
@@ -104,20 +105,17 @@ void CaptureStage::restart_matching() {
   matcher_.emplace(matching(), schedule_);
   proof_.forget();
   proof_.set_cycle(schedule_.cycle());
-  pending_.reset();
   if (const auto limits = exposure_limits(); limits && options_.adapt == Adapt::Light)
     adaptation_.emplace(*limits);
-  queued_requests_ = lost_since_emitted_ = 0;
-  last_place_.reset(), not_decoded_.reset();
-  dropped_in_a_row_ = 0;
+  lost_since_emitted_ = 0;
+  last_emitted_.reset();
+  drops_.end();
 }
 
 Result<void> CaptureStage::start() {
   restart_matching();
   TRY(camera_.start());
-  depth_ = options_.buffers;
-  TRY(top_up());
-  depth_ = queued_requests_;  // a device may have fewer buffers than requested
+  TRY(requests_.fill(*matcher_, options_.buffers));
   counters_.requests_late = 0;
   return trigger_.start(schedule_);
 }
@@ -133,23 +131,6 @@ void CaptureStage::settle_trigger() {
   (void)drain_strobe();
   trigger_.settle();
   counters_.trigger = trigger_.counters();
-}
-
-// Queues requests until the camera's queue is full. A request that finds no free buffer waits for the next
-// frame.
-Result<void> CaptureStage::top_up() {
-  while (queued_requests_ < depth_) {
-    if (!pending_) pending_ = matcher_->next_request();
-    Result<void> queued = camera_.queue(*pending_);
-    if (!queued && queued.error().code == ErrorCode::Busy) {
-      ++counters_.requests_late;
-      break;
-    }
-    if (!queued) return queued;
-    pending_.reset();
-    ++queued_requests_;
-  }
-  return {};
 }
 
 Result<void> CaptureStage::drain_strobe() {
@@ -174,12 +155,12 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
       const Result<CapturedBuffer> waited = camera_.wait(options_.patience);
       if (!waited) return trigger_.no_answer(waited.error());
       const CapturedBuffer& buffer = waited.value();
-      --queued_requests_;
+      requests_.completed();
       trigger_.drain(*matcher_);
       TRY(drain_strobe());
       emitted = TRY(take(buffer, frame));
     }  // the buffer goes back, so that the next request finds it
-    TRY(top_up());
+    counters_.requests_late += !TRY(requests_.top_up(*matcher_));
     if (emitted) return {};
   }
 }
@@ -197,15 +178,16 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   trigger_.settle(buffer.timestamp);
   counters_.trigger = trigger_.counters();
   if (buffer.damaged) {
-    ++counters_.damaged;
-    TRY(drop_frame());
+    ++counters_.damaged, ++lost_since_emitted_;
+    TRY(drops_.damaged(camera_.capabilities().id));
     return false;
   }
   if (const Result<void> unpacked = unpack_pixels(buffer, options_.unpack, frame.raw.codes); !unpacked) {
-    TRY(drop_undecodable(unpacked.error()));
+    ++counters_.undecodable, ++lost_since_emitted_;
+    TRY(drops_.not_decoded(camera_.capabilities().id, unpacked.error()));
     return false;
   }
-  not_decoded_.reset(), dropped_in_a_row_ = 0;
+  drops_.end();
   judge(buffer, matched, frame);
   follow_light(frame);
   ++counters_.emitted;
@@ -213,47 +195,21 @@ Result<bool> CaptureStage::take(const CapturedBuffer& buffer, CapturedFrame& fra
   return true;
 }
 
-// A frame that does not decode is one frame less; a format that cannot be unpacked ends the run.
-Result<void> CaptureStage::drop_undecodable(const Error& why) {
-  ++counters_.undecodable;
-  if (!not_decoded_) not_decoded_ = why;
-  if (why.code != ErrorCode::Corrupt) return why;
-  return drop_frame();
-}
-
-// A camera that delivers nothing but frames that are damaged or do not decode ends the run.
-Result<void> CaptureStage::drop_frame() {
-  constexpr int kMostInARow = 30;
-  ++lost_since_emitted_;
-  if (++dropped_in_a_row_ < kMostInARow) return {};
-  if (!not_decoded_)
-    return Error{ErrorCode::Corrupt,
-                 fmt::format("{} frames of '{}' in a row were damaged: the driver reports incomplete pixels; "
-                             "check the camera's cable, hub or sensor link, or choose a smaller size or "
-                             "frame rate",
-                             kMostInARow, camera_.capabilities().id)};
-  return Error{
-      ErrorCode::Corrupt,
-      fmt::format("{} frames of '{}' in a row did not decode, the first for this reason: {}; choose another "
-                  "pixel format or size, or check the camera's cable",
-                  kMostInARow, camera_.capabilities().id, not_decoded_->message)};
-}
-
 // The number and time of a frame are the driver's while they increase, as every reader of a recording
 // demands. Where the counter repeats or restarts, or the time goes back, the frame follows the last one by as
 // many frames as the matcher counts.
-void CaptureStage::place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
-                         FrameFacts& facts) {
+void CaptureStage::set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched,
+                                       Duration exposure, FrameFacts& facts) {
   facts.sequence = buffer.sequence;
-  facts.readout_s = to_seconds(buffer.readout);
   facts.timestamp = matched.centre(exposure, buffer.readout);
-  if (last_place_) {
-    const std::uint64_t frames = std::max<std::uint64_t>(1, matched.index - last_place_->index);
-    if (facts.sequence <= last_place_->number) facts.sequence = last_place_->number + frames;
-    if (facts.timestamp <= last_place_->at)
-      facts.timestamp = last_place_->at + static_cast<Duration::rep>(frames) * matcher_->frame_duration();
+  if (last_emitted_) {
+    const std::uint64_t frames = std::max<std::uint64_t>(1, matched.index - last_emitted_->index);
+    if (facts.sequence <= last_emitted_->sequence) facts.sequence = last_emitted_->sequence + frames;
+    if (facts.timestamp <= last_emitted_->timestamp)
+      facts.timestamp =
+          last_emitted_->timestamp + static_cast<Duration::rep>(frames) * matcher_->frame_duration();
   }
-  last_place_ = {facts.sequence, matched.index, facts.timestamp};
+  last_emitted_ = {facts.sequence, matched.index, facts.timestamp};
 }
 
 void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame) {
@@ -270,7 +226,8 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
   const ExposureClaim& label = frame.proof.label;
   FrameFacts& facts = frame.raw.facts;
   facts = {};
-  place(buffer, matched, label.exposure.time, facts);
+  set_number_and_time(buffer, matched, label.exposure.time, facts);
+  facts.readout_s = to_seconds(buffer.readout);
   facts.exposure_s = to_seconds(label.exposure.time);
   facts.analogue_gain = label.exposure.gain;
   facts.digital_gain = label.digital_gain;

@@ -1,9 +1,9 @@
 // The camera side of the program, from requests to frames whose exposure is known. It keeps the camera
-// supplied with requests, joins each buffer with its request, report and pulses (frame_matcher.h),
-// proves the exposure from the pictures (exposure_proof.h) and unpacks the pixels. It waits for the camera
-// only and holds no queue of its own: a slow consumer leaves frames in the camera's buffers, and a camera
-// without free buffers drops frames, which the next frame counts. Thread-bound, except stop(); no allocation
-// per frame after the first.
+// supplied with requests (request_queue.h), joins each buffer with its request, report and pulses
+// (frame_matcher.h), proves the exposure from the pictures (exposure_proof.h) and unpacks the pixels. It
+// waits for the camera only and holds no queue of frames: a slow consumer leaves frames in the camera's
+// buffers, and a camera without free buffers drops frames, which the next frame counts. Thread-bound, except
+// stop(); no allocation per frame after the first.
 #pragma once
 
 #include <atomic>
@@ -11,11 +11,13 @@
 #include <optional>
 
 #include "capture/captured_frame.h"
+#include "capture/drop_streak.h"
 #include "capture/exposure_adaptation.h"
 #include "capture/exposure_limits.h"
 #include "capture/frame_matcher.h"
 #include "capture/pixel_unpack.h"
 #include "capture/raw_black.h"
+#include "capture/request_queue.h"
 #include "capture/sensor_table.h"
 #include "capture/trigger_link.h"
 
@@ -86,20 +88,18 @@ class CaptureStage {
   Duration longest_exposure() const;
   void collect_warnings();
   void restart_matching();
-  Result<void> top_up();
   Result<void> drain_strobe();
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
-  Result<void> drop_undecodable(const Error& why);
-  Result<void> drop_frame();
   void follow_light(const CapturedFrame& frame);
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
-  void place(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure, FrameFacts& facts);
+  void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
+                           FrameFacts& facts);
   int slot_of(const ExposureClaim& label) const;
 
-  struct Place {  // of a frame
-    std::uint64_t number = 0, index = 0;
-    Instant at;
+  struct Emitted {  // frame
+    std::uint64_t sequence = 0, index = 0;
+    Instant timestamp;
   };
 
   Camera& camera_;
@@ -117,14 +117,12 @@ class CaptureStage {
   PhotometricSignature picture_;
   ExposureProof proof_;
   std::optional<FrameMatcher> matcher_;
+  RequestQueue requests_;
   TriggerLink trigger_;
   std::optional<ExposureAdaptation> adaptation_;
-  std::optional<ExposureRequest> pending_;  // made, but the camera had no free buffer yet
-  int queued_requests_ = 0, depth_ = 0;     // queued requests now, and at most
+  DropStreak drops_;
   int lost_since_emitted_ = 0;
-  std::optional<Place> last_place_;   // of the last emitted frame
-  int dropped_in_a_row_ = 0;          // frames, damaged or not decoded
-  std::optional<Error> not_decoded_;  // the first reason why one of them did not decode
+  std::optional<Emitted> last_emitted_;
   CaptureCounters counters_;
 };
 
