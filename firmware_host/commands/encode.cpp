@@ -124,6 +124,11 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   CameraFacts camera;
   std::unique_ptr<FrameSink> sink;
   Progress progress(stderr, static_cast<int>(files.size()));
+  struct Encoded {
+    Instant at;
+    std::string path;
+  };
+  std::optional<Encoded> last;
   const auto add = [&](const NumberedFile& file) -> Result<void> {
     const ExrImage image = TRY(read_exr(around.storage, file.path));
     if (!sink) {
@@ -131,7 +136,14 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
       sink = TRY(open_sink(
           "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
     }
-    const HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
+    HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
+    if (last && frame.facts.timestamp <= last->at)
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{}' is no later than '{}' before it: they are of two takes; encode each into a "
+                      "video of its own",
+                      file.path, last->path)};
+    last = {frame.facts.timestamp, file.path};
     return sink->emit({frame, ExposedFrame{}, FrameRecord{}});
   };
   Result<void> encoded;

@@ -46,9 +46,9 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
                             : std::string_view(sink.name) == "sheet" ? OutputKind::Picture
                                                                      : OutputKind::Page;
     outputs.push_back({name, path, kind, numbered ? sink.extension : ""});
-    if (std::string_view(sink.name) == "frames" && numbered && !path.empty())
-      outputs.push_back({"the list beside --output",
-                         (std::filesystem::path(path).parent_path() / FrameLedger::kFile).string()});
+    if (std::string_view(sink.name) == "frames" && numbered)
+      if (const auto pattern = FramePattern::parse(name, path, sink.extension))
+        outputs.push_back({"the list beside --output", FrameLedger::path_beside(pattern.value())});
   }
   if (!sinks.empty())
     outputs.push_back(

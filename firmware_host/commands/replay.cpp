@@ -10,6 +10,7 @@
 #include "firmware_host/commands/run_limits.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/output_needs.h"
+#include "firmware_host/sinks/frame_pattern.h"
 
 namespace hdrcam {
 namespace {
@@ -38,10 +39,20 @@ std::vector<NamedInput> inputs_of(const ReplayFlags& flags) {
   return inputs;
 }
 
+bool is_numbered_only(const std::string& frames) {
+  const auto pattern = FramePattern::parse("--output", frames, ".exr");
+  return pattern && pattern.value().name_before().empty() && pattern.value().name_after() == ".exr";
+}
+
 Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surroundings& around) {
   TRY(check_recording_named(around.storage, flags.recording, "replay"));
   if (!flags.truth.empty() && !asked.output.path("frames").ends_with(".exr"))
     return Error{ErrorCode::Invalid, "--truth scores the HDR frames on disk; give --output out/%06d.exr too"};
+  if (!flags.truth.empty() && !is_numbered_only(asked.output.path("frames")))
+    return Error{ErrorCode::Invalid,
+                 fmt::format("--truth scores frames that are named by their number alone; give --output "
+                             "out/%06d.exr instead of '{}'",
+                             asked.output.path("frames"))};
   if (!writes_outputs(asked.output))
     return Error{
         ErrorCode::Invalid,

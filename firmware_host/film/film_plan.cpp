@@ -18,7 +18,9 @@ namespace hdrcam {
 namespace {
 
 constexpr int kMostFrames = 1000000, kLeastSide_px = 16;
-constexpr double kNearlyWhole = 1e-6;  // of a frame: times are rounded to nanoseconds
+constexpr double kNearlyWhole = 1e-6;  // of a second: times are rounded to nanoseconds
+constexpr double kNearlyFrame =
+    1e-3;  // of a frame: those of the year, in doubles, to a quarter of a microsecond
 
 Result<void> check_number(const char* flag, double value, double least, double most) {
   if (value >= least && value <= most) return {};
@@ -168,7 +170,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   plan.shutter_s = options.shutter_deg / 360 * plan.speed / plan.framerate_hz;
   const double length_s =
       plan.frozen ? (plan.move.is_path() ? plan.move.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
-  const double frames = std::floor(length_s * plan.framerate_hz + kNearlyWhole) + 1;
+  const double frames = std::floor(length_s * plan.framerate_hz + kNearlyFrame) + 1;
   if (frames > kMostFrames)
     return Error{ErrorCode::Invalid,
                  fmt::format("the film would have {:.0f} frames, more than {}; raise --speed "
@@ -185,7 +187,8 @@ std::uint64_t view_bytes(const FilmPlan& plan) {
 
 std::uint64_t film_bytes(const FilmPlan& plan, const FilmedRecording& recording) {
   constexpr std::uint64_t kKeyframe = 90;  // of a pixel: with its depth and both motions
-  const double kept_s = plan.shutter_s + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0);
+  const double kept_s =
+      std::min(recording.duration_s, plan.shutter_s + (plan.stabilize ? 2 * SteadyPath::kReach_s : 0));
   const auto keyframes = static_cast<std::uint64_t>(kept_s * recording.framerate_hz) + 4;
   return kKeyframe * keyframes * pixels(recording.width, recording.height) + view_bytes(plan);
 }

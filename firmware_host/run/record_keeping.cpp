@@ -106,10 +106,13 @@ Error stopped_film(const VirtualCamera& film, const FilmPlan& plan) {
                                               film.shown(), plan.frames)};
 }
 
-Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record) {
+Result<void> add_scores(const RunPlan& plan, const EarlierFrames& earlier, Storage& storage,
+                        RunRecord& record) {
   if (plan.truth.empty()) return {};
-  const ClipScores scores = TRY(
-      score_clip(storage, plan.truth, folder_of(plan.settings.output.path("frames")), {.stop = plan.stop}));
+  const ScoreOptions options{.stop = plan.stop,
+                             .is_scored = [&](const std::string& path) { return !earlier.remains(path); }};
+  const ClipScores scores =
+      TRY(score_clip(storage, plan.truth, folder_of(plan.settings.output.path("frames")), options));
   record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
   record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
   if (scores.mean.psnr_mu_moving_db)

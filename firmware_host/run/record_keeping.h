@@ -38,9 +38,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record);
 void add_findings(const VirtualCamera& film, RunRecord& record);
 // Interrupted: what a film says that the user stopped.
 Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
-// The scores of the HDR frames on disk, where the plan has a clip with ground truth. Errors: those of
-// score_clip.
-Result<void> add_scores(const RunPlan& plan, Storage& storage, RunRecord& record);
+// The scores of the HDR frames that the run wrote, where the plan has a clip with ground truth; not of
+// `earlier` ones. Errors: those of score_clip.
+Result<void> add_scores(const RunPlan& plan, const EarlierFrames& earlier, Storage& storage,
+                        RunRecord& record);
 // The frames in order, and what the whole run took. wall_s: seconds.
 void close_record(RunPace pace, double wall_s, RunRecord& record);
 // Warns of earlier frames that stayed beside the new ones; and, where somebody follows the run, says where

@@ -69,6 +69,7 @@ class Run {
   const std::optional<ChannelGains> balance_;
   FrameSource& source_;
   Storage& storage_;
+  const EarlierFrames earlier_;  // where the HDR frames go
   SharedProgress& progress_;
   const CameraFacts& camera_;
   const RunPace pace_;
@@ -103,6 +104,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       balance_(balance),
       source_(source),
       storage_(storage),
+      earlier_(storage, plan.settings.output.path("frames")),
       progress_(progress),
       camera_(source.camera()),
       pace_(source.pace()),
@@ -273,7 +275,7 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
   const Result<void> ended = source_.finish(record_);
   // depth and motion take their time: the camera and its recording have ended
   if (const Result<void> saved = save_scene(); worked && !saved) worked = saved;
-  if (worked && ended) worked = add_scores(plan_, storage_, record_);
+  if (worked && ended) worked = add_scores(plan_, earlier_, storage_, record_);
   record_.sinks = sinks_.times();
   if (const Result<void> concluded = sinks_.conclude(record_); worked && !concluded) worked = concluded;
   return first_cause(std::move(worked), ended);

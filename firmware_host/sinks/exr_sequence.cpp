@@ -187,7 +187,7 @@ Result<std::unique_ptr<FrameSink>> create_exr_sequence(Storage& storage, std::st
                                                        ExrSequenceOptions options) {
   auto parsed = TRY(FramePattern::parse("--output", pattern, ".exr"));
   TRY(storage.make_directories(parsed.folder()));
-  FrameLedger ledger = TRY(FrameLedger::create(storage, parsed.folder()));
+  FrameLedger ledger = TRY(FrameLedger::create(storage, parsed));
   return std::unique_ptr<FrameSink>(
       std::make_unique<ExrSequence>(storage, std::move(parsed), std::move(ledger), std::move(options)));
 }

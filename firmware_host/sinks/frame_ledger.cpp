@@ -7,8 +7,12 @@
 
 namespace hdrcam {
 
-Result<FrameLedger> FrameLedger::create(Storage& storage, const std::string& folder) {
-  FileInMaking making = TRY(FileInMaking::beside(storage, folder + "/" + kFile));
+std::string FrameLedger::path_beside(const FramePattern& frames) {
+  return fmt::format("{}/{}frames.csv", frames.folder(), frames.name_before());
+}
+
+Result<FrameLedger> FrameLedger::create(Storage& storage, const FramePattern& frames) {
+  FileInMaking making = TRY(FileInMaking::beside(storage, path_beside(frames)));
   auto file = TRY(making.as_asked(storage.create(making.path(), Creation::New)));
   FrameLedger ledger(std::move(making), std::move(file));
   TRY(ledger.write(

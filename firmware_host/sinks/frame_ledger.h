@@ -1,13 +1,15 @@
 // frames.csv, the list of the frames that left (docs/stats.md): number, time since the first frame and on the
-// sensor's clock, exposure and its verdict, file. A live run
-// sheds frames, and the names of the files alone do not say when they were taken. A line is written once its
-// frame is; a power cut may lose both, as long as the system has not written them back. Thread-bound.
+// sensor's clock, exposure and its verdict, file. A live run sheds frames, and the names of the files alone
+// do not say when they were taken. What stands before the number of the frames' names stands before that of
+// the list, so that takes in one folder have one each. A line is written once its frame is; a power cut may
+// lose both, as long as the system has not written them back. Thread-bound.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <string>
 
+#include "firmware_host/sinks/frame_pattern.h"
 #include "hal/core/frame.h"
 #include "hal/storage.h"
 
@@ -15,11 +17,11 @@ namespace hdrcam {
 
 class FrameLedger {
  public:
-  static constexpr const char* kFile = "frames.csv";
+  static std::string path_beside(const FramePattern& frames);
 
-  // folder: of the frames; it exists. A ledger of an earlier run is replaced with the first line, so that a
+  // The folder of the frames exists. A ledger of an earlier run is replaced with the first line, so that a
   // run that never had a frame leaves it. Errors: those of the disk.
-  static Result<FrameLedger> create(Storage& storage, const std::string& folder);
+  static Result<FrameLedger> create(Storage& storage, const FramePattern& frames);
 
   // time_s: since the first frame. file: of the frame, without its folder. Errors: NoSpace, Io.
   Result<void> append(const FrameFacts& facts, double time_s, const std::string& file);

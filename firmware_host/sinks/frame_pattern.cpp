@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "hal/core/parse_number.h"
 
@@ -65,7 +66,7 @@ std::optional<std::string_view> FramePattern::number_in(std::string_view name) c
 
 std::optional<std::uint64_t> FramePattern::sequence_of(std::string_view name) const {
   const auto sequence = parse_number<std::uint64_t>(number_in(name).value_or(""));
-  return sequence && path(*sequence).ends_with(name) ? sequence : std::nullopt;
+  return sequence && std::filesystem::path(path(*sequence)).filename() == name ? sequence : std::nullopt;
 }
 
 bool FramePattern::fits(std::string_view name) const {

@@ -24,10 +24,11 @@ class FramePattern {
   // digits: "0041.exr" is also one of "%06d.exr".
   bool fits(std::string_view name) const;
   bool same_names_but_for_digits(const FramePattern& other) const;  // in whatever folders
-  std::string folder() const;  // of the files; "." where the pattern names none
+  std::string folder() const;                             // of the files; "." where the pattern names none
+  std::string_view name_before() const;                   // the number, without the folder
+  std::string_view name_after() const { return after_; }  // the number, with the extension
 
  private:
-  std::string_view name_before() const;  // the number, without the folder
   // Between what comes before the number and what comes after it; nullopt where there is nothing or another
   // name.
   std::optional<std::string_view> number_in(std::string_view name) const;

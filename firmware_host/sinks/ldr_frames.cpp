@@ -15,9 +15,12 @@ Result<void> write_picture(const EmittedFrame& frame, Storage& storage, const st
   return write_whole(storage, path, png, Durability::WrittenBack);
 }
 
+Result<std::unique_ptr<FrameSink>> open_video(const SinkRequest& request) {
+  return create_display_video(request.storage, request.path, request.camera.framerate_hz, request.video);
+}
+
 Result<std::unique_ptr<FrameSink>> open_frames(const SinkRequest& request) {
-  if (video_container_of(request.path))
-    return create_display_video(request.storage, request.path, request.camera.framerate_hz, request.video);
+  if (video_container_of(request.path)) return open_video(request);
   return create_numbered_files(request.storage, "--output", request.path, ".png", write_picture);
 }
 
@@ -27,9 +30,9 @@ std::span<const SinkKind> ldr_sink_kinds() {
   static const std::vector<SinkKind> kinds = [] {
     std::vector<SinkKind> all(sink_kinds().begin(), sink_kinds().end());
     for (SinkKind& kind : all) {
-      const bool frames = std::string_view(kind.name) == "frames";
-      if (frames || std::string_view(kind.name) == "video") kind.open = open_frames;
-      if (frames) kind.extension = ".png";
+      const std::string_view name = kind.name;
+      if (name == "video") kind.open = open_video;
+      if (name == "frames") kind.open = open_frames, kind.extension = ".png";
     }
     return all;
   }();

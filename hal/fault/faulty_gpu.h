@@ -1,6 +1,6 @@
-// A graphics device that fails when it is told to: its memory is full, it is lost in the middle of work, or
-// it says that it is of another kind. All else is the wrapped device's. For tests of what goes on without it.
-// Thread-bound; the wrapped device outlives it.
+// A graphics device that fails when it is told to: its memory is full, its compiler refuses a kernel, it is
+// lost in the middle of work, or it says that it is of another kind. All else is the wrapped device's. For
+// tests of what goes on without it. Thread-bound; the wrapped device outlives it.
 #pragma once
 
 #include <limits>
@@ -12,9 +12,10 @@ namespace hdrcam {
 
 struct GpuFaults {
   static constexpr int kNever = std::numeric_limits<int>::max();
-  int buffers_until_full = kNever;   // that can be made before NoSpace
-  int finishes_until_lost = kNever;  // that succeed before Unplugged, which it then is for good
-  std::string kind = {};             // GpuFacts::kind; "": the wrapped device's
+  int buffers_until_full = kNever;     // that can be made before NoSpace
+  int kernels_until_refused = kNever;  // that can be had before NoSpace
+  int finishes_until_lost = kNever;    // that succeed before Unplugged, which it then is for good
+  std::string kind = {};               // GpuFacts::kind; "": the wrapped device's
 };
 
 class FaultyGpu final : public GpuDevice {
@@ -30,7 +31,11 @@ class FaultyGpu final : public GpuDevice {
       return Error{ErrorCode::NoSpace, "graphics memory is full, as it was told to be"};
     return device_.buffer(bytes);
   }
-  Result<const GpuKernel*> kernel(const GpuShader& shader) override { return device_.kernel(shader); }
+  Result<const GpuKernel*> kernel(const GpuShader& shader) override {
+    if (left_.kernels_until_refused-- <= 0)
+      return Error{ErrorCode::NoSpace, "the compiler has no memory, as it was told"};
+    return device_.kernel(shader);
+  }
   GpuWork& work() override { return work_; }
 
  private:

@@ -8,6 +8,7 @@
 // After Unplugged or Timeout a device gives no more answers: who uses it goes on with the processor.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -121,6 +122,15 @@ class GpuDevice {
   friend class GpuTurn;
   std::mutex turn_;
 };
+
+// The kernels of a part in its order, or the first error. The calling thread has the turn.
+template <std::size_t N>
+Result<std::array<const GpuKernel*, N>> kernels_of(GpuDevice& device,
+                                                   const std::array<GpuShader, N>& shaders) {
+  std::array<const GpuKernel*, N> kernels{};
+  for (std::size_t i = 0; i < N; ++i) kernels[i] = TRY(device.kernel(shaders[i]));
+  return kernels;
+}
 
 // Held while a device is used where several threads do: from the first step, or the first buffer, to
 // finish(). pool: of the calling thread, for what is carried meanwhile (GpuWork::carry_with).

@@ -32,12 +32,13 @@ Image<float> flow_of(const ExrImage& picture, const std::string_view (&names)[2]
 
 }  // namespace
 
-Result<Estimates> Estimates::open(Storage& storage, const std::string& folder) {
+Result<Estimates> Estimates::open(Storage& storage, const std::string& folder,
+                                  const std::function<bool(const std::string& path)>& is_scored) {
   Estimates estimates(storage);
   std::error_code error;
   for (std::filesystem::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const auto number = frame_number(it->path());
-    if (!number) continue;
+    if (!number || (is_scored && !is_scored(it->path().string()))) continue;
     const auto [known, fresh] = estimates.paths_.emplace(*number, it->path().string());
     if (!fresh)
       return Error{ErrorCode::Invalid, fmt::format("'{}' and '{}' are both frame {}; remove one",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -24,8 +25,9 @@ struct Estimate {
 class Estimates {
  public:
   // Errors: NotFound where the folder or any numbered .exr in it is missing; Invalid where two files have the
-  // same number.
-  static Result<Estimates> open(Storage& storage, const std::string& folder);
+  // same number. is_scored: of its files; none: all.
+  static Result<Estimates> open(Storage& storage, const std::string& folder,
+                                const std::function<bool(const std::string& path)>& is_scored = {});
 
   bool contains(int frame) const { return paths_.contains(frame); }
   // Errors: those of read_exr and rgb_of; SizeChanged.

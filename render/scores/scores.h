@@ -10,6 +10,7 @@
 
 #include <array>
 #include <atomic>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,8 +22,9 @@
 namespace hdrcam {
 
 struct ScoreOptions {
-  int skip = 1;                             // frames left out at either end of the clip
-  const std::atomic<bool>* stop = nullptr;  // when set, scoring returns Interrupted
+  int skip = 1;                                                 // frames left out at either end of the clip
+  const std::atomic<bool>* stop = nullptr;                      // when set, scoring returns Interrupted
+  std::function<bool(const std::string& path)> is_scored = {};  // of the files in the folder; none: all
 };
 
 struct FrameScores {

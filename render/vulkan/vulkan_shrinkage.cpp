@@ -13,11 +13,11 @@ int tiles_along(int pixels, int step) { return (pixels - kShrinkageTile + step -
 }  // namespace
 
 Result<std::unique_ptr<VulkanShrinkage>> VulkanShrinkage::make(GpuDevice& device, WorkerPool& pool) {
-  const GpuTurn turn(device);
   const std::array<GpuShader, kPasses> shaders{
       {{"opponent", k_opponent, 3}, {"shrink", k_shrink, 3}, {"gather", k_gather, 3}}};
   std::unique_ptr<VulkanShrinkage> made(new VulkanShrinkage(device, pool));
-  for (std::size_t i = 0; i < kPasses; ++i) made->kernels_[i] = TRY(device.kernel(shaders[i]));
+  const GpuTurn turn(device);  // ends before `made`, whose end takes a turn of its own
+  made->kernels_ = TRY(kernels_of(device, shaders));
   return made;
 }
 

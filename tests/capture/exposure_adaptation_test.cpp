@@ -102,7 +102,7 @@ TEST_CASE(
   ExposureLimits limits = kLimits;
   limits.cycle = {{28ms, 1}, {30ms, 1}};
   ExposureAdaptation near_ones(limits);
-  std::optional<ExposureAdaptation::Cycle> next;
+  std::optional<ExposureSchedule::Cycle> next;
   for (int i = 0; i < 20 && !next; ++i) next = near_ones.observe(i % 2, {0.5f, 0});
   REQUIRE(next.has_value());
   CHECK((*next)[0].time == 14ms);

@@ -61,23 +61,23 @@ TEST_CASE("advice is followed by time first, then by gain", "[capture]") {
 TEST_CASE("an end at its limit leaves the exposures between in their place, and light brings all back",
           "[capture]") {
   const ExposureLimits limits = limits_of({std::begin(kCycle), std::end(kCycle)});
-  auto cycle = followed(kCycle, {0, 1}, limits);
-  for (int i = 0; i < 10; ++i) cycle = followed({cycle.data(), 3}, {0, 1}, limits);  // a dim room
+  ExposureSchedule::Cycle cycle = followed(kCycle, {0, 1}, limits);
+  for (int i = 0; i < 10; ++i) cycle = followed(cycle, {0, 1}, limits);  // a dim room
   CHECK(cycle[2].time == 32ms);
   CHECK(stops_between(cycle[0], cycle[1]) == Approx(stops_between(cycle[1], cycle[2])).margin(1e-3));
-  for (int i = 0; i < 3; ++i) cycle = followed({cycle.data(), 3}, {-1, 0}, limits);
+  for (int i = 0; i < 3; ++i) cycle = followed(cycle, {-1, 0}, limits);
   CHECK(stops_between(cycle[0], cycle[1]) == Approx(stops_between(cycle[1], cycle[2])).margin(1e-3));
 }
 
 TEST_CASE("the ends of a cycle come no closer than a stop for each step, and part again", "[capture]") {
   const ExposureLimits limits = limits_of({std::begin(kCycle), std::end(kCycle)});
-  auto cycle = followed(kCycle, {0.5f, 1}, limits);
-  for (int i = 0; i < 20; ++i) cycle = followed({cycle.data(), 3}, {0.5f, 1}, limits);  // the lens is covered
+  ExposureSchedule::Cycle cycle = followed(kCycle, {0.5f, 1}, limits);
+  for (int i = 0; i < 20; ++i) cycle = followed(cycle, {0.5f, 1}, limits);  // the lens is covered
   CHECK(cycle[2].time == 32ms);
   CHECK(stops_between(cycle[0], cycle[2]) == Approx(2).margin(1e-3));
-  cycle = followed({cycle.data(), 3}, {-1, 0}, limits);
+  cycle = followed(cycle, {-1, 0}, limits);
   CHECK(stops_between(cycle[0], cycle[2]) == Approx(3).margin(1e-3));
-  for (int i = 0; i < 20; ++i) cycle = followed({cycle.data(), 3}, {-1, -0.5f}, limits);  // the sun
+  for (int i = 0; i < 20; ++i) cycle = followed(cycle, {-1, -0.5f}, limits);  // the sun
   CHECK(cycle[0].time == 100us);
   CHECK(stops_between(cycle[0], cycle[2]) == Approx(2).margin(1e-3));
 

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "hal/gpu/vulkan/pipeline_cache.h"
 
@@ -73,8 +74,24 @@ Result<void> Device::start(const PhysicalDevice& which, const std::string& cache
   return {};
 }
 
+// A device that does not answer may use all that it was given until the program ends, and so long it is
+// there: to wait for it would never end either.
+void Device::forsake() {
+  struct Forsaken {
+    std::unique_ptr<Instance> instance;
+    std::unique_ptr<Memory> memory;
+    std::unique_ptr<Work> work;
+  };
+  static auto* const forsaken = new std::vector<Forsaken>;
+  forsaken->push_back({std::move(instance_), std::move(memory_), std::move(work_)});
+}
+
 Device::~Device() {
   if (device_ == VK_NULL_HANDLE) return;
+  if (work_ != nullptr && !work_->answers()) {
+    forsake();
+    return;
+  }
   (void)vk_.DeviceWaitIdle(device_);
   keep_cache();
   for (const auto& [name, kernel] : kernels_) destroy(*kernel);
@@ -110,8 +127,7 @@ Result<std::unique_ptr<GpuBuffer>> Device::buffer(std::size_t bytes) {
 }
 
 Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
-  auto& kept = kernels_[shader.name];
-  if (kept) return kept.get();
+  if (const auto kept = kernels_.find(shader.name); kept != kernels_.end()) return kept->second.get();
   HDRCAM_CHECK(shader.buffers <= kMostKernelBuffers);
   auto kernel = std::make_unique<Kernel>();
   kernel->name = shader.name, kernel->buffers = shader.buffers;
@@ -121,8 +137,7 @@ Result<const GpuKernel*> Device::kernel(const GpuShader& shader) {
     destroy(*kernel);
     return made.error();
   }
-  kept = std::move(kernel);
-  return kept.get();
+  return kernels_.emplace(shader.name, std::move(kernel)).first->second.get();
 }
 
 Result<void> Device::compile(const GpuShader& shader, Kernel& kernel) {

@@ -21,6 +21,8 @@ class Device final : public GpuDevice {
   Result<std::unique_ptr<GpuBuffer>> buffer(std::size_t bytes) override;
   Result<const GpuKernel*> kernel(const GpuShader& shader) override;
   GpuWork& work() override { return *work_; }
+  // For tests of a driver that fails: they exchange one.
+  DeviceFunctions& functions() { return vk_; }
 
  private:
   Device(std::unique_ptr<Instance> instance, const PhysicalDevice& which)
@@ -30,6 +32,7 @@ class Device final : public GpuDevice {
   void keep_cache();
   Result<void> compile(const GpuShader& shader, Kernel& kernel);
   void destroy(Kernel& kernel);
+  void forsake();
 
   std::unique_ptr<Instance> instance_;
   GpuFacts facts_;

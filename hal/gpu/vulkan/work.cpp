@@ -270,8 +270,8 @@ Result<void> Work::finish() {
     else
       (void)vk_.EndCommandBuffer(commands_);
   }
-  lost_ = lost_ ||
-          (!done && (done.error().code == ErrorCode::Unplugged || done.error().code == ErrorCode::Timeout));
+  if (!done && done.error().code == ErrorCode::Timeout) answers_ = false;
+  lost_ = lost_ || !answers_ || (!done && done.error().code == ErrorCode::Unplugged);
   if (done)
     for (const Arrival& arrival : arrivals_)
       carry({arrival.staging->mapped(), arrival.to.size()}, arrival.to.data());

@@ -42,6 +42,8 @@ class Work final : public GpuWork {
   Result<void> finish() override;
   void measure(GpuStepTimes* times) override;
   void carry_with(WorkerPool* pool) override { pool_ = pool; }
+  // Not where it was given up after a time: it may still be at work.
+  bool answers() const { return answers_; }
 
  private:
   struct Arrival {
@@ -73,7 +75,7 @@ class Work final : public GpuWork {
   VkFence fence_ = VK_NULL_HANDLE;
   std::vector<VkDescriptorPool> descriptors_;
   std::size_t descriptors_used_ = 0;  // the pool that sets are taken from
-  bool recording_ = false, lost_ = false;
+  bool recording_ = false, lost_ = false, answers_ = true;
   Result<void> error_;
   std::vector<std::unique_ptr<Memory::Range>> staged_;
   std::vector<Arrival> arrivals_;

@@ -76,7 +76,7 @@ Result<StatePasses> StatePasses::make(GpuDevice& device, const StateOptions& opt
                                                 {"largest_around", k_largest_around, 3},
                                                 {"follow", k_follow, 3}}};
   StatePasses passes(device, options);
-  for (std::size_t i = 0; i < kPasses; ++i) passes.kernels_[i] = TRY(device.kernel(shaders[i]));
+  passes.kernels_ = TRY(kernels_of(device, shaders));
   return passes;
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 
+#include "firmware_host/exit_code.h"
 #include "render/exr.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
@@ -218,4 +219,20 @@ TEST_CASE("encode refuses flags that its output does not use, and leaves what a 
       ran_here({"encode", frames, "-o", out + "/x.mp4", "--framerate", "25", "--config", config});
   CHECK(none.exit_code == 3);
   CHECK_THAT(none.err, Contains("there are no frames"));
+}
+
+TEST_CASE("frames whose time does not go on are of two takes, and no video is made of both") {
+  const std::string folder = sample::scratch_folder("encode_joined");
+  const Image<float> grey(1, 16, 16);
+  for (int i = 0; i < 6; ++i) {
+    ExrAttributes attributes;
+    attributes.framerate_hz = 30;
+    write_grey(fmt::format("{}/untimed_{:04d}.exr", folder, i), grey, attributes);
+    attributes.texts["hdrcam.secondsSinceStart"] = fmt::format("{}", i % 3 / 30.);
+    write_grey(fmt::format("{}/{:04d}.exr", folder, i), grey, attributes);
+  }
+  const RanHere joined = ran_here({"encode", folder + "/%04d.exr", "-o", folder + "/joined.mp4"});
+  CHECK(joined.exit_code == exit_code_of(ErrorCode::Invalid));
+  CHECK_THAT(joined.err, Contains("0003.exr' is no later than") && Contains("0002.exr' before it"));
+  CHECK(ran_here({"encode", folder + "/untimed_%04d.exr", "-o", folder + "/untimed.mp4"}).exit_code == 0);
 }

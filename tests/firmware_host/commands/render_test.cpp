@@ -255,6 +255,15 @@ TEST_CASE("a film ends after the current frame when it is told to stop, however 
   CHECK(pictures < 100);
 }
 
+TEST_CASE("the video of a film of 8-bit pictures is a video, and replaces no picture", "[film]") {
+  const std::string folder = sample::scratch_folder("render_ldr_video"), kept = folder + "/000000.png";
+  const std::string text = "an earlier picture";
+  REQUIRE(write_whole(posix_storage(), kept, std::as_bytes(std::span(text))).ok());
+  CHECK_THAT(refusal({"--ldr", "--time", "0.2", "--set", "steps=1", "--video", folder + "/%06d.png"}),
+             Contains("is no name of a video"));
+  CHECK(read_whole(posix_storage(), kept).value() == text);
+}
+
 TEST_CASE("what the verb cannot do is said before anything is written", "[film]") {
   const std::string folder = sample::scratch_folder("render_refused"), frames = folder + "/x/%06d.exr";
   CHECK_THAT(refusal({}), Contains("nothing to write; give --output"));
@@ -274,6 +283,13 @@ TEST_CASE("what the verb cannot do is said before anything is written", "[film]"
                Contains(std::string("--layers ") + motion + " writes the motion between recorded frames"));
   CHECK_THAT(refusal({"-o", frames, "--view", "0.1,0,0", "--emit", "state"}),
              Contains("leave out --emit state"));
+  for (const auto& [flag, value] : {std::pair("--transforms", "/x/t.json"), {"--colmap", "/x/colmap"}})
+    CHECK_THAT(refusal({"-o", frames, "--time", "0.2", "--stereo", "0.02", flag, folder + value}),
+               Contains(std::string(flag) + " needs pictures of one lens"));
+  CHECK_THAT(refusal({"-o", folder + "/x/a.mp4", "--ldr", "--white", "100"}),
+             Contains("pictures for SDR displays; leave out --white"));
+  CHECK_THAT(refusal({"-o", folder + "/x/a.mp4", "--ldr", "--transfer", "hlg"}),
+             Contains("leave out --transfer"));
   CHECK_FALSE(fs::exists(folder + "/x"));
   CHECK(ran_here({"render", folder + "/none.mkv", "-o", frames}).exit_code ==
         exit_code_of(ErrorCode::NotFound));

@@ -330,3 +330,27 @@ TEST_CASE("^C ends the run with exit code 130") {
   const RanHere outcome = ran_here({"replay", clip, "-o", folder + "/out/%06d.exr"}, posix_storage(), true);
   CHECK(outcome.exit_code == 130);
 }
+
+TEST_CASE("a replay's scores are of the frames that it wrote, and of no others in their folder") {
+  const std::string folder = sample::scratch_folder("replay_scored"), walk = folder + "/walk.mkv",
+                    clip = folder + "/clip", out = folder + "/out";
+  REQUIRE(ran_here({"simulate", "walk?size=32x32", "--frames", "6", "-o", walk, "--truth", clip}).exit_code ==
+          0);
+  const auto scored = [&](const std::string& frames, const std::vector<std::string>& more) {
+    std::vector<std::string> words{"replay", walk,   "--preset", "fast", "--emit",  "state",
+                                   "-o",     frames, "--truth",  clip,   "--stats", folder + "/s.json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return ran_here(words);
+  };
+  const RanHere named = scored(out + "/a_%06d.exr", {});
+  CHECK(named.exit_code == exit_code_of(ErrorCode::Invalid));
+  CHECK(named.err.find("--truth scores frames that are named by their number alone") != std::string::npos);
+  CHECK_FALSE(fs::exists(out));
+  REQUIRE(scored(out + "/%06d.exr", {}).exit_code == 0);
+  const std::string text = "not a frame of the second run";
+  require_done(write_whole(posix_storage(), out + "/000005.exr", std::as_bytes(std::span(text))));
+  const RanHere fewer = scored(out + "/%06d.exr", {"--frames", "4", "--force"});
+  INFO(fewer.err);
+  CHECK(fewer.exit_code == 0);
+  CHECK(text_of(out + "/000005.exr") == text);
+}

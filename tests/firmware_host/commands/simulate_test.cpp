@@ -175,7 +175,7 @@ TEST_CASE("a simulation that is stopped leaves a whole recording and a whole cli
   CHECK(recorded.frames.size() >= 3);
   CHECK(value_of(ImageSequence::open(posix_storage(), clip)).frame_count() ==
         static_cast<int>(recorded.frames.size()));
-  CHECK(value_of(score_clip(posix_storage(), clip, clip + "/gt/hdr", {0, nullptr})).frames.size() ==
+  CHECK(value_of(score_clip(posix_storage(), clip, clip + "/gt/hdr", {.skip = 0})).frames.size() ==
         recorded.frames.size());
 }
 

@@ -25,6 +25,9 @@ TEST_CASE("the number of a file is found again in its name") {
   for (const char* stranger : {"f_007_v2.exr", "f_00007_v2.exr", "f__v2.exr", "f_0007.exr", "g_0007_v2.exr",
                                "f_00a7_v2.exr", "f_-007_v2.exr", ""})
     CHECK_FALSE(pattern.sequence_of(stranger));
+  const auto number_alone = FramePattern::parse("--output", "out/%06d.exr", ".exr").value();
+  CHECK(number_alone.sequence_of("000003.exr") == 3);
+  CHECK_FALSE(number_alone.sequence_of("0003.exr"));  // the end of a name is not the name
 }
 
 TEST_CASE("a file fits a pattern with any number of digits, and with nothing else in their place") {

@@ -68,7 +68,9 @@ TEST_CASE("a graphics device that is full or lost leaves shrinkage to the proces
   const Noisy noisy(30, 41);
   Image<float> expected = noisy.radiance.clone();
   Shrinkage(pool).apply(expected, noisy.variance, {kOffset, NoiseOrigin::Unknown});
-  for (const GpuFaults& faults : {GpuFaults{.buffers_until_full = 2}, GpuFaults{.finishes_until_lost = 0}}) {
+  for (const GpuFaults& faults :
+       {GpuFaults{.buffers_until_full = 2}, GpuFaults{.kernels_until_refused = 0},
+        GpuFaults{.kernels_until_refused = 2}, GpuFaults{.finishes_until_lost = 0}}) {
     FaultyGpu faulty(*gpu, faults);
     Shrinkage there(pool, &faulty);
     for (int frame = 0; frame < 2; ++frame) {

@@ -47,7 +47,7 @@ Result<FlowPasses> FlowPasses::make(GpuDevice& device) {
                                                 {"flow relax", k_relax, 3},
                                                 {"flow enlarge", k_enlarge, 2}}};
   FlowPasses passes(device);
-  for (std::size_t i = 0; i < kPasses; ++i) passes.kernels_[i] = TRY(device.kernel(shaders[i]));
+  passes.kernels_ = TRY(kernels_of(device, shaders));
   return passes;
 }
 

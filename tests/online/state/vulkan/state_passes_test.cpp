@@ -423,15 +423,22 @@ TEST_CASE("after a restart a frame's codes go to the graphics device anew", "[gp
   }
 }
 
-TEST_CASE("a graphics device without memory leaves the state to the processor, to the same bytes", "[gpu]") {
+TEST_CASE(
+    "a graphics device without memory, for pictures or for kernels, leaves the state to the processor, to "
+    "the same bytes",
+    "[gpu]") {
   const auto gpu = test::open_test_gpu();
   NEEDS_GPU(gpu);
-  FaultyGpu faulty(*gpu, {.buffers_until_full = 5});
-  TwoLayers both(faulty);
-  CHECK(both.there.fallback_reason().find("memory is full") != std::string::npos);
-  for (int i = 0; i < 4; ++i) both.take(i);
-  const auto a = both.here.state().radiance.samples(), b = both.there.state().radiance.samples();
-  CHECK(std::equal(a.begin(), a.end(), b.begin()));
+  const auto check = [&](const GpuFaults& faults, const char* reason) {
+    FaultyGpu faulty(*gpu, faults);
+    TwoLayers both(faulty);
+    CHECK(both.there.fallback_reason().find(reason) != std::string::npos);
+    for (int i = 0; i < 4; ++i) both.take(i);
+    const auto a = both.here.state().radiance.samples(), b = both.there.state().radiance.samples();
+    CHECK(std::equal(a.begin(), a.end(), b.begin()));
+  };
+  check({.buffers_until_full = 5}, "memory is full");
+  check({.kernels_until_refused = 3}, "compiler has no memory");
 }
 
 TEST_CASE("a graphics device lost at any moment loses no frame: the processor goes on from there", "[gpu]") {

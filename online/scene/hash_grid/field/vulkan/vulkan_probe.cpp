@@ -29,14 +29,14 @@ struct VulkanProbe::Constants {
 };
 
 Result<std::unique_ptr<VulkanProbe>> VulkanProbe::make(GpuDevice& device) {
-  const GpuTurn turn(device);
   const std::array<GpuShader, kPasses> shaders{{{"field place", k_place, 4},
                                                 {"field encode", k_encode, 4},
                                                 {"field network", k_network, 3},
                                                 {"field move", k_move, 5},
                                                 {"field answer", k_answer, 8}}};
   std::unique_ptr<VulkanProbe> probe(new VulkanProbe(device));
-  for (std::size_t i = 0; i < kPasses; ++i) probe->kernels_[i] = TRY(device.kernel(shaders[i]));
+  const GpuTurn turn(device);  // ends before `probe`, whose end takes a turn of its own
+  probe->kernels_ = TRY(kernels_of(device, shaders));
   return probe;
 }
 

@@ -77,7 +77,7 @@ Result<FitPasses> FitPasses::make(GpuDevice& device) {
                                                 {"fit adam table", k_adam_table, 5},
                                                 {"fit adam network", k_adam_network, 4}}};
   FitPasses made(device);
-  for (std::size_t i = 0; i < kPasses; ++i) made.kernels_[i] = TRY(device.kernel(shaders[i]));
+  made.kernels_ = TRY(kernels_of(device, shaders));
   return made;
 }
 

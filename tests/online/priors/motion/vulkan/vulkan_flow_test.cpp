@@ -187,6 +187,7 @@ TEST_CASE("a graphics device that fails leaves the flow to the processor, to the
   };
   check({.buffers_until_full = 0}, "full");
   check({.buffers_until_full = 7}, "full");
+  check({.kernels_until_refused = 3}, "compiler has no memory");
   check({.finishes_until_lost = 0}, "was lost");
   check({.finishes_until_lost = 1}, "was lost");
 }

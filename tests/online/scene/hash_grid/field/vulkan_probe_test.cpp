@@ -140,8 +140,8 @@ TEST_CASE("a graphics device that is full or lost leaves views to the processor"
   FieldPicture here;
   FieldRenderer processor;
   processor.render(scene.field(), view, pool, here);
-  for (const GpuFaults& faults : {GpuFaults{.buffers_until_full = 3}, GpuFaults{.finishes_until_lost = 0},
-                                  GpuFaults{.finishes_until_lost = 1}}) {
+  for (const GpuFaults& faults : {GpuFaults{.buffers_until_full = 3}, GpuFaults{.kernels_until_refused = 1},
+                                  GpuFaults{.finishes_until_lost = 0}, GpuFaults{.finishes_until_lost = 1}}) {
     FaultyGpu faulty(*gpu, faults);
     FieldRenderer renderer(&faulty);
     FieldPicture there;

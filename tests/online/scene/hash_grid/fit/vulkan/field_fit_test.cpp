@@ -183,6 +183,19 @@ TEST_CASE("a graphics device without memory leaves the fit to the processor, to 
   }
 }
 
+TEST_CASE("a graphics device that compiles no kernel leaves the fit to the processor, to the same bytes",
+          "[gpu]") {
+  const auto gpu = test::open_test_gpu();
+  NEEDS_GPU(gpu);
+  Stream here(nullptr);
+  FaultyGpu faulty(*gpu, {.kernels_until_refused = 4});
+  Stream there(&faulty);
+  for (Stream* stream : {&here, &there})
+    for (int i = 0; i < 3; ++i) stream->take(i, 4);
+  CHECK(there.fit.fallback_reason().find("compiler has no memory") != std::string::npos);
+  CHECK((there.parameters() == here.parameters()));
+}
+
 TEST_CASE("a graphics device lost at any moment loses no step: the processor takes the frame's again",
           "[gpu]") {
   const auto gpu = test::open_test_gpu();
