@@ -18,7 +18,12 @@ void set_limits([[maybe_unused]] int block_bytes, [[maybe_unused]] int kept_byte
 
 }  // namespace
 
-void give_back_freed_pictures() { set_limits(1 << 20, 16 << 20); }
+void give_back_freed_pictures() {
+#ifdef __GLIBC__
+  mallopt(M_ARENA_MAX, 1);
+#endif
+  set_limits(4 << 20, 16 << 20);
+}
 
 FreedPicturesStay::FreedPicturesStay() { set_limits(32 << 20, 512 << 20); }
 
