@@ -35,7 +35,8 @@ Result<std::unique_ptr<CaptureStage>> CaptureStage::open(Camera& camera, SyncLin
   const auto schedule =
       TRY(offers.sets_exposure ? ExposureSchedule::create(cycle, offers, mode.frame_duration, mains)
                                : ExposureSchedule::observed(walked));
-  if (options.trigger != nullptr) TRY(PulseTrain::check(options.trigger->options(), schedule));
+  if (options.trigger != nullptr)
+    TRY(PulseTrain::check(options.trigger->options(), schedule, offers.exposure_step));
   return std::unique_ptr<CaptureStage>(new CaptureStage(camera, strobe, options, mode, schedule, mains));
 }
 
@@ -277,7 +278,7 @@ Result<ExposureSchedule> CaptureStage::schedule_of(std::span<const Exposure> cyc
   const auto schedule =
       TRY(ExposureSchedule::create(cycle, camera_.capabilities(), mode_.frame_duration, mains_));
   if (const TriggerOptions* trigger = trigger_.options(); trigger != nullptr)
-    TRY(PulseTrain::check(*trigger, schedule));
+    TRY(PulseTrain::check(*trigger, schedule, camera_.capabilities().exposure_step));
   return schedule;
 }
 
@@ -298,9 +299,10 @@ Result<void> CaptureStage::follow(std::span<const Exposure> cycle) {
 
 Duration CaptureStage::longest_exposure() const {
   const CameraCapabilities& offers = camera_.capabilities();
-  Duration margin = ExposureSchedule::frame_margin(offers);
-  if (trigger_.exposes()) margin = std::max(margin, trigger_.options()->gap + trigger_.options()->tolerance);
-  return std::min(offers.exposure_max, mode_.frame_duration - margin);
+  const Duration longest =
+      std::min(offers.exposure_max, mode_.frame_duration - ExposureSchedule::frame_margin(offers));
+  if (!trigger_.exposes()) return longest;
+  return std::min(longest, PulseTrain::longest_width(*trigger_.options(), offers.exposure_step));
 }
 
 std::optional<ExposureLimits> CaptureStage::exposure_limits() const {

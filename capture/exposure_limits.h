@@ -14,7 +14,7 @@ namespace hdrcam {
 enum class Adapt { Off, Light, Motion };
 
 struct ExposureLimits {
-  std::vector<Exposure> cycle;               // as it runs: rounded to what the sensor can do
+  std::vector<Exposure> cycle;               // as it ran at the start: rounded to what the sensor can do
   Duration shortest{0}, longest{0};          // exposure times, within a frame
   double least_gain = 1, greatest_gain = 1;  // analogue; equal where all exposures must have one gain
   Mains mains = Mains::Off;

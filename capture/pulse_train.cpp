@@ -4,14 +4,21 @@
 
 namespace hdrcam {
 
-Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule) {
+Duration PulseTrain::longest_width(const TriggerOptions& options, Duration step) {
+  const Duration longest = options.interval - options.gap - options.tolerance;
+  return step > Duration(1) ? longest / step * step : longest;
+}
+
+Result<void> PulseTrain::check(const TriggerOptions& options, const ExposureSchedule& schedule,
+                               Duration step) {
   const bool exposes = options.mode == TriggerMode::PulseWidth;
-  const Duration longest = longest_width(options);
+  const Duration longest = longest_width(options, exposes ? step : Duration(1));
   if (longest <= Duration(0))
-    return Error{ErrorCode::BadExposure,
-                 fmt::format("a gap of {} between trigger pulses does not fit a frame of {}; lower "
-                             "--trigger-gap or --framerate",
-                             describe(options.gap), describe(options.interval))};
+    return Error{
+        ErrorCode::BadExposure,
+        fmt::format("a gap of {} between trigger pulses and edges up to {} late do not fit a frame of {}; "
+                    "lower --trigger-gap, --trigger-tolerance or --framerate",
+                    describe(options.gap), describe(options.tolerance), describe(options.interval))};
   const ExposureSchedule::Cycle cycle = schedule.cycle();
   for (const Exposure& exposure : cycle) {
     if (exposes && exposure.gain != cycle.front().gain)

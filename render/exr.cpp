@@ -246,6 +246,23 @@ Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::strin
   return image;
 }
 
+// What `read` makes of an OpenEXR file, whose reader throws.
+template <class Read>
+auto read_safely(std::span<const std::byte> bytes, const std::string& name, const Read& read)
+    -> decltype(read(std::declval<BytesIn&>())) {
+  static const bool limited = (Imf::Header::setMaxImageSize(kMaxSide, kMaxSide), true);
+  (void)limited;
+  BytesIn in(bytes, name);
+  try {
+    return read(in);
+  } catch (const std::exception& e) {
+    if (in.ended_early() && !bytes.empty())
+      return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};
+    return Error{ErrorCode::Corrupt,
+                 fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
+  }
+}
+
 }  // namespace
 
 TimeCode time_code(Duration since_start, double framerate_hz) {
@@ -283,17 +300,14 @@ Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector
 }
 
 Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name) {
-  static const bool limited = (Imf::Header::setMaxImageSize(kMaxSide, kMaxSide), true);
-  (void)limited;
-  BytesIn in(bytes, name);
-  try {
-    return read_file(in, bytes.size(), name);
-  } catch (const std::exception& e) {
-    if (in.ended_early() && !bytes.empty())
-      return Error{ErrorCode::Truncated, fmt::format("'{}' ends in the middle; write it again", name)};
-    return Error{ErrorCode::Corrupt,
-                 fmt::format("'{}' is not a readable OpenEXR picture: {}", name, e.what())};
-  }
+  return read_safely(bytes, name, [&](BytesIn& in) { return read_file(in, bytes.size(), name); });
+}
+
+Result<ExrAttributes> read_exr_attributes(Storage& storage, const std::string& path) {
+  const std::string bytes = TRY(read_whole(storage, path));
+  return read_safely(std::as_bytes(std::span(bytes)), path, [](BytesIn& in) -> Result<ExrAttributes> {
+    return attributes_of(Imf::InputFile(in, 0).header());
+  });
 }
 
 Result<ExrImage> read_exr(Storage& storage, const std::string& path) {

@@ -100,5 +100,7 @@ Result<std::vector<std::byte>> encode_exr(const ExrPicture& picture, std::vector
 // Errors: Corrupt (no OpenEXR, damaged), Truncated, Unsupported (deep, subsampled or above 2^28 samples).
 Result<ExrImage> decode_exr(std::span<const std::byte> bytes, const std::string& name);
 Result<ExrImage> read_exr(Storage& storage, const std::string& path);
+// Without decoding the picture.
+Result<ExrAttributes> read_exr_attributes(Storage& storage, const std::string& path);
 
 }  // namespace hdrcam

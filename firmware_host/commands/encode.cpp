@@ -99,6 +99,26 @@ Result<HdrFrame> frame_of(const ExrImage& image, const NumberedFile& file, std::
   return frame;
 }
 
+// The times that files state go on from one to the next, or the second take would be shown in no time. Files
+// that cannot be read are left to the one who needs their pictures.
+Result<void> check_one_take(Storage& storage, std::span<const NumberedFile> files) {
+  std::optional<double> last_s;
+  const NumberedFile* last = nullptr;
+  for (const NumberedFile& file : files) {
+    const auto attributes = read_exr_attributes(storage, file.path);
+    if (!attributes) continue;
+    const std::optional<double> time_s = run_facts_of(attributes.value()).since_start_s;
+    if (last_s && time_s && *time_s <= *last_s)
+      return Error{
+          ErrorCode::Invalid,
+          fmt::format("'{}' is no later than '{}' before it: they are of two takes; move the frames of "
+                      "one into a folder of their own",
+                      file.path, last->path)};
+    if (time_s) last_s = time_s, last = &file;
+  }
+  return {};
+}
+
 Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surroundings& around) {
   const std::string output = with_start_time(settings, posix_clock().wall_time()).output.path("frames");
   if (output.empty())
@@ -120,15 +140,11 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
   const std::vector<NumberedFile> files = TRY(files_of(pattern, flags.frames));
   TRY(flags.kept.check(around.storage, {},
                        {{"--output", output == kStandardOutput ? "" : output, OutputKind::Recording}}));
+  TRY(check_one_take(around.storage, files));
 
   CameraFacts camera;
   std::unique_ptr<FrameSink> sink;
   Progress progress(stderr, static_cast<int>(files.size()));
-  struct Encoded {
-    Instant at;
-    std::string path;
-  };
-  std::optional<Encoded> last;
   const auto add = [&](const NumberedFile& file) -> Result<void> {
     const ExrImage image = TRY(read_exr(around.storage, file.path));
     if (!sink) {
@@ -136,14 +152,7 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
       sink = TRY(open_sink(
           "frames", {.path = output, .camera = camera, .video = settings.video, .storage = around.storage}));
     }
-    HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
-    if (last && frame.facts.timestamp <= last->at)
-      return Error{
-          ErrorCode::Invalid,
-          fmt::format("'{}' is no later than '{}' before it: they are of two takes; encode each into a "
-                      "video of its own",
-                      file.path, last->path)};
-    last = {frame.facts.timestamp, file.path};
+    const HdrFrame frame = TRY(frame_of(image, file, files.front().sequence, settings, camera.framerate_hz));
     return sink->emit({frame, ExposedFrame{}, FrameRecord{}});
   };
   Result<void> encoded;

@@ -10,7 +10,6 @@
 #include "firmware_host/run/governor.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"
-#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/output_folder.h"
 #include "firmware_host/terminal.h"
 #include "hal/core/counted.h"
@@ -106,13 +105,20 @@ Error stopped_film(const VirtualCamera& film, const FilmPlan& plan) {
                                               film.shown(), plan.frames)};
 }
 
-Result<void> add_scores(const RunPlan& plan, const EarlierFrames& earlier, Storage& storage,
+EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {
+  const std::string frames = plan.settings.output.path("frames");
+  return {EarlierFrames(storage, frames), EarlierFrames(storage, folder_of(frames) + "/novel/%06d.exr")};
+}
+
+Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,
                         RunRecord& record) {
   if (plan.truth.empty()) return {};
-  const ScoreOptions options{.stop = plan.stop,
-                             .is_scored = [&](const std::string& path) { return !earlier.remains(path); }};
+  const std::string folder = folder_of(plan.settings.output.path("frames"));
+  const auto is_scored = [&](const std::string& path) {
+    return !(path.starts_with(folder + "/novel/") ? earlier.novel_views : earlier.frames).remains(path);
+  };
   const ClipScores scores =
-      TRY(score_clip(storage, plan.truth, folder_of(plan.settings.output.path("frames")), options));
+      TRY(score_clip(storage, plan.truth, folder, {.stop = plan.stop, .is_scored = is_scored}));
   record.scores.push_back({"PSNR-mu", "dB", scores.mean.psnr_mu_db, true});
   record.scores.push_back({"PSNR-mu, worst frame", "dB", scores.worst.picture.psnr_mu_db, true});
   if (scores.mean.psnr_mu_moving_db)

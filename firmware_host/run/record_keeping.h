@@ -9,6 +9,7 @@
 
 #include "firmware_host/run/run.h"
 #include "firmware_host/run_pace.h"
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"
 #include "hal/core/result.h"
@@ -16,7 +17,6 @@
 
 namespace hdrcam {
 
-class EarlierFrames;
 class Governor;
 class Pipeline;
 class VirtualCamera;
@@ -38,9 +38,14 @@ void add_findings(const Pipeline& pipeline, RunRecord& record);
 void add_findings(const VirtualCamera& film, RunRecord& record);
 // Interrupted: what a film says that the user stopped.
 Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
-// The scores of the HDR frames that the run wrote, where the plan has a clip with ground truth; not of
-// `earlier` ones. Errors: those of score_clip.
-Result<void> add_scores(const RunPlan& plan, const EarlierFrames& earlier, Storage& storage,
+// What lay in the folder of the HDR frames before the run.
+struct EarlierEstimates {
+  EarlierFrames frames, novel_views;
+};
+EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage);
+// The scores of the HDR frames and novel views that the run wrote, where the plan has a clip with ground
+// truth; not of `earlier` ones. Errors: those of score_clip.
+Result<void> add_scores(const RunPlan& plan, const EarlierEstimates& earlier, Storage& storage,
                         RunRecord& record);
 // The frames in order, and what the whole run took. wall_s: seconds.
 void close_record(RunPace pace, double wall_s, RunRecord& record);

@@ -69,7 +69,7 @@ class Run {
   const std::optional<ChannelGains> balance_;
   FrameSource& source_;
   Storage& storage_;
-  const EarlierFrames earlier_;  // where the HDR frames go
+  const EarlierEstimates earlier_;
   SharedProgress& progress_;
   const CameraFacts& camera_;
   const RunPace pace_;
@@ -104,7 +104,7 @@ Run::Run(const RunPlan& plan, const std::optional<ChannelGains>& balance, FrameS
       balance_(balance),
       source_(source),
       storage_(storage),
-      earlier_(storage, plan.settings.output.path("frames")),
+      earlier_(earlier_estimates(plan, storage)),
       progress_(progress),
       camera_(source.camera()),
       pace_(source.pace()),

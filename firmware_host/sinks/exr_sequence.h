@@ -1,7 +1,7 @@
 // HDR frames as OpenEXR files, one per frame, numbered by the sensor's sequence. Each file is written under a
 // temporary name and renamed when complete, so a reader that watches the folder never sees half a frame.
-// frames.csv in the same folder lists time and exposure of each frame (frame_ledger.h). An attribute of the
-// file states the unit of each layer.
+// frames.csv in the same folder (a_frames.csv beside a_000001.exr) lists time and exposure of each frame
+// (frame_ledger.h). An attribute of the file states the unit of each layer.
 //   R G B               always: scene-linear radiance, half; 1 saturates the clip's reference exposure
 //   Z                   depth, float: metres where poses are given, else units of the tracked poses; 0 where
 //                       there is none

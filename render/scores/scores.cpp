@@ -226,7 +226,7 @@ Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
     return Error{ErrorCode::Invalid, fmt::format("cannot skip {} frames; give 0 or more", options.skip)};
   const GroundTruth truth = TRY(GroundTruth::open(storage, clip_folder));
   const Estimates estimates = TRY(Estimates::open(storage, estimates_folder, options.is_scored));
-  const auto novel = Estimates::open(storage, estimates_folder + "/novel");
+  const auto novel = Estimates::open(storage, estimates_folder + "/novel", options.is_scored);
   return ClipScoring(truth, estimates, novel ? std::optional(novel.value()) : std::nullopt, options).run();
 }
 

@@ -22,9 +22,10 @@
 namespace hdrcam {
 
 struct ScoreOptions {
-  int skip = 1;                                                 // frames left out at either end of the clip
-  const std::atomic<bool>* stop = nullptr;                      // when set, scoring returns Interrupted
-  std::function<bool(const std::string& path)> is_scored = {};  // of the files in the folder; none: all
+  int skip = 1;                             // frames left out at either end of the clip
+  const std::atomic<bool>* stop = nullptr;  // when set, scoring returns Interrupted
+  // Of the files in the folder and of its novel views; none: all.
+  std::function<bool(const std::string& path)> is_scored = {};
 };
 
 struct FrameScores {

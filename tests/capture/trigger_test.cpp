@@ -127,6 +127,13 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
   // what the camera's room allows to the nanosecond, though a message names fewer digits
   const Exposure whole[] = {{1ms, 1}, {31'833'333ns, 1}};
   CHECK(PulseTrain::check(options_of(TriggerMode::PulseWidth, 33'333'333ns), schedule_of(whole)).ok());
+  // .. and what rounding to the sensor's step makes of the longest still fits
+  const TriggerOptions fast = options_of(TriggerMode::PulseWidth, 16'666'667ns);
+  CHECK(PulseTrain::longest_width(fast, 100us) == 15100us);
+  const Exposure rounded_up[] = {{1ms, 1}, {15200us, 1}};
+  const auto beyond = PulseTrain::check(fast, schedule_of(rounded_up), 100us);
+  require_error(beyond, ErrorCode::BadExposure);
+  CHECK_THAT(beyond.error().message, Contains("shorten it to 15.1 ms"));
   TriggerOptions wide = options_of(TriggerMode::FrameStart);
   wide.width = 19500us;
   const auto wider = PulseTrain::check(wide, schedule);
@@ -136,9 +143,10 @@ TEST_CASE("pulses that cannot be are refused with what to change") {
   apart.gap = 100ms;
   const auto gap = PulseTrain::check(apart, schedule);
   require_error(gap, ErrorCode::BadExposure);
-  CHECK(gap.error().message ==
-        "a gap of 100 ms between trigger pulses does not fit a frame of 20 ms; lower --trigger-gap or "
-        "--framerate");
+  CHECK(
+      gap.error().message ==
+      "a gap of 100 ms between trigger pulses and edges up to 500 us late do not fit a frame of 20 ms; lower "
+      "--trigger-gap, --trigger-tolerance or --framerate");
   const Exposure gains[] = {{1ms, 1}, {4ms, 2}};
   const auto differ = PulseTrain::check(options_of(TriggerMode::PulseWidth), schedule_of(gains));
   require_error(differ, ErrorCode::Invalid);
