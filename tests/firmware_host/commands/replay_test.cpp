@@ -348,7 +348,10 @@ TEST_CASE("a replay's scores are of the frames that it wrote, and of no others i
   CHECK_FALSE(fs::exists(out));
   REQUIRE(scored(out + "/%06d.exr", {}).exit_code == 0);
   const std::string text = "not a frame of the second run";
-  require_done(write_whole(posix_storage(), out + "/000004.exr", std::as_bytes(std::span(text))));
+  for (const char* file : {"/000004.exr", "/novel/000002.exr"}) {
+    fs::create_directories(out + "/novel");
+    require_done(write_whole(posix_storage(), out + file, std::as_bytes(std::span(text))));
+  }
   const RanHere fewer = scored(out + "/%06d.exr", {"--frames", "4", "--force"});
   INFO(fewer.err);
   CHECK(fewer.exit_code == 0);

@@ -2,6 +2,8 @@
 // says.
 #include "hal/sim/simulated_sensor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -44,7 +46,7 @@ TEST_CASE("the same seed gives the same codes, on one thread and on two") {
   const auto once = codes_of(kEverything, 1);
   CHECK(same(once, codes_of(kEverything, 2)));
   CHECK(same(once, codes_of(kEverything, 1)));
-  CHECK_FALSE(same(once, codes_of(std::string(kEverything) + "&seed=2", 1)));
+  CHECK_FALSE(same(once, codes_of(fmt::format("{}&seed=2", kEverything), 1)));
   CHECK(same(codes_of(kEverything, 1, PixelLayout::BayerGrbg, 12),
              codes_of(kEverything, 2, PixelLayout::BayerGrbg, 12)));
 }
