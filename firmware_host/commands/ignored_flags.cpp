@@ -21,16 +21,23 @@ Result<void> refuse(const SettingsFlags& flags, bool used, const std::vector<std
   return Error{ErrorCode::Invalid, fmt::format("{}, or leave out {}", why, fmt::join(ignored, ", "))};
 }
 
+// Refuses those of these settings that the command line set. why: a sentence, such as "the scene of 'x' is
+// fitted already".
+Result<void> refuse_given(const SettingsFlags& flags, const std::vector<std::string>& keys,
+                          std::string_view why) {
+  const std::vector<std::string> ignored = flags.given(keys);
+  if (ignored.empty()) return {};
+  return Error{ErrorCode::Invalid, fmt::format("{}; leave out {}", why, fmt::join(ignored, ", "))};
+}
+
 // A recording has its size, its rate and its exposures.
 Result<void> check_recorded_camera(const SettingsFlags& flags, const Settings::Camera& camera) {
   if (!is_replayed(camera.id)) return {};
-  const std::vector<std::string> ignored =
-      flags.given({"camera.format", "camera.width", "camera.height", "camera.framerate", "schedule.shutter",
-                   "schedule.gain", "schedule.adapt", "schedule.mains"});
-  if (ignored.empty()) return {};
-  return Error{ErrorCode::Invalid,
-               fmt::format("the pictures and exposures of '{}' are recorded and cannot be set; leave out {}",
-                           camera.id, fmt::join(ignored, ", "))};
+  return refuse_given(
+      flags,
+      {"camera.format", "camera.width", "camera.height", "camera.framerate", "schedule.shutter",
+       "schedule.gain", "schedule.adapt", "schedule.mains"},
+      fmt::format("the pictures and exposures of '{}' are recorded and cannot be set", camera.id));
 }
 
 // At the fit's pace a recording is read as `replay` reads it, by no camera with buffers, clocks and lines.
@@ -84,15 +91,18 @@ Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& set
   return check_outputs_of(flags, settings.output, settings.video);
 }
 
+Result<void> check_flags_on_display(const SettingsFlags& flags, const VideoOptions& options) {
+  std::vector<std::string> brightness{"video.white", "video.peak"};
+  if (options.transfer != VideoTransfer::Sdr) brightness.emplace_back("video.transfer");
+  return refuse_given(flags, brightness, "--exposure and --ldr make pictures for SDR displays");
+}
+
 Result<void> check_flags_on_snapshot(const SettingsFlags& flags, const std::string& snapshot) {
   std::vector<std::string> fit{"knobs"};
   for (const SettingField& field : setting_fields())
     if (field.group == SettingGroup::Fit && field.key != "fit.threads" && field.key != "fit.backend")
       fit.push_back(field.key);
-  const std::vector<std::string> ignored = flags.given(fit);
-  if (ignored.empty()) return {};
-  return Error{ErrorCode::Invalid, fmt::format("the scene of '{}' is fitted already; leave out {}", snapshot,
-                                               fmt::join(ignored, ", "))};
+  return refuse_given(flags, fit, fmt::format("the scene of '{}' is fitted already", snapshot));
 }
 
 }  // namespace hdrcam

@@ -12,6 +12,10 @@ namespace hdrcam {
 // where the run writes none.
 Result<void> check_ignored_flags(const SettingsFlags& flags, const Settings& settings);
 
+// The same for a film of 8-bit pictures, which are as bright as an SDR display. Errors: Invalid, naming the
+// flags of other displays.
+Result<void> check_flags_on_display(const SettingsFlags& flags, const VideoOptions& options);
+
 // The same for a film of a snapshot, whose scene is fitted. Errors: Invalid, naming the flags of a fit.
 Result<void> check_flags_on_snapshot(const SettingsFlags& flags, const std::string& snapshot);
 

@@ -1,14 +1,11 @@
 // hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording, or one that a run saved,
 // from another view, at another time, with another shutter or exposure.
-#include <fmt/ranges.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/ignored_flags.h"
@@ -78,19 +75,6 @@ Result<void> check_poses(const FilmPlan& plan, const Settings& settings) {
                       "them",
                       sink)};
   return {};
-}
-
-// Pictures for a display are as bright as it is.
-Result<void> check_display(const FilmPlan& plan, const SettingsFlags& flags, const Settings& settings) {
-  if (!plan.exposure) return {};
-  const bool wide = settings.video.transfer != VideoTransfer::Sdr;
-  std::vector<std::string> unused = flags.given({"video.white", "video.peak"});
-  if (wide)
-    for (std::string& flag : flags.given({"video.transfer"})) unused.push_back(std::move(flag));
-  if (unused.empty()) return {};
-  return Error{ErrorCode::Invalid,
-               fmt::format("--exposure and --ldr make pictures for SDR displays; leave out {}",
-                           fmt::join(unused, ", "))};
 }
 
 Result<void> admit(const Settings& settings, const FilmedRecording& recording, const CameraFacts& camera,
@@ -165,7 +149,7 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
   const FilmedRecording snapshot = filmed(scene);
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, snapshot));
   TRY(check_pictures(plan, settings));
-  TRY(check_display(plan, *flags.settings, settings));
+  if (plan.exposure) TRY(check_flags_on_display(*flags.settings, settings.video));
   TRY(check_poses(plan, settings));
   TRY(check_motion(settings));
   TRY(check_depth(settings, snapshot));
@@ -206,7 +190,7 @@ Result<void> render(const RenderFlags& flags, const Settings& given, Surrounding
   const FilmedRecording recording = TRY(look_through(around.storage, flags.recording));
   const FilmPlan plan = TRY(plan_film(around.storage, flags.options, settings.fit, recording));
   TRY(check_pictures(plan, settings));
-  TRY(check_display(plan, *flags.settings, settings));
+  if (plan.exposure) TRY(check_flags_on_display(*flags.settings, settings.video));
   TRY(check_poses(plan, settings));
   TRY(check_motion(settings));
   TRY(check_needs(settings));

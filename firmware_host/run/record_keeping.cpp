@@ -106,6 +106,7 @@ Error stopped_film(const VirtualCamera& film, const FilmPlan& plan) {
 }
 
 EarlierEstimates earlier_estimates(const RunPlan& plan, Storage& storage) {
+  if (plan.truth.empty()) return {EarlierFrames(storage, ""), EarlierFrames(storage, "")};
   const std::string frames = plan.settings.output.path("frames");
   return {EarlierFrames(storage, frames), EarlierFrames(storage, folder_of(frames) + "/novel/%06d.exr")};
 }

@@ -38,7 +38,7 @@ void add_findings(const Pipeline& pipeline, RunRecord& record);
 void add_findings(const VirtualCamera& film, RunRecord& record);
 // Interrupted: what a film says that the user stopped.
 Error stopped_film(const VirtualCamera& film, const FilmPlan& plan);
-// What lay in the folder of the HDR frames before the run.
+// What lay in the folder of the HDR frames before the run; nothing where none are scored.
 struct EarlierEstimates {
   EarlierFrames frames, novel_views;
 };
