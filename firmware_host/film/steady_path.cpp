@@ -1,5 +1,6 @@
 #include "firmware_host/film/steady_path.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "hal/core/check.h"

@@ -2,58 +2,37 @@
 // down, z forward; metres or the unit that the owner states. Value types, reentrant.
 #pragma once
 
-#include <Eigen/Dense>
-#include <cmath>
+#include <Eigen/Core>
 
 #include "hal/core/pose_matrix.h"
 
 namespace hdrcam {
 
 struct RigidTransform {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R;
+  Eigen::Vector3d t;
 
-  RigidTransform inverse() const { return {R.transpose(), -(R.transpose() * t)}; }
-  bool finite() const { return R.allFinite() && t.allFinite(); }
+  RigidTransform();  // the identity
+  RigidTransform(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
+
+  RigidTransform inverse() const;
+  bool finite() const;
   // finite, and R a rotation within 1e-3
-  bool is_rigid() const {
-    return finite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= 1e-3;
-  }
-  friend RigidTransform operator*(const RigidTransform& T_a_b, const RigidTransform& T_b_c) {
-    return {T_a_b.R * T_b_c.R, T_a_b.R * T_b_c.t + T_a_b.t};
-  }
-  friend bool operator==(const RigidTransform& a, const RigidTransform& b) {
-    return a.R == b.R && a.t == b.t;
-  }
+  bool is_rigid() const;
 };
 
+RigidTransform operator*(const RigidTransform& T_a_b, const RigidTransform& T_b_c);
+bool operator==(const RigidTransform& a, const RigidTransform& b);
+
 // exp of an axis times an angle in radians
-inline Eigen::Matrix3d rotation(const Eigen::Vector3d& axis_angle) {
-  const double angle = axis_angle.norm();
-  return angle > 0 ? Eigen::AngleAxisd(angle, axis_angle / angle).toRotationMatrix()
-                   : Eigen::Matrix3d::Identity();
-}
+Eigen::Matrix3d rotation(const Eigen::Vector3d& axis_angle);
 
 // The nearest rotation: products of many rotations stay rotations.
-inline Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& R) {
-  return Eigen::Quaterniond(R).normalized().toRotationMatrix();
-}
+Eigen::Matrix3d orthonormal(const Eigen::Matrix3d& R);
 
-inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
-inline RigidTransform transform_of(const PoseMatrix& rows) {
-  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
-  return {m.leftCols<3>(), m.col(3)};
-}
-
-inline PoseMatrix pose_matrix_of(const RigidTransform& T) {
-  PoseMatrix rows{};
-  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> m(rows.data());
-  m.leftCols<3>() = T.R;
-  m.col(3) = T.t;
-  return rows;
-}
+RigidTransform transform_of(const PoseMatrix& rows);
+PoseMatrix pose_matrix_of(const RigidTransform& T);
 
 }  // namespace hdrcam

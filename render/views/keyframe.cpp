@@ -1,5 +1,7 @@
 #include "render/views/keyframe.h"
 
+#include <Eigen/Geometry>
+
 namespace hdrcam {
 
 void take_keyframe(const HdrFrame& frame, const FrameEstimate& estimate, Keyframe& key) {

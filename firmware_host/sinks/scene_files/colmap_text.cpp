@@ -1,6 +1,7 @@
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <iterator>
 #include <span>

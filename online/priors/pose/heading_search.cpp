@@ -1,5 +1,6 @@
 #include "online/priors/pose/heading_search.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

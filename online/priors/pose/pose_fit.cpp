@@ -1,5 +1,6 @@
 #include "online/priors/pose/pose_fit.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>

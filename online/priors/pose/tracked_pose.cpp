@@ -1,5 +1,6 @@
 #include "online/priors/pose/tracked_pose.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

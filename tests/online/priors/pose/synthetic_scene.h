@@ -2,7 +2,7 @@
 // move; it gives the exact flow between two views and the exact depth. World = the first camera.
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 #include <vector>
