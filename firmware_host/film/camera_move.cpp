@@ -123,6 +123,8 @@ Result<std::vector<Row>> rows_of_json(const std::string& path, std::string_view 
   for (const auto& entry : json) {
     const std::string where = fmt::format("{}, pose {}", path, rows.size());
     if (!entry.is_object()) return Error{ErrorCode::Invalid, where + ": is no object with time_s, dx, .."};
+    if (!entry.contains("time_s"))
+      return Error{ErrorCode::Invalid, where + ": has no time_s, its time in the film in seconds"};
     Row row{};
     for (const auto& [name, value] : entry.items()) {
       const std::size_t column = column_of(name);
