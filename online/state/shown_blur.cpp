@@ -103,22 +103,22 @@ ShownBlur::Evidence ShownBlur::compare_line(const Seen& seen, int y) {
 // The difference between a sample and the carried state, and what the state's blur along and across the
 // motion would make of it.
 void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& evidence) {
-  const auto& [frame, state, to_previous, tables, stated, unseen_from] = seen;
-  const float code = frame.codes.at(channel, y, x);
+  const RadianceState& state = seen.state;
+  const float code = seen.frame.codes.at(channel, y, x);
   if (code < kDarkest || code > clip_policy::kCompareFadeBegin) return;
-  const int rows = frame.codes.rows(), cols = frame.codes.cols();
-  const Offset motion = offset_at(to_previous.vectors, x, y);
+  const int rows = seen.frame.codes.rows(), cols = seen.frame.codes.cols();
+  const Offset motion = offset_at(seen.to_previous.vectors, x, y);
   bool knows = true;
   const auto light = [&](Offset by) {
     const BetweenPixels place(rows, cols, x, y, {motion.x + by.x, motion.y + by.y});
-    knows = knows && place.of(state.variance, channel) < unseen_from;
+    knows = knows && place.of(state.variance, channel) < seen.unseen_from;
     return place.of(state.radiance, channel);
   };
   const float here = light({});
-  const int instants = std::max(3, static_cast<int>(std::hypot(motion.x, motion.y) * stated) | 1);
+  const int instants = std::max(3, static_cast<int>(std::hypot(motion.x, motion.y) * seen.stated) | 1);
   float along = 0, across = 0;
   for (int i = 0; i < instants && knows; ++i) {
-    const float t = stated * ((static_cast<float>(i) + 0.5f) / static_cast<float>(instants) - 0.5f);
+    const float t = seen.stated * ((static_cast<float>(i) + 0.5f) / static_cast<float>(instants) - 0.5f);
     along += light(t * motion);
     across += light(t * Offset{-motion.y, motion.x});
   }
@@ -126,11 +126,11 @@ void ShownBlur::compare(const Seen& seen, int channel, int y, int x, Evidence& e
   const float mean = along / static_cast<float>(instants);
   const float b_along = mean - here, b_across = across / static_cast<float>(instants) - here;
   const float size2 = b_along * b_along + b_across * b_across;
-  const float noise =
-      tables.variance(channel, mean) + BetweenPixels(rows, cols, x, y, motion).of(state.variance, channel);
+  const float noise = seen.tables.variance(channel, mean) +
+                      BetweenPixels(rows, cols, x, y, motion).of(state.variance, channel);
   if (!(size2 >= kMinSize2 * (noise + kRelative * kRelative * here * here))) return;
   const float most = 2 * std::sqrt(size2);  // more is a failure of the motion
-  const float off = std::clamp(tables.radiance(channel, code) - here, -most, most);
+  const float off = std::clamp(seen.tables.radiance(channel, code) - here, -most, most);
   const double weight = 1 / static_cast<double>(noise + size2);
   evidence.along2 += weight * static_cast<double>(b_along * b_along);
   evidence.both += weight * static_cast<double>(b_along * b_across);
