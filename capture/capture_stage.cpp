@@ -158,6 +158,7 @@ Result<void> CaptureStage::next(CapturedFrame& frame) {
       const CapturedBuffer& buffer = waited.value();
       requests_.completed();
       trigger_.drain(*matcher_);
+      TRY(trigger_.check_driven());
       TRY(drain_strobe());
       emitted = TRY(take(buffer, frame));
     }  // the buffer goes back, so that the next request finds it

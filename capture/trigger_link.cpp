@@ -34,6 +34,14 @@ void TriggerLink::settle(Instant now) {
   if (trigger_ != nullptr) ledger_.settle(now + -trigger_->options().interval / 2);
 }
 
+Result<void> TriggerLink::check_driven() {
+  constexpr int kMostExposedBefore = 8;
+  if (trigger_ == nullptr) return {};
+  const auto failure = trigger_->failure();
+  if (!failure || ++frames_since_failure_ <= kMostExposedBefore) return {};
+  return *failure;
+}
+
 Error TriggerLink::no_answer(const Error& failed_wait) const {
   if (trigger_ == nullptr || failed_wait.code != ErrorCode::Timeout) return failed_wait;
   if (const auto failure = trigger_->failure()) return *failure;

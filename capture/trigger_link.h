@@ -36,12 +36,16 @@ class TriggerLink {
   }
   const TriggerCounters& counters() const { return ledger_.counters(); }
 
+  // Call it for each frame. An error, where the line failed and frames come all the same, of a sensor that
+  // goes on by itself: not for those that may have been exposed before.
+  Result<void> check_driven();
   // Why no frame came: a camera that waits for pulses in vain looks like one that hangs.
   Error no_answer(const Error& failed_wait) const;
 
  private:
   Trigger* trigger_;
   TriggerLedger ledger_;
+  int frames_since_failure_ = 0;
 };
 
 }  // namespace hdrcam

@@ -211,11 +211,31 @@ bool can_hold(std::size_t file_bytes, const Imf::Header& header, std::size_t sam
   return samples / most_per_byte <= file_bytes / kBytesPerSample;
 }
 
+// The picture may be larger than the data; by how much, or how many pixels in any case. Else a few damaged
+// bytes of a header would cost memory.
+constexpr std::size_t kMostBesideData = 64, kUltraHighDefinition = std::size_t{1} << 23;
+
+int width_of(const Imath::Box2i& window) { return window.max.x - window.min.x + 1; }
+int height_of(const Imath::Box2i& window) { return window.max.y - window.min.y + 1; }
+
+// The picture is what is displayed: a file may have data beyond it, or only of a part, outside which it is
+// black.
+Image<float> shown(const Image<float>& data, const Imath::Box2i& window, const Imath::Box2i& display) {
+  Image<float> picture(data.channels(), height_of(display), width_of(display));
+  const int left = std::max(window.min.x, display.min.x), right = std::min(window.max.x, display.max.x);
+  const int top = std::max(window.min.y, display.min.y), bottom = std::min(window.max.y, display.max.y);
+  for (int c = 0; c < data.channels(); ++c)
+    for (int y = top; y <= bottom && left <= right; ++y)
+      std::copy_n(data.row(c, y - window.min.y) + (left - window.min.x), right - left + 1,
+                  picture.row(c, y - display.min.y) + (left - display.min.x));
+  return picture;
+}
+
 Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::string& name) {
   Imf::InputFile file(in, 0);
   const Imf::Header& header = file.header();
-  const Imath::Box2i& window = header.dataWindow();
-  const int cols = window.max.x - window.min.x + 1, rows = window.max.y - window.min.y + 1;
+  const Imath::Box2i &window = header.dataWindow(), &display = header.displayWindow();
+  const int cols = width_of(window), rows = height_of(window);
   ExrImage image;
   for (auto it = header.channels().begin(); it != header.channels().end(); ++it) {
     if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
@@ -226,7 +246,12 @@ Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::strin
   }
   const std::size_t samples =
       static_cast<std::size_t>(cols) * static_cast<std::size_t>(rows) * image.names.size();
-  if (samples == 0 || samples > kMaxSamples)
+  const std::size_t shown_samples = static_cast<std::size_t>(width_of(display)) *
+                                    static_cast<std::size_t>(height_of(display)) * image.names.size();
+  const std::size_t most_shown =
+      std::max(kMostBesideData * samples, kUltraHighDefinition * image.names.size());
+  if (samples == 0 || samples > kMaxSamples || shown_samples == 0 || shown_samples > kMaxSamples ||
+      shown_samples > most_shown)
     return Error{ErrorCode::Unsupported,
                  fmt::format("'{}' states {} channels of {}x{}, which is not a picture of hdrcam", name,
                              image.names.size(), cols, rows)};
@@ -243,6 +268,7 @@ Result<ExrImage> read_file(BytesIn& in, std::size_t file_bytes, const std::strin
                  Imf::Slice::Make(Imf::FLOAT, image.samples.plane(c), window, sizeof(float), row_bytes));
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
+  if (window != display) image.samples = shown(image.samples, window, display);
   return image;
 }
 

@@ -197,8 +197,8 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
   if (options.list) {
     say("{}", described(plan));
     auto reader = TRY(open_planned(around.storage, footage, plan));
-    const auto judged = judged_facts(around, options, std::move(reader));
-    return judged ? Result<void>() : judged.error();
+    TRY(judged_facts(around, options, std::move(reader)));
+    return tell_losses(plan);
   }
   if (!plan.time_trouble.empty())
     remark("note: the frames come at {:.4g} frames per second, for {}\n", plan.camera.framerate_hz,

@@ -77,11 +77,16 @@ Result<void> check_poses(const FilmPlan& plan, const Settings& settings) {
   return {};
 }
 
+// Two eyes lie side by side.
+std::uint64_t film_sink_bytes(const FilmPlan& plan, const Settings& settings) {
+  return sink_bytes(plan.baseline > 0 ? 2 * plan.width : plan.width, plan.height, settings);
+}
+
 Result<void> admit(const Settings& settings, const FilmedRecording& recording, const CameraFacts& camera,
                    const FilmPlan& plan) {
   const std::uint64_t need = recording_bytes(camera) +
-                             fit_bytes(camera.width, camera.height, settings, FieldUse::Seen) +
-                             film_bytes(plan, recording);
+                             method_bytes(camera.width, camera.height, settings, FieldUse::Seen) +
+                             film_bytes(plan, recording) + film_sink_bytes(plan, settings);
   return admit_parts(settings,
                      fmt::format("a film of {}x{} from pictures of {}x{}", plan.width, plan.height,
                                  camera.width, camera.height),
@@ -160,7 +165,7 @@ Result<void> render_snapshot(const RenderFlags& flags, const Settings& asked, Su
   TRY(admit_parts(settings,
                   fmt::format("a film of {}x{} from a snapshot of {}x{}", plan.width, plan.height,
                               snapshot.width, snapshot.height),
-                  bytes + view_bytes(plan) + sink_bytes(plan.width, plan.height, settings)));
+                  bytes + view_bytes(plan) + film_sink_bytes(plan, settings)));
   TraceFile trace(settings);
   RunRecord record;
   const Result<void> ended =

@@ -79,13 +79,17 @@ Result<void> plan_size(const std::string& text, const FilmedRecording& recording
   return {};
 }
 
-Result<void> plan_exposure(const FilmOptions& options, FilmPlan& plan) {
+Result<void> plan_exposure(const FilmOptions& options, const FilmedRecording& recording, FilmPlan& plan) {
   if (options.ldr) plan.exposure = 0;
   if (options.exposure.empty()) return {};
   const auto exposure = parse_duration(options.exposure);
   if (!exposure)
     return Error{ErrorCode::Invalid,
                  fmt::format("--exposure takes a time, such as 4ms or 1/250, not '{}'", options.exposure)};
+  if (!recording.has_exposure_times)
+    return Error{ErrorCode::Invalid,
+                 "--exposure is a time, but of this recording's exposures only the ratios are known; give "
+                 "--ldr, for the reference exposure"};
   plan.exposure = to_seconds(exposure.value());
   return {};
 }
@@ -149,6 +153,7 @@ Result<FilmedRecording> look_through(Storage& storage, const std::string& path) 
     const FrameFacts& frame = **facts;
     if (!any) recording.first = frame.timestamp, recording.has_poses = frame.T_world_camera.has_value();
     any = true;
+    recording.has_exposure_times &= frame.has_exposure_time();
     recording.duration_s = std::max(recording.duration_s, to_seconds(frame.timestamp - recording.first));
   }
 }
@@ -159,7 +164,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   TRY(plan_geometry(storage, options, fit, recording, plan));
   TRY(plan_time(options.time, recording, plan));
   TRY(plan_size(options.size, recording, plan));
-  TRY(plan_exposure(options, plan));
+  TRY(plan_exposure(options, recording, plan));
   plan.first = recording.first;
   plan.stabilize = options.stabilize;
   TRY(check_number("--speed", options.speed, 0.001, 1000));
@@ -172,10 +177,10 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
       plan.frozen ? (plan.move.is_path() ? plan.move.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
   const double frames = std::floor(length_s * plan.framerate_hz + kNearlyFrame) + 1;
   if (frames > kMostFrames)
-    return Error{ErrorCode::Invalid,
-                 fmt::format("the film would have {:.0f} frames, more than {}; raise --speed "
-                             "or lower --framerate",
-                             frames, kMostFrames)};
+    return Error{
+        ErrorCode::Invalid,
+        fmt::format("the film would have {:.0f} frames, more than {}; {} or lower --framerate", frames,
+                    kMostFrames, plan.frozen ? "let the path of the view end earlier" : "raise --speed")};
   plan.frames = static_cast<int>(frames);
   return plan;
 }

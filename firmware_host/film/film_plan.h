@@ -22,6 +22,7 @@ struct FilmedRecording {
   double framerate_hz = 30;
   int width = 0, height = 0;
   bool has_poses = false;
+  bool has_exposure_times = true;  // not only their ratios
   FilmedKind kind = FilmedKind::Recording;
 
   bool is_snapshot() const { return kind != FilmedKind::Recording; }

@@ -162,6 +162,8 @@ FilmedRecording filmed(const SceneHead& scene) {
           .width = scene.camera.width,
           .height = scene.camera.height,
           .has_poses = newest.frame.length_unit == LengthUnit::Metre && newest.frame.pose.has_value(),
+          .has_exposure_times = std::ranges::all_of(
+              scene.frames, [](const Keyframe& key) { return key.frame.facts.has_exposure_time(); }),
           .kind = scene.has_field ? FilmedKind::Snapshot : FilmedKind::SnapshotWithoutField};
 }
 

@@ -188,7 +188,8 @@ Result<void> VirtualCamera::film(const Show& show) {
   return show(frame_, input_, record);
 }
 
-// The film has its own numbers and times; exposure and white are those of the nearest frame.
+// The film has its own numbers and times; exposure and white are those of the nearest frame, but of pictures
+// that are exposed anew.
 void VirtualCamera::label(int frame) {
   const KeyframeInterval interval = interval_at(plan_.first.seconds() + plan_.scene_s(frame));
   const HdrFrame& nearest = interval.nearest().frame;
@@ -200,6 +201,9 @@ void VirtualCamera::label(int frame) {
   if (balance_) apply_white_balance(*balance_, frame_);
   if (!plan_.exposure) return;
   const double exposure = *plan_.exposure > 0 ? *plan_.exposure : frame_.reference_exposure;
+  frame_.facts.exposure_s = exposure;
+  frame_.facts.analogue_gain = frame_.facts.digital_gain = 1;
+  frame_.exposure = static_cast<float>(exposure / frame_.reference_exposure);
   expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);
 }
 

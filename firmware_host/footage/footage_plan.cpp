@@ -164,7 +164,13 @@ class PlannedFootage : public RecordingReader {
   const CameraFacts& camera() const override { return plan_.camera; }
   std::optional<int> frame_count() const override { return static_cast<int>(plan_.facts.size()); }
   Result<std::optional<RawFrame>> next(RawFrame room) override {
-    if (next_ == plan_.facts.size() || !TRY(footage_->next(room))) return std::optional<RawFrame>();
+    if (next_ == plan_.facts.size()) return std::optional<RawFrame>();
+    if (!TRY(footage_->next(room)))
+      return Error{
+          ErrorCode::Truncated,
+          fmt::format("'{}' had {} frames, and {} when it was read again: it changed meanwhile; import "
+                      "it again",
+                      plan_.camera.name, plan_.facts.size(), next_)};
     return std::optional(RawFrame{plan_.facts[next_++], std::move(room.codes)});
   }
 

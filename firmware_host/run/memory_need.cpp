@@ -44,6 +44,10 @@ std::uint64_t sink_bytes(int width, int height, const Settings& settings) {
 }
 
 std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use) {
+  return method_bytes(width, height, settings, use) + sink_bytes(width, height, settings);
+}
+
+std::uint64_t method_bytes(int width, int height, const Settings& settings, FieldUse use) {
   const Knobs knobs = options_of(settings, use).knobs;
   std::uint64_t per_pixel = kState;
   if (look_ahead_of(knobs, height, width) > 1) per_pixel += kLongerLookAhead;
@@ -56,7 +60,7 @@ std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUs
   if (!settings.output.path(Settings::Output::kSnapshot).empty())
     scene = kept_scene_bytes(width, height, knobs.hash_grid.window.frames,
                              field_step_px(knobs.field_step, height, width));
-  return per_pixel * pixels(width, height) + scene + sink_bytes(width, height, settings);
+  return per_pixel * pixels(width, height) + scene;
 }
 
 std::uint64_t capture_bytes(int width, int height, const Settings& settings, int fewest_waiting) {

@@ -19,6 +19,8 @@ std::uint64_t recording_bytes(const CameraFacts& camera);
 // The method and the sinks behind it; use: what the run has the field for, beside what the settings show of
 // it.
 std::uint64_t fit_bytes(int width, int height, const Settings& settings, FieldUse use = FieldUse::Fills);
+// The method alone.
+std::uint64_t method_bytes(int width, int height, const Settings& settings, FieldUse use);
 // The outputs alone, of pictures of this size.
 std::uint64_t sink_bytes(int width, int height, const Settings& settings);
 // A camera's buffers, and the frames that wait for the disk, at least so many.

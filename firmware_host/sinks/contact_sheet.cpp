@@ -164,6 +164,16 @@ std::vector<const ContactSheet::Row*> ContactSheet::chosen_rows() const {
   return best;
 }
 
+// The cells of a film may be of another size than its input.
+template <class Side>
+int ContactSheet::largest(const std::vector<const Row*>& rows, const Side& side) {
+  int most = 1;
+  for (const Row* row : rows)
+    for (const Image<std::uint8_t>* cell : {&row->input, &row->shown, &row->provenance})
+      most = std::max(most, side(*cell));
+  return most;
+}
+
 Image<std::uint8_t> ContactSheet::composed() const {
   const auto rows = chosen_rows();
   std::vector<float> nearness;
@@ -173,7 +183,8 @@ Image<std::uint8_t> ContactSheet::composed() const {
   std::vector<std::string> titles{"input", "HDR, tone-mapped", "provenance"};
   if (brightest > 0) titles.emplace_back("inverse depth (near is bright)");
 
-  const int cell_height = rows.front()->input.rows(), cell_width = rows.front()->input.cols();
+  const int cell_height = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.rows(); });
+  const int cell_width = largest(rows, [](const Image<std::uint8_t>& cell) { return cell.cols(); });
   const int step_down = cell_height + kCaption_px, count = static_cast<int>(rows.size());
   std::vector<int> lefts{kGap_px};  // of each column, which is as wide as its title, and the end
   for (const std::string& title : titles)

@@ -39,6 +39,9 @@ class ContactSheet : public FrameSink {
   };
   Image<std::uint8_t> composed() const;
   std::vector<const Row*> chosen_rows() const;
+  // Of the rows' cells; side: of one.
+  template <class Side>
+  static int largest(const std::vector<const Row*>& rows, const Side& side);
 
   Storage& storage_;
   const std::string path_;

@@ -181,11 +181,14 @@ bool is_still(const std::string& path) { return is_raw_still(path) || has_one_of
 
 bool is_footage(const std::string& path) { return is_still(path) || has_one_of(path, kVideos); }
 
+// Such as "._IMG_0.JPG", which some systems write beside each file of a card.
+bool is_hidden(const fs::path& path) { return path.filename().string().starts_with('.'); }
+
 Result<std::vector<std::string>> footage_in(const std::string& folder) {
   std::vector<std::string> files;
   std::error_code failed, ignored;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end; entry.increment(failed))
-    if (entry->is_regular_file(ignored) && is_footage(entry->path().string()))
+    if (entry->is_regular_file(ignored) && is_footage(entry->path().string()) && !is_hidden(entry->path()))
       files.push_back(entry->path().string());
   if (failed)
     return Error{ErrorCode::Permission,

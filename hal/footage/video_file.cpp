@@ -14,6 +14,7 @@ extern "C" {
 
 #include "hal/core/parse_number.h"
 #include "hal/footage/exif_exposure.h"
+#include "hal/footage/footage.h"
 
 namespace hdrcam {
 namespace {
@@ -88,6 +89,8 @@ std::optional<double> clock_time_s(std::string_view text) {
 std::optional<double> stated_end_s(const AVFormatContext& demuxer, const AVStream& track) {
   if (const AVDictionaryEntry* const entry = av_dict_get(track.metadata, "DURATION", nullptr, 0))
     if (const auto end_s = clock_time_s(entry->value)) return end_s;
+  if (std::string_view(demuxer.iformat->name) == "avi" && track.nb_frames > 0)
+    return static_cast<double>(track.nb_frames) * av_q2d(track.time_base);
   const bool stated = demuxer.duration_estimation_method == AVFMT_DURATION_FROM_STREAM;
   if (demuxer.nb_streams != 1 || !stated || demuxer.duration <= 0) return std::nullopt;
   return static_cast<double>(demuxer.duration) / AV_TIME_BASE;
@@ -144,10 +147,11 @@ Result<void> VideoFile::open_decoder() {
     return refused(ErrorCode::Unsupported, fmt::format("cannot be decoded as {}", codec->name));
   frame_.reset(av_frame_alloc());
   packet_.reset(av_packet_alloc());
-  still_ = std::string_view(demuxer_->iformat->name).ends_with("_pipe");  // demuxers of one picture
+  const std::string_view demuxer = demuxer_->iformat->name;
+  // Demuxers of pictures; a JPEG that holds several may look like a stream of them.
+  still_ = demuxer.ends_with("_pipe") || (demuxer == "mjpeg" && is_still(path_));
   facts_.framerate_hz = stream.avg_frame_rate.num > 0 && !still_ ? av_q2d(stream.avg_frame_rate) : 0;
-  const bool untimed = (demuxer_->iformat->flags & AVFMT_NOTIMESTAMPS) != 0 ||
-                       std::string_view(demuxer_->iformat->name) == "yuv4mpegpipe";
+  const bool untimed = (demuxer_->iformat->flags & AVFMT_NOTIMESTAMPS) != 0 || demuxer == "yuv4mpegpipe";
   facts_.timed = !still_ && !untimed;
   facts_.format = avcodec_get_name(stream.codecpar->codec_id);
   return {};
@@ -156,6 +160,8 @@ Result<void> VideoFile::open_decoder() {
 // What is damaged on the way is left out and counted; the next whole picture comes.
 Result<bool> VideoFile::decode() {
   for (;;) {
+    // Behind the picture of a still others may lie, such as a preview or a gain map.
+    if (still_ && (pixel_format_ >= 0 || losses_.damaged > 0)) return false;
     const int code = avcodec_receive_frame(decoder_.get(), frame_.get());
     if (code >= 0 && is_whole()) return true;
     if (code >= 0) continue;

@@ -262,7 +262,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   // Of the buffer of the same index.
   struct Request {
     std::unique_ptr<lc::Request> own;
-    bool control_late = false;  // written by libcamera's thread before it reports the completion
+    // Written by libcamera's thread before it reports the completion.
+    bool control_late = false;
+    std::optional<Instant> cancelled;  // when, while the stream ran: such a frame says nothing of itself
   };
 
   void give_back(int index) override {
@@ -351,9 +353,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     buffer.cookie = slots_.lease(index);
     buffer.lease = BufferLease(*this, static_cast<int>(index));
     buffer.sequence = frame.sequence;
-    buffer.timestamp = timestamp_of(*request.own, frame);
+    buffer.timestamp = request.cancelled.value_or(timestamp_of(*request.own, frame));
     buffer.control_late = request.control_late;
-    buffer.damaged = frame.status != lc::FrameMetadata::FrameSuccess;
+    buffer.damaged = request.cancelled || frame.status != lc::FrameMetadata::FrameSuccess;
     if (const auto exposure_us = metadata.get(lc::controls::ExposureTime))
       buffer.exposure = microseconds(*exposure_us);
     if (const auto gain = metadata.get(lc::controls::AnalogueGain)) buffer.analogue_gain = *gain;
@@ -369,13 +371,17 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     return buffer;
   }
 
-  // Both are called by libcamera's own thread.
+  // Both are called by libcamera's own thread. A request that the pipeline cancels while the stream runs
+  // comes as a damaged frame, so that its buffer and its turn at the controls do not get lost.
   void on_completed(lc::Request* request) {
-    if (request->status() == lc::Request::RequestCancelled) return;
     const auto index = static_cast<std::size_t>(request->cookie());
-    const Instant timestamp = timestamp_of(*request, buffers_->buffer(index).metadata());
+    const bool cancelled = request->status() == lc::Request::RequestCancelled;
+    const Instant timestamp =
+        cancelled ? clock_.now() : timestamp_of(*request, buffers_->buffer(index).metadata());
     {
       const std::lock_guard completions(completions_mutex_);
+      if (cancelled && !started_) return;  // by stop()
+      requests_[index].cancelled = cancelled ? std::optional(timestamp) : std::nullopt;
       completed_[(first_ + count_++) % completed_.size()] = index;
       if (paced_) requests_[index].control_late = pacer_.completed(timestamp);
     }

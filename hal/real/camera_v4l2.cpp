@@ -197,12 +197,14 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
   // For controls that do not belong to a frame: writes the next frame's exposure once the previous frame is
-  // complete.
+  // complete. A device that is busy with an earlier control gets it with the next frame, which is told to be
+  // late.
   Result<void> write_due_exposure() {
     if (!control_.exists() || capabilities_.exposure_per_request) return {};
     const auto due = pacer_.due();
     if (!due) return {};
     Result<void> wrote = control_.write(due->request);
+    if (!wrote && wrote.error().sys_errno == EBUSY) return {};
     if (wrote) pacer_.written(*due, clock_.now());
     return wrote;
   }

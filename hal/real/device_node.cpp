@@ -75,6 +75,12 @@ Error device_error(int code, const std::string& path, const std::string& doing) 
   }
 }
 
+Error control_error(int code, const std::string& path, const std::string& doing) {
+  const bool gone = code == ENODEV || code == ENXIO, never = code == ENOTTY || code == EINVAL;
+  if (gone || never) return device_error(code, path, doing);
+  return {ErrorCode::Io, fmt::format("'{}' refused to {}: {}", path, doing, std::strerror(code)), code};
+}
+
 std::string holder_of(const std::string& path) {
   std::error_code ignored;
   for (const auto& process : fs::directory_iterator("/proc", ignored)) {

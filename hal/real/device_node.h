@@ -41,6 +41,9 @@ class DeviceNode {
 // The Error for an errno that the device answered while `doing` something with it.
 Error device_error(int code, const std::string& path, const std::string& doing);
 
+// The same of a control of a device that is in use by us: that it is busy or stalled says nothing of others.
+Error control_error(int code, const std::string& path, const std::string& doing);
+
 // "'name' (process 123)" of a process of this user that has the node open; empty where none can be seen.
 std::string holder_of(const std::string& path);
 

@@ -153,7 +153,9 @@ Result<void> ExposureControl::write(const ExposureRequest& wanted, int request_f
   v4l2_ext_controls controls{};
   controls.which = request_fd >= 0 ? V4L2_CTRL_WHICH_REQUEST_VAL : V4L2_CTRL_WHICH_CUR_VAL;
   controls.request_fd = request_fd, controls.count = gain_.id != 0 ? 2 : 1, controls.controls = both.data();
-  return node_->demand(VIDIOC_S_EXT_CTRLS, &controls, "set its exposure");
+  if (const int code = node_->ask(VIDIOC_S_EXT_CTRLS, &controls); code != 0)
+    return control_error(code, node_->path(), "set its exposure");
+  return {};
 }
 
 std::optional<ExposureControl::Applied> ExposureControl::read(int request_fd) const {

@@ -12,6 +12,11 @@ namespace {
 
 // Matroska's identifiers, with their length markers.
 constexpr std::array kCluster{std::byte{0x1f}, std::byte{0x43}, std::byte{0xb6}, std::byte{0x75}};
+// The type of a document, in the head of every Matroska file.
+constexpr std::array kDocType{std::byte{0x42}, std::byte{0x82}, std::byte{0x88}, std::byte{'m'},
+                              std::byte{'a'},  std::byte{'t'},  std::byte{'r'},  std::byte{'o'},
+                              std::byte{'s'},  std::byte{'k'},  std::byte{'a'}};
+constexpr std::uint64_t kOwnHead = 64;  // bytes: what lies in them is of the file itself
 constexpr std::uint64_t kClusterHead[] = {0xbf, 0xe7, 0xec, 0xab, 0xa7};  // before the blocks
 constexpr std::uint64_t kSimpleBlock = 0xa3, kBlockGroup = 0xa0, kBlock = 0xa1;
 constexpr std::uint64_t kBlockHead = 4;  // track, time (2 bytes), flags
@@ -47,12 +52,16 @@ Result<std::optional<ClusterScan::Element>> ClusterScan::element_at(std::uint64_
 }
 
 Result<std::optional<std::uint64_t>> ClusterScan::find_identifier() {
-  constexpr std::size_t kOverlap = kCluster.size() - 1;
+  constexpr std::size_t kOverlap = std::max(kCluster.size(), kDocType.size()) - 1;
   std::vector<std::byte> part(64 << 10);
   for (std::uint64_t at = at_;; at += part.size() - kOverlap) {
     const std::size_t known = TRY(file_.read_at(at, part));
     const auto end = part.begin() + static_cast<std::ptrdiff_t>(known);
     const auto found = std::search(part.begin(), end, kCluster.begin(), kCluster.end());
+    const auto first =
+        part.begin() + static_cast<std::ptrdiff_t>(at < kOwnHead ? std::min(kOwnHead, known) : 0);
+    if (std::search(std::min(first, found), found, kDocType.begin(), kDocType.end()) != found)
+      return std::optional<std::uint64_t>();  // another recording begins
     if (found != end) return std::optional(at + static_cast<std::uint64_t>(found - part.begin()));
     if (known < part.size()) return std::optional<std::uint64_t>();
   }

@@ -26,8 +26,9 @@ class ClusterScan {
   ClusterScan(StorageFile& file, std::uint64_t from, std::uint64_t most_bytes)
       : file_(file), most_bytes_(most_bytes), at_(from) {}
 
-  // The next cluster that holds facts; nullopt at the end of the file. The search goes on right behind its
-  // identifier, as it may be none, unless it was accepted. Errors: those of the storage.
+  // The next cluster that holds facts; nullopt at the end of the file, or where another one was put behind
+  // it: nothing ties its frames to these. The search goes on right behind its identifier, as it may be none,
+  // unless it was accepted. Errors: those of the storage.
   Result<std::optional<FoundCluster>> next();
   // The one found last is what it seems: the search goes on behind it.
   void accept() { at_ = behind_; }

@@ -175,8 +175,10 @@ Result<void> VideoWriter::write_header(const VideoFormat& format) {
   }
   muxer.flags |= AVFMT_FLAG_CUSTOM_IO | AVFMT_FLAG_BITEXACT | AVFMT_FLAG_FLUSH_PACKETS;
   muxer.strict_std_compliance = FF_COMPLIANCE_EXPERIMENTAL;  // Y4M of 10 bits
-  if (is_mp4(format.container))
+  if (is_mp4(format.container)) {
     av_opt_set(muxer.priv_data, "movflags", "frag_keyframe+empty_moov+default_base_moof", 0);
+    longest_step_us_ = 2'000'000'000;  // its durations have 32 bits, of which the muxer takes 31
+  }
   if (format.container == VideoContainer::Matroska)
     av_opt_set_int(muxer.priv_data, "cluster_time_limit", std::lround(kFragment_s * 1e3), 0);
   if (format.container == VideoContainer::Matroska && format.mastering)
@@ -214,8 +216,11 @@ PicturePlanes VideoWriter::planes() {
 }
 
 Result<void> VideoWriter::append(Duration since_start) {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_start).count();
-  times_us_.push_back(last_us_ = std::max<std::int64_t>(us, last_us_ + 1));
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(since_start).count() - left_out_us_;
+  const std::int64_t step_us = std::max<std::int64_t>(us - last_us_, 1);
+  const std::int64_t shown_us = std::min(step_us, longest_step_us_);
+  left_out_us_ += step_us - shown_us;
+  times_us_.push_back(last_us_ += shown_us);
   ++frame_->pts;
   if (const int code = avcodec_send_frame(encoder_.get(), frame_.get()); code < 0)
     return Error{ErrorCode::Unsupported, fmt::format("{} failed at frame {}: {}", encoder_->codec->name,

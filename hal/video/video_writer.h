@@ -9,6 +9,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -85,6 +86,8 @@ class VideoWriter {
   std::optional<LightLevel> stated_;
   std::deque<std::int64_t> times_us_;             // of the pictures inside the encoder
   std::int64_t first_inside_ = 0, last_us_ = -1;  // number of the first of them
+  std::int64_t longest_step_us_ = std::numeric_limits<std::int64_t>::max();  // that the container can state
+  std::int64_t left_out_us_ = 0;                                             // of longer ones
 };
 
 }  // namespace hdrcam

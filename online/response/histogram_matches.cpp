@@ -85,27 +85,32 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   if (((a.facts.flags | b.facts.flags) & (kFrameExposureUnproved | kFrameDamaged)) != 0) return false;
   if (cuts == SceneCuts::Possible && !shows_one_scene(a, b)) return false;
 
-  const bool shortest = pairs_ == 0 || shorter.exposure < 0.9f * shortest_;
+  const bool shortest = !shortest_ || shorter.exposure < 0.9f * *shortest_;
   if (shortest) shortest_ = shorter.exposure;
   const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
   std::vector<float> scratch;
+  std::array<std::vector<CodeMatch>, 3> found;
   for (std::size_t c = 0; c < 3; ++c) {
     const Ranking dark(shorter, static_cast<int>(c), scratch), light(longer, static_cast<int>(c), scratch);
-    if (shorter.exposure < 1.1f * shortest_) {
+    if (shorter.exposure < 1.1f * *shortest_) {
       const float darkest = dark.quantile(kDarkShare), most = dark.quantile(kBelowBlack);
       darkest_[c] = shortest ? darkest : std::min(darkest_[c], darkest);
       most_black_[c] = shortest ? most : std::min(most_black_[c], most);
     }
-    CodeMatches& matches = matches_[c][key];
-    matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
     for (int q = 1; q < kQuantiles; ++q) {
       const auto [code, share] = dark.boundary_near(static_cast<double>(q) / kQuantiles);
       if (share <= kDarkShare || share >= 1 - kDarkShare) continue;
       const double other = light.code_at(share);
-      if (other >= code) matches.codes.push_back({static_cast<float>(code), static_cast<float>(other)});
+      if (other >= code) found[c].push_back({static_cast<float>(code), static_cast<float>(other)});
     }
   }
-  for (auto& channel : matches_) keep_newest(channel[key].codes);
+  if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    CodeMatches& matches = matches_[c][key];
+    matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
+    matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
+    keep_newest(matches.codes);
+  }
   ++pairs_;
   return true;
 }

@@ -36,8 +36,8 @@ class HistogramMatches {
   using OfChannel = std::map<std::pair<int, int>, CodeMatches>;
 
   // Adds the matches of two frames of different exposure, unpacked without a black level. It skips frames of
-  // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut); returns whether the
-  // pair counted.
+  // (nearly) the same exposure, of unproved exposure, or of different scenes (a cut), and finds none in
+  // frames that show nothing; returns whether the pair counted.
   bool add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts);
 
   int pairs() const { return pairs_; }  // that counted
@@ -53,7 +53,7 @@ class HistogramMatches {
 
  private:
   int pairs_ = 0;
-  float shortest_ = 0;  // exposure
+  std::optional<float> shortest_;  // exposure
   std::array<float, 3> darkest_{}, most_black_{};
   std::array<OfChannel, 3> matches_;
 };

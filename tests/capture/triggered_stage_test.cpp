@@ -200,6 +200,25 @@ TEST_CASE("frames that are taken too late for their pulses are counted, and no l
              Catch::EndsWith(fmt::format("strobe or trigger pulses: {}", counters.pulses_forgotten)));
 }
 
+TEST_CASE("a line that goes away ends the run though the sensor goes on by itself, after the frames before",
+          "[capture]") {
+  Rig rig(TriggerMode::FrameStart, {{6, TriggerFaultKind::Unplug}});
+  SimulatedCamera camera(value_of(simulation_of("still?size=32x24")), SimTime(rig.clock), 1);  // on no wire
+  auto stage = value_of(CaptureStage::open(camera, nullptr, kCycle, Mains::Off, {.trigger = &rig.trigger}));
+  require_done(stage->start());
+  CapturedFrame frame;
+  int taken = 0;
+  for (; taken < 40; ++taken) {
+    rig.trigger.drive_next();
+    if (const auto next = stage->next(frame); !next) {
+      require_error(next, ErrorCode::Unplugged);
+      break;
+    }
+  }
+  CHECK(taken > 6);
+  CHECK(taken < 20);
+}
+
 TEST_CASE("a sensor that answers no pulse is an error that names the line", "[capture]") {
   Rig rig(TriggerMode::PulseWidth);  // its trigger, and a sensor on another wire
   SimulatedWire dead{SimTime(rig.clock)};

@@ -3,6 +3,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
@@ -232,6 +233,33 @@ TEST_CASE("a header that claims more than its file can hold costs no memory") {
   REQUIRE_FALSE(image.ok());
   CHECK(image.error().code == ErrorCode::Truncated);
   CHECK(image.error().message.find("too few for 1 channels of 65536x1024") != std::string::npos);
+}
+
+TEST_CASE("the picture of an OpenEXR file is what it displays, whatever part of it the file has data of") {
+  Image<float> data(1, 64, 64);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) data.at(0, y, x) = static_cast<float>(100 * y + x + 1);
+  ExrPicture picture;
+  picture.rows = picture.cols = 64;
+  picture.channels = {{"R", data.samples(), ExrSample::Float}};
+  const auto displayed = [&](std::array<std::int32_t, 4> corners) {  // x0 y0 x1 y1
+    std::vector<std::byte> bytes = encode_exr(picture).value();
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    constexpr std::string_view kWindow("displayWindow\0box2i\0\x10\0\0\0", 24);
+    const std::size_t window = text.find(kWindow);
+    REQUIRE(window != std::string_view::npos);
+    std::memcpy(bytes.data() + window + kWindow.size(), corners.data(), sizeof corners);
+    return decode_exr(bytes, "windows.exr").value();
+  };
+  const ExrImage part = displayed({8, 4, 55, 67});  // four rows more than there are data
+  REQUIRE(part.samples.cols() == 48);
+  REQUIRE(part.samples.rows() == 64);
+  CHECK(part.samples.at(0, 0, 0) == data.at(0, 4, 8));
+  CHECK(part.samples.at(0, 59, 47) == data.at(0, 63, 55));
+  CHECK(part.samples.at(0, 60, 0) == 0);
+  const ExrImage apart = displayed({100, 100, 103, 101});
+  CHECK(apart.samples.cols() == 4);
+  CHECK(apart.samples.at(0, 1, 3) == 0);
 }
 
 TEST_CASE("bytes that are no OpenEXR file are refused by name") {

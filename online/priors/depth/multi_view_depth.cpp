@@ -28,6 +28,7 @@ struct MultiViewDepth::Relative {
       t[i] = static_cast<float>(T.t(i));
     }
   }
+  bool moves() const { return std::max({std::abs(t[0]), std::abs(t[1]), std::abs(t[2])}) > 1e-6f; }
   void turn(float x, float y, float out[3]) const {
     for (int i = 0; i < 3; ++i) out[i] = R[i][0] * x + R[i][1] * y + R[i][2];
   }
@@ -147,7 +148,9 @@ void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from
                 (from.y() + 0.5f - static_cast<float>(lens_.cy_px)) / static_cast<float>(lens_.fy_px), ray);
   const float z = ray[2] + d * previous.t[2];
   if (!(z > kNearestZ)) return;
-  const float keep = 1 / ((1 + options_.forget) * (1 + options_.forget));
+  // what the camera learnt outlasts any time that it stands still, or only turns
+  const float forget = previous.moves() ? options_.forget : 0;
+  const float keep = 1 / ((1 + forget) * (1 + forget));
   carried_learnt_.at(0, y, x) = d / z;
   carried_learnt_.at(1, y, x) = known * z * z * keep;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/clip_policy.h"
 #include "hal/core/median.h"
 #include "online/priors/pose/heading_search.h"
 
@@ -70,6 +71,20 @@ bool same_heading(const Heading& a, const Heading& b) {
   return centre_a.dot(b.T_camera_world.inverse().t.normalized()) > kSameHeading;
 }
 
+// Share of the pixels that are not clipped, dark or bright, in all channels; of a part of them.
+double shown_share(const Image<float>& codes) {
+  constexpr int kStride = 4;
+  const clip_policy::UsableCodes usable = clip_policy::kMotionRating;
+  int shown = 0, all = 0;
+  for (int y = 0; y < codes.rows(); y += kStride)
+    for (int x = 0; x < codes.cols(); x += kStride) {
+      const float r = codes.at(0, y, x), g = codes.at(1, y, x), b = codes.at(2, y, x);
+      shown += std::max({r, g, b}) > usable.darkest && std::min({r, g, b}) < usable.brightest;
+      ++all;
+    }
+  return all > 0 ? static_cast<double>(shown) / all : 0;
+}
+
 bool less_noise(const Heading& a, const Heading& b) { return a.noise < b.noise; }
 
 }  // namespace
@@ -81,6 +96,11 @@ TrackedPose::TrackedPose(std::optional<Intrinsics> intrinsics, WorkerPool& pool,
   for (std::vector<double>* room : {&depths_, &trial_depths_, &errors_})
     room->reserve(2 * static_cast<std::size_t>(options.tracks.points));
   fitter_.reserve(depths_.capacity());
+}
+
+const CameraPose& TrackedPose::estimate(const SeenFrame& seen) {
+  blind_ = shown_share(seen.frame.codes) < options_.least_shown ? blind_ + 1 : 0;
+  return next(seen.motion.to_previous, seen.motion.from_previous);
 }
 
 const CameraPose& TrackedPose::next(const FlowField& to_previous, const FlowField& from_previous) {
@@ -106,7 +126,7 @@ void TrackedPose::start(const FlowField& from_previous) {
 
 void TrackedPose::track(const FlowField& from_previous) {
   tracks_.follow(from_previous);
-  if (tracks_.seen() < options_.fewest_points) return lose();
+  if (tracks_.seen() < options_.fewest_points || blind_ > options_.longest_blind) return lose();
 
   tracks_.inverse_depths(depths_);
   trial_depths_ = depths_;

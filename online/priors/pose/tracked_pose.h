@@ -25,6 +25,11 @@ struct TrackerOptions {
   int fewest_points = 30;            // below this the pose is lost
   double fewest_inliers = 0.3;       // share
   double velocity_decay = 0.9;       // per frame, while lost
+  // Frames in a row that are clipped, dark or bright, but for so small a share: so many have the motion of
+  // those around them, as in a cycle with black frames; after them it is only continued, and the pose is
+  // lost.
+  int longest_blind = 4;
+  double least_shown = 0.02;
 };
 
 class TrackedPose final : public PosePrior {
@@ -33,9 +38,7 @@ class TrackedPose final : public PosePrior {
 
   // to_previous: this frame -> the previous one; from_previous: the reverse; empty for the first frame.
   const CameraPose& next(const FlowField& to_previous, const FlowField& from_previous);
-  const CameraPose& estimate(const SeenFrame& seen) override {
-    return next(seen.motion.to_previous, seen.motion.from_previous);
-  }
+  const CameraPose& estimate(const SeenFrame& seen) override;
   PoseSource source() const override { return PoseSource::Tracked; }
 
  private:
@@ -58,6 +61,7 @@ class TrackedPose final : public PosePrior {
   std::vector<double> depths_, trial_depths_, errors_;  // [points] of one frame
   PoseFitter fitter_;
   bool started_ = false, depth_known_ = false;
+  int blind_ = 0;  // frames in a row
   CameraPose pose_;
 };
 

@@ -1,5 +1,7 @@
 #include "firmware_host/film/film_plan.h"
 
+#include <fstream>
+
 #include "hal/recording/recording.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/moving_scene.h"
@@ -97,6 +99,10 @@ TEST_CASE("an exposure makes 8-bit pictures, at the reference exposure where non
   CHECK_FALSE(planned({}).value().exposure);
   CHECK(planned({.ldr = true}).value().exposure == 0.0);
   CHECK(*planned({.exposure = "1/250"}).value().exposure == Approx(0.004));
+  FilmedRecording relative = kWalk;  // whose exposures were estimated from its pictures
+  relative.has_exposure_times = false;
+  CHECK(planned({.ldr = true}, relative).value().exposure == 0.0);
+  CHECK_THAT(refusal({.exposure = "1/250"}, relative), Contains("only the ratios are known"));
 }
 
 TEST_CASE("what cannot be filmed is refused in a sentence that names the flag and what it takes", "[film]") {
@@ -111,6 +117,9 @@ TEST_CASE("what cannot be filmed is refused in a sentence that names the flag an
   CHECK_THAT(refusal({.stereo = "0"}), Contains("above 0"));
   CHECK_THAT(refusal({.view = "0,0,0", .path = "x.csv"}), Contains("give one of them"));
   CHECK_THAT(refusal({.speed = 0.001, .framerate_hz = 1000}), Contains("raise --speed"));
+  const std::string path = sample::scratch_folder("film_long_path") + "/p.csv";
+  std::ofstream(path) << "time_s,dx\n0,0\n200000,1\n";
+  CHECK_THAT(refusal({.path = path, .time = "0.5"}), Contains("let the path of the view end earlier"));
 }
 
 TEST_CASE("a length in metres needs a recording that has poses, and a view needs the field", "[film]") {

@@ -46,6 +46,7 @@ struct Shown {
   float radiance;
   double x_m;
   float hole;  // radiance of what only the field knows; 0 without any
+  FrameFacts facts = {};
 };
 
 std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> recorded) {
@@ -55,7 +56,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
   std::vector<Shown> shown;
   const VirtualCamera::Show show = [&](HdrFrame& frame, const ExposedFrame&, const FrameRecord&) {
     Shown& one = shown.emplace_back(
-        Shown{frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose->T_world_camera.t.x(), 0});
+        Shown{frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose->T_world_camera.t.x(), 0, frame.facts});
     for (std::size_t i = 0; i < frame.provenance.size(); ++i)
       if (frame.provenance.samples()[i] == static_cast<std::uint8_t>(Provenance::Field))
         one.hole = std::max(one.hole, frame.radiance.samples()[i]);
@@ -116,6 +117,17 @@ TEST_CASE("a moment of a film counts from the recording's first frame, also wher
   REQUIRE(shown.size() == 2);
   CHECK(shown[0].radiance == 5);
   CHECK(shown[1].radiance == 10);
+}
+
+TEST_CASE("pictures that are exposed anew are stated with their exposure, not with a recorded frame's",
+          "[film]") {
+  FilmPlan plan = planned(0, 4, 8);
+  plan.exposure = GENERATE(0.004, 0.0);  // 0: the reference exposure, here 1 s
+  const Recorded recorded[] = {{0, 5}, {0.25, 10}, {0.5, 20}};
+  for (const Shown& shown : filmed(plan, recorded)) {
+    CHECK(shown.facts.exposure_s == (*plan.exposure > 0 ? 0.004 : 1.0));
+    CHECK(shown.facts.gain() == 1);
+  }
 }
 
 TEST_CASE("where tracking began anew, a film's frame has the pose and the picture of the nearest one",

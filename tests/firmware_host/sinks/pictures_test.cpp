@@ -122,6 +122,22 @@ Picture sheet_of(const HdrFrame& frame) {
 
 }  // namespace
 
+TEST_CASE("the cells of a contact sheet do not overlap where a film is of another size than its input") {
+  for (const auto& [rows, cols] : {std::pair{240, 320}, {96, 16}, {24, 64}}) {
+    CAPTURE(rows, cols);
+    ContactSheet sheet(posix_storage(), "");
+    Image<float> codes(3, 24, 32);
+    std::fill_n(codes.plane(0), codes.plane_size(), 250.f);  // red, as nothing else of a sheet
+    for (std::uint64_t sequence = 0; sequence < 4; ++sequence)
+      REQUIRE(emit(sheet, example_frame(sequence, With::RadianceOnly, rows, cols), codes).ok());
+    REQUIRE(sheet.finish().ok());
+    const Picture picture = decoded(sheet.png());
+    CHECK(picture.count({250, 0, 0}) == 4 * 24 * 32);
+    for (const ProvenanceLook& look : kProvenanceLooks)
+      CHECK(picture.count(look.colour) >= 4 * rows * (cols / 5));  // and its square in the legend
+  }
+}
+
 TEST_CASE("a contact sheet has a column of depth only where there is depth") {
   const auto width_with = [](With with) { return sheet_of(example_frame(0, with, 240, 320)).cols; };
   CHECK(width_with(With::DepthAndFlow) == width_with(With::RadianceOnly) + 320 + 8);

@@ -150,9 +150,43 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
   CHECK(bracket.camera.framerate_hz == Approx(30));  // stills do not say it
 }
 
+TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is no frame") {
+  const std::string folder = sample::scratch_folder("footage_second_picture");
+  const auto bytes_of = [](const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  test::write_jpeg(folder + "/preview.jpg", patches(7, 32, 48), std::nullopt);
+  test::write_jpeg(folder + "/gain.jpg", patches(8), std::nullopt);
+  const std::string preview = bytes_of(folder + "/preview.jpg"), gain = bytes_of(folder + "/gain.jpg");
+  std::vector<std::string> files;
+  for (const std::string& behind : {preview, gain, gain + preview, gain.substr(0, gain.size() / 2)}) {
+    const auto number = static_cast<int>(files.size());
+    const std::string& path = files.emplace_back(fmt::format("{}/{}.jpg", folder, number));
+    test::write_jpeg(path, patches(number), test::Exif{1, 1000, 100, 28});
+    std::ofstream(path, std::ios::binary | std::ios::app) << behind;
+  }
+  const Read bracket = read(files);
+  INFO((bracket.error ? bracket.error->message : ""));
+  REQUIRE_FALSE(bracket.error);
+  CHECK(bracket.losses.empty());
+  CHECK(bracket.camera.framerate_hz == Approx(30));
+  REQUIRE(bracket.frames.size() == files.size());
+  for (std::size_t i = 0; i < files.size(); ++i)
+    CHECK(difference(bracket.frames[i], bracket.camera.bits, patches(static_cast<int>(i))) < 2.5);
+  // a damaged picture is not replaced by its preview
+  test::write_jpeg(folder + "/large.jpg", patches(9, 480, 640), std::nullopt);
+  const std::string damaged = folder + "/damaged.jpg", whole = bytes_of(folder + "/large.jpg");
+  std::ofstream(damaged, std::ios::binary) << whole.substr(0, whole.size() / 2) << "\xff\xd9" << preview;
+  const Read refused = read({damaged});
+  REQUIRE(refused.error);
+  CHECK(refused.error->code == ErrorCode::Corrupt);
+}
+
 TEST_CASE("files in a folder come in the order of their numbers") {
   const std::string folder = sample::scratch_folder("footage_order");
-  for (const char* name : {"IMG_10.JPG", "IMG_9.jpg", "img_2.png", "IMG_0011.jpg", "notes.txt", "clip.mov"})
+  for (const char* name :
+       {"IMG_10.JPG", "IMG_9.jpg", "img_2.png", "IMG_0011.jpg", "notes.txt", "clip.mov", "._IMG_9.jpg"})
     std::ofstream(folder + "/" + name) << "x";
   const auto files = footage_in(folder);
   REQUIRE(files.ok());
@@ -209,6 +243,57 @@ TEST_CASE("a video that was cut comes up to its cut") {
   CHECK(read_back.frames.size() < 90);
   REQUIRE(read_back.losses.size() == 1);  // its end is stated
   CHECK(static_cast<int>(read_back.frames.size()) + read_back.losses[0].lost.missing == 90);
+}
+
+namespace {
+
+// Motion JPEG at 25 frames per second, as cameras write it.
+void write_avi(const std::string& path, const std::vector<Image<std::uint16_t>>& rgb) {
+  AVFormatContext* muxer = nullptr;
+  REQUIRE(avformat_alloc_output_context2(&muxer, nullptr, "avi", path.c_str()) >= 0);
+  AVStream* const track = avformat_new_stream(muxer, nullptr);
+  track->codecpar->codec_type = AVMEDIA_TYPE_VIDEO, track->codecpar->codec_id = AV_CODEC_ID_MJPEG;
+  track->codecpar->width = rgb[0].cols(), track->codecpar->height = rgb[0].rows();
+  track->time_base = {1, 25}, track->avg_frame_rate = {25, 1};
+  REQUIRE(avio_open(&muxer->pb, path.c_str(), AVIO_FLAG_WRITE) >= 0);
+  REQUIRE(avformat_write_header(muxer, nullptr) >= 0);
+  AVPacket* const packet = av_packet_alloc();
+  for (std::size_t i = 0; i < rgb.size(); ++i) {
+    test::write_jpeg(path + ".jpg", rgb[i], std::nullopt);
+    std::ifstream file(path + ".jpg", std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    REQUIRE(av_new_packet(packet, static_cast<int>(bytes.size())) >= 0);
+    std::copy(bytes.begin(), bytes.end(), packet->data);
+    packet->pts = packet->dts = static_cast<std::int64_t>(i), packet->duration = 1;
+    packet->flags |= AV_PKT_FLAG_KEY;
+    REQUIRE(av_write_frame(muxer, packet) >= 0);
+    av_packet_unref(packet);
+  }
+  av_packet_free(const_cast<AVPacket**>(&packet));
+  REQUIRE(av_write_trailer(muxer) >= 0);
+  avio_closep(&muxer->pb);
+  avformat_free_context(muxer);
+}
+
+}  // namespace
+
+TEST_CASE("what a cut AVI lacks is counted by the number of frames that its head states") {
+  const std::string path = sample::scratch_folder("footage_cut_avi") + "/x.avi";
+  write_avi(path, pictures(24));
+  const Read whole = read({path});
+  CHECK(whole.losses.empty());
+  CHECK(whole.frames.size() == 24);
+  const auto size = std::filesystem::file_size(path);
+  for (const double share : {0.9, 0.6, 0.3}) {
+    CAPTURE(share);
+    std::filesystem::resize_file(path, static_cast<std::uintmax_t>(share * static_cast<double>(size)));
+    const Read cut = read({path});
+    CHECK_FALSE(cut.error);
+    REQUIRE(cut.losses.size() == 1);
+    CHECK(cut.losses[0].lost.missing > 0);
+    CHECK(static_cast<int>(cut.frames.size()) + cut.losses[0].lost.missing + cut.losses[0].lost.damaged ==
+          24);
+  }
 }
 
 TEST_CASE("what a cut video lacks is counted, and a whole one lacks nothing") {

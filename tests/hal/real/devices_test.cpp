@@ -92,6 +92,17 @@ TEST_CASE("every errno of a device becomes a code and a sentence with its name")
   }
 }
 
+TEST_CASE("a control that a device in use refuses is told as that, and never as a full queue") {
+  for (const int code : {EBUSY, EPIPE, EACCES, EIO, ERANGE}) {
+    const Error error = control_error(code, "/dev/video5", "set its exposure");
+    CHECK(error.code == ErrorCode::Io);
+    CHECK(error.sys_errno == code);
+    CHECK_THAT(error.message, Catch::StartsWith("'/dev/video5' refused to set its exposure: "));
+  }
+  CHECK(control_error(ENODEV, "/dev/video5", "set its exposure").code == ErrorCode::Unplugged);
+  CHECK(control_error(EINVAL, "/dev/video5", "set its exposure").code == ErrorCode::Unsupported);
+}
+
 TEST_CASE("every pixel format has a code of its own that leads back to it") {
   std::set<std::uint32_t> codes;
   for (int i = 0; i <= static_cast<int>(PixelFormat::Bggr12Packed); ++i) {

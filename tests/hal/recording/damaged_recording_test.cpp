@@ -279,6 +279,25 @@ TEST_CASE("a hole in a recording costs the frames that were in it") {
   CHECK(reader.value()->left_out().places == std::vector<std::uint64_t>{1, 2});
 }
 
+TEST_CASE("frames of another recording that was put behind a cut one are none of its frames") {
+  const Sample made = small_recording("spliced"), other = small_recording("spliced_other");
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  std::size_t cluster = 0;  // the third
+  for (int i = 0; i < 3; ++i) cluster = bytes.find("\x1f\x43\xb6\x75", cluster + 1);
+  REQUIRE(cluster != std::string::npos);
+  write_file(made.path, bytes.substr(0, cluster + 40) + read_whole(posix_storage(), other.path).value());
+  auto reader = open_recording(posix_storage(), made.path, Damage::IsSkipped);
+  REQUIRE(reader.ok());
+  int read = 0;
+  for (;; ++read) {
+    const auto frame = reader.value()->next();
+    REQUIRE(frame.ok());
+    if (!frame.value()) break;
+  }
+  CHECK(read == 2);
+  CHECK(reader.value()->left_out().count == 2);
+}
+
 TEST_CASE("a frame whose number or time runs backwards is damage, proved checksum or not") {
   const Sample made = small_recording("backwards");
   const Instant earlier = made.frames[1].facts.timestamp + Duration(-1);

@@ -25,6 +25,21 @@ std::vector<Image<std::uint16_t>> moving_stripes(int count, int rows, int cols) 
 
 }  // namespace
 
+TEST_CASE("after a pause that the container cannot state the frames keep their distances") {
+  const std::string folder = sample::scratch_folder("video_pause");
+  const std::vector<double> times{0, 0.04, 3000, 3000.04, 3000.08, 9000};
+  for (const auto& [name, longest_s] : {std::pair{"x.mp4", 2000.0}, {"x.mov", 2000.0}, {"x.mkv", 1e9}}) {
+    CAPTURE(name);
+    const std::string path = folder + "/" + name;
+    REQUIRE(test::write_video(path, VideoCodec::H264, moving_stripes(6, 32, 48), times, 25).ok());
+    const test::DecodedVideo video = test::decoded_video(path);
+    REQUIRE(video.frames.size() == times.size());
+    for (std::size_t i = 1; i < times.size(); ++i)
+      CHECK(video.frames[i].time_s - video.frames[i - 1].time_s ==
+            Approx(std::min(times[i] - times[i - 1], longest_s)).margin(2e-3));
+  }
+}
+
 TEST_CASE("HEVC videos of narrow pictures have all their frames, and the encoder keeps to its memory") {
   const std::string folder = sample::scratch_folder("video_narrow");
   const struct { int rows, cols; } sizes[] = {{16, 16}, {34, 34}, {200, 18}, {64, 48}};

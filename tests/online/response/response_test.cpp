@@ -179,6 +179,10 @@ TEST_CASE("pairs that say nothing are left out") {
               128 + 100 * static_cast<float>(std::sin(y * 0.7) * std::sin(x * 0.45 + 1));
     CHECK_FALSE(estimator.add_pair(frames[0], other));
   }
+  for (const float code : {0.f, 255.f}) SECTION(code > 0 ? "of white frames" : "of black frames") {
+      for (ExposedFrame& frame : frames) frame.codes.fill(code);
+      CHECK_FALSE(estimator.add_pair(frames[0], frames[1]));
+    }
   CHECK(estimator.pairs() == 0);
   CHECK(response_error(estimator.estimate({}).response, prior_mean_response()) < 1e-3);
 }

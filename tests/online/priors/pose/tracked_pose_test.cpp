@@ -1,14 +1,14 @@
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <span>
-
 #include "online/priors/pose/tracked_pose.h"
 
-#include <catch2/catch.hpp>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cstring>
 #include <numbers>
+#include <span>
 
 #include "tests/online/priors/pose/synthetic_scene.h"
+
+#include <catch2/catch.hpp>
 
 using namespace hdrcam;
 using namespace hdrcam::test;
@@ -24,6 +24,8 @@ std::vector<CameraPose> track(const SyntheticScene& scene, const std::vector<Fra
   for (const FramePair& frame : frames) poses.push_back(tracker.next(frame.to_previous, frame.from_previous));
   return poses;
 }
+
+FlowField clone(const FlowField& flow) { return {flow.vectors.clone(), flow.confidence.clone()}; }
 
 RigidTransform pose_of(const CameraPose& pose) { return pose.T_world_camera; }
 
@@ -282,6 +284,34 @@ TEST_CASE("a focal length that is wrong by 10 percent costs accuracy, not the tr
   CHECK_FALSE(poses.back().lost);
   CHECK(errors.turn_deg < 1.5);
   CHECK(errors.direction_deg < 25);
+}
+
+TEST_CASE(
+    "of frames that show nothing a cycle has some, and in a row they are no way to see where a camera goes",
+    "[pose]") {
+  const SyntheticScene scene = room();
+  const auto path = straight_path(40, {0.05, 0, 0}, {0, 0.002, 0});
+  const std::vector<FramePair> flows = film(scene, path, 0);
+  const auto lost_among = [&](const auto& is_black, float code) {
+    WorkerPool pool(1);
+    TrackedPose tracker(scene.lens, pool);
+    const RadianceState state;
+    ExposedFrame frame;
+    frame.codes = Image<float>(3, scene.rows, scene.cols);
+    std::vector<int> lost;
+    for (std::size_t i = 0; i < flows.size(); ++i) {
+      frame.codes.fill(is_black(static_cast<int>(i)) ? code : 128.f);
+      const StateMotion motion{clone(flows[i].to_previous), clone(flows[i].from_previous)};
+      if (tracker.estimate({frame, state, motion}).lost) lost.push_back(static_cast<int>(i));
+    }
+    return lost;
+  };
+  for (const float code : {0.f, 255.f}) {
+    CHECK(lost_among([](int i) { return i % 4 != 0; }, code).empty());
+    const std::vector<int> lost = lost_among([](int i) { return i >= 20; }, code);
+    CHECK(lost.size() == 16);
+    CHECK(lost.front() == 24);
+  }
 }
 
 TEST_CASE("a camera that does not say its lens is assumed to see 55 degrees", "[pose]") {
