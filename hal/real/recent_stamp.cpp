@@ -1,5 +1,7 @@
 #include "hal/real/recent_stamp.h"
 
+#include <algorithm>
+
 namespace hdrcam {
 
 Instant instant_of_recent_stamp(Clock& clock, Duration stamp) {
@@ -11,7 +13,7 @@ Instant instant_of_recent_stamp(Clock& clock, Duration stamp) {
     if (std::chrono::abs(candidate - now) + std::chrono::milliseconds(500) < std::chrono::abs(nearest - now))
       nearest = candidate;
   }
-  return nearest;
+  return std::min(nearest, now);
 }
 
 }  // namespace hdrcam

@@ -7,7 +7,9 @@
 namespace hdrcam {
 
 // Converts a stamp of an unknown clock, taken in the last seconds. The clock is the one whose time is near
-// the stamp now; where two are (boot and monotonic, until the first suspend), they agree.
+// the stamp now; where two are (boot and monotonic, until the first suspend), they agree. What is there was
+// not stamped later than now: a driver's slip into the future is taken for now, so that no frame seems to be
+// lost.
 Instant instant_of_recent_stamp(Clock& clock, Duration stamp);
 
 }  // namespace hdrcam
