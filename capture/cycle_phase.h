@@ -30,6 +30,10 @@ struct CycleStep {
 CycleStep step_between(Photometer& photometer, const PhotometricSignature& earlier,
                        const PhotometricSignature& later);
 
+// Whether the later picture is clearly brighter where its exposure should make it clearly darker, or the
+// reverse. log_ratio: ln of the exposures that the two are said to have.
+bool contradicts_order(const CycleStep& step, double log_ratio);
+
 struct CycleWalk {
   std::vector<int> slots;        // of each frame
   std::vector<int> lost_before;  // frames missing before each, 0.. slots-1 and those that times tell
@@ -38,8 +42,8 @@ struct CycleWalk {
   int measured = 0;          // steps of that kind
 };
 
-// steps: one less than frames. Errors: BadExposure where the pictures do not alternate as the cycle does,
-// saying what they show; Invalid for a cycle that is empty.
+// steps: one less than frames. Errors: BadExposure where the pictures do not alternate as the cycle does, or
+// in another order; Invalid for a cycle that is empty.
 Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Exposure> cycle);
 
 // Steps over one, two and more frames: [lag - 1][frame], from that frame to the one `lag` later.

@@ -114,8 +114,9 @@ void RecordedLabels::judge(CapturedFrame& frame) {
 // Returns an empty judgement for a frame that cannot be judged.
 Judgement RecordedLabels::judge_forward(const CapturedFrame& frame) {
   const auto evidence = evidence_of(frame.raw.facts);
-  if (!evidence) return {};
+  if (!evidence) return last_.reset(), Judgement{};
   photometer_.observe(frame.raw.codes, camera_.layout, camera_.bits, picture_);
+  check_order(frame.raw.facts);
   return proof_.judge(*evidence, picture_, photometer_);
 }
 
@@ -127,6 +128,30 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
   frame.proof = judgement;
   if (judgeable(facts)) settle(frame, judgement);
   check_duration(frame, interval);
+}
+
+// The newest picture and the one before it, where no ratio can be taken of them. The light may change once, a
+// wrong order goes on.
+void RecordedLabels::check_order(const FrameFacts& facts) {
+  if (!facts.has_exposure()) return last_.reset();
+  const double log_value = std::log(facts.exposure_s * facts.gain());
+  if (last_) {
+    const CycleStep step = step_between(photometer_, last_->picture, picture_);
+    if (step.kind == StepKind::Rough) {
+      ++apart_;
+      if (contradicts_order(step, log_value - last_->log_value))
+        out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
+                             facts.sequence, step.log_ratio > 0 ? "brighter" : "darker",
+                             described(facts.exposure_s, facts.gain()),
+                             describe(Exposure{from_seconds(std::exp(last_->log_value)), 1}));
+    }
+  }
+  last_ = Neighbour{picture_, log_value};
+}
+
+bool RecordedLabels::are_out_of_order() const {
+  constexpr std::uint64_t kLeast = 3, kOneIn = 4;  // of the neighbours: a cycle of four has one at each round
+  return out_of_order_.count >= kLeast && out_of_order_.count * kOneIn >= apart_;
 }
 
 // Combines the verdict in the recording with the verdict of the pictures.
@@ -184,8 +209,10 @@ void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration
 }
 
 std::optional<std::string> RecordedLabels::objection() const {
-  for (const Objections* objections : {&relabelled_, &contradicted_, &overlong_})
+  for (const Objections* objections : {&relabelled_, &contradicted_})
     if (objections->count > 0) return objections->first;
+  if (are_out_of_order()) return out_of_order_.first;
+  if (overlong_.count > 0) return overlong_.first;
   return std::nullopt;
 }
 
@@ -199,6 +226,11 @@ std::vector<std::string> RecordedLabels::warnings() const {
   warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
+  if (are_out_of_order())
+    warn(out_of_order_,
+         "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
+         "the "
+         "exposures should be checked");
   warn(overlong_,
        "state an exposure longer than the frame itself, so motion blur counts only if frames show it");
   return warnings;

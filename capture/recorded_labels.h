@@ -3,7 +3,9 @@
 // well, from the frames after them, since none precede them. A label that all pictures contradict is replaced
 // where they agree on another of the clip's own exposures; otherwise the frame is flagged. An exposure that
 // was proved on the camera stays proved unless the pictures contradict it. Exposures that were estimated from
-// the pictures are at best estimated: pictures do not prove what was taken from them. Thread-bound.
+// the pictures are at best estimated: pictures do not prove what was taken from them. Where neighbours have
+// nothing in common that a ratio could be taken of, there is an objection only if many of them are darker
+// though their labels say that they should be brighter, or the reverse. Thread-bound.
 #pragma once
 
 #include <optional>
@@ -15,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "capture/captured_frame.h"
+#include "capture/cycle_phase.h"
 #include "capture/exposure_proof.h"
 #include "capture/photometry.h"
 #include "hal/core/frame.h"
@@ -65,18 +68,26 @@ class RecordedLabels {
   Judgement judge_forward(const CapturedFrame& frame);
   void settle(CapturedFrame& frame, const Judgement& judgement);
   void relabel(FrameFacts& facts, const Judgement& judgement);
+  void check_order(const FrameFacts& facts);
+  bool are_out_of_order() const;
   void check_duration(CapturedFrame& frame, std::optional<Duration> interval);
   void finish(CapturedFrame& frame, const Judgement& judgement, std::optional<Duration> interval);
 
   const CameraFacts camera_;
   Photometer photometer_;
   PhotometricSignature picture_;
+  struct Neighbour {
+    PhotometricSignature picture;
+    double log_value = 0;
+  };
+  std::optional<Neighbour> last_;  // the frame before, where it has a label
   ExposureProof proof_;
   std::vector<Label> recent_;  // labels of the last frames
   std::vector<Label> cycle_;   // the distinct ones, at most ExposureSchedule::kMaxSlots
   std::optional<Instant> last_time_;
   std::uint64_t frames_ = 0;
-  Objections relabelled_, contradicted_, overlong_;
+  std::uint64_t apart_ = 0;  // frames that have nothing in common with the one before
+  Objections relabelled_, contradicted_, out_of_order_, overlong_;
 };
 
 }  // namespace hdrcam

@@ -146,6 +146,23 @@ TEST_CASE("exposures shifted by a frame, or told in reverse, are found from the 
   }
 }
 
+TEST_CASE(
+    "exposures in a wrong order are said where neighbours have nothing in common that could be measured",
+    "[capture]") {
+  auto scene = scene_of({0.000002, 0.0003, 0.03});
+  const auto swapped = [&] {
+    return with_labels(scene, 24, [](int i, int) { return i % 3 == 2 ? i : i / 3 * 3 + 1 - i % 3; });
+  };
+  const Judged wrong = judged(scene, swapped());
+  CAPTURE(wrong.counters.proved, wrong.counters.plausible, wrong.counters.relabelled);
+  REQUIRE(wrong.warnings.size() == 1);
+  CHECK(wrong.warnings.front().find("are darker than their neighbours where") != std::string::npos);
+  CHECK(judged(scene, swapped(), Contradiction::Fails).error);
+  const Judged right = judged(scene, filmed(scene, 24), Contradiction::Fails);
+  CHECK_FALSE(right.error);
+  CHECK(right.warnings.empty());
+}
+
 TEST_CASE("a recording that states one exposure for all its different frames is told so", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   const Judged result = judged(scene, with_labels(scene, 24, [](int, int) { return 1; }));
