@@ -15,7 +15,13 @@ using Json = nlohmann::ordered_json;
 const Keyframe& newest(const SceneHead& scene) { return scene.frames.back(); }
 
 const char* unit_of_lengths(const SceneHead& scene) {
-  return newest(scene).frame.pose ? name(newest(scene).frame.length_unit) : name(LengthUnit::Unknown);
+  const Keyframe* posed = newest_posed(scene);
+  return posed != nullptr ? name(posed->frame.length_unit) : name(LengthUnit::Unknown);
+}
+
+const char* source_of_poses(const SceneHead& scene) {
+  const Keyframe* posed = newest_posed(scene);
+  return posed != nullptr ? name(posed->frame.pose->source) : "none";
 }
 
 int worlds(const SceneHead& scene) {
@@ -44,7 +50,7 @@ std::string as_table(const SceneHead& scene, const std::string& path, std::uint6
   row("time", fmt::format("{:.6g} to {:.6g} s of the run", times.begin_s, times.duration_s));
   row("lens", fmt::format("f {:.6g} x {:.6g} px, centre {:.6g}, {:.6g}{}", last.lens.fx_px, last.lens.fy_px,
                           last.lens.cx_px, last.lens.cy_px, last.frame.lens_is_assumed ? ", assumed" : ""));
-  row("poses", last.frame.pose ? name(last.frame.pose->source) : "none");
+  row("poses", source_of_poses(scene));
   row("length unit", unit_of_lengths(scene));
   if (const int count = worlds(scene); count > 1)
     row("worlds", fmt::format("{}: tracking began anew in between", count));
@@ -75,7 +81,7 @@ std::string as_json(const SceneHead& scene, const std::string& path, std::uint64
                      {"end_s", times.duration_s},
                      {"frames", frames},
                      {"field", scene.has_field},
-                     {"poses", last.frame.pose ? name(last.frame.pose->source) : "none"},
+                     {"poses", source_of_poses(scene)},
                      {"length_unit", unit_of_lengths(scene)},
                      {"intrinsics",
                       {{"fx_px", last.lens.fx_px},

@@ -11,7 +11,7 @@ void SceneKeeper::take(const HdrFrame& frame, const FrameEstimate& estimate) {
   Kept next;
   if (kept_.size() == most_) {
     const Keyframe& oldest = kept_.front().key;
-    head_.path.push_back({oldest.time_s, oldest.T_world_camera, oldest.world});
+    if (oldest.frame.pose) head_.path.push_back({oldest.time_s, oldest.T_world_camera, oldest.world});
     next.key = std::move(kept_.front().key);  // for its memory
     kept_.pop_front();
   }

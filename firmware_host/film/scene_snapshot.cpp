@@ -153,15 +153,21 @@ Result<SceneHead> check_scene(Storage& storage, const std::string& path) {
   return head;
 }
 
+const Keyframe* newest_posed(const SceneHead& scene) {
+  const auto posed = std::find_if(scene.frames.rbegin(), scene.frames.rend(),
+                                  [](const Keyframe& key) { return key.frame.pose.has_value(); });
+  return posed == scene.frames.rend() ? nullptr : &*posed;
+}
+
 FilmedRecording filmed(const SceneHead& scene) {
-  const Keyframe& newest = scene.frames.back();
+  const Keyframe &newest = scene.frames.back(), *posed = newest_posed(scene);
   return {.first = scene.first,
           .begin_s = scene.frames.front().time_s - scene.first.seconds(),
           .duration_s = newest.time_s - scene.first.seconds(),
           .framerate_hz = scene.camera.framerate_hz,
           .width = scene.camera.width,
           .height = scene.camera.height,
-          .has_poses = newest.frame.length_unit == LengthUnit::Metre && newest.frame.pose.has_value(),
+          .has_poses = posed != nullptr && posed->frame.length_unit == LengthUnit::Metre,
           .has_exposure_times = std::ranges::all_of(
               scene.frames, [](const Keyframe& key) { return key.frame.facts.has_exposure_time(); }),
           .kind = scene.has_field ? FilmedKind::Snapshot : FilmedKind::SnapshotWithoutField};

@@ -55,6 +55,8 @@ Result<SceneHead> check_scene(Storage& storage, const std::string& path);
 // The first section alone.
 Result<SceneHead> scene_head(Storage& storage, const std::string& path);
 
+// The newest frame that has a pose: given ones may be missing of some; null where none has one.
+const Keyframe* newest_posed(const SceneHead& scene);
 // What a film of it is planned by.
 FilmedRecording filmed(const SceneHead& scene);
 

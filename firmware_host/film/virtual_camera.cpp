@@ -44,7 +44,7 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   take_keyframe(frame, estimate, *key);
   field_ = estimate.field.snapshot();
   maker_.complete(field_, keys_.empty() ? nullptr : keys_.back().get(), *key);
-  steady_.add(key->time_s, key->T_world_camera, key->world);
+  add_to_path(*key);
   keys_.push_back(std::move(key));
   response_ = response;
   copy(estimate.frame, input_);
@@ -56,12 +56,17 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
 void VirtualCamera::take(SceneSnapshot& scene) {
   for (const PathPose& pose : scene.path) steady_.add(pose.time_s, pose.T_world_camera, pose.world);
   for (Keyframe& key : scene.frames) {
-    steady_.add(key.time_s, key.T_world_camera, key.world);
+    add_to_path(key);
     keys_.push_back(std::make_unique<Keyframe>(std::move(key)));
   }
   if (scene.field != nullptr) field_ = SnapshotHold(*scene.field);
   response_ = scene.response;
   copy(scene.input, input_);
+}
+
+void VirtualCamera::add_to_path(const Keyframe& key) {
+  steady_.add(key.time_s, key.T_world_camera, key.world,
+              key.frame.pose ? SteadyPath::Is::Posed : SteadyPath::Is::HeldInPlace);
 }
 
 Result<void> VirtualCamera::finish(const Show& show) {
@@ -123,9 +128,9 @@ int VirtualCamera::instants(const ExposureInterval& exposure) const {
     lengths.push_back(std::hypot(flow.plane(0)[i], flow.plane(1)[i]));
   const auto high = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() * 99 / 100);
   std::nth_element(lengths.begin(), high, lengths.end());
-  const double way_px = static_cast<double>(*high) * (exposure.to_s - exposure.from_s) /
-                        (interval.after->time_s - interval.before->time_s) * plan_.width /
-                        interval.after->inverse_depth.cols();
+  const double enlarged = filming_lens(*interval.after).fx_px / interval.after->lens.fx_px;
+  const double way_px = static_cast<double>(*high) * enlarged * (exposure.to_s - exposure.from_s) /
+                        (interval.after->time_s - interval.before->time_s);
   return std::clamp(static_cast<int>(std::ceil(way_px / kStep_px)), kLeast, kMost) | 1;
 }
 
@@ -179,6 +184,8 @@ Result<void> VirtualCamera::film(const Show& show) {
   record.time_s = plan_.playback_s(shown_);
   record.exposure = static_cast<double>(frame_.exposure);
   record.pose = frame_.pose;
+  record.exposure_source = frame_.facts.exposure_source;
+  record.verdict = frame_.facts.verdict;
   record.provenance_share = provenance_shares(frame_.provenance);
   const auto pixels = static_cast<double>(frame_.provenance.size());
   pixels_ += pixels;
@@ -208,13 +215,19 @@ void VirtualCamera::label(int frame) {
 }
 
 // Where the virtual camera stands and what its lens is. Poses are stated in the recording's world, which need
-// not be the method's.
+// not be the method's. What lies between two frames is known as far as both are: a frame without a pose was
+// taken to be where the one before it was.
 void VirtualCamera::state_camera(const KeyframeInterval& interval, double playback_s) {
   const Keyframe& key = interval.nearest();
   frame_.facts.T_world_camera.reset();  // of the recorded camera
   frame_.lens.reset();                  // two eyes have none in common
   if (!(plan_.baseline > 0)) frame_.lens = filming_lens(key);
   if (!frame_.pose) return;
+  if (interval.lies_between()) {
+    const std::optional<FramePose>&before = interval.before->frame.pose, &after = interval.after->frame.pose;
+    if (!before || !after) return frame_.pose.reset();
+    frame_.pose->lost = before->lost || after->lost;
+  }
   const RigidTransform T_stated_world = frame_.pose->T_world_camera * key.T_world_camera.inverse();
   frame_.pose->T_world_camera = T_stated_world * T_world_view(interval, playback_s, 0);
 }

@@ -46,6 +46,7 @@ class VirtualCamera {
     double from_s, to_s;
   };
   ExposureInterval exposure_of(int frame) const;
+  void add_to_path(const Keyframe& key);
   bool ready(int frame) const;
   Result<void> film(const Show& show);
   KeyframeInterval interval_at(double time_s) const;

@@ -19,6 +19,8 @@ struct KeyframeInterval {
     HDRCAM_CHECK(key != nullptr);
     return *key;
   }
+  // Neither is at the moment itself.
+  bool lies_between() const { return before != nullptr && after != nullptr && share > 0 && share < 1; }
   double time_s() const;
   // The recorded camera at this time.
   RigidTransform T_world_camera() const;

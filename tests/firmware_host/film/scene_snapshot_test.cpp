@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "firmware_host/commands/snapshot_summary.h"
 #include "online/scene/hash_grid/hash_grid_field.h"
 #include "tests/online/scene/hash_grid/fit/fit_stream.h"
 #include "tests/support/scratch_folder.h"
@@ -154,6 +155,20 @@ TEST_CASE("a response comes back from its curves to the bit, and so do its codes
     CHECK(after.exposure_of(1, 255 * x) == before.exposure_of(1, 255 * x));
     CHECK(after.slope(2, 255 * x) == before.slope(2, 255 * x));
   }
+}
+
+TEST_CASE("a scene has the poses and the unit of its newest frame that has a pose", "[film]") {
+  Written written;
+  for (Keyframe& key : written.head.frames) {
+    key.frame.pose->source = PoseSource::Given;
+    key.frame.length_unit = LengthUnit::Metre;
+  }
+  written.head.frames.back().frame.pose.reset();
+  CHECK(filmed(written.head).has_poses);
+  CHECK_THAT(as_table(written.head, "s.hdrscene", 0), Contains("given") && Contains("metre"));
+  for (Keyframe& key : written.head.frames) key.frame.pose.reset();
+  CHECK_FALSE(filmed(written.head).has_poses);
+  CHECK_THAT(as_table(written.head, "s.hdrscene", 0), Contains("unknown"));
 }
 
 TEST_CASE("a scene without a field comes back without one", "[film]") {

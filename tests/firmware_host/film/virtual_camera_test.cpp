@@ -2,7 +2,9 @@
 #include "firmware_host/film/virtual_camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,13 +42,22 @@ struct Recorded {
   float radiance;
   double x_m = 0;
   int world = 0;
+  bool has_pose = true, lost = false;
+  std::optional<double> texture_px = {};  // instead of one colour: a texture that moved so far
 };
 
+float texture(double x, double y) {
+  return static_cast<float>(5 + std::sin(0.9 * x) + std::sin(0.37 * x + 0.5 * y) + std::cos(0.6 * y));
+}
+
 struct Shown {
-  float radiance;
-  double x_m;
-  float hole;  // radiance of what only the field knows; 0 without any
+  float radiance;  // at a quarter of the width
+  double x_m;      // 0 without a pose
+  float hole;      // radiance of what only the field knows; 0 without any
   FrameFacts facts = {};
+  std::optional<FramePose> pose = {};
+  FrameRecord record = {};
+  float middle = 0;  // radiance there
 };
 
 std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> recorded) {
@@ -54,9 +65,10 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
   OneColourField field;
   VirtualCamera camera(plan, std::nullopt, pool);
   std::vector<Shown> shown;
-  const VirtualCamera::Show show = [&](HdrFrame& frame, const ExposedFrame&, const FrameRecord&) {
-    Shown& one = shown.emplace_back(
-        Shown{frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose->T_world_camera.t.x(), 0, frame.facts});
+  const VirtualCamera::Show show = [&](HdrFrame& frame, const ExposedFrame&, const FrameRecord& record) {
+    Shown& one = shown.emplace_back(Shown{
+        frame.radiance.at(0, kRows / 2, kCols / 4), frame.pose ? frame.pose->T_world_camera.t.x() : 0, 0,
+        frame.facts, frame.pose, record, frame.radiance.at(0, kRows / 2, frame.radiance.cols() / 2)});
     for (std::size_t i = 0; i < frame.provenance.size(); ++i)
       if (frame.provenance.samples()[i] == static_cast<std::uint8_t>(Provenance::Field))
         one.hole = std::max(one.hole, frame.radiance.samples()[i]);
@@ -67,11 +79,20 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
     frame.facts.timestamp = Instant::from_seconds(seen.time_s);
     frame.white = 100;
     frame.radiance = Image<float>(3, kRows, kCols), frame.radiance.fill(seen.radiance);
+    if (seen.texture_px)
+      for (int c = 0; c < 3; ++c)
+        for (int y = 0; y < kRows; ++y)
+          for (int x = 0; x < kCols; ++x) frame.radiance.at(c, y, x) = texture(x - *seen.texture_px, y);
     frame.sigma = Image<float>(1, kRows, kCols);
     frame.provenance = Image<std::uint8_t>(1, kRows, kCols);
     frame.pose.emplace().source = PoseSource::Tracked;
     frame.pose->world = seen.world;
     frame.pose->T_world_camera.t.x() = seen.x_m;
+    frame.pose->lost = seen.lost;
+    const RigidTransform T_world_camera = frame.pose->T_world_camera;
+    if (!seen.has_pose) frame.pose.reset();
+    frame.facts.exposure_source = ExposureSource::Embedded;
+    frame.facts.verdict = Verdict::Proved;
     ExposedFrame input;
     const RadianceState state;
     const Image<float> own_share;
@@ -87,7 +108,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
                            .white = frame.white,
                            .unseen_variance = 1,
                            .reference_exposure = 1};
-    estimate.view.T_world_camera = frame.pose->T_world_camera;
+    estimate.view.T_world_camera = T_world_camera;
     estimate.view.time_s = seen.time_s;
     estimate.view.lens = {kCols, kCols, kCols / 2.0, kRows / 2.0};
     estimate.view.rows = kRows, estimate.view.cols = kCols;
@@ -153,4 +174,60 @@ TEST_CASE("the field of another world fills no hole of a film", "[film]") {
   REQUIRE(shown.size() == 2);
   CHECK(shown[0].hole == 0);
   CHECK(shown[1].hole == kFieldRadiance);
+}
+
+TEST_CASE("beside a frame without a pose a film's frame has none, and beside a lost one it is lost",
+          "[film]") {
+  FilmPlan plan = planned(0, 9, 8);
+  SECTION("without a pose: the field holds the camera where it was") {
+    const Recorded recorded[] = {{0, 5, 1}, {0.25, 5, 2}, {0.5, 5, 2, 0, false}, {0.75, 5, 4}, {1, 5, 5}};
+    const std::vector<Shown> shown = filmed(plan, recorded);
+    REQUIRE(shown.size() == 9);
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      CAPTURE(i);
+      const bool beside = i > 2 && i < 6;
+      CHECK(shown[i].pose.has_value() == !beside);
+      CHECK(shown[i].record.pose.has_value() == !beside);
+      if (!beside) CHECK(shown[i].x_m == Approx(1 + 0.5 * static_cast<double>(i)));
+    }
+  }
+  SECTION("lost") {
+    const Recorded recorded[] = {
+        {0, 5, 1}, {0.25, 5, 2}, {0.5, 5, 3, 0, true, true}, {0.75, 5, 4}, {1, 5, 5}};
+    const std::vector<Shown> shown = filmed(plan, recorded);
+    REQUIRE(shown.size() == 9);
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      CAPTURE(i);
+      REQUIRE(shown[i].pose);
+      CHECK(shown[i].pose->lost == (i > 2 && i < 6));
+    }
+  }
+}
+
+TEST_CASE("a path is steadied over the frames that have a pose", "[film]") {
+  FilmPlan plan = planned(0, 5, 4);
+  plan.stabilize = true;
+  const Recorded recorded[] = {{0, 5, 3}, {0.25, 5, 3}, {0.5, 5, 0, 0, false}, {0.75, 5, 3}, {1, 5, 3}};
+  for (const Shown& shown : filmed(plan, recorded))
+    if (shown.pose) CHECK(shown.x_m == Approx(3));
+}
+
+TEST_CASE("the record of a film's frame states how sure its exposure was", "[film]") {
+  const Recorded recorded[] = {{0, 5}, {0.25, 10}};
+  for (const Shown& shown : filmed(planned(0, 3, 8), recorded)) {
+    CHECK(shown.record.exposure_source == ExposureSource::Embedded);
+    CHECK(shown.record.verdict == Verdict::Proved);
+  }
+}
+
+TEST_CASE("a film that crops the width has the blur of the whole picture's middle", "[film]") {
+  FilmPlan whole = planned(0.125, 1, 4), cropped = whole;
+  whole.shutter_s = cropped.shutter_s = 0.25;
+  cropped.width = kCols / 4;
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 0, .texture_px = 0},
+                               {.time_s = 0.25, .radiance = 0, .texture_px = 6}};
+  const Shown all = filmed(whole, recorded).front(), part = filmed(cropped, recorded).front();
+  CHECK(part.middle == all.middle);
+  whole.shutter_s = 0;
+  CHECK(all.middle != Approx(filmed(whole, recorded).front().middle).margin(0.05));  // it is blurred
 }
