@@ -59,7 +59,7 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
   {
     LiveStatus status(session, false);
     const bool supervised = Supervisor::of_environment().present();  // then the service's status has the line
-    session.next(around.stop, [&] { supervised ? void() : status.update(); });
+    session.next([&] { supervised ? void() : status.update(); });
   }
   RunRecord record;
   const Result<void> ended = trace.write_after(camera->finish(record), around.storage);

@@ -52,7 +52,7 @@ std::vector<std::string> CameraSource::warnings() const {
 }
 
 Result<void> CameraSource::start() {
-  TRY(session_->start());
+  TRY(session_->start(stop_));
   watch_.emplace(
       Supervisor::of_environment(), [this] { return session_->counters(); },
       [this](const LiveCounters& counters) {
@@ -63,7 +63,7 @@ Result<void> CameraSource::start() {
 
 Result<const RawFrame*> CameraSource::next() {
   frame_ = {};  // returned first, so that capture can reuse it
-  frame_ = session_->next(stop_, {});
+  frame_ = session_->next({});
   return frame_ ? &frame_->captured.raw : nullptr;
 }
 

@@ -45,16 +45,20 @@ std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWrit
 
 LiveSession::~LiveSession() { (void)finish(); }
 
-Result<void> LiveSession::start() {
+Result<void> LiveSession::start(const std::atomic<bool>& stop) {
   TRY(capture_.start());
   begin_ = posix_clock().now();
-  thread_ = std::thread([this] { capture_frames(); });
+  thread_ = std::thread([this, &stop] { capture_frames(stop); });
   return {};
 }
 
-void LiveSession::capture_frames() {
+void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   name_this_thread("capture");
   while (!ending_) {
+    if (const auto why = reason_to_end(stop)) {
+      why_ = *why;
+      break;
+    }
     capture_result_ = capture_one();
     if (!capture_result_) break;
     if (options_.frames > 0 && capture_.counters().emitted >= options_.frames) break;
@@ -133,10 +137,9 @@ void LiveSession::take_feedback() {
   learned_.reset(), followed_.reset();
 }
 
-FrameShare LiveSession::next(const std::atomic<bool>& stop, const std::function<void()>& tick) {
+FrameShare LiveSession::next(const std::function<void()>& tick) {
   constexpr Duration kTick = std::chrono::milliseconds(100);
   for (;;) {
-    if (const auto why = reason_to_end(stop); why && !ending_) why_ = *why, ending_ = true;
     if (tick) tick();
     FitInbox::Taken taken = inbox_.take(kTick);
     if (taken.frame) {

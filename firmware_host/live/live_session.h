@@ -74,12 +74,13 @@ class LiveSession {
   LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter> recording, const LiveOptions& options);
   ~LiveSession();  // like finish(), but ignores the result
 
-  // Errors: those of starting the camera.
-  Result<void> start();
-  // The next frame for the fit; empty when the run is over: all frames came, the time is up, `stop` was set,
-  // or something failed (finish() returns the error). `tick` is called meanwhile, at least ten times a
-  // second, to show progress. A run that only records returns no frames: the call lasts as long as it.
-  FrameShare next(const std::atomic<bool>& stop, const std::function<void()>& tick);
+  // Capture ends between two frames, however busy the fit is: all frames came, the time is up, `stop` was
+  // set, or something failed. `stop` outlives the session. Errors: those of starting the camera.
+  Result<void> start(const std::atomic<bool>& stop);
+  // The next frame for the fit; empty when capture has ended and the fit has had its frames (finish() returns
+  // the error, if any). `tick` is called meanwhile, at least ten times a second, to show progress. A run that
+  // only records returns no frames: the call lasts as long as it.
+  FrameShare next(const std::function<void()>& tick);
   // The frames that wait behind that one.
   Backlog backlog() const { return inbox_.backlog(); }
   // Records that a frame became an HDR frame. Returns its latency since its arrival.
@@ -119,7 +120,7 @@ class LiveSession {
     Instant at;
   };
 
-  void capture_frames();
+  void capture_frames(const std::atomic<bool>& stop);
   Result<void> capture_one();
   Result<void> next_frame(CapturedFrame& captured);
   Result<void> finish_recordings();
@@ -142,9 +143,9 @@ class LiveSession {
 
   std::atomic<bool> ending_{false};  // ends after the frame that it waits for
   Instant begin_;
-  LiveEnd why_ = LiveEnd::Frames;
   bool finished_ = false;
-  Result<void> capture_result_;  // the capturing thread's, until it is joined
+  LiveEnd why_ = LiveEnd::Frames;  // with the next, the capturing thread's, until it is joined
+  Result<void> capture_result_;
 
   mutable std::mutex mutex_;  // guards the members below
   LiveCounters counters_;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "hal/fault/faulty_storage.h"
 #include "hal/sim/sim_bench.h"
@@ -65,7 +66,7 @@ TEST_CASE(
     "with a camera twice as fast as the fit the recording is complete and every frame is accounted for") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 800});
-  require_done(session.start());
+  require_done(session.start(kNeverStops));
   std::atomic<bool> watching{true};
   int looks = 0, wrong_sums = 0;
   std::thread watcher([&] {
@@ -78,7 +79,7 @@ TEST_CASE(
   });
   std::set<int> slots;
   Duration oldest{0};
-  while (const FrameShare frame = session.next(kNeverStops, {})) {
+  while (const FrameShare frame = session.next({})) {
     std::this_thread::sleep_for(milliseconds(10));  // the fit
     slots.insert(frame->captured.raw.facts.slot);
     oldest = std::max(oldest, session.emitted(frame->captured.raw.facts.sequence));
@@ -106,8 +107,8 @@ TEST_CASE(
 TEST_CASE("a run that only records hands out no frame and keeps them all") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60, .fits = false});
-  require_done(session.start());
-  CHECK_FALSE(session.next(kNeverStops, {}));
+  require_done(session.start(kNeverStops));
+  CHECK_FALSE(session.next({}));
   CHECK(value_of(session.finish()) == LiveEnd::Frames);
   const LiveCounters counters = session.counters();
   CHECK(counters.captured() == 60);
@@ -119,12 +120,12 @@ TEST_CASE("a run that only records hands out no frame and keeps them all") {
 TEST_CASE("a run ends when its time is up, and when it is told to") {
   for (const bool told : {false, true}) {
     Stand stand("still?size=64x48&fps=200");
+    std::atomic<bool> stop{false};
     LiveSession session(stand.capture(), nullptr,
                         {.timeout = told ? Duration(0) : Duration(milliseconds(200))});
-    require_done(session.start());
-    std::atomic<bool> stop{false};
+    require_done(session.start(stop));
     int frames = 0;
-    while (const FrameShare frame = session.next(stop, {})) {
+    while (const FrameShare frame = session.next({})) {
       session.emitted(frame->captured.raw.facts.sequence);
       if (++frames == 20 && told) stop = true;
     }
@@ -134,12 +135,53 @@ TEST_CASE("a run ends when its time is up, and when it is told to") {
   }
 }
 
+TEST_CASE("a run ends at its time, when it is told to and with a full disk, however busy the fit is") {
+  constexpr std::uint64_t kFrames = 100;  // at most; twice as many come while the fit has its first frame
+  const auto busy_fit = [](LiveSession& session, const std::atomic<bool>& stop,
+                           const std::function<void()>& begins) {
+    require_done(session.start(stop));
+    bool first = true;
+    while (const FrameShare frame = session.next({})) {
+      if (std::exchange(first, false)) {
+        begins();
+        std::this_thread::sleep_for(std::chrono::seconds(1));
+      }
+      session.emitted(frame->captured.raw.facts.sequence);
+    }
+  };
+  Stand stand("still?size=64x48&fps=200");
+  std::atomic<bool> stop{false};
+  SECTION("its time") {
+    LiveSession session(stand.capture(), nullptr, {.timeout = milliseconds(100)});
+    busy_fit(session, stop, [] {});
+    CHECK(value_of(session.finish()) == LiveEnd::Timeout);
+    CHECK(session.counters().captured() <= kFrames);
+    check_sums(session.counters());
+  }
+  SECTION("it is told to") {
+    LiveSession session(stand.capture(), nullptr, {});
+    std::uint64_t captured = 0;
+    busy_fit(session, stop, [&] { stop = true, captured = session.counters().captured(); });
+    CHECK(value_of(session.finish()) == LiveEnd::Stopped);
+    CHECK(session.counters().captured() <= captured + kFrames);
+    check_sums(session.counters());
+  }
+  SECTION("a full disk") {
+    FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
+    LiveSession session(stand.capture(), stand.record(storage), {});
+    busy_fit(session, stop, [] {});
+    require_error(session.finish(), ErrorCode::NoSpace);
+    CHECK(session.counters().captured() <= kFrames);
+    check_sums(session.counters());
+  }
+}
+
 TEST_CASE("a camera that is unplugged ends the run with all that it gave, fitted and recorded") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {});
-  require_done(session.start());
+  require_done(session.start(kNeverStops));
   int frames = 0;
-  while (const FrameShare frame = session.next(kNeverStops, {})) {
+  while (const FrameShare frame = session.next({})) {
     session.emitted(frame->captured.raw.facts.sequence);
     if (++frames == 30) SimBench(stand.camera()).unplug();
   }
@@ -155,9 +197,8 @@ TEST_CASE("a full disk ends the run with that error, and what was recorded befor
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
   LiveSession session(stand.capture(), stand.record(storage), {});
-  require_done(session.start());
-  while (const FrameShare frame = session.next(kNeverStops, {}))
-    session.emitted(frame->captured.raw.facts.sequence);
+  require_done(session.start(kNeverStops));
+  while (const FrameShare frame = session.next({})) session.emitted(frame->captured.raw.facts.sequence);
   require_error(session.finish(), ErrorCode::NoSpace);
   CHECK(stand.recorded().size() >= session.counters().recorded);
   CHECK(session.counters().recorded > 1);
@@ -167,8 +208,8 @@ TEST_CASE("the ledger of a recording adds up when the disk fills: what was not w
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
   LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
-  require_done(session.start());
-  CHECK_FALSE(session.next(kNeverStops, {}));
+  require_done(session.start(kNeverStops));
+  CHECK_FALSE(session.next({}));
   require_error(session.finish(), ErrorCode::NoSpace);
   const LiveCounters counters = session.counters();
   CHECK(counters.recorded > 1);
@@ -188,8 +229,8 @@ TEST_CASE("a recording that failed while it was completed keeps its error, and n
   Stand stand("still?size=64x48&fps=200");
   FaultyStorage storage(posix_storage(), {.space_bytes = 40'000});
   LiveSession session(stand.capture(), stand.record(storage), {.fits = false});
-  require_done(session.start());
-  for (int i = 0; i < kPatience && session.counters().captured() < 100; ++i) pause();
+  require_done(session.start(kNeverStops));
+  CHECK_FALSE(session.next({}));  // until the recorder has failed
   require_done(session.stop_recording());
   Result<void> allowed = session.may_record();
   for (int i = 0; i < kPatience && !allowed && allowed.error().code == ErrorCode::Busy; ++i) {
@@ -205,8 +246,8 @@ TEST_CASE("a recording that failed while it was completed keeps its error, and n
 TEST_CASE("frames whose exposure is not proved are recorded, but kept out of the fit") {
   Stand stand("still?size=64x48&fps=200&reports=no");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60});
-  require_done(session.start());
-  while (const FrameShare frame = session.next(kNeverStops, {})) {
+  require_done(session.start(kNeverStops));
+  while (const FrameShare frame = session.next({})) {
     CHECK((frame->captured.raw.facts.flags & kFrameExposureUnproved) == 0);
     session.emitted(frame->captured.raw.facts.sequence);
   }
