@@ -9,19 +9,36 @@
 namespace hdrcam {
 namespace {
 
-// 16-bit samples to codes: the code in the upper bits, or scaled to the full range. Returns false where a
-// sample is neither.
-bool to_codes(Image<std::uint16_t>& samples, int bits) {
+// Where 16-bit samples hold their codes: in the upper bits or scaled to the full range, as they should; in
+// the lower bits, where no sample is larger than a code; or neither.
+enum class CodePlace { Upper, Lower, Neither };
+
+// 16-bit samples to codes, which count only if they were in the upper bits.
+CodePlace to_codes(Image<std::uint16_t>& samples, int bits) {
   const int shift = 16 - bits, largest = (1 << bits) - 1;
-  bool exact = true;
+  bool exact = true, below = true;
   for (std::uint16_t& sample : samples.samples()) {
+    below = below && sample <= largest;
     const int code = sample >> shift;
     const bool shifted = code << shift == sample;
     const bool scaled = std::abs(std::int64_t{sample} * largest - std::int64_t{code} * 65535) * 2 <= largest;
     exact = exact && (shifted || scaled);
     sample = static_cast<std::uint16_t>(code);
   }
-  return exact;
+  if (exact) return CodePlace::Upper;
+  return below ? CodePlace::Lower : CodePlace::Neither;
+}
+
+// What is wrong with codes that are not in the upper bits, and what to do: the end of a sentence.
+std::string misplaced(CodePlace place, int bits) {
+  if (place == CodePlace::Lower)
+    return fmt::format(
+        "has its {}-bit codes in the lower bits of 16; shift them up by {} (docs/recording.md, Bits)", bits,
+        16 - bits);
+  return fmt::format(
+      "has samples that are no {}-bit codes, neither in the upper bits of 16 nor scaled to 16; set 'bits' to "
+      "the bits that they use, 16 for all (docs/recording.md, Bits)",
+      bits);
 }
 
 void to_samples(Image<std::uint16_t>& codes, int bits) {
@@ -85,10 +102,10 @@ Result<RawFrame> ImageSequence::read(int index) const {
     return Error{ErrorCode::Invalid,
                  fmt::format("frame {}: '{}' has 8 bits a sample, the clip states {}; set 'bits' to 8", index,
                              path_of(index), camera.bits)};
-  if (image.bits_per_sample == 16 && !to_codes(image.samples, camera.bits))
-    return Error{ErrorCode::Invalid,
-                 fmt::format("frame {}: '{}' has samples of more than {} bits; set 'bits' to 16", index,
-                             path_of(index), camera.bits)};
+  if (image.bits_per_sample == 16)
+    if (const CodePlace place = to_codes(image.samples, camera.bits); place != CodePlace::Upper)
+      return Error{ErrorCode::Invalid,
+                   fmt::format("frame {}: '{}' {}", index, path_of(index), misplaced(place, camera.bits))};
   return RawFrame{clip_.frames[static_cast<std::size_t>(index)].facts, std::move(image.samples)};
 }
 

@@ -226,7 +226,7 @@ TEST_CASE("images that do not fit the clip are refused by their frame, file and 
     write_picture(folder.path + "/deep.png", 3, 4, 6, 16);
     const Error error = folder.error_of_frame_1(R"("file":"deep.png")" + good);
     CHECK(error.code == ErrorCode::Invalid);
-    CHECK(says(error, {"frame 1", "deep.png", "8 bits"}));
+    CHECK(says(error, {"frame 1", "deep.png", "no 8-bit codes"}));
   }
 }
 
@@ -299,6 +299,36 @@ TEST_CASE("codes of 9 to 16 bits are read from the upper bits or from the full s
       REQUIRE(frame.ok());
       CHECK(sample::same(frame.value().codes, codes));
     }
+  }
+}
+
+TEST_CASE("codes in the lower bits of a 16-bit image are refused with the way up, others as neither") {
+  const ClipFolder folder;
+  const auto said = [&](int bits, std::uint16_t largest) {
+    PngImage image{16, Image<std::uint16_t>(1, 4, 6)};
+    for (std::size_t i = 0; i < 24; ++i) image.samples.samples()[i] = static_cast<std::uint16_t>(largest - i);
+    REQUIRE(write_png(posix_storage(), folder.path + "/deep.png", image).ok());
+    folder.write(
+        fmt::format(R"("width":6,"height":4,"fps":30,"bits":{})", bits),
+        {R"("file":"deep.png","time_s":0,"exposure_s":1)", R"("file":"deep.png","time_s":1,"exposure_s":1)"});
+    const Error error = folder.error();
+    CHECK(error.code == ErrorCode::Invalid);
+    return error.message;
+  };
+  for (const auto& [bits, way_up] : {std::pair(9, 7), {10, 6}, {12, 4}, {15, 1}}) {
+    INFO(bits << " bits");
+    CHECK(said(bits, static_cast<std::uint16_t>((1 << bits) - 1)) ==
+          fmt::format("frame 0: '{}/deep.png' has its {}-bit codes in the lower bits of 16; shift them up by "
+                      "{} (docs/recording.md, Bits)",
+                      folder.path, bits, way_up));
+  }
+  for (const auto& [bits, largest] : {std::pair(10, 1024), {10, 4095}, {12, 65535}}) {
+    INFO(bits << " bits, samples up to " << largest);
+    CHECK(said(bits, static_cast<std::uint16_t>(largest)) ==
+          fmt::format("frame 0: '{}/deep.png' has samples that are no {}-bit codes, neither in the upper "
+                      "bits of 16 nor scaled to 16; set 'bits' to the bits that they use, 16 for all "
+                      "(docs/recording.md, Bits)",
+                      folder.path, bits));
   }
 }
 
