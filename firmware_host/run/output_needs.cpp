@@ -120,7 +120,9 @@ Result<void> check_needs(const Settings& settings) {
         "name a file"};
   for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
     if (is_written(settings.output, sink)) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
-  const std::string shown = first_asked(settings.output, &MotionOrDepth::is_of_field);
+  const std::string shown = settings.fit.emit == EmitLayer::Field
+                                ? "--emit field"
+                                : first_asked(settings.output, &MotionOrDepth::is_of_field);
   const std::string_view without_field = what_leaves_out_field(settings.fit);
   if (shown.empty() || without_field.empty()) return {};
   return Error{ErrorCode::Invalid, fmt::format("{} comes from the field, which {} leaves out; leave out one "

@@ -53,6 +53,25 @@ TEST_CASE("a layer or an output of the field is refused by name where the field 
         "--depth comes from the field, which --set field=none leaves out; leave out one of them");
 }
 
+TEST_CASE("frames of the field alone are refused where the field is left out, whatever else is asked for") {
+  Settings settings;
+  settings.output.paths["frames"] = "out/%06d.exr";
+  settings.fit.emit = EmitLayer::Field;
+  for (const Preset preset : {Preset::Realtime, Preset::Fast, Preset::Balanced, Preset::Best}) {
+    settings.fit.preset = preset;
+    CHECK(check_needs(settings).ok());
+  }
+  settings.fit.knobs["field"] = "none";
+  for (const char* depth : {"", "depth/%06d.png"}) {
+    settings.output.paths["depth"] = depth;
+    const auto refused = check_needs(settings);
+    REQUIRE_FALSE(refused.ok());
+    CHECK(refused.error().code == ErrorCode::Invalid);
+    CHECK(refused.error().message ==
+          "--emit field comes from the field, which --set field=none leaves out; leave out one of them");
+  }
+}
+
 TEST_CASE("motion to the next frame is refused where the run does not wait for it, whoever says so") {
   Settings settings;
   settings.output.paths["flow_forward"] = "flow/%06d.flo";
