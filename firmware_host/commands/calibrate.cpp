@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "capture/delay_calibration.h"
+#include "firmware_host/commands/camera_run.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
 #include "firmware_host/commands/with_settings.h"
@@ -79,6 +80,7 @@ Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Su
   if (flags.what != "delay")
     return Error{ErrorCode::Invalid,
                  fmt::format("there is no calibration '{}'; give 'calibrate delay'", flags.what)};
+  TRY(check_replayed(settings.camera, around.storage));
   TRY(flags.kept.check(around.storage, inputs_of(settings.camera),
                        {{"--output", flags.output, OutputKind::Document}}));
   const auto camera = TRY(open_camera(settings.camera.id, around.storage));

@@ -4,6 +4,7 @@
 
 #include "capture/exposure.h"
 #include "firmware_host/commands/ignored_flags.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/live/live_report.h"
@@ -19,10 +20,15 @@ Result<Settings> started_settings(const SettingsFlags& flags, const Settings& as
   return with_start_time(asked, posix_clock().wall_time());
 }
 
+Result<void> check_replayed(const Settings::Camera& camera, Storage& storage) {
+  return is_replayed(camera.id) ? check_no_snapshot(storage, replayed_file(camera.id)) : Result<void>();
+}
+
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag,
                               std::span<const SinkKind> sinks, const KeptWork& kept, Storage& storage) {
   TRY(check_recording_name(storage, recording_flag, settings.record.file));
-  TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));  // before a folder is made
+  TRY(check_replayed(settings.camera, storage));  // as the next, before a folder is made
+  TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
   std::vector<NamedOutput> outputs = outputs_of(settings, sinks);
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
   TRY(kept.check(storage, inputs_of(settings.camera), outputs));

@@ -19,8 +19,12 @@ namespace hdrcam {
 // The settings with the time of this start in the names of files. Errors: those of check_ignored_flags.
 Result<Settings> started_settings(const SettingsFlags& flags, const Settings& asked);
 
-// The cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record"; sinks: those
-// of the verb. Errors: those of check_recording_name, parse_exposures, KeptWork::check and check_lines.
+// A recording that stands in for the camera is no snapshot of a scene. Errors: those of check_no_snapshot.
+Result<void> check_replayed(const Settings::Camera& camera, Storage& storage);
+
+// The camera, cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record"; sinks:
+// those of the verb. Errors: those of check_recording_name, check_replayed, parse_exposures, KeptWork::check
+// and check_lines.
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag,
                               std::span<const SinkKind> sinks, const KeptWork& kept, Storage& storage);
 

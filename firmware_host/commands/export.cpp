@@ -7,6 +7,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
@@ -95,6 +96,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
     return Error{
         ErrorCode::Invalid,
         fmt::format("'{}' is a file; --output names the folder to write, such as frames", options.folder)};
+  TRY(check_no_snapshot(around.storage, options.recording));
   const bool with_poses = options.transforms || options.colmap;
   if (with_poses) TRY(check_poses(around.storage, options));
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));

@@ -10,6 +10,7 @@
 #include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/footage/footage_plan.h"
@@ -168,6 +169,7 @@ Result<std::vector<std::string>> footage_files(Storage& storage, const std::vect
                    fmt::format("'{}' is a folder among other footage; import a folder by itself, or name its "
                                "files",
                                file)};
+    TRY(check_no_snapshot(storage, file));
     if (is_recording(storage, file))
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is a recording already; use it as it is: hdrcam replay {}", file,

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "firmware_host/commands/ignored_flags.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/trace_file.h"
-#include "firmware_host/film/scene_snapshot.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/settings/start_time.h"
@@ -22,11 +22,7 @@ Result<void> check_recording_named(Storage& storage, const std::string& recordin
                  fmt::format("no recording; name one, such as walk.mkv; see 'hdrcam {} --help'", verb)};
   if (TRY(storage.look_at(recording)).kind == FileKind::Missing)
     return Error{ErrorCode::NotFound, fmt::format("'{}' does not exist", recording)};
-  if (std::string_view(verb) != "render" && TRY(is_scene_snapshot(storage, recording)))
-    return Error{
-        ErrorCode::NotRecording,
-        fmt::format("'{}' is a snapshot of a scene, not a recording; 'hdrcam render' films it", recording)};
-  return {};
+  return std::string_view(verb) == "render" ? Result<void>() : check_no_snapshot(storage, recording);
 }
 
 Result<Settings> settings_on_recording(const SettingsFlags& flags, const Settings& asked,

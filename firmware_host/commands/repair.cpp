@@ -5,6 +5,7 @@
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"
+#include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
@@ -49,6 +50,7 @@ Result<Saved> copy_whole_frames(Surroundings& around, RecordingReader& from, con
 
 Result<void> repair(const RepairOptions& options, const Settings& settings, Surroundings& around) {
   TRY(check_recording_name(around.storage, "--output", options.output));
+  TRY(check_no_snapshot(around.storage, options.recording));
   TRY(options.kept.check(around.storage, {{"the recording that is read", options.recording}},
                          {{"--output", options.output, OutputKind::Recording}}));
   const auto reader = TRY(open_recording(around.storage, options.recording, Damage::IsSkipped));

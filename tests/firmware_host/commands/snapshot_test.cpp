@@ -134,12 +134,36 @@ TEST_CASE("a snapshot is known by its content, and what only has its name is not
   refused({"render", fake, "--force", "-o", out}, ErrorCode::NotRecording);
   refused({"info", fake}, ErrorCode::NotRecording);
   refused({"render", folder + "/none.hdrscene", "-o", out}, ErrorCode::NotFound);
-  CHECK_THAT(refused({"replay", other, "-o", out}, ErrorCode::NotRecording).err,
-             Contains("is a snapshot of a scene, not a recording; 'hdrcam render' films it"));
   for (const char* verb : {"replay", "render"})
     CHECK_THAT(refused({verb, folder, "-o", folder + "/none/%06d.exr"}, ErrorCode::NotRecording).err,
                Contains("is a folder"));
   CHECK_THAT(refused({"info", folder}, ErrorCode::NotRecording).err, Contains("is a folder"));
+}
+
+TEST_CASE("every verb that reads a recording says of a snapshot that it is one, and makes no folder",
+          "[film]") {
+  const std::string folder = sample::scratch_folder("snapshot_no_recording"), scene = folder + "/scene.mkv",
+                    camera = "replay:" + scene, out = folder + "/out";
+  fs::copy_file(saved().scene, scene);
+  const std::vector<std::vector<std::string>> verbs{
+      {"replay", scene, "-o", out + "/%06d.exr"},
+      {"repair", scene, "-o", out + "/whole.mkv"},
+      {"export", scene, "-o", out},
+      {"export", scene, "-o", out, "--transforms"},
+      {"import", scene, "-o", out + "/walk.mkv"},
+      {"import", saved().clip + ".jpg", scene, "-o", out + "/walk.mkv"},
+      {"import", scene, "--list", "--shutter", "1ms,4ms"},
+      {"live", "--camera", camera, "-o", out + "/%06d.exr"},
+      {"live", "--camera", camera, "--pace", "realtime", "-o", out + "/%06d.exr"},
+      {"record", "--camera", camera, "-o", out + "/copy.mkv"},
+      {"record", "--camera", camera, "--pace", "realtime", "-o", out + "/copy.mkv"},
+      {"calibrate", "delay", "--camera", camera, "-o", out + "/camera.toml"}};
+  for (const std::vector<std::string>& words : verbs) {
+    INFO(words.front() << ' ' << words[1]);
+    CHECK(refused(words, ErrorCode::NotRecording).err ==
+          "hdrcam: '" + scene + "' is a snapshot of a scene, not a recording; 'hdrcam render' films it.\n");
+    CHECK_FALSE(fs::exists(out));
+  }
 }
 
 TEST_CASE("a damaged or cut snapshot is one sentence of render and of info, and leaves no film", "[film]") {
