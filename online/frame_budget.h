@@ -12,6 +12,7 @@ enum class ShrinkageEffort { Off, On, Dense };
 
 struct FrameBudget {
   FlowQuality flow = FlowQuality::Medium;
+  FlowQuality flow_over_clipped = FlowQuality::Medium;  // no finer than that one
   FitBudget fit;
   bool fills = false;    // unseen pixels rise from the state's lower bound halfway to the field's radiance
   int render_step = 2;   // 1..8: they are filled, and depth is shown, from every n-th pixel of the field

@@ -22,7 +22,8 @@ struct FrameEstimate {
   // Vectors alone: only what joins later frames asks for their confidence. Null without look-ahead, and at
   // the last frame.
   const Image<float>* to_next = nullptr;
-  FieldNow field;                      // fitted up to this frame, inclusive; empty without a field
+  // Fitted up to this frame, inclusive; empty without a field, and where that is in another world already.
+  FieldNow field;
   SceneView view;                      // the frame's own view, at full size, in the world of the field
   int world = 0;                       // counts them: views of two worlds do not belong together
   std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown
@@ -33,8 +34,8 @@ struct FrameEstimate {
   const FitReport* fit;                        // the fit's work on this frame; null without a field
   NoiseOrigin noise_origin = NoiseOrigin::Unknown;
   FrameBudget budget;              // the cost allowed for this frame
-  std::array<float, 3> darkest{};  // radiance up to which even the longest exposure so far is black
-  float white;                     // radiance that saturates the shortest exposure so far
+  std::array<float, 3> darkest{};  // radiance up to which even the longest of the last exposures is black
+  float white;                     // radiance that saturates the shortest of them
   float unseen_variance;           // from which on a pixel of the state counts as unseen
   double reference_exposure;       // E_ref, seconds x gains
 };

@@ -61,14 +61,14 @@ Result<void> OnlineStage::begin_anew(const ResponseEstimate& estimate, int frame
   sensor_.begin_anew(estimate, frame);
   motion_ = make_motion_prior(camera_.height, camera_.width, pool_, gpu_);
   second_layer_.rest();
-  white_ = 1;
-  darkest_ = kAllBlack;
+  whites_.clear();
+  for (RecentValues& darkest : darkests_) darkest.clear();
   return {};
 }
 
 Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
   PendingFrame& newest = frames_.add(frame);
-  white_ = std::max(white_, 1 / newest.frame.exposure);
+  whites_.add(1 / newest.frame.exposure);
   newest.stated_blur = sensor_.count_blur(newest.frame);
   const ExposureTables& tables = sensor_.tables_for(newest.frame);
 
@@ -86,7 +86,7 @@ Result<void> OnlineStage::take(ExposedFrame& frame, const Emit& emit) {
 // The state with the first frame, or the first under another response.
 Result<void> OnlineStage::begin(PendingFrame& first, const ExposureTables& tables) {
   state_->restart({first.frame, tables, unseen_variance()});
-  lower_darkest(tables);
+  note_darkest(tables);
   first.motion.to_previous.vectors.reshape(0, 0, 0);
   first.motion.from_previous.vectors.reshape(0, 0, 0);
   first.advanced = true;
@@ -122,7 +122,8 @@ Result<void> OnlineStage::advance(std::size_t place) {
     context.after_tables = &sensor_.tables_for(after);
     context.after_ratio = frames_.after_ratio(place);
   }
-  motion_->complete(state_->state(), pending.frame, context, budget_.flow,
+  motion_->complete(state_->state(), pending.frame, context,
+                    std::min(budget_.flow, budget_.flow_over_clipped),
                     {.from_previous = second_layer_takes_part() || look_ahead_ > 1}, pending.motion);
   watch.lap(Stage::Motion);
 
@@ -132,7 +133,7 @@ Result<void> OnlineStage::advance(std::size_t place) {
     frames_.keep_state(place - 1, state_->state());
   state_->advance({pending.frame, sensor_.tables_for(pending.frame), unseen_variance(), budget_.blurs},
                   pending.motion.to_previous);
-  lower_darkest(sensor_.tables_for(pending.frame));
+  note_darkest(sensor_.tables_for(pending.frame));
   sensor_.take_over_residuals(pending.frame);
   pending.advanced = true;
   watch.lap(Stage::State);
@@ -190,7 +191,7 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
       .later_share = joining > 0 ? &joined_.later_share : nullptr,
       .to_previous = pending.motion.to_previous.empty() ? nullptr : &pending.motion.to_previous,
       .to_next = ahead > 0 ? &later[0].from_previous->vectors : nullptr,
-      .field = scene ? second_layer_.field() : FieldNow(),
+      .field = scene && scene->world == second_layer_.world() ? second_layer_.field() : FieldNow(),
       .view = view_of(pending),
       .world = scene ? scene->world : 0,
       .pose = scene ? scene->pose : second_layer_.given_pose(pending.frame.facts),
@@ -201,8 +202,8 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
       .fit = scene ? &scene->fit : nullptr,
       .noise_origin = sensor_.noise_origin(),
       .budget = budget_,
-      .darkest = darkest_,
-      .white = white_,
+      .darkest = darkest(),
+      .white = white(),
       .unseen_variance = unseen_variance(),
       .reference_exposure = pending.frame.reference_exposure};
   watch.lap(Stage::LookAhead);
@@ -218,11 +219,14 @@ SceneView OnlineStage::view_of(const PendingFrame& pending) const {
 }
 
 // The state takes in a frame of these tables.
-void OnlineStage::lower_darkest(const ExposureTables& tables) {
-  for (int c = 0; c < 3; ++c) {
-    float& darkest = darkest_[static_cast<std::size_t>(c)];
-    darkest = std::min(darkest, tables.radiance(c, clip_policy::kBlack));
-  }
+void OnlineStage::note_darkest(const ExposureTables& tables) {
+  for (int c = 0; c < 3; ++c)
+    darkests_[static_cast<std::size_t>(c)].add(tables.radiance(c, clip_policy::kBlack));
+}
+
+std::array<float, 3> OnlineStage::darkest() const {
+  constexpr float kAllBlack = 1e9f;
+  return {darkests_[0].least(kAllBlack), darkests_[1].least(kAllBlack), darkests_[2].least(kAllBlack)};
 }
 
 Result<void> OnlineStage::finish(const Emit& emit) {

@@ -20,6 +20,7 @@
 #include "online/pending_frames.h"
 #include "online/second_layer.h"
 #include "online/sensor_model.h"
+#include "online/state/recent_values.h"
 #include "online/state/state_layer.h"
 
 namespace hdrcam {
@@ -72,8 +73,10 @@ class OnlineStage {
     return look_ahead_ > 0 && budget_.later_frames >= look_ahead_ && budget_.emits;
   }
   bool second_layer_takes_part() const { return knobs_.field != FieldKind::None && !budget_.field_rests; }
-  void lower_darkest(const ExposureTables& tables);
-  float unseen_variance() const { return unseen_variance_from(white_); }
+  void note_darkest(const ExposureTables& tables);
+  float white() const { return whites_.greatest(1); }
+  std::array<float, 3> darkest() const;
+  float unseen_variance() const { return unseen_variance_from(white()); }
 
   const Knobs knobs_;
   FrameBudget budget_;
@@ -87,9 +90,8 @@ class OnlineStage {
   std::unique_ptr<StateLayer> state_;
   SensorModel sensor_;
   SecondLayer second_layer_;
-  float white_ = 1;  // radiance that saturates the shortest exposure so far
-  static constexpr std::array<float, 3> kAllBlack{1e9f, 1e9f, 1e9f};
-  std::array<float, 3> darkest_ = kAllBlack;  // radiance up to which even the longest one so far is black
+  RecentValues whites_;                   // radiance that saturates each exposure
+  std::array<RecentValues, 3> darkests_;  // radiance up to which each of the state's frames is black
   PendingFrames frames_;
   JoinedState joined_;  // borrowed during an emission
   StageTiming timing_;

@@ -15,11 +15,12 @@ SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPo
 Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_variance,
                                         const Response& response, const FitBudget& budget) {
   StageWatch watch(timing_);
-  const bool begins = !field_ || rested_;
+  const StateMotion none;  // where the frame before is of another world, or was not taken
+  const CameraPose* known = field_ && !rested_ ? pose_in_this_world(seen) : nullptr;
+  const bool begins = known == nullptr;
   if (begins) begin(seen.frame);
-  const StateMotion none;  // the frame before was not taken
   const SeenFrame input{seen.frame, seen.state, begins ? none : seen.motion};
-  const CameraPose& pose = poses_->estimate(input);
+  const CameraPose& pose = begins ? poses_->estimate(input) : *known;
   const DepthMap& depth = depth_->estimate(input, pose);
   watch.lap(Stage::Pose);
   TRY(field_->observe({input.frame, input.state, unseen_variance, input.motion, pose, depth, response}));
@@ -28,9 +29,17 @@ Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_vari
   return SceneEstimate{pose.T_world_camera, world_, stated_pose(seen.frame, pose), &depth, fit};
 }
 
+// Null where another world begins with the frame.
+const CameraPose* SecondLayer::pose_in_this_world(const SeenFrame& seen) {
+  const CameraPose& pose = poses_->estimate(seen);
+  const bool ends = poses_->source() == PoseSource::Tracked && watch_.ends_before(seen.frame, pose);
+  return ends ? nullptr : &pose;
+}
+
 void SecondLayer::begin(const ExposedFrame& first) {
   rested_ = false;
   ++world_;
+  watch_.begin(first);
   if (!field_) has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
   poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
   DepthOptions depth = knobs_.depth;

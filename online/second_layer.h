@@ -1,8 +1,9 @@
 // The second layer of the method, above the state: where a frame was seen from, how deep its scene is, and
 // the field that is fitted to both (docs/architecture.md, "Two layers"). It is made with the first frame that
-// it takes and may rest: after a rest pose, depth and field begin anew, in another world, because what they
-// knew is of another time. World, axes and unit of length: priors/pose/frame_pose.h. Thread-bound but for
-// snapshots of the field, which it owns; the result does not depend on the number of threads.
+// it takes and may rest: after a rest, a cut or a long loss of a tracked pose, pose, depth and field begin
+// anew, in another world, because what they knew is of another time or place. World, axes and unit of length:
+// priors/pose/frame_pose.h. Thread-bound but for snapshots of the field, which it owns; the result does not
+// depend on the number of threads.
 #pragma once
 
 #include <memory>
@@ -14,6 +15,7 @@
 #include "online/knobs.h"
 #include "online/priors/depth/depth_prior.h"
 #include "online/priors/pose/pose_prior.h"
+#include "online/priors/pose/world_watch.h"
 #include "online/scene/scene_fields.h"
 
 namespace hdrcam {
@@ -46,7 +48,8 @@ class SecondLayer {
   // The pose that the recording states, also of a frame that is not taken; none where it states none that can
   // be, or is not asked.
   std::optional<FramePose> given_pose(const FrameFacts& facts) const;
-  // Fitted up to the frame that was taken last; empty before the first one.
+  int world() const { return world_; }  // of the frame that was taken last
+  // Fitted up to that frame; empty before the first one.
   FieldNow field() { return FieldNow(field_.get()); }
   // One unit of the field's depth (FieldPicture::depth), in length_unit().
   float depth_unit() const { return poses_ ? poses_->near() : 1; }
@@ -59,6 +62,7 @@ class SecondLayer {
   void set_timing(StageTiming timing) { timing_ = std::move(timing); }
 
  private:
+  const CameraPose* pose_in_this_world(const SeenFrame& seen);
   void begin(const ExposedFrame& first);
   std::optional<FramePose> stated_pose(const ExposedFrame& frame, const CameraPose& pose) const;
 
@@ -73,6 +77,7 @@ class SecondLayer {
   int world_ = -1;          // of the poses: counts their beginnings
   bool rested_ = false;     // since its last frame
   std::unique_ptr<PosePrior> poses_;
+  WorldWatch watch_;  // of tracked poses
   std::unique_ptr<DepthPrior> depth_;
   std::unique_ptr<SceneField> field_;
   StageTiming timing_;

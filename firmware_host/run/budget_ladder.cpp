@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "hal/core/counted.h"
@@ -50,6 +51,10 @@ std::vector<Rung> budget_ladder(const FrameBudget& asked, FieldUse field, Previe
   };
   lower_flow(FlowQuality::Medium, "flow medium");
   lower_flow(FlowQuality::Fast, "flow fast");
+  if (std::min(rung.budget.flow, rung.budget.flow_over_clipped) > FlowQuality::Coarse) {
+    rung.budget.flow_over_clipped = FlowQuality::Coarse;
+    add("flow over clipped parts coarse");
+  }
   if (rung.budget.shrinkage == ShrinkageEffort::Dense) {
     rung.budget.shrinkage = ShrinkageEffort::On;
     add("fewer shrinkage tiles");

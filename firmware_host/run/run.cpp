@@ -226,8 +226,10 @@ Result<void> Run::save_scene() {
   return {};
 }
 
-// Once it is estimated, and each time it is learned anew.
+// Once it is estimated, and each time it is learned anew. A source that took one that no frame showed for the
+// camera's would find that right exposures contradict the pictures.
 void Run::tell_response() {
+  if (!sensor().response_is_sure()) return;
   const std::size_t known = 1 + sensor().relearned().size();
   if (std::exchange(responses_told_, known) < known)
     source_.learn_response(sensor().response().inverse(1), sensor().black_level());

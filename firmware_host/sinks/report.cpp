@@ -245,7 +245,7 @@ std::string response_section(const RunRecord& record) {
   if (record.response_prior)
     chart.series.push_back({"prior mean", "#8c8c8c", stops(*record.response_prior), true});
   return section("Camera response",
-                 "The exposure that each code stands for, as estimated from the clip itself.",
+                 "The exposure that each code stands for, as it was known at the end of the run.",
                  card(line_chart(chart)));
 }
 

@@ -60,9 +60,13 @@ std::optional<ResponseEstimate> ResponseLearner::next(const ExposedFrame& frame,
   return found;
 }
 
-// By what two exposures show alike, or by the sensor's own noise.
+// By what two exposures show alike, or by the sensor's own noise; but not where that left the mean of real
+// cameras as uncertain as it is: the noise of dark frames matches, too.
 bool ResponseLearner::is_measured(const ResponseEstimate& estimate) const {
-  return estimator_.pairs() > 0 || estimate.noise;
+  constexpr double kNothingLearned = 0.35;  // ln x; the mean has .38
+  const bool told =
+      options_.model != ResponseModel::Curve || uncertainty_of(estimate.response) < kNothingLearned;
+  return told && (estimator_.pairs() > 0 || estimate.noise);
 }
 
 // At frames in a row.

@@ -38,6 +38,7 @@ class ResponseLearner {
   // False while neither two exposures of one scene nor the sensor's own noise told of the curve, and the mean
   // of real cameras stands in.
   bool measured() const { return measured_; }
+  double uncertainty() const { return uncertainty_; }  // of the response in use: one sigma of ln x
 
  private:
   void look(std::span<const CompactFrame> frames, SceneCuts cuts);

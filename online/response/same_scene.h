@@ -4,9 +4,21 @@
 // Reentrant.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "capture/exposed_frame.h"
 
 namespace hdrcam {
+
+// What is compared of a picture, for those who keep it for later.
+using SceneThumbnail = std::vector<float>;
+// every_line: n, each n-th line is looked at.
+SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line);
+
+// That correlation, -1..1, over the cells that are clipped in neither picture; 1 when fewer than so many are
+// left.
+double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells);
 
 // Both of one size, unpacked without a black level. True also where too few cells are clipped in neither
 // picture to tell.

@@ -291,6 +291,41 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   CHECK(radiance == alone.radiance);
 }
 
+TEST_CASE("behind a cut another world begins, and a fast pan ends none") {
+  constexpr int kCut = 14;
+  test::MovingScene scene, other;
+  scene.rows = other.rows = 96, scene.cols = other.cols = 128;
+  scene.detail = 0.5, other.detail = 0.7;
+  const bool cuts = GENERATE(true, false);
+  CAPTURE(cuts);
+  if (!cuts) scene.drift_px = 9;
+  WorkerPool pool(1);
+  Knobs options;
+  options.look_ahead = GENERATE(0, 2);
+  Stream stream(scene, options, pool);
+  std::vector<int> worlds;
+  std::vector<bool> in_field;
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    worlds.push_back(estimate.world);
+    in_field.push_back(static_cast<bool>(estimate.field));
+    REQUIRE(estimate.pose);
+    CHECK(estimate.pose->world == estimate.world);
+    return {};
+  };
+  for (int i = 0; i < 2 * kCut; ++i)
+    REQUIRE(stream.take((cuts && i >= kCut ? other : scene).frame(i), options.budget, emit).ok());
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  REQUIRE(worlds.size() == 2 * kCut);
+  CAPTURE(worlds);
+  CHECK(std::ranges::is_sorted(worlds));
+  CHECK(worlds[kCut - 1] == 0);
+  CHECK(worlds[kCut + 2] == (cuts ? 1 : 0));
+  CHECK(worlds.back() == (cuts ? 1 : 0));
+  // with look-ahead the last frame before the cut leaves when the field is in the next world already
+  const auto without = std::ranges::count(in_field, false);
+  CHECK(without == (cuts && options.look_ahead == 2 ? 1 : 0));
+}
+
 TEST_CASE(
     "depth is measured at half of a field's resolution where nobody looks, and as asked where it is seen") {
   const test::MovingScene scene;
@@ -340,6 +375,29 @@ TEST_CASE("by day after a night, what every exposure clips is emitted as a bound
   }
   REQUIRE(online.finish(emit).ok());
   CHECK(emitted == 8);
+}
+
+TEST_CASE("white is that of the last frames' exposures, also when the light has fallen") {
+  constexpr double kFall = 64;
+  test::MovingScene day, night;
+  night.sensitivity = day.sensitivity / kFall;  // the same codes of longer exposures
+  for (double& exposure_s : night.exposures_s) exposure_s *= kFall;
+  day.framerate_hz = night.framerate_hz = 0.5;
+  WorkerPool pool(1);
+  const Knobs options = state_alone();
+  Stream stream(day, options, pool);
+  std::vector<float> whites;
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    whites.push_back(estimate.white);
+    return {};
+  };
+  for (int i = 0; i < 60; ++i)
+    REQUIRE(stream.take((i < 20 ? day : night).frame(i), options.budget, emit).ok());
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  REQUIRE(whites.size() == 60);
+  CHECK(whites[10] == Approx(4).epsilon(0.01));
+  CHECK(whites[25] == Approx(4).epsilon(0.01));  // the state still holds what those exposures showed
+  CHECK(whites.back() == Approx(4 / kFall).epsilon(0.01));
 }
 
 TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {

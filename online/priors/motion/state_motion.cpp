@@ -182,7 +182,7 @@ void MotionEstimator::match_after(const RadianceState& state, const MotionContex
   gray_of_state(state.radiance, nullptr, *context.after_tables, state_gray_, pool_);
   FlowRequest request{&frame_gray_, &state_gray_, &after_to_state_, &state_to_after_};
   start_at_prediction(context.before_ratio / context.after_ratio, request);
-  flow_->compute(std::min(quality, FlowQuality::Medium), request);  // finer is not seen in the picture
+  flow_->compute(quality, request);
 }
 
 // Motion at clipped pixels of a frame, from the flow between the state before it and the frame after it, and

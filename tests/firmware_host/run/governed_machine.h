@@ -1,6 +1,7 @@
 // A machine of known costs for the governor: nothing measures a time.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -30,9 +31,11 @@ struct Machine {
     const bool spike = spike_every > 0 && frame % spike_every == spike_every / 2;
     const double slow = load * (previews ? 1.05 : 1) * (spike ? 3 : 1) * (frame % 3 == 0 ? third : 1);
     work.steady_ms = slow * 5 * jitter();
-    const double motion_ms[] = {3, 3.8, 4.8, 7};  // coarse, fast, medium, fine
-    const double shrinkage_ms[] = {0, 1.3, 2};    // off, on, dense
+    const double motion_ms[] = {3, 3.2, 4.2, 6.4};  // coarse, fast, medium, fine
+    const double shrinkage_ms[] = {0, 1.3, 2};      // off, on, dense
     work.total_ms = work.steady_ms + slow * motion_ms[static_cast<int>(budget.flow)] * jitter();
+    const bool over_clipped = std::min(budget.flow, budget.flow_over_clipped) > FlowQuality::Coarse;
+    if (over_clipped) work.total_ms += slow * 0.6 * jitter();
     if (budget.blurs) work.total_ms += slow * jitter();
     if (!budget.field_rests) work.total_ms += slow * (5 + 1.2 * budget.fit.steps) * jitter();
     if (budget.emits)

@@ -46,8 +46,9 @@ TEST_CASE(
   for (const Rung& rung : rungs) names.push_back(rung.name);
   CHECK(names == std::vector<std::string>{"as asked", "no previews", "1 step of the fit", "no field",
                                           "one later frame", "flow medium", "flow fast",
-                                          "fewer shrinkage tiles", "no look-ahead", "no motion blur",
-                                          "flow coarse", "no shrinkage", "3 frames in 4", "1 frame in 2"});
+                                          "flow over clipped parts coarse", "fewer shrinkage tiles",
+                                          "no look-ahead", "no motion blur", "flow coarse", "no shrinkage",
+                                          "3 frames in 4", "1 frame in 2"});
   for (std::size_t r = 0; r + 2 < rungs.size(); ++r) CHECK(rungs[r].emits_all());
   CHECK(rungs.front().previews);
   CHECK(rungs.front().budget.fit.steps == 2);
@@ -55,6 +56,7 @@ TEST_CASE(
   CHECK_FALSE(last.previews);
   CHECK(last.budget.field_rests);
   CHECK(last.budget.flow == FlowQuality::Coarse);
+  CHECK(last.budget.flow_over_clipped == FlowQuality::Coarse);
   CHECK(last.budget.later_frames == 0);
   CHECK(last.budget.shrinkage == ShrinkageEffort::Off);
   CHECK_FALSE(last.budget.blurs);

@@ -12,7 +12,8 @@ namespace {
 // A clip in memory, which may end with an error.
 class MemorySource : public FrameSource {
  public:
-  MemorySource(int frames, Result<void> end) : end_(std::move(end)) {
+  MemorySource(int frames, Result<void> end, const test::MovingScene& scene = {})
+      : scene_(scene), end_(std::move(end)) {
     for (int i = 0; i < frames; ++i) frames_.push_back(scene_.frame(i));
     camera_ = scene_.camera();
   }
@@ -103,6 +104,26 @@ TEST_CASE("a run hands each HDR frame with its input and its record to the sinks
   CHECK(seen.record->sinks[0].frames == 9);
   CHECK(std::ranges::find(seen.record->notes, "from the source") != seen.record->notes.end());
   CHECK(source.responses() == 1);
+}
+
+TEST_CASE("a response that no frame shows is not told to the source, which judges exposures by it") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.drift_px = 0.4, scene.disc_px = 0.8;
+  scene.covered_frames = 14;
+  const auto says_so = [] {
+    REQUIRE(seen.record);
+    return std::ranges::count(seen.record->notes,
+                              "response: no frames tell it; the mean of real cameras stands in") == 1;
+  };
+  MemorySource covered(14, {}, scene);
+  require_done(run(plan(), covered, posix_storage()));
+  CHECK(covered.responses() == 0);
+  CHECK(says_so());
+  MemorySource uncovered(66, {}, scene);
+  require_done(run(plan(), uncovered, posix_storage()));
+  CHECK(uncovered.responses() >= 1);  // when it was learned
+  CHECK_FALSE(says_so());
 }
 
 TEST_CASE("without a deadline every frame is as asked, with one that is ample as well, if a little later") {
