@@ -217,7 +217,8 @@ std::vector<Knob> frame_budget_knobs() {
            .gives = "finer motion: fewer pixels lose their history"}),
       choice<&K::budget, &B::flow_over_clipped>(
           "flow_over_clipped", {"coarse", "fast", "medium", "fine"},
-          {.costs = "time of the second flow call, of frames that are clipped; coarse takes half as long as fast",
+          {.costs =
+               "time of the second flow call, of frames that are clipped; coarse takes half as long as fast",
            .gives = "finer motion of what a frame does not show because it is clipped; flow, where that is "
                     "coarser"}),
       whole<&K::budget, &B::fit, &FitBudget::steps>(

@@ -8,9 +8,9 @@ shift 2
 
 # No Vulkan driver is loaded: Mesa's leak when they are unloaded, and their threads have locks that cannot be seen.
 export VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null
-# Programs started by tests inherit these.
 # Clang 14 puts registers of 32 and 64 bytes at places of 16 when it instruments frames: kernels of the baseline.
 if [ "$kind" = address ]; then export HDRCAM_ISA=baseline; fi
+# Programs started by tests inherit these.
 export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export TSAN_OPTIONS="halt_on_error=1 second_deadlock_stack=1 suppressions=$here/thread_sanitizer.supp"

@@ -10,6 +10,8 @@
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/support/footage_files.h"
 
+#include "tests/support/files.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -152,13 +154,10 @@ TEST_CASE("JPEG pictures say their exposure in EXIF: time, sensitivity, aperture
 
 TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is no frame") {
   const std::string folder = sample::scratch_folder("footage_second_picture");
-  const auto bytes_of = [](const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
   test::write_jpeg(folder + "/preview.jpg", patches(7, 32, 48), std::nullopt);
   test::write_jpeg(folder + "/gain.jpg", patches(8), std::nullopt);
-  const std::string preview = bytes_of(folder + "/preview.jpg"), gain = bytes_of(folder + "/gain.jpg");
+  const std::string preview = test::text_of(folder + "/preview.jpg"),
+                    gain = test::text_of(folder + "/gain.jpg");
   std::vector<std::string> files;
   for (const std::string& behind : {preview, gain, gain + preview, gain.substr(0, gain.size() / 2)}) {
     const auto number = static_cast<int>(files.size());
@@ -176,7 +175,7 @@ TEST_CASE("what lies behind the picture of a still, a preview or a gain map, is 
     CHECK(difference(bracket.frames[i], bracket.camera.bits, patches(static_cast<int>(i))) < 2.5);
   // a damaged picture is not replaced by its preview
   test::write_jpeg(folder + "/large.jpg", patches(9, 480, 640), std::nullopt);
-  const std::string damaged = folder + "/damaged.jpg", whole = bytes_of(folder + "/large.jpg");
+  const std::string damaged = folder + "/damaged.jpg", whole = test::text_of(folder + "/large.jpg");
   std::ofstream(damaged, std::ios::binary) << whole.substr(0, whole.size() / 2) << "\xff\xd9" << preview;
   const Read refused = read({damaged});
   REQUIRE(refused.error);
@@ -260,8 +259,7 @@ void write_avi(const std::string& path, const std::vector<Image<std::uint16_t>>&
   AVPacket* const packet = av_packet_alloc();
   for (std::size_t i = 0; i < rgb.size(); ++i) {
     test::write_jpeg(path + ".jpg", rgb[i], std::nullopt);
-    std::ifstream file(path + ".jpg", std::ios::binary);
-    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    const std::string bytes = test::text_of(path + ".jpg");
     REQUIRE(av_new_packet(packet, static_cast<int>(bytes.size())) >= 0);
     std::copy(bytes.begin(), bytes.end(), packet->data);
     packet->pts = packet->dts = static_cast<std::int64_t>(i), packet->duration = 1;
