@@ -49,6 +49,7 @@ class OnlineStage {
   // Called for each frame that became ready and is not emitted, because the budget said so.
   void set_left_out(LeftOut left_out) { left_out_ = std::move(left_out); }
   const SensorModel& sensor() const { return sensor_; }
+  bool leaves_out_given_poses() const { return second_layer_.leaves_out_given_poses(); }
   // Why the state, the flow, or the fit of the field no longer runs on the graphics device; "" while it does,
   // or was not asked to.
   std::string fallback_reason() const { return state_->fallback_reason(); }

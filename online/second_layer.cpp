@@ -19,6 +19,7 @@ Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_vari
   const CameraPose* known = field_ && !rested_ ? pose_in_this_world(seen) : nullptr;
   const bool begins = known == nullptr;
   if (begins) begin(seen.frame);
+  leaves_out_poses_ |= knobs_.pose == PoseKind::Given && !has_poses_ && seen.frame.facts.T_world_camera;
   const SeenFrame input{seen.frame, seen.state, begins ? none : seen.motion};
   const CameraPose& pose = begins ? poses_->estimate(input) : *known;
   const DepthMap& depth = depth_->estimate(input, pose);

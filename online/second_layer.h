@@ -48,6 +48,8 @@ class SecondLayer {
   // The pose that the recording states, also of a frame that is not taken; none where it states none that can
   // be, or is not asked.
   std::optional<FramePose> given_pose(const FrameFacts& facts) const;
+  // Whether a frame stated a pose that had no part, because the first frame stated none.
+  bool leaves_out_given_poses() const { return leaves_out_poses_; }
   int world() const { return world_; }  // of the frame that was taken last
   // Fitted up to that frame; empty before the first one.
   FieldNow field() { return FieldNow(field_.get()); }
@@ -74,8 +76,9 @@ class SecondLayer {
   GpuDevice* const gpu_;
 
   bool has_poses_ = false;  // the recording states poses: its first frame here does
-  int world_ = -1;          // of the poses: counts their beginnings
-  bool rested_ = false;     // since its last frame
+  bool leaves_out_poses_ = false;
+  int world_ = -1;       // of the poses: counts their beginnings
+  bool rested_ = false;  // since its last frame
   std::unique_ptr<PosePrior> poses_;
   WorldWatch watch_;  // of tracked poses
   std::unique_ptr<DepthPrior> depth_;

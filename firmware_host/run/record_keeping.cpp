@@ -63,6 +63,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
   record.response = ResponseCurves{sensor.response().inverse(0), sensor.response().inverse(1),
                                    sensor.response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
+  if (online.leaves_out_given_poses())
+    record.notes.emplace_back(
+        "poses: the first frame states none, so they are tracked; those that later frames state have no "
+        "part");
   if (!sensor.response_measured())
     record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
   for (const int frame : sensor.relearned())

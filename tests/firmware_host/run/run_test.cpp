@@ -29,6 +29,10 @@ class MemorySource : public FrameSource {
     record.notes.emplace_back("from the source");
     return end_;
   }
+  void state_poses(std::size_t from) {
+    for (std::size_t i = from; i < frames_.size(); ++i)
+      frames_[i].facts.T_world_camera = pose_matrix_of(RigidTransform{});
+  }
   int responses() const { return responses_; }
   int left_out_frames() const { return left_out_; }
 
@@ -124,6 +128,20 @@ TEST_CASE("a response that no frame shows is not told to the source, which judge
   require_done(run(plan(), uncovered, posix_storage()));
   CHECK(uncovered.responses() >= 1);  // when it was learned
   CHECK_FALSE(says_so());
+}
+
+TEST_CASE("a run says so where the first frame states no pose and later ones do") {
+  const std::size_t first = GENERATE(0, 1, 99);
+  MemorySource source(9, {});
+  source.state_poses(first);
+  RunPlan asked = plan();
+  asked.settings.fit.emit = EmitLayer::Merged;
+  require_done(run(asked, source, posix_storage()));
+  REQUIRE(seen.record);
+  const auto says_so = [](const std::string& note) {
+    return note.starts_with("poses: the first frame states none");
+  };
+  CHECK(std::ranges::count_if(seen.record->notes, says_so) == (first == 1 ? 1 : 0));
 }
 
 TEST_CASE("without a deadline every frame is as asked, with one that is ample as well, if a little later") {
