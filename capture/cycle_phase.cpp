@@ -9,16 +9,16 @@
 #include <numeric>
 
 #include "capture/exposure_schedule.h"
+#include "capture/order_check.h"
 #include "hal/core/median.h"
 
 namespace hdrcam {
 namespace {
 
-constexpr double kLoss = 8;                // what an unannounced loss costs, squared deviations
-constexpr double kWorst = 16;              // what one step can cost at most: a cut, a lamp switched on
-constexpr double kAcceptedResidual = 5;    // mean, of a walk that the pictures support
-constexpr double kMostAgainstOrder = 0.1;  // of the steps: cuts, lamps; a wrong order has one in each cycle
-constexpr double kReference_s = 0.01;      // of an estimated cycle
+constexpr double kLoss = 8;              // what an unannounced loss costs, squared deviations
+constexpr double kWorst = 16;            // what one step can cost at most: a cut, a lamp switched on
+constexpr double kAcceptedResidual = 5;  // mean, of a walk that the pictures support
+constexpr double kReference_s = 0.01;    // of an estimated cycle
 
 // In expected errors, squared. No response stretches all ratios alike, so an error is a part of the ratio; of
 // how bright a picture is as a whole, little more than the sign and the order is sure.
@@ -105,16 +105,16 @@ bool explains(const Path& path, std::span<const CycleStep> steps) {
   return path.cost < 0.5 * without;
 }
 
-// Whether the pictures get darker where the walk gets brighter, or the reverse, too often for its order. What
-// is known of a step is stretched, and where pictures have nothing in common it is little more than its sign.
+// What is known of a step is stretched, so its sign alone counts.
 bool is_out_of_order(const CycleWalk& walk, std::span<const CycleStep> steps,
                      std::span<const double> log_exposures) {
+  constexpr int kLeast = 2;
   const auto at = [&](std::size_t frame) {
     return log_exposures[static_cast<std::size_t>(walk.slots[frame])];
   };
-  int against = 0;
-  for (std::size_t i = 0; i < steps.size(); ++i) against += contradicts_order(steps[i], at(i + 1) - at(i));
-  return against > kMostAgainstOrder * static_cast<double>(steps.size());
+  OrderCheck order(kLeast);
+  for (std::size_t i = 0; i < steps.size(); ++i) order.add(at(i), at(i + 1), steps[i]);
+  return order.objects();
 }
 
 // ln exposures around their mean, from the step of each slot to the next; what is left after a round is
@@ -170,12 +170,6 @@ CycleStep step_between(Photometer& photometer, const PhotometricSignature& earli
                        const PhotometricSignature& later) {
   if (const auto ratio = photometer.ratio(earlier, later)) return {StepKind::Measured, ratio->log_ratio};
   return {StepKind::Rough, brightness_of(later) - brightness_of(earlier)};
-}
-
-bool contradicts_order(const CycleStep& step, double log_ratio) {
-  constexpr double kClearlySeen = 0.3, kClearlySaid = 0.5;
-  return step.log_ratio * log_ratio < 0 && std::abs(step.log_ratio) > kClearlySeen &&
-         std::abs(log_ratio) > kClearlySaid;
 }
 
 Result<CycleWalk> find_walk(std::span<const CycleStep> steps, std::span<const Exposure> cycle) {

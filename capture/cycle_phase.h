@@ -30,10 +30,6 @@ struct CycleStep {
 CycleStep step_between(Photometer& photometer, const PhotometricSignature& earlier,
                        const PhotometricSignature& later);
 
-// Whether the later picture is clearly brighter where its exposure should make it clearly darker, or the
-// reverse. log_ratio: ln of the exposures that the two are said to have.
-bool contradicts_order(const CycleStep& step, double log_ratio);
-
 struct CycleWalk {
   std::vector<int> slots;        // of each frame
   std::vector<int> lost_before;  // frames missing before each, 0.. slots-1 and those that times tell

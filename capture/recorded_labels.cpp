@@ -9,6 +9,8 @@
 namespace hdrcam {
 namespace {
 
+constexpr int kLeastOutOfOrder = 4;  // of one step of the cycle
+
 bool judgeable(const FrameFacts& facts) {
   const bool unlabelled = facts.exposure_source == ExposureSource::Unknown;
   return (facts.flags & kFrameDamaged) == 0 && (facts.has_exposure() || unlabelled);
@@ -41,7 +43,9 @@ double RecordedLabels::Label::log_value() const {
 }
 
 RecordedLabels::RecordedLabels(const CameraFacts& camera)
-    : camera_(camera), photometer_(PhotometricResponse::before_any_fit(camera.linear, std::nullopt)) {}
+    : camera_(camera),
+      photometer_(PhotometricResponse::before_any_fit(camera.linear, std::nullopt)),
+      order_(kLeastOutOfOrder) {}
 
 // The recording's claim about a frame; empty where the exposure is unknown. nullopt for a frame that cannot
 // be judged.
@@ -130,28 +134,20 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
   check_duration(frame, interval);
 }
 
-// The newest picture and the one before it, where no ratio can be taken of them. The light may change once, a
-// wrong order goes on.
+// The newest picture and the one before it, where no ratio can be taken of them: where one can, the proof
+// knows more.
 void RecordedLabels::check_order(const FrameFacts& facts) {
   if (!facts.has_exposure()) return last_.reset();
-  const double log_value = std::log(facts.exposure_s * facts.gain());
+  const Exposure exposure{from_seconds(facts.exposure_s), facts.gain()};
   if (last_) {
-    const CycleStep step = step_between(photometer_, last_->picture, picture_);
-    if (step.kind == StepKind::Rough) {
-      ++apart_;
-      if (contradicts_order(step, log_value - last_->log_value))
-        out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
-                             facts.sequence, step.log_ratio > 0 ? "brighter" : "darker",
-                             described(facts.exposure_s, facts.gain()),
-                             describe(Exposure{from_seconds(std::exp(last_->log_value)), 1}));
-    }
+    CycleStep step = step_between(photometer_, last_->picture, picture_);
+    if (step.kind == StepKind::Measured) step.log_ratio = 0;
+    if (order_.add(log_product(last_->exposure), log_product(exposure), step))
+      out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
+                           facts.sequence, step.log_ratio > 0 ? "brighter" : "darker", describe(exposure),
+                           describe(last_->exposure));
   }
-  last_ = Neighbour{picture_, log_value};
-}
-
-bool RecordedLabels::are_out_of_order() const {
-  constexpr std::uint64_t kLeast = 3, kOneIn = 4;  // of the neighbours: a cycle of four has one at each round
-  return out_of_order_.count >= kLeast && out_of_order_.count * kOneIn >= apart_;
+  last_ = Neighbour{picture_, exposure};
 }
 
 // Combines the verdict in the recording with the verdict of the pictures.
@@ -211,7 +207,7 @@ void RecordedLabels::check_duration(CapturedFrame& frame, std::optional<Duration
 std::optional<std::string> RecordedLabels::objection() const {
   for (const Objections* objections : {&relabelled_, &contradicted_})
     if (objections->count > 0) return objections->first;
-  if (are_out_of_order()) return out_of_order_.first;
+  if (order_.objects()) return out_of_order_.first;
   if (overlong_.count > 0) return overlong_.first;
   return std::nullopt;
 }
@@ -226,7 +222,7 @@ std::vector<std::string> RecordedLabels::warnings() const {
   warn(relabelled_, "had a wrong exposure and were relabelled by their pictures");
   warn(contradicted_,
        "are kept out of the fit: their pictures contradict their exposures, which should be checked");
-  if (are_out_of_order())
+  if (order_.objects())
     warn(out_of_order_,
          "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
          "the "

@@ -17,8 +17,8 @@
 #include <fmt/format.h>
 
 #include "capture/captured_frame.h"
-#include "capture/cycle_phase.h"
 #include "capture/exposure_proof.h"
+#include "capture/order_check.h"
 #include "capture/photometry.h"
 #include "hal/core/frame.h"
 
@@ -69,7 +69,6 @@ class RecordedLabels {
   void settle(CapturedFrame& frame, const Judgement& judgement);
   void relabel(FrameFacts& facts, const Judgement& judgement);
   void check_order(const FrameFacts& facts);
-  bool are_out_of_order() const;
   void check_duration(CapturedFrame& frame, std::optional<Duration> interval);
   void finish(CapturedFrame& frame, const Judgement& judgement, std::optional<Duration> interval);
 
@@ -78,7 +77,7 @@ class RecordedLabels {
   PhotometricSignature picture_;
   struct Neighbour {
     PhotometricSignature picture;
-    double log_value = 0;
+    Exposure exposure;
   };
   std::optional<Neighbour> last_;  // the frame before, where it has a label
   ExposureProof proof_;
@@ -86,7 +85,7 @@ class RecordedLabels {
   std::vector<Label> cycle_;   // the distinct ones, at most ExposureSchedule::kMaxSlots
   std::optional<Instant> last_time_;
   std::uint64_t frames_ = 0;
-  std::uint64_t apart_ = 0;  // frames that have nothing in common with the one before
+  OrderCheck order_;
   Objections relabelled_, contradicted_, out_of_order_, overlong_;
 };
 

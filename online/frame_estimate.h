@@ -22,8 +22,7 @@ struct FrameEstimate {
   // Vectors alone: only what joins later frames asks for their confidence. Null without look-ahead, and at
   // the last frame.
   const Image<float>* to_next = nullptr;
-  // Fitted up to this frame, inclusive; empty without a field, and where that is in another world already.
-  FieldNow field;
+  FieldNow field;                      // fitted up to this frame, inclusive; empty without a field
   SceneView view;                      // the frame's own view, at full size, in the world of the field
   int world = 0;                       // counts them: views of two worlds do not belong together
   std::optional<FramePose> pose = {};  // the view's, as outputs state it; none where unknown

@@ -191,7 +191,7 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
       .later_share = joining > 0 ? &joined_.later_share : nullptr,
       .to_previous = pending.motion.to_previous.empty() ? nullptr : &pending.motion.to_previous,
       .to_next = ahead > 0 ? &later[0].from_previous->vectors : nullptr,
-      .field = scene && scene->world == second_layer_.world() ? second_layer_.field() : FieldNow(),
+      .field = scene ? second_layer_.field_of(scene->world) : FieldNow(),
       .view = view_of(pending),
       .world = scene ? scene->world : 0,
       .pose = scene ? scene->pose : second_layer_.given_pose(pending.frame.facts),

@@ -15,6 +15,7 @@ SecondLayer::SecondLayer(const Knobs& knobs, const CameraFacts& camera, WorkerPo
 Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_variance,
                                         const Response& response, const FitBudget& budget) {
   StageWatch watch(timing_);
+  field_before_ = {};
   const StateMotion none;  // where the frame before is of another world, or was not taken
   const CameraPose* known = field_ && !rested_ ? pose_in_this_world(seen) : nullptr;
   const bool begins = known == nullptr;
@@ -28,6 +29,11 @@ Result<SceneEstimate> SecondLayer::take(const SeenFrame& seen, float unseen_vari
   const FitReport fit = field_->fit(budget);
   watch.lap(Stage::Fit);
   return SceneEstimate{pose.T_world_camera, world_, stated_pose(seen.frame, pose), &depth, fit};
+}
+
+FieldNow SecondLayer::field_of(int world) {
+  if (world == world_) return FieldNow(field_.get());
+  return world + 1 == world_ ? FieldNow(field_before_) : FieldNow();
 }
 
 // Null where another world begins with the frame.
@@ -49,7 +55,10 @@ void SecondLayer::begin(const ExposedFrame& first) {
   depth.step_px = std::max(depth.step_px, seen ? field_step_px_ / 2 : 2 * field_step_px_);
   depth_ = std::make_unique<DynamicDepth>(depth, knobs_.dynamic_depth, lens_, camera_.height, camera_.width,
                                           pool_);
-  if (field_) return field_->restart();
+  if (field_) {
+    field_before_ = field_->snapshot();
+    return field_->restart();
+  }
   FieldOptions options = knobs_.hash_grid;
   options.step_px = field_step_px_;
   field_ = make_scene_field(knobs_.field, options,

@@ -50,9 +50,9 @@ class SecondLayer {
   std::optional<FramePose> given_pose(const FrameFacts& facts) const;
   // Whether a frame stated a pose that had no part, because the first frame stated none.
   bool leaves_out_given_poses() const { return leaves_out_poses_; }
-  int world() const { return world_; }  // of the frame that was taken last
-  // Fitted up to that frame; empty before the first one.
-  FieldNow field() { return FieldNow(field_.get()); }
+  // Of this world, fitted up to the frame that was taken last; empty before the first one. Where another
+  // world began with that frame, the field of the one before it is there until the next is taken.
+  FieldNow field_of(int world);
   // One unit of the field's depth (FieldPicture::depth), in length_unit().
   float depth_unit() const { return poses_ ? poses_->near() : 1; }
   LengthUnit length_unit() const { return poses_ ? unit_of(poses_->source()) : LengthUnit::Metre; }
@@ -83,6 +83,7 @@ class SecondLayer {
   WorldWatch watch_;  // of tracked poses
   std::unique_ptr<DepthPrior> depth_;
   std::unique_ptr<SceneField> field_;
+  SnapshotHold field_before_;  // as it was when its world ended with the newest frame
   StageTiming timing_;
 };
 

@@ -2,53 +2,64 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
-#include <vector>
+#include <cstdint>
 
 #include "capture/clip_policy.h"
+#include "hal/core/inline_list.h"
 #include "hal/core/median.h"
 #include "online/response/sampled_lines.h"
 
 namespace hdrcam {
+namespace {
+
+constexpr std::size_t kCells = SceneThumbnail().size();
+using CellList = InlineList<std::uint16_t, kCells>;  // numbers of cells
+
+// The place of each of these cells in the order of their values; of equal ones the first comes first.
+std::array<double, kCells> ranks_of(const CellList& cells, const SceneThumbnail& values) {
+  std::array<std::uint16_t, kCells> order{};
+  for (std::size_t i = 0; i < cells.size(); ++i) order[i] = static_cast<std::uint16_t>(i);
+  const auto end = order.begin() + static_cast<std::ptrdiff_t>(cells.size());
+  std::sort(order.begin(), end, [&](std::uint16_t i, std::uint16_t j) {
+    const float a = values[cells[i]], b = values[cells[j]];
+    return a < b || (a == b && i < j);
+  });
+  std::array<double, kCells> ranks{};
+  for (std::size_t r = 0; r < cells.size(); ++r) ranks[order[r]] = static_cast<double>(r);
+  return ranks;
+}
+
+}  // namespace
 
 // Medians of green over a coarse grid, -1 where they are clipped: two pictures of one scene agree in them up
 // to a monotone curve, whatever lies between the exposures. Means do not: lamps and saturation move them.
-SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line) {
-  constexpr int kCells = 16;
-  SceneThumbnail cells;
-  std::vector<float> cell;
+SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vector<float>& scratch) {
+  const auto [darkest, brightest] = clip_policy::kSameScene;
+  constexpr int kSide = kThumbnailCells;
+  SceneThumbnail cells{};
   const auto& codes = frame.codes;
-  for (int gy = 0; gy < kCells; ++gy)
-    for (int gx = 0; gx < kCells; ++gx) {
-      const int y0 = codes.rows() * gy / kCells, y1 = std::max(y0 + 1, codes.rows() * (gy + 1) / kCells);
-      const int x0 = codes.cols() * gx / kCells, x1 = std::max(x0 + 1, codes.cols() * (gx + 1) / kCells);
-      cell.clear();
+  for (int gy = 0; gy < kSide; ++gy)
+    for (int gx = 0; gx < kSide; ++gx) {
+      const int y0 = codes.rows() * gy / kSide, y1 = std::max(y0 + 1, codes.rows() * (gy + 1) / kSide);
+      const int x0 = codes.cols() * gx / kSide, x1 = std::max(x0 + 1, codes.cols() * (gx + 1) / kSide);
+      scratch.clear();
       for (int y = y0; y < std::min(y1, codes.rows()); y += every_line)
-        for (int x = x0; x < std::min(x1, codes.cols()); ++x) cell.push_back(codes.at(1, y, x));
-      const float middle = median(cell);
-      const auto [darkest, brightest] = clip_policy::kSameScene;
-      cells.push_back(middle < darkest || middle > brightest ? -1 : middle);
+        for (int x = x0; x < std::min(x1, codes.cols()); ++x) scratch.push_back(codes.at(1, y, x));
+      const float middle = median(scratch);
+      cells[static_cast<std::size_t>(gy * kSide + gx)] = middle < darkest || middle > brightest ? -1 : middle;
     }
   return cells;
 }
 
-double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest) {
-  std::vector<std::size_t> both;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (a[i] >= 0 && b[i] >= 0) both.push_back(i);
-  if (both.size() < fewest) return 1;
-  const auto ranks = [&](const std::vector<float>& v) {
-    std::vector<std::size_t> order(both.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return v[both[i]] < v[both[j]]; });
-    std::vector<double> rank(both.size());
-    for (std::size_t r = 0; r < order.size(); ++r) rank[order[r]] = static_cast<double>(r);
-    return rank;
-  };
-  const auto ra = ranks(a), rb = ranks(b);
+double scene_agreement(const SceneThumbnail& a, const SceneThumbnail& b, std::size_t fewest_cells) {
+  CellList both;
+  for (std::size_t i = 0; i < kCells; ++i)
+    if (a[i] >= 0 && b[i] >= 0) both.push_back(static_cast<std::uint16_t>(i));
+  if (both.size() < fewest_cells) return 1;
+  const auto ra = ranks_of(both, a), rb = ranks_of(both, b);
   const double n = static_cast<double>(both.size());
   double square = 0;
-  for (std::size_t i = 0; i < ra.size(); ++i) square += (ra[i] - rb[i]) * (ra[i] - rb[i]);
+  for (std::size_t i = 0; i < both.size(); ++i) square += (ra[i] - rb[i]) * (ra[i] - rb[i]);
   return 1 - 6 * square / (n * (n * n - 1));
 }
 
@@ -56,8 +67,10 @@ bool shows_one_scene(const ExposedFrame& a, const ExposedFrame& b) {
   constexpr double kSameSceneRank = 0.35;  // a cut is near 0; a fast pan of a textured scene stays above .6
   constexpr std::size_t kFewestCells = 24;
   const int every_line = line_step(a.codes);
-  return scene_agreement(thumbnail_of(a, every_line), thumbnail_of(b, every_line), kFewestCells) >=
-         kSameSceneRank;
+  std::vector<float> scratch;
+  const SceneThumbnail of_a = thumbnail_of(a, every_line, scratch),
+                       of_b = thumbnail_of(b, every_line, scratch);
+  return scene_agreement(of_a, of_b, kFewestCells) >= kSameSceneRank;
 }
 
 }  // namespace hdrcam

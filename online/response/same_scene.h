@@ -4,6 +4,7 @@
 // Reentrant.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -11,10 +12,11 @@
 
 namespace hdrcam {
 
-// What is compared of a picture, for those who keep it for later.
-using SceneThumbnail = std::vector<float>;
-// every_line: n, each n-th line is looked at.
-SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line);
+// What is compared of a picture, for those who keep it for later: a median per cell, -1 where it is clipped.
+constexpr int kThumbnailCells = 16;  // along each side
+using SceneThumbnail = std::array<float, std::size_t{kThumbnailCells} * kThumbnailCells>;
+// every_line: n, each n-th line is looked at. scratch: its memory is used again.
+SceneThumbnail thumbnail_of(const ExposedFrame& frame, int every_line, std::vector<float>& scratch);
 
 // That correlation, -1..1, over the cells that are clipped in neither picture; 1 when fewer than so many are
 // left.

@@ -66,8 +66,9 @@ class FieldNow {
  public:
   FieldNow() = default;
   explicit FieldNow(SceneField* field) : field_(field) {}
+  explicit FieldNow(SnapshotHold taken) : taken_(std::move(taken)) {}
 
-  explicit operator bool() const { return field_ != nullptr; }
+  explicit operator bool() const { return field_ != nullptr || taken_; }
   const SnapshotHold& operator->() const { return snapshot(); }
   const SnapshotHold& snapshot() const {
     if (field_ != nullptr && !taken_) taken_ = field_->snapshot();

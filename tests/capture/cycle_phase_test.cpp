@@ -138,6 +138,23 @@ TEST_CASE(
     }
 }
 
+TEST_CASE("a right order is right though frames are black") {
+  const auto& cycle = kCycles[1];
+  for (const std::vector<std::size_t>& black : {std::vector<std::size_t>{5}, {11, 20, 38}})
+    for (const int frames : {9, 48}) {
+      Footage made = footage(cycle, frames, 0, {}, 0.7, 9);
+      for (const std::size_t frame : black) {
+        if (frame + 1 >= static_cast<std::size_t>(frames)) continue;
+        made.steps[frame - 1] = {StepKind::Rough, -2.5, 0};
+        made.steps[frame] = {StepKind::Rough, 1.5, 0};
+      }
+      CAPTURE(black, frames);
+      const auto walk = find_walk(made.steps, cycle);
+      REQUIRE(walk.ok());
+      CHECK(walk.value().slots == made.slots);
+    }
+}
+
 TEST_CASE("footage that does not alternate as it is said to is refused") {
   const Footage still = footage({exposure_of(4)}, 30, 0, {}, 1, 5);
   const auto refused = find_walk(still.steps, kCycles[1]);

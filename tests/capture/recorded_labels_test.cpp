@@ -163,6 +163,16 @@ TEST_CASE(
   CHECK(right.warnings.empty());
 }
 
+TEST_CASE("single frames that are black are no objection to the others", "[capture]") {
+  const auto scene = scene_of({0.001, 0.004, 0.016});
+  auto frames = filmed(scene, 48);
+  for (const std::size_t black : {11u, 20u, 38u}) frames[black].codes.fill(0);
+  const Judged result = judged(scene, std::move(frames), Contradiction::Fails);
+  CHECK_FALSE(result.error);
+  CHECK(result.warnings.empty());
+  CHECK(result.facts.size() == 48);
+}
+
 TEST_CASE("a recording that states one exposure for all its different frames is told so", "[capture]") {
   const auto scene = scene_of({0.001, 0.004, 0.016});
   const Judged result = judged(scene, with_labels(scene, 24, [](int, int) { return 1; }));

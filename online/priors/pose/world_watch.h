@@ -1,7 +1,9 @@
 // Tells when a tracked camera is in a world of its own: behind a cut, or found again after it was lost for so
-// long that nobody knows how it moved. Its poses and its depth then have nothing to do with those before.
-// Thread-bound.
+// long that nobody knows how it moved. Its poses and its depth then have nothing to do with those before. No
+// allocation after the first frame. Thread-bound.
 #pragma once
+
+#include <vector>
 
 #include "online/priors/pose/pose_prior.h"
 #include "online/response/same_scene.h"
@@ -16,8 +18,13 @@ class WorldWatch {
   bool ends_before(const ExposedFrame& frame, const CameraPose& pose);
 
  private:
-  SceneThumbnail seen_;  // of the newest frame that surely belongs to this world
-  int lost_ = 0;         // frames in a row
+  SceneThumbnail small(const ExposedFrame& frame);
+  void keep(const SceneThumbnail& now);
+
+  SceneThumbnail seen_{};  // of the newest frame of this world that shows enough to compare
+  int age_ = 0;            // frames since that one
+  int lost_ = 0;           // frames in a row
+  std::vector<float> scratch_;
 };
 
 }  // namespace hdrcam

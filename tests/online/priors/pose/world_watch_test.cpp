@@ -57,9 +57,24 @@ TEST_CASE("a loss is bridged where the scene is the same and it was short") {
   CHECK(watch.ends_before(picture(kHere, 4), tracked()));
 }
 
+TEST_CASE("a cut behind a few black frames is found, also where these are tracked as if nothing was") {
+  for (const int black : {1, 3, 8}) {
+    WorldWatch watch;
+    watch.begin(picture(kHere));
+    CAPTURE(black);
+    for (int i = 0; i < black; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), tracked()));
+    CHECK(watch.ends_before(picture(kElsewhere), tracked()));
+  }
+  WorldWatch watch;
+  watch.begin(picture(kHere));
+  for (int i = 0; i < 30; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), tracked()));
+  CHECK_FALSE(watch.ends_before(picture(kElsewhere), tracked()));  // that long ago tells nothing
+}
+
 TEST_CASE("pictures that show too little to compare end no world") {
   WorldWatch watch;
   watch.begin(picture(kHere));
   CHECK_FALSE(watch.ends_before(picture(kElsewhere, 0, 0.01), tracked()));
   CHECK_FALSE(watch.ends_before(picture(kElsewhere, 0, 100), tracked()));
+  CHECK_FALSE(watch.ends_before(picture(kHere), tracked()));
 }
