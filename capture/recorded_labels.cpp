@@ -225,8 +225,7 @@ std::vector<std::string> RecordedLabels::warnings() const {
   if (order_.objects())
     warn(out_of_order_,
          "are darker than their neighbours where their exposures should make them brighter, or the reverse: "
-         "the "
-         "exposures should be checked");
+         "the exposures should be checked");
   warn(overlong_,
        "state an exposure longer than the frame itself, so motion blur counts only if frames show it");
   return warnings;

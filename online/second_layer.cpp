@@ -36,10 +36,11 @@ FieldNow SecondLayer::field_of(int world) {
   return world + 1 == world_ ? FieldNow(field_before_) : FieldNow();
 }
 
-// Null where another world begins with the frame.
+// Null where another world begins with the frame; frames before it that wait then keep the field of this one.
 const CameraPose* SecondLayer::pose_in_this_world(const SeenFrame& seen) {
   const CameraPose& pose = poses_->estimate(seen);
   const bool ends = poses_->source() == PoseSource::Tracked && watch_.ends_before(seen.frame, pose);
+  if (ends) field_before_ = field_->snapshot();
   return ends ? nullptr : &pose;
 }
 
@@ -55,10 +56,7 @@ void SecondLayer::begin(const ExposedFrame& first) {
   depth.step_px = std::max(depth.step_px, seen ? field_step_px_ / 2 : 2 * field_step_px_);
   depth_ = std::make_unique<DynamicDepth>(depth, knobs_.dynamic_depth, lens_, camera_.height, camera_.width,
                                           pool_);
-  if (field_) {
-    field_before_ = field_->snapshot();
-    return field_->restart();
-  }
+  if (field_) return field_->restart();
   FieldOptions options = knobs_.hash_grid;
   options.step_px = field_step_px_;
   field_ = make_scene_field(knobs_.field, options,

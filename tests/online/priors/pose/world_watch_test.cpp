@@ -32,6 +32,14 @@ CameraPose tracked(bool lost = false) {
 
 constexpr double kHere = 0.06, kElsewhere = 0.1;
 
+// Of a camera that saw one picture, then so many black ones.
+WorldWatch after_black(int frames, const CameraPose& pose) {
+  WorldWatch watch;
+  watch.begin(picture(kHere));
+  for (int i = 0; i < frames; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), pose));
+  return watch;
+}
+
 }  // namespace
 
 TEST_CASE("a world goes on over other exposures and motion, and ends at a cut") {
@@ -43,32 +51,21 @@ TEST_CASE("a world goes on over other exposures and motion, and ends at a cut") 
 }
 
 TEST_CASE("a loss is bridged where the scene is the same and it was short") {
-  WorldWatch watch;
-  const auto lose = [&](int frames) {
-    watch.begin(picture(kHere));
-    for (int i = 0; i < frames; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), tracked(true)));
-  };
-  lose(15);
+  const CameraPose lost = tracked(true);
+  WorldWatch watch = after_black(15, lost);
   CHECK_FALSE(watch.ends_before(picture(kHere, 4), tracked()));
   CHECK_FALSE(watch.ends_before(picture(kHere, 8), tracked()));
-  lose(3);
-  CHECK(watch.ends_before(picture(kElsewhere), tracked()));
-  lose(16);
-  CHECK(watch.ends_before(picture(kHere, 4), tracked()));
+  CHECK(after_black(3, lost).ends_before(picture(kElsewhere), tracked()));
+  CHECK(after_black(16, lost).ends_before(picture(kHere, 4), tracked()));
 }
 
 TEST_CASE("a cut behind a few black frames is found, also where these are tracked as if nothing was") {
   for (const int black : {1, 3, 8}) {
-    WorldWatch watch;
-    watch.begin(picture(kHere));
     CAPTURE(black);
-    for (int i = 0; i < black; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), tracked()));
-    CHECK(watch.ends_before(picture(kElsewhere), tracked()));
+    CHECK(after_black(black, tracked()).ends_before(picture(kElsewhere), tracked()));
   }
-  WorldWatch watch;
-  watch.begin(picture(kHere));
-  for (int i = 0; i < 30; ++i) REQUIRE_FALSE(watch.ends_before(picture(0, 0, 0), tracked()));
-  CHECK_FALSE(watch.ends_before(picture(kElsewhere), tracked()));  // that long ago tells nothing
+  // that long ago tells nothing
+  CHECK_FALSE(after_black(30, tracked()).ends_before(picture(kElsewhere), tracked()));
 }
 
 TEST_CASE("pictures that show too little to compare end no world") {
