@@ -159,5 +159,6 @@ TEST_CASE("rolling shutter correction gives the same bytes on any number of thre
 
 TEST_CASE("motion that is no motion moves nothing out of the picture under rolling shutter correction") {
   const Ball wild{.vx = 1e6f, .vy = GENERATE(-1e6f, 1e6f, 96.f, -96.f)};  // 96: as fast as the rows are read
-  for (const float v : corrected(wild, Toward::Previous).radiance.samples()) REQUIRE(std::isfinite(v));
+  const HdrFrame frame = corrected(wild, Toward::Previous);
+  for (const float v : frame.radiance.samples()) REQUIRE(std::isfinite(v));
 }
