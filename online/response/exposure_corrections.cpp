@@ -1,16 +1,33 @@
 #include "online/response/exposure_corrections.h"
 
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <numbers>
+
+#include "capture/exposure.h"
 
 namespace hdrcam {
+namespace {
+
+constexpr int kKeysPerStop = 64;
+
+}  // namespace
 
 float ExposureCorrections::corrected(float exposure) const {
-  const auto found = log_ratios_.find(key(exposure));
-  return found == log_ratios_.end() ? exposure : exposure * static_cast<float>(std::exp(found->second));
+  constexpr auto kReach = static_cast<int>(kSameExposure / std::numbers::ln2 * kKeysPerStop);
+  const int wanted = key(exposure);
+  auto nearest = log_ratios_.lower_bound(wanted);
+  if (nearest != log_ratios_.begin()) {
+    const auto below = std::prev(nearest);
+    if (nearest == log_ratios_.end() || wanted - below->first <= nearest->first - wanted) nearest = below;
+  }
+  if (nearest == log_ratios_.end() || std::abs(nearest->first - wanted) > kReach) return exposure;
+  return exposure * static_cast<float>(std::exp(nearest->second));
 }
 
 int ExposureCorrections::key(float exposure) {
-  return static_cast<int>(std::lround(std::log2(exposure) * 64));
+  return static_cast<int>(std::lround(std::log2(exposure) * kKeysPerStop));
 }
 
 }  // namespace hdrcam

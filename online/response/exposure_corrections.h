@@ -9,7 +9,8 @@ namespace hdrcam {
 class ExposureCorrections {
  public:
   void set(float exposure, double log_ratio) { log_ratios_[key(exposure)] = log_ratio; }
-  // What the exposure really was; as stated where nothing is known of it.
+  // What the exposure really was, by what the nearest learned one is off: reported times jitter. As stated
+  // where none is the same within kSameExposure.
   float corrected(float exposure) const;
   // In 1/64 stop: exposures that differ by less are one.
   static int key(float exposure);

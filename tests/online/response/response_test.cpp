@@ -121,6 +121,21 @@ TEST_CASE("an exposure that is not the stated one is found with the response") {
   CHECK(estimated(two).exposures.corrected(two[1].exposure) == Approx(two[1].exposure).epsilon(1e-3));
 }
 
+TEST_CASE("what an exposure is off counts for all frames of it, however its reported times jitter") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  auto frames = exposed(scene, 6);
+  for (std::size_t i = 1; i < frames.size(); i += 3) frames[i].exposure *= std::exp2(0.12f);
+  const ExposureCorrections found = estimated(frames).exposures;
+  const auto stops_off = [&](float exposure) { return std::log2(found.corrected(exposure) / exposure); };
+  const float middle = frames[1].exposure;
+  REQUIRE(stops_off(middle) < -0.04f);
+  for (const float jitter : {-0.04f, -0.02f, 0.02f, 0.04f}) {
+    INFO("jitter of " << jitter << " stop");
+    CHECK(stops_off(middle * std::exp2(jitter)) == Approx(stops_off(middle)).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("the estimate knows where it is unsure: in codes that no pair of frames compared") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
