@@ -252,9 +252,22 @@ void CaptureStage::judge(const CapturedBuffer& buffer, MatchedFrame& matched, Ca
 
 void CaptureStage::follow_light(const CapturedFrame& frame) {
   if (!adaptation_) return;
-  const auto cycle = adaptation_->observe(frame.raw.facts.slot, frame.shares);
+  const auto cycle = adaptation_->observe(slot_for_light(frame), frame.shares);
   if (!cycle) return;
   if (follow(*cycle)) adaptation_->runs(*cycle);  // else the cycle before goes on
+}
+
+// Where a cycle repeats an exposure and nothing is known of the control delays, a frame's own slot is not
+// known; that its exposure is the shortest or the longest is.
+int CaptureStage::slot_for_light(const CapturedFrame& frame) const {
+  if (!frame.proof.trusted()) return -1;
+  const double log_exposure = frame.proof.label.log_value();
+  const auto [shortest, longest] = adaptation_->ends();
+  for (const std::size_t end : {shortest, longest}) {
+    const double of_end = log_product(schedule_.slot(static_cast<int>(end)).exposure);
+    if (std::abs(of_end - log_exposure) <= kSameExposure) return static_cast<int>(end);
+  }
+  return frame.raw.facts.slot;
 }
 
 // The requests of a camera that sets its exposures itself have no slots.

@@ -92,6 +92,7 @@ class CaptureStage {
   // Returns whether the buffer became a frame; otherwise it was dropped and counted.
   Result<bool> take(const CapturedBuffer& buffer, CapturedFrame& frame);
   void follow_light(const CapturedFrame& frame);
+  int slot_for_light(const CapturedFrame& frame) const;
   void judge(const CapturedBuffer& buffer, MatchedFrame& matched, CapturedFrame& frame);
   void set_number_and_time(const CapturedBuffer& buffer, const MatchedFrame& matched, Duration exposure,
                            FrameFacts& facts);

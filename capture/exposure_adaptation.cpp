@@ -11,7 +11,10 @@ constexpr double kRounding = 1e-6;  // of an exposure's logarithm
 }  // namespace
 
 ExposureAdaptation::ExposureAdaptation(const ExposureLimits& limits)
-    : limits_(limits), slots_(static_cast<int>(limits.cycle.size())), cycle_(limits.cycle) {}
+    : limits_(limits),
+      slots_(static_cast<int>(limits.cycle.size())),
+      ends_(ends_of(limits.cycle)),
+      cycle_(limits.cycle) {}
 
 std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, const SlotShares& shares) {
   if (slot < 0 || slot >= slots_ || slots_ < 2) return std::nullopt;
@@ -19,15 +22,13 @@ std::optional<ExposureSchedule::Cycle> ExposureAdaptation::observe(int slot, con
   const auto at = static_cast<std::size_t>(slot);
   sums_[at].clipped += shares.clipped, sums_[at].dark += shares.dark;
   ++counts_[at];
-  if (std::any_of(counts_.begin(), counts_.begin() + slots_, [](int count) { return count < kCycles; }))
-    return std::nullopt;
+  if (std::min(counts_[ends_.shortest], counts_[ends_.longest]) < kCycles) return std::nullopt;
 
   const auto mean = [&](std::size_t i) {
     const auto count = static_cast<float>(counts_[i]);
     return SlotShares{sums_[i].clipped / count, sums_[i].dark / count};
   };
-  const CycleEnds ends = ends_of(limits_.cycle);
-  const ExposureAdvice advice = advise(mean(ends.shortest), mean(ends.longest));
+  const ExposureAdvice advice = advise(mean(ends_.shortest), mean(ends_.longest));
   sums_ = {}, counts_ = {};
   if (!advice.changes()) return std::nullopt;
   const ExposureSchedule::Cycle next = followed(cycle_, advice, limits_);

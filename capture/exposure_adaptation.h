@@ -1,7 +1,7 @@
-// Adapts the cycle to the light: averages the clipped and dark shares of the frames of each slot, and after a
-// few cycles proposes a new cycle (exposure_advice.h). Where the camera takes it, it waits until frames of
-// the new cycle arrive; else the old one goes on, and it is asked again later. Thread-bound; no allocation
-// after construction.
+// Adapts the cycle to the light: averages the clipped and dark shares of its shortest and its longest
+// exposure, and after a few cycles proposes a new cycle (exposure_advice.h). Where the camera takes it, it
+// waits until frames of the new cycle arrive; else the old one goes on, and it is asked again later.
+// Thread-bound; no allocation after construction.
 #pragma once
 
 #include <array>
@@ -17,7 +17,9 @@ class ExposureAdaptation {
  public:
   explicit ExposureAdaptation(const ExposureLimits& limits);
 
-  // Adds a frame whose slot and exposure are certain. Returns the next cycle where it should
+  // The slots of the exposures that decide.
+  const CycleEnds& ends() const { return ends_; }
+  // Adds a frame whose exposure is certain; slot: one that has it. Returns the next cycle where it should
   // change.
   std::optional<ExposureSchedule::Cycle> observe(int slot, const SlotShares& shares);
   // From now on the camera is asked for this cycle, of as many exposures.
@@ -29,6 +31,7 @@ class ExposureAdaptation {
 
   const ExposureLimits limits_;
   const int slots_;
+  const CycleEnds ends_;
   ExposureSchedule::Cycle cycle_;  // that the camera is asked for
   std::array<SlotShares, ExposureSchedule::kMaxSlots> sums_{};
   std::array<int, ExposureSchedule::kMaxSlots> counts_{};

@@ -86,6 +86,35 @@ TEST_CASE("a sensor that always amplifies follows the light, too", "[capture]") 
   CHECK(bright.wrong + dark.wrong == 0);
 }
 
+TEST_CASE("a cycle that repeats an exposure follows the light, also where the control delays are unknown",
+          "[capture]") {
+  constexpr Exposure kRepeats[] = {{1ms, 1}, {16ms, 1}, {1ms, 1}};
+  for (int latency = 0; latency <= 3; ++latency) {
+    test::MisbehavingCamera sensor({.kind = test::SensorKind::Gamma8,
+                                    .per_request = false,
+                                    .latency = latency,
+                                    .gain_latency = latency,
+                                    .reports = true,
+                                    .pan_px = 1,
+                                    .key = 6},
+                                   {});
+    CaptureOptions options;
+    options.adapt = Adapt::Light;
+    auto opened = CaptureStage::open(sensor, nullptr, kRepeats, Mains::Off, options);
+    REQUIRE(opened.ok());
+    CaptureStage& stage = **opened;
+    REQUIRE(stage.start().ok());
+    CapturedFrame frame;
+    for (int i = 0; i < 300; ++i) REQUIRE(stage.next(frame).ok());
+    const auto time = [&](int slot) { return stage.schedule().slot(slot).exposure.time; };
+    INFO("latency " << latency);
+    CHECK(stage.counters().cycle_changes >= 1);
+    CHECK(time(0) < 1ms);
+    CHECK(time(2) == time(0));
+    CHECK(time(1) > time(0));
+  }
+}
+
 TEST_CASE("a cycle that suits the scene rests, and one that may not follow stays", "[capture]") {
   const Followed still = follow(6, Adapt::Off);
   CHECK(still.shortest == 1ms);
