@@ -45,8 +45,8 @@ Result<void> VirtualCamera::take(const HdrFrame& frame, const FrameEstimate& est
   field_ = estimate.field.snapshot();
   maker_.complete(field_, keys_.empty() ? nullptr : keys_.back().get(), *key);
   add_to_path(*key);
+  keep_response(key->time_s, response);
   keys_.push_back(std::move(key));
-  response_ = response;
   copy(estimate.frame, input_);
   while (!done() && ready(shown_)) TRY(film(show));
   drop_old();
@@ -60,7 +60,7 @@ void VirtualCamera::take(SceneSnapshot& scene) {
     keys_.push_back(std::make_unique<Keyframe>(std::move(key)));
   }
   if (scene.field != nullptr) field_ = SnapshotHold(*scene.field);
-  response_ = scene.response;
+  if (scene.response) keep_response(0, *scene.response);
   copy(scene.input, input_);
 }
 
@@ -92,6 +92,19 @@ void VirtualCamera::drop_old() {
     keys_.pop_front();
   }
   steady_.forget_before(keys_.front()->time_s);
+  while (responses_.size() > 1 && responses_[1].from_s <= keys_.front()->time_s) responses_.pop_front();
+}
+
+void VirtualCamera::keep_response(double from_s, const Response& response) {
+  const auto is_last = [&](int c) { return responses_.back().response.inverse(c) == response.inverse(c); };
+  if (!responses_.empty() && is_last(0) && is_last(1) && is_last(2)) return;
+  responses_.push_back({from_s, response});
+}
+
+// A response that was learned anew does not fit the radiance of the frames before.
+const Response& VirtualCamera::response_of(const Keyframe& key) const {
+  const auto later = std::ranges::upper_bound(responses_, key.time_s, {}, &ResponseInUse::from_s);
+  return later == responses_.begin() ? later->response : (later - 1)->response;
 }
 
 KeyframeInterval VirtualCamera::interval_at(double time_s) const {
@@ -211,7 +224,7 @@ void VirtualCamera::label(int frame) {
   frame_.facts.exposure_s = exposure;
   frame_.facts.analogue_gain = frame_.facts.digital_gain = 1;
   frame_.exposure = static_cast<float>(exposure / frame_.reference_exposure);
-  expose_again(exposure / frame_.reference_exposure, *response_, frame_.radiance);
+  expose_again(exposure / frame_.reference_exposure, response_of(interval.nearest()), frame_.radiance);
 }
 
 // Where the virtual camera stands and what its lens is. Poses are stated in the recording's world, which need

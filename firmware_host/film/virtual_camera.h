@@ -27,7 +27,7 @@ class VirtualCamera {
   // balance: of its frames, before a response makes codes of their light. The pool outlives the camera.
   VirtualCamera(const FilmPlan& plan, const std::optional<ChannelGains>& balance, WorkerPool& pool);
 
-  // Errors: those of show.
+  // response: with which the frame was estimated. Errors: those of show.
   Result<void> take(const HdrFrame& frame, const FrameEstimate& estimate, const Response& response,
                     const Show& show);
   // The frames and the field of a saved scene, instead of a run's. Its field outlives the camera.
@@ -58,7 +58,13 @@ class VirtualCamera {
   void state_camera(const KeyframeInterval& interval, double playback_s);
   Intrinsics filming_lens(const Keyframe& key) const;
   void drop_old();
+  void keep_response(double from_s, const Response& response);
+  const Response& response_of(const Keyframe& key) const;
 
+  struct ResponseInUse {
+    double from_s;  // the time of its first keyframe
+    Response response;
+  };
   const FilmPlan plan_;
   const std::optional<ChannelGains> balance_;
   KeyframeMaker maker_;
@@ -66,8 +72,8 @@ class VirtualCamera {
   SteadyPath steady_;
   std::deque<std::unique_ptr<Keyframe>> keys_;
   std::vector<std::unique_ptr<Keyframe>> spare_;
-  SnapshotHold field_;  // the newest, of the newest keyframe's world
-  std::optional<Response> response_;
+  SnapshotHold field_;                   // the newest, of the newest keyframe's world
+  std::deque<ResponseInUse> responses_;  // of the frames in keys_; nearly always one
   ExposedFrame input_;
   HdrFrame frame_, instant_, left_;
   Image<float> sum_;

@@ -44,6 +44,7 @@ struct Recorded {
   int world = 0;
   bool has_pose = true, lost = false;
   std::optional<double> texture_px = {};  // instead of one colour: a texture that moved so far
+  float gamma = 2.2f;                     // of the response with which it was estimated
 };
 
 float texture(double x, double y) {
@@ -112,7 +113,7 @@ std::vector<Shown> filmed(const FilmPlan& plan, std::span<const Recorded> record
     estimate.view.time_s = seen.time_s;
     estimate.view.lens = {kCols, kCols, kCols / 2.0, kRows / 2.0};
     estimate.view.rows = kRows, estimate.view.cols = kCols;
-    REQUIRE(camera.take(frame, estimate, Response::gamma(2.2f), show).ok());
+    REQUIRE(camera.take(frame, estimate, Response::gamma(seen.gamma), show).ok());
   }
   REQUIRE(camera.finish(show).ok());
   CHECK(camera.done());
@@ -149,6 +150,20 @@ TEST_CASE("pictures that are exposed anew are stated with their exposure, not wi
     CHECK(shown.facts.exposure_s == (*plan.exposure > 0 ? 0.004 : 1.0));
     CHECK(shown.facts.gain() == 1);
   }
+}
+
+TEST_CASE("a film's frame is exposed anew through the response with which its own picture was estimated",
+          "[film]") {
+  FilmPlan plan = planned(0, 3, 10);
+  plan.exposure = 0;  // the reference exposure
+  // The film's second moment waits for a frame under another response, and is nearer to the one before.
+  const Recorded recorded[] = {{.time_s = 0, .radiance = 0.25f, .gamma = 1},
+                               {.time_s = 0.25, .radiance = 0.25f, .gamma = 2.2f},
+                               {.time_s = 0.5, .radiance = 0.25f, .gamma = 2.2f}};
+  const std::vector<Shown> shown = filmed(plan, recorded);
+  REQUIRE(shown.size() == 3);
+  CHECK(shown[1].radiance == Approx(shown[0].radiance));
+  CHECK(shown[2].radiance > 1.5f * shown[1].radiance);
 }
 
 TEST_CASE("where tracking began anew, a film's frame has the pose and the picture of the nearest one",
