@@ -1,8 +1,15 @@
 #include "online/online_stage.h"
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <string_view>
 
 #include "capture/exposed_stream.h"
 #include "hal/core/median.h"
@@ -32,8 +39,10 @@ Knobs state_alone() {
 class Stream {
  public:
   Stream(const test::MovingScene& scene, const Knobs& options, WorkerPool& pool)
-      : exposed_(scene.camera(), options.bootstrap_frames, StatedBlack::Kept),
-        online_(options, scene.camera(), std::nullopt, pool) {}
+      : Stream(scene.camera(), options, pool) {}
+  Stream(const CameraFacts& camera, const Knobs& options, WorkerPool& pool)
+      : exposed_(camera, options.bootstrap_frames, StatedBlack::Kept),
+        online_(options, camera, std::nullopt, pool) {}
 
   Result<void> take(const RawFrame& raw, const FrameBudget& budget, const OnlineStage::Emit& emit) {
     return exposed_.take(raw, to_online(budget, emit));
@@ -56,6 +65,29 @@ class Stream {
   bool frozen_ = false;
   ExposedStream exposed_;
   OnlineStage online_;
+};
+
+// What is logged while it lives.
+class LogKept {
+ public:
+  LogKept() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "kept by a test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said_)));
+  }
+  ~LogKept() { spdlog::set_default_logger(before_); }
+  LogKept(const LogKept&) = delete;
+  LogKept& operator=(const LogKept&) = delete;
+
+  int times(std::string_view words) const {
+    const std::string said = said_.str();
+    int count = 0;
+    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++count;
+    return count;
+  }
+
+ private:
+  const std::shared_ptr<spdlog::logger> before_ = spdlog::default_logger();
+  std::ostringstream said_;
 };
 
 Run run(const test::MovingScene& scene, int frames, const Knobs& options, int threads) {
@@ -289,6 +321,30 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   REQUIRE(stream.finish({}, emit).ok());
   CHECK(in_field == "------fffff----fffff");  // the work on a frame is done when the next one is there
   CHECK(radiance == alone.radiance);
+}
+
+TEST_CASE("that a lens is assumed is said once a run, however many worlds it has") {
+  const test::MovingScene scene;
+  CameraFacts camera = scene.camera();
+  camera.intrinsics.reset();
+  WorkerPool pool(1);
+  Knobs options;
+  options.budget.fit.steps = 2;
+  Stream stream(camera, options, pool);
+  int worlds = 0;
+  const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    worlds = std::max(worlds, estimate.world + 1);
+    return {};
+  };
+  const LogKept log;
+  for (int i = 0; i < 20; ++i) {
+    FrameBudget budget = options.budget;
+    budget.field_rests = i >= 12 && i < 16;
+    REQUIRE(stream.take(scene.frame(i), budget, emit).ok());
+  }
+  REQUIRE(stream.finish(options.budget, emit).ok());
+  CHECK(worlds >= 2);
+  CHECK(log.times("does not report its focal length") == 1);
 }
 
 TEST_CASE("behind a cut another world begins, and a fast pan ends none") {

@@ -36,10 +36,12 @@ std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& cam
                                            WorkerPool& pool) {
   if (kind == PoseKind::Fixed) return std::make_unique<FixedPose>();
   if (kind == PoseKind::Given && has_poses) return std::make_unique<GivenPose>();
-  if (!camera.intrinsics)
-    spdlog::warn("{} does not report its focal length; assuming {} degrees horizontally",
-                 camera.name.empty() ? "the camera" : camera.name, kAssumedFieldOfView_deg);
   return std::make_unique<TrackedPose>(camera.intrinsics, pool);
+}
+
+void warn_of_assumed_lens(const CameraFacts& camera) {
+  spdlog::warn("{} does not report its focal length; assuming {} degrees horizontally",
+               camera.name.empty() ? "the camera" : camera.name, kAssumedFieldOfView_deg);
 }
 
 }  // namespace hdrcam

@@ -57,9 +57,11 @@ enum class PoseKind {
 // The lens assumed for an unreported one: 55 degrees across, square pixels, centred.
 Intrinsics assumed_intrinsics(int rows, int cols);
 
-// has_poses: the frames carry T_world_camera. pool: of the thread that owns the prior. For a missing lens it
-// assumes the one above and logs a warning.
+// has_poses: the frames carry T_world_camera. pool: of the thread that owns the prior. A tracked prior
+// assumes the lens above for a missing one.
 std::unique_ptr<PosePrior> make_pose_prior(PoseKind kind, const CameraFacts& camera, bool has_poses,
                                            WorkerPool& pool);
+// Logs that it does.
+void warn_of_assumed_lens(const CameraFacts& camera);
 
 }  // namespace hdrcam
