@@ -4,11 +4,19 @@
 // were settled by ablation on clips with ground truth (docs/decisions).
 #pragma once
 
+#include <algorithm>
+
 namespace hdrcam::clip_policy {
 
 struct UsableCodes {
   float darkest, brightest;
 };
+
+// Whether a pixel is clipped in all channels, all of them bright or all of them dark.
+inline bool all_clipped(float r, float g, float b, const UsableCodes& usable) {
+  const float least = std::min(std::min(r, g), b), most = std::max(std::max(r, g), b);
+  return least >= usable.brightest || most <= usable.darkest;
+}
 
 // Ratio of two pictures' exposures: a code from here on may be clipped. The dark limit depends on how well
 // the response is known (photometric_response.h).

@@ -1,6 +1,6 @@
 #include "online/priors/motion/state_motion.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "capture/clip_policy.h"
 #include "online/pictures/copy_in_parallel.h"
@@ -50,11 +50,8 @@ void gray_of_state(const Image<float>& radiance, const Image<float>* blur, const
 // 1 where all channels of a row are clipped, bright or dark, 0 elsewhere.
 void mark_clipped(const Image<float>& codes, int y, const clip_policy::UsableCodes& usable, float* clipped) {
   const float *r = codes.row(0, y), *g = codes.row(1, y), *b = codes.row(2, y);
-  for (int x = 0; x < codes.cols(); ++x) {
-    const float least = std::min(std::min(r[x], g[x]), b[x]), most = std::max(std::max(r[x], g[x]), b[x]);
-    const float dark = most <= usable.darkest ? 1.f : 0.f;
-    clipped[x] = least >= usable.brightest ? 1.f : dark;
-  }
+  for (int x = 0; x < codes.cols(); ++x)
+    clipped[x] = clip_policy::all_clipped(r[x], g[x], b[x], usable) ? 1.f : 0.f;
 }
 
 // Forward-backward agreement becomes the flow's confidence. frame: at the flow's pixels, where it is clipped

@@ -78,8 +78,7 @@ double shown_share(const Image<float>& codes) {
   int shown = 0, all = 0;
   for (int y = 0; y < codes.rows(); y += kStride)
     for (int x = 0; x < codes.cols(); x += kStride) {
-      const float r = codes.at(0, y, x), g = codes.at(1, y, x), b = codes.at(2, y, x);
-      shown += std::max({r, g, b}) > usable.darkest && std::min({r, g, b}) < usable.brightest;
+      shown += !clip_policy::all_clipped(codes.at(0, y, x), codes.at(1, y, x), codes.at(2, y, x), usable);
       ++all;
     }
   return all > 0 ? static_cast<double>(shown) / all : 0;
