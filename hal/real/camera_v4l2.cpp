@@ -72,7 +72,7 @@ Result<void> set_format_along(const std::vector<SubdevicePad>& path, const Strea
 // The buffer's flags say "monotonic", or (old drivers) nothing.
 Instant instant_of_stamp(Clock& clock, std::uint32_t buffer_flags, Duration stamp) {
   if ((buffer_flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC)
-    return std::min(clock.instant_of(ClockDomain::Monotonic, stamp), clock.now());  // as of a recent stamp
+    return instant_of_recent_stamp(clock, ClockDomain::Monotonic, stamp);
   return instant_of_recent_stamp(clock, stamp);
 }
 

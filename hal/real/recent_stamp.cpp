@@ -16,4 +16,8 @@ Instant instant_of_recent_stamp(Clock& clock, Duration stamp) {
   return std::min(nearest, now);
 }
 
+Instant instant_of_recent_stamp(Clock& clock, ClockDomain domain, Duration stamp) {
+  return std::min(clock.instant_of(domain, stamp), clock.now());
+}
+
 }  // namespace hdrcam

@@ -11,5 +11,7 @@ namespace hdrcam {
 // not stamped later than now: a driver's slip into the future is taken for now, so that no frame seems to be
 // lost.
 Instant instant_of_recent_stamp(Clock& clock, Duration stamp);
+// The same of a stamp whose clock is known.
+Instant instant_of_recent_stamp(Clock& clock, ClockDomain domain, Duration stamp);
 
 }  // namespace hdrcam

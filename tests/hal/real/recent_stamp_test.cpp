@@ -19,4 +19,6 @@ TEST_CASE("a frame is not stamped later than it is there, whatever its driver sa
   CHECK(instant_of_recent_stamp(clock, 500s) == clock.now());
   CHECK(instant_of_recent_stamp(clock, 1500s) == clock.now());
   CHECK(instant_of_recent_stamp(clock, 1500s + VirtualClock::kRealtimeStart) == clock.now());
+  CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, 1500s) == clock.now());
+  CHECK(instant_of_recent_stamp(clock, ClockDomain::Monotonic, 499s).since_boot == 499s);
 }
