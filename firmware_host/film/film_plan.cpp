@@ -107,8 +107,8 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
                            const FilmedRecording& recording, FilmPlan& plan) {
   if (!options.view.empty() && !options.path.empty())
     return Error{ErrorCode::Invalid, "--view holds one pose and --path moves it; give one of them"};
-  plan.move = options.path.empty() ? TRY(CameraMove::parse_view(options.view))
-                                   : TRY(CameraMove::read_path(storage, options.path));
+  plan.view = options.path.empty() ? TRY(ViewPath::parse_view(options.view))
+                                   : TRY(ViewPath::read_path(storage, options.path));
   SceneLength baseline;
   if (!options.stereo.empty()) baseline = TRY(parse_length("--stereo", options.stereo));
   if (!options.stereo.empty() && !(baseline.value > 0))
@@ -118,9 +118,9 @@ Result<void> plan_geometry(Storage& storage, const FilmOptions& options, const S
   plan.baseline = baseline.value;
   const auto pose = fit.knobs.find("pose");
   const bool tracked = pose != fit.knobs.end() && pose->second != "given";
-  TRY(check_unit("--view", plan.move.in_metres(), recording, tracked));
+  TRY(check_unit("--view", plan.view.in_metres(), recording, tracked));
   TRY(check_unit("--stereo", baseline.in_metres, recording, tracked));
-  const bool needs_depth = !plan.move.in_place() || plan.baseline > 0 || options.stabilize;
+  const bool needs_depth = !plan.view.in_place() || plan.baseline > 0 || options.stabilize;
   if (needs_depth && recording.kind == FilmedKind::SnapshotWithoutField)
     return Error{ErrorCode::Invalid,
                  "another view needs the depth that the field knows, and the snapshot was saved without one; "
@@ -174,7 +174,7 @@ Result<FilmPlan> plan_film(Storage& storage, const FilmOptions& options, const S
   plan.framerate_hz = options.framerate_hz > 0 ? options.framerate_hz : recording.framerate_hz;
   plan.shutter_s = options.shutter_deg / 360 * plan.speed / plan.framerate_hz;
   const double length_s =
-      plan.frozen ? (plan.move.is_path() ? plan.move.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
+      plan.frozen ? (plan.view.is_path() ? plan.view.end_s() : 0) : (plan.end_s - plan.begin_s) / plan.speed;
   const double frames = std::floor(length_s * plan.framerate_hz + kNearlyFrame) + 1;
   if (frames > kMostFrames)
     return Error{

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "firmware_host/film/camera_move.h"
+#include "firmware_host/film/view_path.h"
 #include "firmware_host/settings/settings.h"
 
 namespace hdrcam {
@@ -46,7 +46,7 @@ struct FilmOptions {
 };
 
 struct FilmPlan {
-  CameraMove move;
+  ViewPath view;
   Instant first;                  // from which scene times count
   double begin_s = 0, end_s = 0;  // scene time of the first and the last moment
   bool frozen = false;            // time stands still at begin_s

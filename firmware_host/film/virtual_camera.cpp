@@ -125,7 +125,7 @@ RigidTransform VirtualCamera::T_world_view(const KeyframeInterval& interval, dou
       plan_.stabilize ? steady_.at(interval.time_s()) : interval.T_world_camera();
   RigidTransform T_view_eye;
   T_view_eye.t.x() = 0.5 * eye * plan_.baseline;
-  return T_world_recorded * plan_.move.at(playback_s).T_recorded_view() * T_view_eye;
+  return T_world_recorded * plan_.view.at(playback_s).T_recorded_view() * T_view_eye;
 }
 
 // Enough that nothing moves more than a pixel and a half from one instant to the next.

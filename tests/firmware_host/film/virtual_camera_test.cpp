@@ -183,7 +183,7 @@ TEST_CASE("where tracking began anew, a film's frame has the pose and the pictur
 
 TEST_CASE("the field of another world fills no hole of a film", "[film]") {
   FilmPlan plan = planned(0.125, 2, 2);
-  plan.move = CameraMove::parse_view("0.5,0,0").value();
+  plan.view = ViewPath::parse_view("0.5,0,0").value();
   const Recorded recorded[] = {{0, 5, 0, 0}, {0.5, 5, 0, 1}, {0.75, 5, 0, 1}};
   const std::vector<Shown> shown = filmed(plan, recorded);
   REQUIRE(shown.size() == 2);

@@ -1,4 +1,4 @@
-#include "firmware_host/film/camera_move.h"
+#include "firmware_host/film/view_path.h"
 
 #include <cmath>
 #include <span>
@@ -20,25 +20,25 @@ std::string file_with(const std::string& name, const std::string& text) {
   return path;
 }
 
-std::string refusal(const Result<CameraMove>& move) {
-  REQUIRE_FALSE(move.ok());
-  CHECK(move.error().code == ErrorCode::Invalid);
-  return move.error().message;
+std::string refusal(const Result<ViewPath>& path) {
+  REQUIRE_FALSE(path.ok());
+  CHECK(path.error().code == ErrorCode::Invalid);
+  return path.error().message;
 }
 
 }  // namespace
 
 TEST_CASE("a view is a shift to the right, down and forward, and a turn to the right, up and clockwise",
           "[film]") {
-  const RigidTransform T = CameraMove::parse_view("0.1,-0.2,3").value().at(0).T_recorded_view();
+  const RigidTransform T = ViewPath::parse_view("0.1,-0.2,3").value().at(0).T_recorded_view();
   CHECK((T.t - Eigen::Vector3d(0.1, -0.2, 3)).norm() < 1e-12);
   CHECK(T.R.isIdentity());
   const auto forward = [](const char* text) {
-    return Eigen::Vector3d(CameraMove::parse_view(text).value().at(0).T_recorded_view().R.col(2));
+    return Eigen::Vector3d(ViewPath::parse_view(text).value().at(0).T_recorded_view().R.col(2));
   };
   CHECK(forward("0,0,0,90,0,0").isApprox(Eigen::Vector3d(1, 0, 0), 1e-9));
   CHECK(forward("0,0,0,0,90,0").isApprox(Eigen::Vector3d(0, -1, 0), 1e-9));
-  const Eigen::Matrix3d rolled = CameraMove::parse_view("0,0,0,0,0,90").value().at(0).T_recorded_view().R;
+  const Eigen::Matrix3d rolled = ViewPath::parse_view("0,0,0,0,0,90").value().at(0).T_recorded_view().R;
   CHECK(rolled.col(0).isApprox(Eigen::Vector3d(0, 1, 0), 1e-9));
 }
 
@@ -48,7 +48,7 @@ TEST_CASE("a length with a unit is in metres and says so", "[film]") {
   CHECK(parse_length("--stereo", "2m").value().value == Approx(2));
   CHECK(parse_length("--stereo", "63mm").value().in_metres);
   CHECK_FALSE(parse_length("--stereo", "0.02").value().in_metres);
-  CHECK(CameraMove::parse_view("0.1,0,5cm").value().in_metres());
+  CHECK(ViewPath::parse_view("0.1,0,5cm").value().in_metres());
   const auto wrong = parse_length("--stereo", "63km");
   REQUIRE_FALSE(wrong.ok());
   CHECK(wrong.error().message ==
@@ -56,14 +56,14 @@ TEST_CASE("a length with a unit is in metres and says so", "[film]") {
 }
 
 TEST_CASE("a view that is none is refused with what one looks like", "[film]") {
-  CHECK_THAT(refusal(CameraMove::parse_view("left")),
+  CHECK_THAT(refusal(ViewPath::parse_view("left")),
              Contains("--view takes dx,dy,dz") && Contains("not 'left'"));
-  CHECK_THAT(refusal(CameraMove::parse_view("1,2")), Contains("0.1,0,0,-5,0,0"));
-  CHECK_THAT(refusal(CameraMove::parse_view("1,2,x")), Contains("'x'"));
-  CHECK_THAT(refusal(CameraMove::parse_view("1,2,nan")), Contains("'nan'"));
-  CHECK_THAT(refusal(CameraMove::parse_view("0,0,0,ten,0,0")),
+  CHECK_THAT(refusal(ViewPath::parse_view("1,2")), Contains("0.1,0,0,-5,0,0"));
+  CHECK_THAT(refusal(ViewPath::parse_view("1,2,x")), Contains("'x'"));
+  CHECK_THAT(refusal(ViewPath::parse_view("1,2,nan")), Contains("'nan'"));
+  CHECK_THAT(refusal(ViewPath::parse_view("0,0,0,ten,0,0")),
              Contains("'ten' is no angle in degrees for yaw"));
-  CHECK_THAT(refusal(CameraMove::parse_view("1e9,0,0")), Contains("--view"));
+  CHECK_THAT(refusal(ViewPath::parse_view("1e9,0,0")), Contains("--view"));
 }
 
 TEST_CASE("a path passes through its poses, holds at its ends, and reads the same as CSV and as JSON",
@@ -73,32 +73,32 @@ TEST_CASE("a path passes through its poses, holds at its ends, and reads the sam
   const std::string json = file_with(
       "move.json", R"([{"time_s":0},{"time_s":1,"dx":0.5,"yaw":10},{"time_s":2,"dx":0.4,"yaw":-10}])");
   for (const std::string& path : {csv, json}) {
-    const CameraMove move = CameraMove::read_path(posix_storage(), path).value();
-    CHECK(move.is_path());
-    CHECK(move.end_s() == 2);
-    CHECK(move.at(-1).shift.x() == 0);
-    CHECK(move.at(1).shift.x() == Approx(0.5));
-    CHECK(move.at(1).turn_deg.x() == Approx(10));
-    CHECK(move.at(9).turn_deg.x() == -10);
-    const double middle = move.at(0.5).shift.x();
+    const ViewPath walk = ViewPath::read_path(posix_storage(), path).value();
+    CHECK(walk.is_path());
+    CHECK(walk.end_s() == 2);
+    CHECK(walk.at(-1).shift.x() == 0);
+    CHECK(walk.at(1).shift.x() == Approx(0.5));
+    CHECK(walk.at(1).turn_deg.x() == Approx(10));
+    CHECK(walk.at(9).turn_deg.x() == -10);
+    const double middle = walk.at(0.5).shift.x();
     CHECK((middle > 0.2 && middle < 0.35));
     // smooth: the speed before a pose is the speed after it
-    const double before = (move.at(1).shift.x() - move.at(1 - 1e-4).shift.x()) / 1e-4;
-    const double after = (move.at(1 + 1e-4).shift.x() - move.at(1).shift.x()) / 1e-4;
+    const double before = (walk.at(1).shift.x() - walk.at(1 - 1e-4).shift.x()) / 1e-4;
+    const double after = (walk.at(1 + 1e-4).shift.x() - walk.at(1).shift.x()) / 1e-4;
     CHECK(before == Approx(after).margin(1e-3));
   }
 }
 
 TEST_CASE("a path file of a spreadsheet begins with a byte order mark", "[film]") {
   const auto csv = file_with("bom.csv", "\xef\xbb\xbftime_s,dx\n0,0.5\n");
-  CHECK(CameraMove::read_path(posix_storage(), csv).value().at(0).shift.x() == 0.5);
+  CHECK(ViewPath::read_path(posix_storage(), csv).value().at(0).shift.x() == 0.5);
   const auto json = file_with("bom", "\xef\xbb\xbf[{\"time_s\": 0, \"dx\": 0.5}]");
-  CHECK(CameraMove::read_path(posix_storage(), json).value().at(0).shift.x() == 0.5);
+  CHECK(ViewPath::read_path(posix_storage(), json).value().at(0).shift.x() == 0.5);
 }
 
 TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   const auto read = [](const char* name, const char* text) {
-    return refusal(CameraMove::read_path(posix_storage(), file_with(name, text)));
+    return refusal(ViewPath::read_path(posix_storage(), file_with(name, text)));
   };
   CHECK_THAT(read("a.csv", "time_s,dx\n0,1\n1,two\n"), Contains("a.csv:3: 'two' is no number for dx"));
   CHECK_THAT(read("b.csv", "time_s,yau\n0,1\n"),
@@ -113,9 +113,9 @@ TEST_CASE("a path file with a mistake is refused, naming its line", "[film]") {
   CHECK_THAT(read("h.csv", "time_s,dx\n-1,1\n"), Contains("a time from 0 on"));
   CHECK_THAT(read("i.csv", "time_s;dx\n0;0,1\n"), Contains("i.csv:1: the values are separated by ';'"));
   const std::string bytes("\x1a\x45\xdf\xa3\0\0,\x01", 8);
-  CHECK_THAT(refusal(CameraMove::read_path(posix_storage(), file_with("j.mkv", bytes))),
+  CHECK_THAT(refusal(ViewPath::read_path(posix_storage(), file_with("j.mkv", bytes))),
              Contains("j.mkv' is no path of a view: it is no text"));
-  CHECK(CameraMove::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
+  CHECK(ViewPath::read_path(posix_storage(), "/nowhere/x.csv").error().code == ErrorCode::NotFound);
 }
 
 TEST_CASE("where tracking began anew, a steady path is that of the nearest pose's world", "[film]") {

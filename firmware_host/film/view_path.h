@@ -31,14 +31,14 @@ struct ViewOffset {
   bool in_place() const { return shift.isZero(0) && turn_deg.isZero(0); }
 };
 
-class CameraMove {
+class ViewPath {
  public:
   // "dx,dy,dz" or "dx,dy,dz,yaw,pitch,roll": the same pose at any time. "": in place.
-  static Result<CameraMove> parse_view(std::string_view text);
+  static Result<ViewPath> parse_view(std::string_view text);
   // A file of poses over playback time, as CSV with a line of names (time_s,dx,dy,dz,yaw,pitch,roll; those
   // left out are 0) or as JSON, an array of objects with these names. Errors: those of reading; Invalid,
   // naming the line or the entry.
-  static Result<CameraMove> read_path(Storage& storage, const std::string& path);
+  static Result<ViewPath> read_path(Storage& storage, const std::string& path);
 
   // The pose at a playback time: a smooth curve through the poses given; the first and the last hold before
   // and after.
@@ -53,7 +53,7 @@ class CameraMove {
     double time_s = 0;
     ViewOffset offset;
   };
-  static Result<CameraMove> of(std::vector<Pose> poses, const std::string& path);
+  static Result<ViewPath> of(std::vector<Pose> poses, const std::string& path);
 
   std::vector<Pose> poses_{1};
   bool in_metres_ = false;

@@ -1,4 +1,4 @@
-#include "firmware_host/film/camera_move.h"
+#include "firmware_host/film/view_path.h"
 
 #include <fmt/format.h>
 
@@ -176,10 +176,10 @@ RigidTransform ViewOffset::T_recorded_view() const {
           shift};
 }
 
-Result<CameraMove> CameraMove::parse_view(std::string_view text) {
-  CameraMove move;
+Result<ViewPath> ViewPath::parse_view(std::string_view text) {
+  ViewPath view;
   const std::vector<std::string> parts = parts_of(text);
-  if (parts.empty()) return move;
+  if (parts.empty()) return view;
   if (parts.size() != 3 && parts.size() != 6)
     return Error{
         ErrorCode::Invalid,
@@ -190,7 +190,7 @@ Result<CameraMove> CameraMove::parse_view(std::string_view text) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     if (i < 3) {
       const SceneLength length = TRY(parse_length("--view", parts[i]));
-      row[i + 1] = length.value, move.in_metres_ |= length.in_metres;
+      row[i + 1] = length.value, view.in_metres_ |= length.in_metres;
       continue;
     }
     const auto angle = number_of(parts[i]);
@@ -200,11 +200,11 @@ Result<CameraMove> CameraMove::parse_view(std::string_view text) {
     row[i + 1] = *angle;
   }
   TRY(check("--view", row));
-  move.poses_.front().offset = offset_of(row);
-  return move;
+  view.poses_.front().offset = offset_of(row);
+  return view;
 }
 
-Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& path) {
+Result<ViewPath> ViewPath::read_path(Storage& storage, const std::string& path) {
   const std::string content = TRY(read_whole(storage, path));
   std::string_view text = content;
   if (std::ranges::find(content, '\0') != content.end()) return no_text(path);
@@ -220,19 +220,19 @@ Result<CameraMove> CameraMove::read_path(Storage& storage, const std::string& pa
   return of(std::move(poses), path);
 }
 
-Result<CameraMove> CameraMove::of(std::vector<Pose> poses, const std::string& path) {
+Result<ViewPath> ViewPath::of(std::vector<Pose> poses, const std::string& path) {
   if (poses.empty()) return Error{ErrorCode::Invalid, fmt::format("'{}' has no poses", path)};
   for (std::size_t i = 1; i < poses.size(); ++i)
     if (poses[i].time_s <= poses[i - 1].time_s)
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}': the poses are not in the order of their times: {:g} s follows {:g} s",
                                path, poses[i].time_s, poses[i - 1].time_s)};
-  CameraMove move;
-  move.poses_ = std::move(poses);
-  return move;
+  ViewPath view;
+  view.poses_ = std::move(poses);
+  return view;
 }
 
-ViewOffset CameraMove::at(double playback_s) const {
+ViewOffset ViewPath::at(double playback_s) const {
   if (playback_s <= poses_.front().time_s) return poses_.front().offset;
   if (playback_s >= poses_.back().time_s) return poses_.back().offset;
   const auto after = std::ranges::upper_bound(poses_, playback_s, {}, &Pose::time_s);
@@ -254,7 +254,7 @@ ViewOffset CameraMove::at(double playback_s) const {
   return {curve(&ViewOffset::shift), curve(&ViewOffset::turn_deg)};
 }
 
-bool CameraMove::in_place() const {
+bool ViewPath::in_place() const {
   return std::ranges::all_of(poses_, [](const Pose& pose) { return pose.offset.in_place(); });
 }
 
