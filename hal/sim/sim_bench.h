@@ -54,7 +54,7 @@ class SimBench {
 };
 
 // The faults that a test has requested; empty in the product.
-struct SimulatedCamera::Harm {
+struct SimulatedCamera::InjectedFaults {
   static constexpr std::size_t kHistory = 4096;
   static constexpr Duration kClippedExposure = std::chrono::milliseconds(2);
 

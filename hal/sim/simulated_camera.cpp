@@ -64,7 +64,7 @@ SimulatedCamera::SimulatedCamera(const Simulation& simulation, SimTime time, int
       capabilities_(capabilities_of(simulation)),
       exposure_(delays_of(simulation).exposure, kFirstExposure),
       gain_(delays_of(simulation).gain, 1),
-      harm_(std::make_unique<Harm>()) {
+      faults_(std::make_unique<InjectedFaults>()) {
   if (triggered()) wiring_.trigger->listen([this](const Edge& edge) { trigger(edge); });
 }
 
@@ -111,7 +111,7 @@ Result<void> SimulatedCamera::start() {
   if (!sensor_)
     return Error{ErrorCode::Invalid,
                  "the simulated camera is not configured; configure it before starting it"};
-  if (harm_->unplugged) return unplugged();
+  if (faults_->unplugged) return unplugged();
   started_ = true;
   const Instant now = time_.now();
   epoch_ = triggered() ? now : now + mode_.frame_duration;  // the sensor starts up
@@ -125,7 +125,7 @@ Result<void> SimulatedCamera::start() {
 Result<void> SimulatedCamera::queue(const ExposureRequest& request) {
   const std::lock_guard lock(mutex_);
   if (!started_) return not_started("queueing requests");
-  if (harm_->unplugged) return unplugged();
+  if (faults_->unplugged) return unplugged();
   TRY(check_exposure(capabilities_, request));
   advance(time_.now());
   if (free_.empty())
@@ -142,7 +142,7 @@ Result<CapturedBuffer> SimulatedCamera::wait(Duration timeout) {
   const Instant deadline = time_.now() + timeout;
   for (;;) {
     if (!started_) return Error{ErrorCode::Interrupted, "the simulated camera was stopped"};
-    if (harm_->unplugged) return unplugged();
+    if (faults_->unplugged) return unplugged();
     const Instant now = time_.now();
     advance(now);
     if (!frames_.empty() && frames_.front().ready <= now) break;
@@ -223,7 +223,7 @@ void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::op
   frame.begin = begin;
   frame.stamp = frame.begin + stream_.latency(sequence);
   frame.ready = read_out_ = ready_after(frame);
-  harm_->history[sequence % Harm::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
+  faults_->history[sequence % InjectedFaults::kHistory] = {sequence, frame.exposure, frame.gain, frame.begin};
   if (wiring_.strobe != nullptr) wiring_.strobe->strobe(frame.begin, frame.exposure);
   if (!delivered) return;
   frame.buffer = request.buffer;
@@ -232,26 +232,26 @@ void SimulatedCamera::begin_frame(std::uint64_t sequence, Instant begin, std::op
 }
 
 bool SimulatedCamera::is_lost(std::uint64_t frame) {
-  if (harm_->drops > 0) return --harm_->drops, true;
+  if (faults_->drops > 0) return --faults_->drops, true;
   return stream_.loses(frame);
 }
 
 void SimulatedCamera::write_controls(std::uint64_t frame, const ExposureRequest& asked) {
-  const ControlFault fault = harm_->disturbed_requests > 0 ? harm_->control : ControlFault::None;
-  if (harm_->disturbed_requests > 0) --harm_->disturbed_requests;
+  const ControlFault fault = faults_->disturbed_requests > 0 ? faults_->control : ControlFault::None;
+  if (faults_->disturbed_requests > 0) --faults_->disturbed_requests;
   if (fault == ControlFault::Ignored) return;
   const Duration steps = asked.exposure / kExposureStep * kExposureStep;
   const bool clipped = fault == ControlFault::Clipped;
   const int late = fault == ControlFault::Early ? -1 : fault == ControlFault::Late ? 1 : 0;
-  exposure_.write(frame, clipped ? std::min(steps, Harm::kClippedExposure) : steps, late);
+  exposure_.write(frame, clipped ? std::min(steps, InjectedFaults::kClippedExposure) : steps, late);
   gain_.write(frame, clipped ? 1 : asked.analogue_gain, late);
 }
 
 // Fills in the facts that the buffer will report.
 void SimulatedCamera::tell(Frame& frame, std::uint64_t cookie) {
   const Report truth{cookie, frame.exposure, frame.gain};
-  const MetadataFault fault = harm_->disturbed_buffers > 0 ? harm_->metadata : MetadataFault::None;
-  if (harm_->disturbed_buffers > 0) --harm_->disturbed_buffers;
+  const MetadataFault fault = faults_->disturbed_buffers > 0 ? faults_->metadata : MetadataFault::None;
+  if (faults_->disturbed_buffers > 0) --faults_->disturbed_buffers;
   frame.report = truth;
   frame.reported = simulation_.reports_exposure && fault != MetadataFault::Missing;
   if (fault == MetadataFault::Late)

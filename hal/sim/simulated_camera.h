@@ -96,7 +96,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     std::vector<T> slots_;
     std::size_t begin_ = 0, size_ = 0;
   };
-  struct Harm;  // faults that a test has requested, see sim_bench.h
+  struct InjectedFaults;  // faults that a test has requested, see sim_bench.h
 
   void give_back(int buffer) override;
   Instant begin_of(std::uint64_t frame) const;
@@ -134,7 +134,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
   DelayedControl<Duration> exposure_;
   DelayedControl<double> gain_;
   Report last_report_;
-  std::unique_ptr<Harm> harm_;
+  std::unique_ptr<InjectedFaults> faults_;
 };
 
 // `scene`: what follows "sim:", see simulation.h. It runs in real time, on as many threads as the machine

@@ -1,5 +1,5 @@
 // The simulated camera: the contract of all cameras, and what its own header promises about time, delays and
-// harm.
+// injected faults.
 #include "hal/sim/simulated_camera.h"
 
 #include <map>
