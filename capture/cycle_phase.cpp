@@ -169,6 +169,10 @@ std::vector<double> refined(std::span<const CycleStep> steps, std::span<const do
 CycleStep step_between(Photometer& photometer, const PhotometricSignature& earlier,
                        const PhotometricSignature& later) {
   if (const auto ratio = photometer.ratio(earlier, later)) return {StepKind::Measured, ratio->log_ratio};
+  return rough_step(earlier, later);
+}
+
+CycleStep rough_step(const PhotometricSignature& earlier, const PhotometricSignature& later) {
   return {StepKind::Rough, brightness_of(later) - brightness_of(earlier)};
 }
 

@@ -29,6 +29,8 @@ struct CycleStep {
 // What the two pictures say. The scratch space of the photometer is used.
 CycleStep step_between(Photometer& photometer, const PhotometricSignature& earlier,
                        const PhotometricSignature& later);
+// The same where no ratio can be taken of them.
+CycleStep rough_step(const PhotometricSignature& earlier, const PhotometricSignature& later);
 
 struct CycleWalk {
   std::vector<int> slots;        // of each frame

@@ -86,6 +86,10 @@ class ExposureProof {
 
   // Judges the next frame by its picture. The caller leaves out frames whose pixels are damaged.
   Judgement judge(const FrameEvidence& evidence, const PhotometricSignature& picture, Photometer& photometer);
+  // The picture before the newest one, where no ratio could be taken of the two; else null.
+  const PhotometricSignature* incomparable_previous() const {
+    return count_ > 1 && !back(0).ratio_from[0] ? &back(1).picture : nullptr;
+  }
 
  private:
   using Candidates = InlineList<Exposure, kCandidates>;

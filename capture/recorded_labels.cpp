@@ -118,10 +118,11 @@ void RecordedLabels::judge(CapturedFrame& frame) {
 // Returns an empty judgement for a frame that cannot be judged.
 Judgement RecordedLabels::judge_forward(const CapturedFrame& frame) {
   const auto evidence = evidence_of(frame.raw.facts);
-  if (!evidence) return last_.reset(), Judgement{};
+  if (!evidence) return last_exposure_.reset(), Judgement{};
   photometer_.observe(frame.raw.codes, camera_.layout, camera_.bits, picture_);
+  const Judgement judgement = proof_.judge(*evidence, picture_, photometer_);
   check_order(frame.raw.facts);
-  return proof_.judge(*evidence, picture_, photometer_);
+  return judgement;
 }
 
 void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
@@ -134,20 +135,20 @@ void RecordedLabels::finish(CapturedFrame& frame, const Judgement& judgement,
   check_duration(frame, interval);
 }
 
-// The newest picture and the one before it, where no ratio can be taken of them: where one can, the proof
-// knows more.
+// Compares the newest picture with the one before it, after the proof. Where a ratio can be taken of the two
+// the proof knows more, and the step counts as one without a contradiction.
 void RecordedLabels::check_order(const FrameFacts& facts) {
-  if (!facts.has_exposure()) return last_.reset();
+  if (!facts.has_exposure()) return last_exposure_.reset();
   const Exposure exposure{from_seconds(facts.exposure_s), facts.gain()};
-  if (last_) {
-    CycleStep step = step_between(photometer_, last_->picture, picture_);
-    if (step.kind == StepKind::Measured) step.log_ratio = 0;
-    if (order_.add(log_product(last_->exposure), log_product(exposure), step))
-      out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
-                           facts.sequence, step.log_ratio > 0 ? "brighter" : "darker", describe(exposure),
-                           describe(last_->exposure));
-  }
-  last_ = Neighbour{picture_, exposure};
+  const auto before = std::exchange(last_exposure_, exposure);
+  if (!before) return;
+  CycleStep step;
+  if (const PhotometricSignature* earlier = proof_.incomparable_previous(); earlier != nullptr)
+    step = rough_step(*earlier, picture_);
+  if (order_.add(log_product(*before), log_product(exposure), step))
+    out_of_order_.object("frame {}: it is {} than the one before, with an exposure of {} after {}",
+                         facts.sequence, step.log_ratio > 0 ? "brighter" : "darker", describe(exposure),
+                         describe(*before));
 }
 
 // Combines the verdict in the recording with the verdict of the pictures.

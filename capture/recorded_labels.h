@@ -75,11 +75,7 @@ class RecordedLabels {
   const CameraFacts camera_;
   Photometer photometer_;
   PhotometricSignature picture_;
-  struct Neighbour {
-    PhotometricSignature picture;
-    Exposure exposure;
-  };
-  std::optional<Neighbour> last_;  // the frame before, where it has a label
+  std::optional<Exposure> last_exposure_;  // of the frame before, where it was judged and has a label
   ExposureProof proof_;
   std::vector<Label> recent_;  // labels of the last frames
   std::vector<Label> cycle_;   // the distinct ones, at most ExposureSchedule::kMaxSlots
