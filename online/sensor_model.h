@@ -69,9 +69,9 @@ class SensorModel {
   bool response_measured() const { return response_stated_ || learner_.measured(); }
   // Whether it is known well enough to judge exposures by: then ratios of pictures are as good as exact.
   bool response_is_sure() const {
-    constexpr double kSure =
-        0.15;  // ln x; frames that show it leave .02 to .07, the mean of real cameras has .38
-    return response_stated_ || (learner_.measured() && learner_.uncertainty() < kSure);
+    // One sigma of ln x. Frames that show the response leave .02 to .07; the mean of real cameras has .38.
+    constexpr double kMostUncertain = 0.15;
+    return response_stated_ || (learner_.measured() && learner_.uncertainty() < kMostUncertain);
   }
   // The frames, counted from 0, with which the response became another one.
   const std::vector<int>& relearned() const { return relearned_; }
