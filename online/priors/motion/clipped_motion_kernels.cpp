@@ -13,20 +13,13 @@ struct Vectors {
 };
 inline Lanes squared(Vectors v) { return v.x * v.x + v.y * v.y; }
 
-// Where eight pixels of the row are, moved by these vectors.
-inline Places places_of(const RowOfPictures& at, int x, Vectors by) {
-  return places(lanes(x + kEachLane) + by.x, static_cast<float>(at.y) + by.y, at.rows, at.cols);
+// What pictures hold where eight pixels of the row are, moved by these vectors: at the nearest pixels, which
+// is as good as between them and two to three times as fast (docs/decisions/kernels.md).
+inline Nearest place_of(const RowOfPictures& at, int x, Vectors by) {
+  return nearest(lanes(x + kEachLane) + by.x, static_cast<float>(at.y) + by.y, at.rows, at.cols);
 }
-inline Lanes value_at(const float* picture, const RowOfPictures& at, const Places& there) {
-  Lanes value;
-  read_between({picture, 1, at.rows, at.cols}, there, [&](int, Lanes read) { value = read; });
-  return value;
-}
-inline Vectors vectors_at(const float* motion, const RowOfPictures& at, const Places& there) {
-  Vectors vectors;
-  read_between({motion, 2, at.rows, at.cols}, there,
-               [&](int d, Lanes read) { (d == 0 ? vectors.x : vectors.y) = read; });
-  return vectors;
+inline Vectors vectors_at(const float* motion, const RowOfPictures& at, const Nearest& there) {
+  return {read(motion, there), read(motion + static_cast<std::ptrdiff_t>(at.rows) * at.cols, there)};
 }
 
 // The vectors at eight pixels of the row.
@@ -67,8 +60,8 @@ void go_on(const ContinuedRow& r) {
     if (r.predicted == nullptr) {
       measured = 1 - clipped * (1 - kKept);
     } else if (any_negative(clipped > 0)) {
-      const Places there = places_of(r.at, x, {load_some(r.u + x, count), load_some(r.v + x, count)});
-      const Lanes still = value_at(r.measured, r.at, there), share = clipped * smooth_step(0, 1, still);
+      const Nearest there = place_of(r.at, x, {load_some(r.u + x, count), load_some(r.v + x, count)});
+      const Lanes still = read(r.measured, there), share = clipped * smooth_step(0, 1, still);
       measured = 1 - share * (1 - kKept * still);
       const Vectors next = vectors_at(r.predicted, r.at, there);
       take_over(r.u + x, r.v + x, count, share, {r.ratio * next.x, r.ratio * next.y});
@@ -102,51 +95,30 @@ struct Crossing {
   Vectors back, whole, before, after;
 };
 
-// How flows are read where a crossing leads.
-struct ReadBetween {
-  const RowOfPictures& at;
-  int x;
-  Places where(Vectors by) const { return places_of(at, x, by); }
-  Lanes value(const float* picture, const Places& there) const { return value_at(picture, at, there); }
-  Vectors vectors(const float* motion, const Places& there) const { return vectors_at(motion, at, there); }
-};
-struct ReadNearest {
-  const RowOfPictures& at;
-  int x;
-  Nearest where(Vectors by) const {
-    return nearest(lanes(x + kEachLane) + by.x, static_cast<float>(at.y) + by.y, at.rows, at.cols);
-  }
-  Lanes value(const float* picture, const Nearest& there) const { return read(picture, there); }
-  Vectors vectors(const float* motion, const Nearest& there) const {
-    return {read(motion, there), read(motion + static_cast<std::ptrdiff_t>(at.rows) * at.cols, there)};
-  }
-};
-
 // The crossing that the flows tell where this one leads.
-template <class Read>
-inline Crossing step(const PathAhead& path, const Crossing& from, const Read& read) {
-  const auto there = read.where(from.back);
+inline Crossing step(const BridgedRow& r, int x, const Crossing& from) {
+  const PathAhead& path = r.path;
+  const Nearest there = place_of(r.at, x, from.back);
   Crossing to;
-  to.after =
-      read.vectors(path.after_to_state, read.where({from.back.x + from.whole.x, from.back.y + from.whole.y}));
-  to.before = read.vectors(path.state_to_after, there);
+  to.after = vectors_at(path.after_to_state, r.at,
+                        place_of(r.at, x, {from.back.x + from.whole.x, from.back.y + from.whole.y}));
+  to.before = vectors_at(path.state_to_after, r.at, there);
   to.whole = {0.5f * (to.before.x - to.after.x), 0.5f * (to.before.y - to.after.y)};
   to.back = {-path.share * to.whole.x, -path.share * to.whole.y};
   if (path.last != nullptr) {
-    const Vectors last = read.vectors(path.last, there);
-    const Vectors bend = bend_of(path, to.whole, last, read.value(path.measured, there));
+    const Vectors last = vectors_at(path.last, r.at, there);
+    const Vectors bend = bend_of(path, to.whole, last, read(path.measured, there));
     to.back = {to.back.x + bend.x, to.back.y + bend.y};
   }
   return to;
 }
 
-// A fixed point: where the flows are read is told by what is read. The nearest pixels are near enough to find
-// the place.
+// A fixed point: where the flows are read is told by what is read.
 inline Crossing settle(const BridgedRow& r, int x, Vectors back, Vectors whole) {
-  constexpr int kNearRounds = 2;
+  constexpr int kRounds = 2;
   Crossing at{back, whole, {}, {}};
-  for (int round = 0; round < kNearRounds; ++round) at = step(r.path, at, ReadNearest{r.at, x});
-  return step(r.path, at, ReadBetween{r.at, x});
+  for (int round = 0; round < kRounds; ++round) at = step(r, x, at);
+  return at;
 }
 
 // Takes over what lands at eight pixels, where it is there; `unseen` becomes 1 where the frame's own motion,
@@ -165,7 +137,7 @@ inline void take_landed(const BridgedRow& r, int x, int count, Vectors start, Cr
   const Whole there =
       ~lost(fast.before, fast.after) & (squared({fast.whole.x - start.x, fast.whole.y - start.y}) < kFarOff2);
   if (!any_negative(there)) return;
-  unseen = there & lost(own, vectors_at(r.from, r.at, places_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
+  unseen = there & lost(own, vectors_at(r.from, r.at, place_of(r.at, x, own))) ? all<Lanes>(1) : unseen;
   crossing.back = either(there, fast.back, crossing.back);
   crossing.whole = either(there, fast.whole, crossing.whole);
 }
@@ -184,7 +156,7 @@ void bridge(const BridgedRow& r) {
     if (lands) take_landed(r, x, count, {all<Lanes>(landed_u), all<Lanes>(landed_v)}, crossing, unseen);
     if (!any_negative(unseen > 0)) return;
     const Vectors ahead{crossing.back.x + crossing.whole.x, crossing.back.y + crossing.whole.y};
-    const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, ahead)));
+    const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, ahead)));
     take_over(r.u + x, r.v + x, count, share, crossing.back);
     const Lanes measured = load_some(r.measured + x, count);
     store_some(r.measured + x, measured + share * (1 - measured), count);
@@ -196,13 +168,13 @@ void bridge_ahead(const BridgedAheadRow& r) {
     const int count = least(r.at.cols - x, kLanes);
     const Vectors whole = own_vectors(r.path.state_to_after, r.at, x, count);
     Vectors ahead{r.path.share * whole.x, r.path.share * whole.y};
-    Lanes unseen = hidden(value_at(r.clipped, r.at, places_of(r.at, x, ahead)));
+    Lanes unseen = hidden(read(r.clipped, place_of(r.at, x, ahead)));
     const Whole fast = squared(whole) > kFastOverClipped * kFastOverClipped;
     if (any_negative(fast)) {
       const Vectors own{load_some(r.u + x, count), load_some(r.v + x, count)};
-      const Vectors home = vectors_at(r.path.after_to_state, r.at, places_of(r.at, x, whole));
+      const Vectors home = vectors_at(r.path.after_to_state, r.at, place_of(r.at, x, whole));
       const Whole mended =
-          fast & ~lost(whole, home) & lost(own, vectors_at(r.to, r.at, places_of(r.at, x, own)));
+          fast & ~lost(whole, home) & lost(own, vectors_at(r.to, r.at, place_of(r.at, x, own)));
       unseen = mended ? all<Lanes>(1) : unseen;
     }
     if (!any_negative(unseen > 0)) continue;
@@ -212,7 +184,7 @@ void bridge_ahead(const BridgedAheadRow& r) {
       const Vectors bend = bend_of(r.path, whole, own_vectors(r.path.last, r.at, x, count), measured);
       ahead = {ahead.x - bend.x, ahead.y - bend.y};
     }
-    const Lanes share = unseen * seen(value_at(r.clipped_after, r.at, places_of(r.at, x, whole)));
+    const Lanes share = unseen * seen(read(r.clipped_after, place_of(r.at, x, whole)));
     take_over(r.u + x, r.v + x, count, share, ahead);
   }
 }
@@ -223,11 +195,11 @@ void predict(const PredictedRow& r) {
   for (int x = 0; x < r.at.cols; x += kLanes) {
     const int count = least(r.at.cols - x, kLanes);
     const Vectors now{load_some(r.u + x, count), load_some(r.v + x, count)};
-    const Places there = places_of(r.at, x, now);
+    const Nearest there = place_of(r.at, x, now);
     const Vectors last = vectors_at(r.last, r.at, there);
     const Vectors change{now.x - r.ratio * last.x, now.y - r.ratio * last.y};
     const Lanes measured =
-        trusted(load_some(r.measured + x, count)) * trusted(value_at(r.measured_before, r.at, there));
+        trusted(load_some(r.measured + x, count)) * trusted(read(r.measured_before, there));
     const Lanes share = kShare * measured / (1 + kPerPixel2 * squared(change));
     store_some(r.next_u + x, now.x + share * change.x, count);
     store_some(r.next_v + x, now.y + share * change.y, count);

@@ -1,6 +1,6 @@
 // Motion that a frame does not show, of what it clips and of the step after it, on raw pointers, a row of
 // pixels at a time: one table of functions per instruction set, picked at start by clipped_motion_kernels().
-// Places between pixels are rounded to 1/32. Reentrant. Declarations only: the kernels' file may include
+// Pictures are read at the nearest pixels. Reentrant. Declarations only: the kernels' file may include
 // nothing with inline code (CMakeLists.txt).
 #pragma once
 
@@ -43,11 +43,11 @@ struct PathAhead {
 constexpr float kFastOverClipped = 12;
 
 // A pixel x of the clipped frame, with motion u to the state, is at x + u in the state and at x + u + D in
-// the frame after, where D is the motion between these. Both flows are read there (a fixed point, three
-// iterations, of which the first two read the nearest pixels) and averaged, where the frame is clipped and
-// the one after is not. What moves fast is sought from where it lands, too, unless that is known to a pixel;
-// where the flows agree that it is there, it counts, and it counts where the frame is not clipped, if that
-// one's own flows, there and back, lead elsewhere.
+// the frame after, where D is the motion between these. Both flows are read there (a fixed point, two
+// iterations) and averaged, where the frame is clipped and the one after is not. What moves fast is sought
+// from where it lands, too, unless that is known to a pixel; where the flows agree that it is there, it
+// counts, and it counts where the frame is not clipped, if that one's own flows, there and back, lead
+// elsewhere.
 struct BridgedRow {
   RowOfPictures at;
   const float* clipped;        // [cols] share of the pixels around each, in the frame

@@ -317,8 +317,8 @@ inline RoundTrip round_trip(const RatedBand& r, int x, int y, std::ptrdiff_t pix
   const std::ptrdiff_t plane = static_cast<std::ptrdiff_t>(r.rows) * r.cols;
   Lanes off[2] = {load_some(r.there + pixel, count), load_some(r.there + plane + pixel, count)};
   const Lanes to_x = lanes(x + kEachLane) + off[0], to_y = static_cast<float>(y) + off[1];
-  read_between({r.back, 2, r.rows, r.cols}, places(to_x, to_y, r.rows, r.cols),
-               [&](int d, Lanes back) { off[d] += back; });
+  const Nearest there = nearest(to_x, to_y, r.rows, r.cols);
+  off[0] += read(r.back, there), off[1] += read(r.back + plane, there);
   return {off[0] * off[0] + off[1] * off[1],
           (to_x >= -kEdge) & (to_x <= right) & (to_y >= -kEdge) & (to_y <= bottom)};
 }

@@ -53,8 +53,8 @@ struct FarSearch {
   FlowPlanes found;
 };
 
-// A band of rows of a flow that is compared with the flow back, read where it leads. The confidence is
-// exp(-|there and back|^2 / 2); 0 where a pixel leaves the picture.
+// A band of rows of a flow that is compared with the flow back, read at the pixel that it leads to. The
+// confidence is exp(-|there and back|^2 / 2); 0 where a pixel leaves the picture.
 struct RatedBand {
   const float *there, *back;  // [dx dy, rows, cols] pixels
   int rows, cols;

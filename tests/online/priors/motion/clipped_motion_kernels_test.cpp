@@ -1,5 +1,6 @@
 #include "online/priors/motion/clipped_motion_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -15,11 +16,10 @@ using namespace hdrcam;
 namespace {
 
 constexpr int kRows = 11;
-// a share whose product with a motion is exact, so that a place is rounded to the same 1/32 pixel
+// a share whose product with a motion is exact, so that the same pixel is the nearest
 constexpr float kShare = 0.25f, kBefore = 0.3f, kRatio = 1.3f;
 
-// Waves that are long enough for places rounded to 1/32 to make no difference above kRounding.
-constexpr float kRounding = 0.03f;
+constexpr float kRounding = 1e-3f;
 Image<float> waves(int channels, int cols, float mean, float amplitude, float phase) {
   Image<float> out(channels, kRows, cols);
   for (int c = 0; c < channels; ++c)
@@ -77,11 +77,20 @@ Offset bend_of(Offset whole, Offset last, float measured) {
   return limited(share * Offset{acceleration(whole.x, last.x), acceleration(whole.y, last.y)}, 0.25f);
 }
 
-// Kernels read between pixels in steps of 1/32.
-Offset as_read(Offset by) {
-  const auto step = [](float pixels) { return std::floor(32 * pixels + 0.5f) / 32; };
-  return {step(by.x), step(by.y)};
-}
+// The pixel that is nearest to where one is when it is moved.
+class NearestPixel {
+ public:
+  NearestPixel(int cols, int x, int y, Offset by) : x_(nearest(x, by.x, cols)), y_(nearest(y, by.y, kRows)) {}
+  float of(const Image<float>& picture, int channel) const { return picture.at(channel, y_, x_); }
+  Offset vector_of(const Image<float>& vectors) const { return offset_at(vectors, x_, y_); }
+
+ private:
+  static int nearest(int at, float by, int size) {
+    return static_cast<int>(std::clamp(static_cast<float>(at) + by, 0.f, static_cast<float>(size - 1)) +
+                            0.5f);
+  }
+  int x_, y_;
+};
 
 // A motion as it is and as it should be: at every pixel, and as it was where the frame clips nothing.
 void check(const Image<float>& is, const Image<float>& should_be) {
@@ -125,7 +134,7 @@ TEST_CASE("a motion goes on as predicted where a frame is clipped, and less wher
     Image<float> expected = pictures.motion.clone(), expected_now(1, kRows, cols);
     expected_now.fill(1);
     at_clipped(pictures.clipped, 0.5f, 0.95f, [&](int x, int y, float clipped) {
-      const BetweenPixels there(kRows, cols, x, y, offset_at(pictures.motion, x, y));
+      const NearestPixel there(cols, x, y, offset_at(pictures.motion, x, y));
       const float measured = there.of(pictures.measured, 0), share = clipped * smooth_step(0, 1, measured);
       take_over(expected, x, y, share, kRatio * there.vector_of(pictures.last));
       expected_now.at(0, y, x) = 1 - share * (1 - 0.9f * measured);
@@ -156,9 +165,9 @@ TEST_CASE("what a frame clips moves as the frames around it say, at their places
       Image<float> expected = pictures.motion.clone(), expected_measured = pictures.measured.clone();
       at_clipped(pictures.clipped, 0.4f, 0.9f, [&](int x, int y, float clipped) {
         Offset back, whole;
-        const auto in_after = [&] { return BetweenPixels(kRows, cols, x, y, back + whole); };
-        for (int round = 0; round < 3; ++round) {
-          const BetweenPixels there(kRows, cols, x, y, back);
+        const auto in_after = [&] { return NearestPixel(cols, x, y, back + whole); };
+        for (int round = 0; round < 2; ++round) {
+          const NearestPixel there(cols, x, y, back);
           const Offset after = in_after().vector_of(pictures.after_to_state),
                        before = there.vector_of(pictures.state_to_after);
           whole = 0.5f * Offset{before.x - after.x, before.y - after.y};
@@ -192,16 +201,15 @@ TEST_CASE("the state's pixels move over a frame that clips them as they do to th
       Image<float> expected = pictures.motion.clone(), along(1, kRows, cols);
       for (int y = 0; y < kRows; ++y)
         for (int x = 0; x < cols; ++x)
-          along.at(0, y, x) =
-              BetweenPixels(kRows, cols, x, y, as_read(kShare * offset_at(pictures.state_to_after, x, y)))
-                  .of(pictures.clipped, 0);
+          along.at(0, y, x) = NearestPixel(cols, x, y, kShare * offset_at(pictures.state_to_after, x, y))
+                                  .of(pictures.clipped, 0);
       at_clipped(along, 0.4f, 0.9f, [&](int x, int y, float clipped) {
         const Offset whole = offset_at(pictures.state_to_after, x, y);
         Offset ahead = kShare * whole;
         if (changes)
           ahead = ahead +
                   -1 * bend_of(whole, offset_at(pictures.last, x, y), pictures.measured_before.at(0, y, x));
-        const float after = BetweenPixels(kRows, cols, x, y, whole).of(pictures.clipped_after, 0);
+        const float after = NearestPixel(cols, x, y, whole).of(pictures.clipped_after, 0);
         take_over(expected, x, y, clipped * (1 - smooth_step(0.1f, 0.6f, after)), ahead);
       });
       check(motion, expected);
@@ -311,7 +319,7 @@ TEST_CASE("half of a motion's change is predicted to go on, less of a large one 
                                         predicted.row(1, y)});
       for (int x = 0; x < cols; ++x) {
         const Offset now = offset_at(pictures.motion, x, y);
-        const BetweenPixels there(kRows, cols, x, y, now);
+        const NearestPixel there(cols, x, y, now);
         const Offset change = now + -kRatio * there.vector_of(pictures.last);
         const float sure = smooth_step(0.9f, 1, measured.at(0, y, x)) *
                            smooth_step(0.9f, 1, there.of(pictures.measured_before, 0));

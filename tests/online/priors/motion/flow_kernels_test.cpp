@@ -1,8 +1,8 @@
 #include "online/priors/motion/flow_kernels.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "online/pictures/between_pixels.h"
 #include "tests/support/numbers.h"
 
 #include <catch2/catch.hpp>
@@ -28,8 +28,9 @@ float confidence_of(const Image<float>& there, const Image<float>& back, const I
   if (to_x < -0.5f || to_y < -0.5f || to_x > static_cast<float>(cols) - 0.5f ||
       to_y > static_cast<float>(rows) - 0.5f)
     return 0;
-  const BetweenPixels at(rows, cols, 0, 0, {to_x, to_y});
-  const float off_x = u + at.of(back, 0), off_y = v + at.of(back, 1);
+  const int at_x = std::clamp(static_cast<int>(to_x + 0.5f), 0, cols - 1),
+            at_y = std::clamp(static_cast<int>(to_y + 0.5f), 0, rows - 1);
+  const float off_x = u + back.at(0, at_y, at_x), off_y = v + back.at(1, at_y, at_x);
   const float agreement = std::exp(-0.5f * (off_x * off_x + off_y * off_y));
   if (codes == nullptr) return agreement;
   const auto [least, most] = std::minmax({codes->at(0, y, x), codes->at(1, y, x), codes->at(2, y, x)});
@@ -56,8 +57,7 @@ TEST_CASE("a flow is rated by the way there and back, and where a picture is cli
         for (int x = 0; x < cols; ++x) {
           const float expected = confidence_of(there, back, seen ? &codes : nullptr, y, x);
           INFO(cols << " columns, pixel " << x << ", " << y);
-          // places are rounded to a 32nd of a pixel
-          CHECK(rated.at(0, y, x) == Approx(expected).margin(0.12));
+          CHECK(rated.at(0, y, x) == Approx(expected).margin(1e-5));
           if (expected == 0) CHECK(rated.at(0, y, x) == 0);
           out += expected == 0 ? 1 : 0, assumed += expected == kAssumed ? 1 : 0;
         }
