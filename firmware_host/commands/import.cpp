@@ -14,6 +14,7 @@
 #include "firmware_host/commands/recording_name.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/footage/footage_plan.h"
+#include "firmware_host/footage/low_codes.h"
 #include "firmware_host/printable.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/terminal.h"
@@ -35,22 +36,23 @@ struct ImportOptions {
 
 // All frames, with the verdicts of the pictures on their exposures.
 template <class Take>
-Result<void> each_frame(Surroundings& around, RecordingStage& clip, const Take& take) {
+Result<void> each_frame(Surroundings& around, RecordingStage& clip, LowCodes& low, const Take& take) {
   CapturedFrame frame;
   while (TRY(clip.next(frame))) {
     if (around.stop)
       return Error{ErrorCode::Interrupted, fmt::format("interrupted at frame {} of {}",
                                                        clip.counters().captured - 1, *clip.frame_count())};
+    low.observe(frame.raw.codes);
     TRY(take(frame.raw));
   }
   return {};
 }
 
 // Returns the number of frames.
-Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, const std::string& path,
-                                  RecordingCodec codec) {
+Result<std::uint64_t> copy_frames(Surroundings& around, RecordingStage& clip, LowCodes& low,
+                                  const std::string& path, RecordingCodec codec) {
   auto writer = TRY(create_recording(around.storage, path, clip.camera(), Creation::New, codec));
-  TRY(each_frame(around, clip, [&](const RawFrame& frame) { return writer->append(frame); }));
+  TRY(each_frame(around, clip, low, [&](const RawFrame& frame) { return writer->append(frame); }));
   TRY(writer->finish());
   return clip.counters().captured;
 }
@@ -85,8 +87,9 @@ Contradiction contradiction_of(const ImportOptions& options) {
   return options.strict ? Contradiction::Fails : Contradiction::Warns;
 }
 
-void show_warnings(const RecordingStage& clip) {
+void show_warnings(const RecordingStage& clip, const LowCodes& low) {
   for (const std::string& warning : clip.warnings()) remark("warning: {}\n", warning);
+  if (const std::string warning = low.warning(); !warning.empty()) remark("warning: {}\n", warning);
 }
 
 // An incomplete file never has the name of the output, and an older output is replaced only when the new one
@@ -95,12 +98,13 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
                              std::unique_ptr<RecordingReader> reader) {
   TRY(admit_copy(settings, reader->camera()));
   RecordingStage clip(std::move(reader), contradiction_of(options));
+  LowCodes low(clip.camera());
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const std::uint64_t frames =
-      TRY(making.as_asked(copy_frames(around, clip, making.path(), settings.record.codec)));
+      TRY(making.as_asked(copy_frames(around, clip, low, making.path(), settings.record.codec)));
   TRY(making.commit());
   const CameraFacts& camera = clip.camera();
-  show_warnings(clip);
+  show_warnings(clip, low);
   say("{}\n", describe_recording(options.output, camera, frames));
   return {};
 }
@@ -109,12 +113,13 @@ Result<void> write_recording(Surroundings& around, const ImportOptions& options,
 Result<std::vector<FrameFacts>> judged_facts(Surroundings& around, const ImportOptions& options,
                                              std::unique_ptr<RecordingReader> reader) {
   RecordingStage clip(std::move(reader), contradiction_of(options));
+  LowCodes low(clip.camera());
   std::vector<FrameFacts> facts;
-  TRY(each_frame(around, clip, [&](const RawFrame& frame) {
+  TRY(each_frame(around, clip, low, [&](const RawFrame& frame) {
     facts.push_back(frame.facts);
     return Result<void>();
   }));
-  show_warnings(clip);
+  show_warnings(clip, low);
   return facts;
 }
 

@@ -403,3 +403,27 @@ TEST_CASE(
   CHECK_THAT(broken.output, Contains("frame 7") && Contains("0007.png"));
   CHECK(test::ran({"import", clip, "-o", folder + "/x.mkv"}).output == broken.output);
 }
+
+TEST_CASE("16-bit pictures whose codes lie in the lower 12 bits are imported with a warning") {
+  const std::string clip = sample::scratch_folder("import_low_codes");
+  std::string frames;
+  for (int i = 0; i < 6; ++i) {
+    PngImage image{16, Image<std::uint16_t>(1, 48, 64)};
+    for (int at = 0; at < 48 * 64; ++at)
+      image.samples.samples()[static_cast<std::size_t>(at)] =
+          static_cast<std::uint16_t>(std::min(4095, (at % 64 + 1) * (8 << (2 * (i % 3)))));
+    REQUIRE(write_png(posix_storage(), clip + fmt::format("/{}.png", i), image).ok());
+    frames += fmt::format(R"({}{{"file":"{}.png","time_s":{},"exposure_s":{}}})", i > 0 ? "," : "", i,
+                          i / 30.0, 0.001 * (1 << (2 * (i % 3))));
+  }
+  std::ofstream(clip + "/clip.json") << R"({"width":64,"height":48,"fps":30,"bits":16,"frames":[)" << frames
+                                     << "]}";
+  for (const std::vector<std::string>& end : {std::vector<std::string>{"--list"}, {"-o", clip + "/x.mkv"}}) {
+    std::vector<std::string> words{"import", clip};
+    words.insert(words.end(), end.begin(), end.end());
+    const test::Ran imported = test::ran(words);
+    CHECK(imported.exit_code == 0);
+    CHECK_THAT(imported.output, Contains("warning: no code of 16 bits is above 4095") &&
+                                    Contains("shift them up by 4 (docs/recording.md, Bits)"));
+  }
+}
