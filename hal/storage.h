@@ -30,7 +30,7 @@ enum class FileKind {
   Missing,  // no file, but one could be created there
   Regular,
   Folder,
-  Other,  // a device, a FIFO, a socket: may be written to, never replaced
+  Other,  // a device, a FIFO, a socket: may be written to, never read or replaced
 };
 struct FileFacts {
   FileKind kind = FileKind::Missing;
@@ -51,8 +51,8 @@ enum class Creation {
 class Storage {
  public:
   virtual ~Storage() = default;
-  virtual Result<std::unique_ptr<StorageFile>> open(
-      const std::string& path) = 0;  // to read; NotFound, Permission
+  // To read; NotFound, Permission (also for a device or a FIFO).
+  virtual Result<std::unique_ptr<StorageFile>> open(const std::string& path) = 0;
   virtual Result<std::unique_ptr<StorageFile>> create(
       const std::string& path, Creation how = Creation::Replace) = 0;  // empty, to write; Permission, Exists
   // Replaces `to`, whose permissions stay.

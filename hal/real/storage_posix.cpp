@@ -137,7 +137,12 @@ class PosixFile : public StorageFile {
 
 class PosixStorage : public Storage {
  public:
+  // A FIFO would be waited for, and neither it nor a device has the offsets and the size to be read by.
   Result<std::unique_ptr<StorageFile>> open(const std::string& path) override {
+    struct stat there {};
+    if (::stat(path.c_str(), &there) == 0 && kind_of(there) == FileKind::Other)
+      return Error{ErrorCode::Permission,
+                   fmt::format("cannot read '{}': it is a device or a FIFO; name a regular file", path)};
     return opened(path, O_RDONLY, "read");
   }
   Result<std::unique_ptr<StorageFile>> create(const std::string& path, Creation how) override {

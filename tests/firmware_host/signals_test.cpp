@@ -1,4 +1,4 @@
-// ^C as the process sees it. The program is held in a system call by a FIFO that nobody writes to.
+// ^C as the process sees it. The program is held in a system call by a FIFO that nobody reads.
 #include <sys/stat.h>
 
 #include <chrono>
@@ -36,10 +36,11 @@ bool becomes_true(const std::function<bool()>& condition) {
 }  // namespace
 
 TEST_CASE("the first ^C or SIGTERM only asks to stop, the second one ends the process") {
-  const std::string fifo = hdrcam::sample::scratch_folder("signals") + "/fifo";
+  const std::string folder = hdrcam::sample::scratch_folder("signals"), fifo = folder + "/fifo";
   REQUIRE(mkfifo(fifo.c_str(), 0600) == 0);
   for (const int signal : {SIGINT, SIGTERM}) {
-    const pid_t process = started({"info", fifo});
+    const pid_t process = started({"replay", HDRCAM_SOURCE_DIR "/tests/data/demo.mkv", "--preset", "realtime",
+                                   "--frames", "1", "-o", folder + "/%06d.exr", "--stats", fifo, "--force"});
     REQUIRE(becomes_true([&] { return catches(process, signal); }));
     kill(process, signal);
     REQUIRE(becomes_true([&] { return !catches(process, signal); }));

@@ -109,6 +109,18 @@ TEST_CASE("a device is written through, not replaced") {
   CHECK(fs::is_character_file("/dev/null"));
 }
 
+TEST_CASE("a FIFO or a device in place of a file to read is refused at once, also through a link") {
+  const ScratchFolder folder;
+  REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);  // nobody writes to it
+  fs::create_symlink("fifo", folder / "link");
+  for (const std::string& path : {folder / "fifo", folder / "link", std::string("/dev/null")}) {
+    const auto text = read_whole(posix_storage(), path);
+    require_error(text, ErrorCode::Permission);
+    CHECK(text.error().message ==
+          fmt::format("cannot read '{}': it is a device or a FIFO; name a regular file", path));
+  }
+}
+
 TEST_CASE("two names of one file are the same file, also through links") {
   const ScratchFolder folder;
   require_done(write_whole(posix_storage(), folder / "one", bytes_of("1")));
