@@ -21,7 +21,11 @@ Result<Settings> started_settings(const SettingsFlags& flags, const Settings& as
 }
 
 Result<void> check_replayed(const Settings::Camera& camera, Storage& storage) {
-  return is_replayed(camera.id) ? check_no_snapshot(storage, replayed_file(camera.id)) : Result<void>();
+  if (!is_replayed(camera.id)) return {};
+  const std::string file = replayed_file(camera.id);
+  if (file.empty())
+    return Error{ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv"};
+  return check_no_snapshot(storage, file);
 }
 
 Result<void> check_camera_run(const Settings& settings, const char* recording_flag,

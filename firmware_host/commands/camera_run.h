@@ -19,7 +19,8 @@ namespace hdrcam {
 // The settings with the time of this start in the names of files. Errors: those of check_ignored_flags.
 Result<Settings> started_settings(const SettingsFlags& flags, const Settings& asked);
 
-// A recording that stands in for the camera is no snapshot of a scene. Errors: those of check_no_snapshot.
+// A recording that stands in for the camera has a name and is no snapshot of a scene. Errors: Invalid without
+// a name; those of check_no_snapshot.
 Result<void> check_replayed(const Settings::Camera& camera, Storage& storage);
 
 // The camera, cycle, outputs and lines. recording_flag: the verb's flag for the recording, "--record"; sinks:

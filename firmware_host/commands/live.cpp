@@ -75,8 +75,6 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
-  if (is_replayed(settings.camera.id) && replayed_file(settings.camera.id).empty())
-    return Error{ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv"};
   TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");

@@ -242,6 +242,18 @@ TEST_CASE("wrong exposures of a clip are put right by import, replay and live, o
   CHECK(photometric >= 16);
 }
 
+TEST_CASE("a camera replay: without a file is refused with what belongs there, by every verb of a camera") {
+  const std::string folder = sample::scratch_folder("replay_nothing");
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"live", "-o", folder + "/%06d.exr"},
+                                               {"record", "-o", folder + "/x.mkv"},
+                                               {"record", "-o", folder + "/x.mkv", "--pace", "realtime"},
+                                               {"calibrate", "delay"}}) {
+    std::vector<std::string> words = verb;
+    words.insert(words.end(), {"--camera", "replay:"});
+    check_refused(words, ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv");
+  }
+}
+
 TEST_CASE("a flag that a run would ignore is refused, and a file of settings that holds it is not") {
   const std::string folder = sample::scratch_folder("ignored_flags"), walk = folder + "/walk.mkv";
   require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
