@@ -146,6 +146,7 @@ Result<void> set(const SettingField& field, const SettingValue& given, std::stri
                         (wrong == text ? shown(given) : fmt::format("'{}'", wrong)) +
                             did_you_mean(wrong, field.knob != nullptr ? field.knob->choices : field.choices));
   }
+  if (field.type == SettingType::Times) TRY(parse_exposures(std::get<std::string>(*value), ""));
   field.write(settings, *value);
   return {};
 }

@@ -16,9 +16,9 @@ namespace hdrcam {
 
 // Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas. Knob: a value
 // for a knob of the method (online/knobs.h); "" keeps the preset's value. TimeOrOff: a time, or "off". Delay:
-// a time with a sign, or 0.
+// a time with a sign, or 0. Times: exposure times, joined by commas.
 // Gains: one of the words, or factors of R, G and B.
-enum class SettingType { Text, Whole, Real, Switch, Choice, Words, Knob, TimeOrOff, Delay, Gains };
+enum class SettingType { Text, Whole, Real, Switch, Choice, Words, Knob, TimeOrOff, Delay, Times, Gains };
 
 // A value as given or printed; choices and words are texts.
 using SettingValue = std::variant<std::string, int, double, bool>;
@@ -57,7 +57,8 @@ std::string to_text(const SettingValue& value);  // as a flag takes it
 // The parts of "a,b, c", without the blanks around them; none of "".
 std::vector<std::string> parts_of(std::string_view text);
 
-// Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is the field's name in the message. The first form
+// Error: Invalid, "NAME takes ACCEPTED, not VALUE"; `name` is the field's name in the message. Of Times what
+// is wrong with one of them, as parse_exposures says it. The first form
 // reads the value from a text, as a flag gives it; the second one also accepts a whole number for a number
 // and for a choice.
 Result<void> set_from_text(const SettingField& field, const std::string& text, std::string_view name,

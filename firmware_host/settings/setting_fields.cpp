@@ -67,6 +67,13 @@ SettingField number(const char* key, const char* flag, const char* about, Settin
   return field;
 }
 
+template <auto kGroup, auto kMember>
+SettingField times(const char* key, const char* flag, const char* about) {
+  SettingField field = list<kGroup, kMember>(key, flag, about);
+  field.type = SettingType::Times;
+  return field;
+}
+
 // A word of a setting and what it stands for.
 template <class T>
 using Meanings = std::vector<std::pair<const char*, T>>;
@@ -220,7 +227,7 @@ std::vector<SettingField> camera_fields() {
 std::vector<SettingField> schedule_fields() {
   using S = Settings::Schedule;
   return {
-      list<&Settings::schedule, &S::shutter>(
+      times<&Settings::schedule, &S::shutter>(
           "schedule.shutter", "--shutter", "the cycle of 1 to 4 exposure times, such as 250us, 4ms or 1/60"),
       list<&Settings::schedule, &S::gain>("schedule.gain", "--gain",
                                           "analogue gain of each exposure, or one for all",

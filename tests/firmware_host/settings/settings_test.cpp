@@ -72,6 +72,8 @@ std::string other_value(const SettingField& field) {
       return "33ms";
     case SettingType::Delay:
       return "-2ms";
+    case SettingType::Times:
+      return "250us, 1/60";
     case SettingType::Gains:
       return "2,1,1.5";
     case SettingType::Knob:
@@ -269,6 +271,20 @@ TEST_CASE("a value that a setting does not take is refused with what it takes") 
   CHECK(refused("[fit]\ndeadline = \"soon\"\n") ==
         "live.toml:2: fit.deadline takes a time such as 33ms, or off, not 'soon'");
   CHECK_THAT(refused("[fit]\ndeadline = 0.033\n"), Contains("a time such as 33ms, or off, not 0.033"));
+}
+
+TEST_CASE("an exposure time of a file that is none is refused with its line") {
+  const auto refused = [](const std::string& times) {
+    return sentence(from_toml("[camera]\nwidth = 64\n\n[schedule]\nshutter = " + times + "\n"));
+  };
+  CHECK(
+      refused("[\"1ms\", \"x\"]") ==
+      "live.toml:5: shutter times '1ms,x': 'x' is not a duration; write it like 4ms, 250us, 1/250 or 0.004s");
+  CHECK(refused("[0.001, 4]") ==
+        "live.toml:5: shutter times '0.001,4': the time '0.001' has no unit; write 0.001ms or 0.001s");
+  CHECK_THAT(refused("[]"), Contains("live.toml:5: shutter times ''"));
+  CHECK(sentence(from_flags({"--shutter", "1ms,4"})) ==
+        "shutter times '1ms,4': the time '4' has no unit; write 4ms or 4s");
 }
 
 TEST_CASE("the first mistake of a file is the one that is reported") {
