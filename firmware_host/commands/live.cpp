@@ -58,6 +58,7 @@ void warn_of_empty_outputs(const RunRecord& record, const Settings::Output& outp
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
+  TRY(check_lens_of_poses(around.storage, replayed_file(settings.camera.id), settings));
   const auto source = TRY(open_replayed(settings, flags.limits, contradiction, around));
   TRY(admit_fit(settings, source->camera()));
   Result<void> ended = run_on(

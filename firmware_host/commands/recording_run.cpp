@@ -10,9 +10,12 @@
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
+#include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/settings/start_time.h"
+#include "firmware_host/sinks/scene_files/posed_clip.h"
 #include "firmware_host/terminal.h"
 #include "hal/clock.h"
+#include "hal/recording/recording.h"
 
 namespace hdrcam {
 
@@ -38,6 +41,21 @@ Result<Settings> settings_on_recording(const SettingsFlags& flags, const Setting
 
 bool writes_outputs(const Settings::Output& output) {
   return std::ranges::any_of(output.paths, [](const auto& sink) { return !sink.second.empty(); });
+}
+
+Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings) {
+  if (!needs_of(settings.output).poses || options_of(settings, FieldUse::Fills).knobs.pose != PoseKind::Given)
+    return {};
+  const auto reader = TRY(open_recording(storage, recording, Damage::IsSkipped));
+  if (reader->camera().intrinsics) return {};
+  for (;;) {
+    const auto next = reader->next_facts();
+    if (!next || !next.value()) return {};  // what ends it is the run's to tell
+    const FrameFacts& facts = *next.value();
+    if ((facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) continue;  // kept out of the fit
+    return facts.T_world_camera ? check_lens(PoseSource::Given, true, fmt::format("'{}'", recording))
+                                : Result<void>();
+  }
 }
 
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use) {

@@ -25,6 +25,10 @@ Result<Settings> settings_on_recording(const SettingsFlags& flags, const Setting
 // Whether any output besides a recording is asked for.
 bool writes_outputs(const Settings::Output& output);
 
+// Before an output's folder is made and the fit begins: given poses that are to be written need their lens.
+// Errors: those of open_recording and check_lens.
+Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings);
+
 // Errors: Unsupported where the pictures need more memory than the settings allow.
 Result<void> admit_fit(const Settings& settings, const CameraFacts& clip, FieldUse use = FieldUse::Fills);
 

@@ -424,6 +424,18 @@ TEST_CASE("what cannot be exported is refused in a sentence that says what to do
           "frame 0 has none");
   refused({"replay", no_lens, "--preset", "fast", "--force", "-o", frames, "--transforms", transforms},
           "states no lens");
+  const std::string early = folder + "/early", of_no_lens = "'" + no_lens + "' has poses but states no lens";
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"replay", no_lens},
+                                               {"render", no_lens},
+                                               {"live", "--camera", "replay:" + no_lens}})
+    for (const std::vector<std::string>& file :
+         {std::vector<std::string>{"--transforms", early + "/t.json"}, {"--colmap", early + "/colmap"}}) {
+      std::vector<std::string> words = verb;
+      words.insert(words.end(), {"--preset", "fast", "-o", early + "/%06d.exr"});
+      words.insert(words.end(), file.begin(), file.end());
+      refused(words, of_no_lens.c_str());
+    }
+  CHECK_FALSE(fs::exists(early));  // before the fit, whose first frames would be there
   refused({"render", whole, "--stereo", "0.02", "--force", "-o", frames, "--colmap", out + "/colmap"},
           "--stereo");
   refused({"render", whole, "-o", folder + "/film/%06d.exr", "--flow-backward", out + "/%06d.flo"}, "a film");
