@@ -43,9 +43,12 @@ Result<std::vector<CostPoint>> chosen_points(std::vector<CostPoint> all,
   return points;
 }
 
-Result<void> bench_pareto(const BenchFlags& flags, const Settings& settings, Surroundings& around) {
-  if (!settings.machine.trace.empty())
+// The runs have outputs of their own: those of a file of settings are for other verbs.
+Result<void> bench_pareto(const BenchFlags& flags, const Settings& asked, Surroundings& around) {
+  if (!flags.settings->given({"machine.trace"}).empty())
     return Error{ErrorCode::Invalid, "--trace is of one run, and bench makes many; trace a replay"};
+  Settings settings = asked;
+  settings.machine.trace.clear();
   CostWalk plan = flags.walk;
   plan.points = TRY(chosen_points(cost_points(settings.fit), flags.points));
   const auto page = [&](const char* name) { return flags.output + "/" + name; };

@@ -62,7 +62,10 @@ TEST_CASE(
 TEST_CASE("hdrcam bench pareto measures the same whatever outputs a file of settings names") {
   synthetic_clip::TemporaryFolder work;
   REQUIRE(ran({"simulate", "walk?size=96x64", "--frames", "10", "--truth", work / "walk"}).exit_code == 0);
-  const std::string text = "[output]\nlayers = \"depth\"\nwhite_balance = \"2,1,1.5\"\n";
+  const std::string trace = work / "trace.json",
+                    text =
+                        "[output]\nlayers = \"depth\"\nwhite_balance = \"2,1,1.5\"\n[machine]\ntrace = \"" +
+                        trace + "\"\n";
   REQUIRE(write_whole(posix_storage(), work / "rig.toml", std::as_bytes(std::span(text))).ok());
   const auto psnr = [&](const char* folder, const std::vector<std::string>& more) {
     std::vector<std::string> words{"bench", "pareto", work / "walk", "-o", work / folder, "--point", "fast"};
@@ -75,6 +78,12 @@ TEST_CASE("hdrcam bench pareto measures the same whatever outputs a file of sett
   };
   const double plain = psnr("plain", {});
   CHECK(psnr("filed", {"--config", work / "rig.toml"}) == plain);
+  CHECK_FALSE(std::filesystem::exists(trace));
+  const std::string page = read_whole(posix_storage(), work / "filed/pareto.json").value();
+  CHECK(page.find("--trace") == std::string::npos);  // of the command that made it
+  const Ran flagged = ran({"bench", "pareto", work / "walk", "-o", work / "flagged", "--trace", trace});
+  CHECK(flagged.exit_code == exit_code_of(ErrorCode::Invalid));
+  CHECK(flagged.output.find("--trace is of one run") != std::string::npos);
 }
 
 TEST_CASE("hdrcam bench kernels measures each kernel and the ceilings, as a table and as JSON") {
