@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Sourced by what starts, does and lists jobs. What the result of a job depends on: a changed recording, program, flag
-# or file that a flag names, such as --config, makes the job new.
+# or file or folder that a flag names, such as --config or --truth, makes the job new.
 hdrcam=${HDRCAM:-hdrcam}
 command -v "$hdrcam" >/dev/null || { echo "there is no program '$hdrcam' here; set HDRCAM to it" >&2; exit 2; }
 
@@ -12,6 +12,8 @@ same_for_all() {
     printf '%s\n' "$word"
     for file in "$word" "${word#*=}"; do # x.toml, --config=x.toml
       [ ! -f "$file" ] || sha256sum <"$file"
+      # a folder may be large: its files by their names, sizes and times
+      [ ! -d "$file" ] || find -L "$(realpath -- "$file")" -type f -printf '%P %s %T@\n' | LC_ALL=C sort
     done
   done
 }

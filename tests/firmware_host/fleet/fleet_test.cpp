@@ -121,6 +121,27 @@ TEST_CASE("a changed file that a flag names makes each job of a fleet new") {
   }
 }
 
+TEST_CASE("a changed folder that a flag names makes each job of a fleet new") {
+  const Fleet fleet("fleet_truth");
+  const std::string clip = sample::scratch_folder("fleet_clip");
+  fs::create_directories(clip + "/gt");
+  std::ofstream(clip + "/gt/0.exr") << "true";
+  const auto changes = [&](const std::string& flag) {
+    INFO(flag);
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).text,
+               Contains("a.mkv: done earlier") && Contains("b.mkv: done earlier"));
+    std::ofstream(clip + "/gt/0.exr", std::ios::app) << " and more";
+    CHECK_THAT(fleet.summary().text, Contains(kOfAnother));
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).text, !Contains("done earlier"));
+    std::ofstream(clip + "/gt/" + fmt::format("{}.exr", fs::file_size(clip + "/gt/0.exr"))) << "another";
+    CHECK_THAT(fleet.run("--plain", "3 " + flag).text, !Contains("done earlier"));
+  };
+  for (const std::string& flag : {"--truth " + clip, "--truth=" + clip}) {
+    REQUIRE(fleet.run("--plain", "3 " + flag).exit_code == 0);
+    changes(flag);
+  }
+}
+
 TEST_CASE("a result without figures is in the table as such, stops no other row, and is done again") {
   const Fleet fleet("fleet_figures");
   REQUIRE(fleet.run("--plain", "3").exit_code == 0);
