@@ -1,9 +1,11 @@
 #include "firmware_host/run/pipeline_options.h"
 
+#include <fmt/format.h>
+
 #include <map>
 #include <string>
 
-#include "capture/exposure.h"
+#include "capture/exposure_schedule.h"
 #include "firmware_host/run/output_needs.h"
 
 namespace hdrcam {
@@ -60,6 +62,20 @@ PipelineOptions options_of(const Settings& settings, FieldUse use) {
   if (shows_field(settings, use)) make_seen(options.knobs, fit.knobs);
   if (needs.points && options.knobs.field_step == FieldStep::Auto) options.knobs.field_step = FieldStep::One;
   return options;
+}
+
+Result<void> check_readout(const Settings::Fit& fit, const CameraFacts& camera) {
+  constexpr double kAlmost = 1.001;  // of the interval, which is rounded
+  if (fit.readout.empty() || fit.readout == kOff || !(camera.framerate_hz > 0)) return {};
+  const Duration interval = from_seconds(1 / camera.framerate_hz),
+                 asked = parse_duration(fit.readout).value();
+  if (to_seconds(asked) <= kAlmost * to_seconds(interval)) return {};
+  const std::string longest = describe(rounded_down(interval));
+  return Error{
+      ErrorCode::Invalid,
+      fmt::format("--readout {} is longer than a frame, {} at {:.4g} frames per second, and rows are "
+                  "read out within one; give at most {}, or leave it out",
+                  fit.readout, longest, camera.framerate_hz, longest)};
 }
 
 FieldUse field_use(const Settings& settings, const PipelineOptions& options, FieldUse use) {

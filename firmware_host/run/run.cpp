@@ -287,6 +287,7 @@ Result<void> Run::conclude(Result<void> worked, Stopwatch wall) {
 Result<void> run_to_end(const RunPlan& plan, FrameSource& source, Storage& storage, SharedProgress& progress,
                         std::string& where) {
   TRY(check_needs(plan.settings));
+  TRY(check_readout(plan.settings.fit, source.camera()));
   const WhiteBalance wanted = parse_white_balance(plan.settings.output.white_balance).value();
   const std::optional<ChannelGains> balance = TRY(white_balance_gains(wanted, source.camera()));
   Run run(plan, balance, source, storage, progress);

@@ -183,6 +183,27 @@ TEST_CASE("a deadline that nothing can hold leaves out frames, each of them coun
   CHECK(all >= 58);  // the last frames come when the source has ended
 }
 
+TEST_CASE(
+    "rows that would be read out for longer than a frame are refused with the bound, before any frame") {
+  MemorySource source(9, {});
+  RunPlan with = plan();
+  with.settings.fit.readout = "40ms";
+  const Result<void> refused = run(with, source, posix_storage());
+  require_error(refused, ErrorCode::Invalid);
+  CHECK(
+      refused.error().message ==
+      "--readout 40ms is longer than a frame, 33.33 ms at 30 frames per second, and rows are read out within "
+      "one; give at most 33.33 ms, or leave it out");
+  CHECK(seen.sequences.empty());
+  CHECK_FALSE(seen.record);
+  for (const char* possible : {"33.33ms", "1/30", "12ms", "off", ""}) {
+    INFO(possible);
+    MemorySource another(9, {});
+    with.settings.fit.readout = possible;
+    require_done(run(with, another, posix_storage()));
+  }
+}
+
 TEST_CASE("a source that ends early is the reason, and what came before is emitted and concluded") {
   for (const int frames : {9, 1}) {
     MemorySource source(frames, Error{ErrorCode::Truncated, "cut"});
