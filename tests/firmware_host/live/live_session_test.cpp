@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <thread>
@@ -60,6 +61,15 @@ class Stand {
 void check_sums(const LiveCounters& counters) {
   CHECK(counters.captured() == counters.emitted + counters.dropped() + counters.in_fit);
   CHECK(counters.camera.captured == counters.camera.emitted + counters.camera.dropped());
+}
+
+TEST_CASE("the statistics say how many frames were taken too late for their pulses") {
+  LiveCounters counters;
+  counters.camera.pulses_forgotten = 3;
+  const std::vector<NamedValue> list = named(counters);
+  const auto forgotten = std::ranges::find(list, "camera.pulses_forgotten", &NamedValue::name);
+  REQUIRE(forgotten != list.end());
+  CHECK(forgotten->value == 3);
 }
 
 TEST_CASE(
