@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hal/core/image.h"
 #include "tests/support/numbers.h"
 
 #include <catch2/catch.hpp>
