@@ -124,6 +124,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   if (with_poses) TRY(write_poses(around.storage, options, posed));
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
+  if (const std::string behind = told_of_behind(*reader); !behind.empty()) remark("warning: {}\n", behind);
   say("{}: {}\n", options.folder, counted(frames, "frame"));
   return ended;
 }

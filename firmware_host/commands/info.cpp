@@ -29,6 +29,7 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
   if (TRY(is_scene_snapshot(around.storage, options.recording))) return show_snapshot(around, options);
   const auto summary = TRY(summarize(around.storage, options.recording));
   say("{}", options.json ? as_json(summary, options.recording) : as_table(summary, options.recording));
+  if (!summary.behind.empty()) remark("warning: {}\n", summary.behind);
   if (summary.end) return *summary.end;
   const LeftOut& left_out = summary.left_out;
   const std::string damage = left_out.sentence();

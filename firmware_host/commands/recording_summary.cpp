@@ -92,6 +92,7 @@ Result<RecordingSummary> summarize(Storage& storage, const std::string& path) {
   RecordingSummary summary;
   summary.camera = reader->camera();
   summary.codec = reader->codec();
+  summary.behind = told_of_behind(*reader);
   const auto file = TRY(storage.open(path));
   summary.bytes = TRY(file->size());
   std::vector<FrameFacts> frames;

@@ -29,6 +29,7 @@ struct RecordingSummary {
          longest_exposure_s = 0;  // products of time and gains, 0 where none is known
   ExposureCycle cycle;
   LeftOut left_out;          // frames that are there, but damaged
+  std::string behind;        // a sentence on another recording behind this one in the file; "": none
   std::optional<Error> end;  // why it ended early: Truncated; none where its end was reached
 };
 

@@ -63,6 +63,7 @@ Result<void> repair(const RepairOptions& options, const Settings& settings, Surr
   if (!saved.cut.empty()) remark("warning: {}\n", saved.cut);
   if (const std::string damage = reader->left_out().sentence(); !damage.empty())
     remark("warning: {}\n", damage);
+  if (const std::string behind = told_of_behind(*reader); !behind.empty()) remark("warning: {}\n", behind);
   say("{}: {}\n", options.output, counted(saved.frames, "frame"));
   return {};
 }

@@ -27,7 +27,8 @@ struct CloseDemuxer {
 struct Container {
   std::unique_ptr<StorageStream> stream;  // outlives the demuxer
   std::unique_ptr<AVFormatContext, CloseDemuxer> demuxer;
-  bool whole = false;  // finished, and not truncated since
+  bool whole = false;        // finished, and not truncated since
+  std::uint64_t behind = 0;  // bytes of another Matroska file that follows this one
 
   std::span<AVStream*> tracks() const { return {demuxer->streams, demuxer->nb_streams}; }
 };
@@ -35,28 +36,36 @@ struct Container {
 constexpr std::array<std::byte, 4> kEbmlMagic = {std::byte{0x1a}, std::byte{0x45}, std::byte{0xdf},
                                                  std::byte{0xa3}};
 
-// Whether finish() completed: the Segment, the second element of a Matroska file, then has a size,
-// and the file is that long. Element: identifier, size (first byte: its length in leading zeros),
-// content.
-Result<bool> is_whole(StorageFile& file) {
+// Where the recording ends if finish() completed, else nullopt: the Segment, the second element of a Matroska
+// file, then has a size, and the file is that long. Element: identifier, size (first byte: its length in
+// leading zeros), content.
+Result<std::optional<std::uint64_t>> end_of_whole(StorageFile& file) {
+  constexpr std::optional<std::uint64_t> kCut;
   const std::uint64_t file_size = TRY(file.size());
   std::array<std::byte, 64> head{};
   const std::size_t known = TRY(file.read_at(0, head));
   std::uint64_t at = 0;
-  for (const bool segment : {false, true}) {
+  for (int element = 0; element < 2; ++element) {
     at += 4;  // the identifiers of both elements have four bytes
-    if (at >= known) return false;
+    if (at >= known) return kCut;
     const int length = std::countl_zero(std::to_integer<std::uint8_t>(head[at])) + 1;
-    if (length > 8 || at + static_cast<std::uint64_t>(length) > known) return false;
+    if (length > 8 || at + static_cast<std::uint64_t>(length) > known) return kCut;
     std::uint64_t size = std::to_integer<std::uint64_t>(head[at]) & (0xffu >> length);
     for (int i = 1; i < length; ++i)
       size = size << 8 | std::to_integer<std::uint64_t>(head[at + static_cast<std::uint64_t>(i)]);
     at += static_cast<std::uint64_t>(length);
     const bool unknown = size == (std::uint64_t{1} << (7 * length)) - 1;
-    if (unknown || size > file_size || at + size > file_size) return false;
-    if (!segment) at += size;
+    if (unknown || size > file_size || at + size > file_size) return kCut;
+    at += size;
   }
-  return true;
+  return std::optional(at);
+}
+
+// The bytes of another Matroska file that begins there; 0 for none.
+Result<std::uint64_t> bytes_behind(StorageFile& file, std::uint64_t end) {
+  std::array<std::byte, kEbmlMagic.size()> head{};
+  const bool another = TRY(file.read_at(end, head)) == head.size() && head == kEbmlMagic;
+  return another ? TRY(file.size()) - end : 0;
 }
 
 constexpr const char* kImportMakesOne = "'hdrcam import' makes a recording of pictures, videos and clips";
@@ -74,7 +83,10 @@ Result<Container> open_container(Storage& storage, const std::string& path) {
     return Error{ErrorCode::NotRecording,
                  fmt::format("'{}' is not a recording: it is no Matroska file; {}", path, kImportMakesOne)};
 
-  container.whole = TRY(is_whole(container.stream->file()));
+  StorageFile& file = container.stream->file();
+  const std::optional<std::uint64_t> end = TRY(end_of_whole(file));
+  container.whole = end.has_value();
+  if (end) container.behind = TRY(bytes_behind(file, *end));
   AVFormatContext* demuxer = avformat_alloc_context();
   HDRCAM_CHECK(demuxer != nullptr);
   demuxer->pb = container.stream->context();
@@ -146,6 +158,7 @@ class MatroskaReader : public RecordingReader {
   Result<std::optional<RawFrame>> next(RawFrame room) override;
   Result<std::optional<FrameFacts>> next_facts() override { return advance(); }
   const LeftOut& left_out() const override { return left_out_; }
+  std::uint64_t bytes_behind() const override { return container_.behind; }
 
  private:
   // A frame with a valid checksum whose picture is in picture_; nullopt at the end.

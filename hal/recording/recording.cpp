@@ -12,6 +12,15 @@ std::string LeftOut::sentence() const {
                      count > places.size() ? " .." : "", reason);
 }
 
+std::string told_of_behind(const RecordingReader& reader) {
+  const std::uint64_t bytes = reader.bytes_behind();
+  if (bytes == 0) return "";
+  return fmt::format(
+      "another recording, of {0} bytes, follows this one in the file and is not read; 'tail -c {0} FILE > "
+      "other.mkv' takes it out",
+      bytes);
+}
+
 const LeftOut& RecordingReader::left_out() const {
   static const LeftOut none;
   return none;

@@ -64,7 +64,12 @@ class RecordingReader {
   virtual Result<std::optional<FrameFacts>> next_facts();
   // With Damage::IsSkipped, of the frames so far.
   virtual const LeftOut& left_out() const;
+  // Of another recording that was put behind a complete one, in the same file. It is not read.
+  virtual std::uint64_t bytes_behind() const { return 0; }
 };
+
+// "another recording, of 1234 bytes, follows this one in the file and is not read; .."; "" for none.
+std::string told_of_behind(const RecordingReader& reader);
 
 // how: Replace: the file gets its name when its first frame is whole; until then an earlier file stays.
 // Errors: Exists where a file exists that may not be replaced; Permission, also for a device or a FIFO;

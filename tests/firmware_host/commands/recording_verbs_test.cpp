@@ -1,13 +1,16 @@
 // import, export and info as the user calls them.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "capture/recording_stage.h"
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/recording_summary.h"
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/image_sequence.h"
 #include "tests/hal/recording/sample_recordings.h"
+#include "tests/support/ran_here.h"
 
 #include "tests/support/files.h"
 
@@ -263,6 +266,26 @@ TEST_CASE("repair writes the whole frames of a cut or damaged recording, each wi
     CHECK_FALSE(std::filesystem::exists(repaired));
   }
   CHECK(sample::unfinished_files_in(folder) == 0);
+}
+
+TEST_CASE("whoever reads a recording is warned of another one behind it in the file") {
+  const std::string folder = sample::scratch_folder("joined_verbs"), path = folder + "/x.mkv";
+  const CameraFacts camera = sample::camera(PixelLayout::Rgb, 8, 37, 23);
+  REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 5, 2)).ok());
+  write_file(path, text_of(path) + text_of(path));
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"info", path},
+                                                {"export", path, "-o", folder + "/out"},
+                                                {"repair", path, "-o", folder + "/y.mkv"}}) {
+    const test::RanHere run = test::ran_here(words);
+    INFO(words.front() << ": " << run.err);
+    CHECK(run.exit_code == 0);
+    CHECK(run.err.find("warning: another recording, of ") != std::string::npos);
+  }
+  CHECK(sample::replay(posix_storage(), folder + "/y.mkv").frames.size() == 5);
+  const auto stage = RecordingStage::open(posix_storage(), path, Contradiction::Warns).value();
+  CHECK(std::ranges::any_of(stage->warnings(), [](const std::string& warning) {
+    return warning.starts_with("another recording, of ");
+  }));
 }
 
 TEST_CASE("a recording is named .mkv, so that no other program takes it for what it is not") {

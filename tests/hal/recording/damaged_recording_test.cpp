@@ -298,6 +298,27 @@ TEST_CASE("frames of another recording that was put behind a cut one are none of
   CHECK(reader.value()->left_out().count == 2);
 }
 
+TEST_CASE("another recording behind a complete one is told of, and none of its frames is read") {
+  const Sample made = small_recording("joined"), other = small_recording("joined_other");
+  CHECK(open_recording(posix_storage(), made.path).value()->bytes_behind() == 0);
+  const std::string bytes = read_whole(posix_storage(), made.path).value();
+  write_file(made.path, bytes + read_whole(posix_storage(), other.path).value());
+  const auto replayed = sample::replay(posix_storage(), made.path);
+  CHECK_FALSE(replayed.error);
+  CHECK(replayed.frames.size() == made.frames.size());
+  CHECK(replayed.is_start_of(made.frames));
+  const auto reader = open_recording(posix_storage(), made.path).value();
+  CHECK(reader->bytes_behind() == other.bytes);
+  CHECK(told_of_behind(*reader) ==
+        fmt::format(
+            "another recording, of {0} bytes, follows this one in the file and is not read; 'tail -c {0} "
+            "FILE > other.mkv' takes it out",
+            other.bytes));
+
+  write_file(made.path, bytes + "whatever else");
+  CHECK(told_of_behind(*open_recording(posix_storage(), made.path).value()).empty());
+}
+
 TEST_CASE("a frame whose number or time runs backwards is damage, proved checksum or not") {
   const Sample made = small_recording("backwards");
   const Instant earlier = made.frames[1].facts.timestamp + Duration(-1);
