@@ -141,17 +141,32 @@ Result<void> import_clip(Surroundings& around, const ImportOptions& options, con
   return write_recording(around, options, settings, reader_of(std::move(clip)));
 }
 
-bool is_recording(Storage& storage, const std::string& file) {
-  return !is_still(file) && open_recording(storage, file).ok();
+// What a file that may be footage is as a recording: of a video or a picture none.
+struct AsRecording {
+  bool whole = false;                 // at least its first frame
+  std::optional<Error> damaged = {};  // why none can be read
+};
+AsRecording as_recording(Storage& storage, const std::string& file) {
+  constexpr std::uint64_t kLeastBytes = 4;  // that tell a Matroska file
+  if (is_still(file)) return {};
+  const auto opened = open_recording(storage, file);
+  if (opened) return {.whole = true};
+  const auto facts = storage.look_at(file);
+  const Error& error = opened.error();
+  if (!facts || facts.value().size_bytes < kLeastBytes) return {};
+  if (error.code != ErrorCode::Truncated && error.code != ErrorCode::Corrupt) return {};
+  return {.damaged = error};
 }
 
 // What makes one clip of a folder: its stills, or its videos but not the recordings that were made of them.
 Result<std::vector<std::string>> clip_in(Storage& storage, const std::string& folder) {
   std::vector<std::string> files = TRY(footage_in(folder));
   std::erase_if(files, [&](const std::string& file) {
-    const bool recording = is_recording(storage, file);
-    if (recording) remark("note: '{}' is a recording already and is left out\n", file);
-    return recording;
+    const AsRecording recording = as_recording(storage, file);
+    if (recording.whole) remark("note: '{}' is a recording already and is left out\n", file);
+    if (recording.damaged)
+      remark("warning: {}; this damaged recording is left out\n", recording.damaged->message);
+    return recording.whole || recording.damaged;
   });
   if (files.empty())
     return Error{ErrorCode::NotFound,
@@ -175,7 +190,11 @@ Result<std::vector<std::string>> footage_files(Storage& storage, const std::vect
                                "files",
                                file)};
     TRY(check_no_snapshot(storage, file));
-    if (is_recording(storage, file))
+    const AsRecording recording = as_recording(storage, file);
+    if (recording.damaged)
+      return Error{recording.damaged->code,
+                   fmt::format("{}; a damaged recording is no footage", recording.damaged->message)};
+    if (recording.whole)
       return Error{ErrorCode::Invalid,
                    fmt::format("'{}' is a recording already; use it as it is: hdrcam replay {}", file,
                                shell_word(file))};

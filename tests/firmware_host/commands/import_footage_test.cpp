@@ -309,6 +309,35 @@ TEST_CASE("a recording is no footage: in a folder it is left out, by its name it
   CHECK_THAT(sample::error_of(again).message, Contains("new.mkv' is a recording already"));
 }
 
+TEST_CASE("a recording that is cut or damaged before its first frame is called so, and is no footage") {
+  const std::string folder =
+      write_bracket("import_stub", std::vector<std::string>(9), std::vector<std::string>(9));
+  const std::string out = sample::scratch_folder("import_stub_out"), whole = out + "/whole.mkv",
+                    stub = folder + "/stub.mkv";
+  REQUIRE(import_verb(folder + " -o " + whole).ok());
+  const std::string bytes = read_whole(posix_storage(), whole).value();
+  const std::size_t first_frame = bytes.find("\x1f\x43\xb6\x75"), width = bytes.find("\"width\":");
+  REQUIRE(width < first_frame);
+  std::string other_width = bytes;
+  ++other_width[width + 8];
+  const std::pair<std::string, const char*> stubs[] = {
+      {bytes.substr(0, 40), "ends before its first frame"},
+      {bytes.substr(0, width), "ends before its first frame"},
+      {bytes.substr(0, first_frame + 20), "ends before its first frame"},
+      {other_width, "is damaged: the checksum of its camera facts does not hold"}};
+  for (const auto& [text, why] : stubs) {
+    std::ofstream(stub, std::ios::binary) << text;
+    const std::string reason = fmt::format("'{}' {}", stub, why);
+    INFO(text.size() << " bytes");
+    const test::Ran imported = test::ran({"import", folder, "-o", out + "/x.mkv", "--force"});
+    CHECK(imported.exit_code == 0);
+    CHECK_THAT(imported.output, Contains("warning: " + reason + "; this damaged recording is left out"));
+    check_labels(out + "/x.mkv", filmed(0, 9, {}));
+    CHECK(sample::error_of(import_verb(stub + " --shutter auto -o " + out + "/y.mkv")).message ==
+          reason + "; a damaged recording is no footage");
+  }
+}
+
 TEST_CASE("pictures and videos of one folder do not make one clip") {
   const std::string folder =
       write_bracket("import_mixed", std::vector<std::string>(9), std::vector<std::string>(9));
