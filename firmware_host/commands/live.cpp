@@ -58,7 +58,6 @@ void warn_of_empty_outputs(const RunRecord& record, const Settings::Output& outp
 // A recording in place of the camera, at the fit's pace: the same as `replay`, with the same bytes.
 Result<void> replay_as_camera(const LiveFlags& flags, const Settings& settings, Surroundings& around) {
   const auto contradiction = flags.strict ? Contradiction::Fails : Contradiction::Warns;
-  TRY(check_lens_of_poses(around.storage, replayed_file(settings.camera.id), settings));
   const auto source = TRY(open_replayed(settings, flags.limits, contradiction, around));
   TRY(admit_fit(settings, source->camera()));
   Result<void> ended = run_on(
@@ -76,6 +75,8 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
   const Settings settings = TRY(started_settings(*flags.settings, asked));
   TRY(check_strict(flags, settings.camera));
   TRY(check_needs(settings));
+  if (is_read_as_fast_as_asked(settings.camera))
+    TRY(check_lens_of_poses(around.storage, replayed_file(settings.camera.id), settings));
   TRY(check_camera_run(settings, "--record", sink_kinds(), flags.kept, around.storage));
   if (keeps_nothing(settings))
     remark("note: this run writes no files; give -o out/%06d.exr, -o out.mp4 or --record walk.mkv\n");

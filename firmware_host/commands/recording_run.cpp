@@ -46,11 +46,11 @@ bool writes_outputs(const Settings::Output& output) {
 Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings) {
   if (!needs_of(settings.output).poses || options_of(settings, FieldUse::Fills).knobs.pose != PoseKind::Given)
     return {};
-  const auto reader = TRY(open_recording(storage, recording, Damage::IsSkipped));
-  if (reader->camera().intrinsics) return {};
+  const auto reader = open_recording(storage, recording, Damage::IsSkipped);
+  if (!reader || reader.value()->camera().intrinsics) return {};  // why it does not open is the run's to tell
   for (;;) {
-    const auto next = reader->next_facts();
-    if (!next || !next.value()) return {};  // what ends it is the run's to tell
+    const auto next = reader.value()->next_facts();
+    if (!next || !next.value()) return {};  // as is what ends it
     const FrameFacts& facts = *next.value();
     if ((facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) continue;  // kept out of the fit
     return facts.T_world_camera ? check_lens(PoseSource::Given, true, fmt::format("'{}'", recording))

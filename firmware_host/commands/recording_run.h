@@ -26,7 +26,7 @@ Result<Settings> settings_on_recording(const SettingsFlags& flags, const Setting
 bool writes_outputs(const Settings::Output& output);
 
 // Before an output's folder is made and the fit begins: given poses that are to be written need their lens.
-// Errors: those of open_recording and check_lens.
+// Error: that of check_lens.
 Result<void> check_lens_of_poses(Storage& storage, const std::string& recording, const Settings& settings);
 
 // Errors: Unsupported where the pictures need more memory than the settings allow.

@@ -48,13 +48,13 @@ struct PictureFloor {
   double flicker_stops, phase_stops;  // at most
 };
 inline constexpr PictureFloor kPictureFloors[] = {
-    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.8, 37.1, 0.0625, 0.0045},
+    {"state", kWalk, Preset::Balanced, EmitLayer::State, leave, 39.8, 37.0, 0.0625, 0.0045},
     {"state, look-ahead 0", kWalk, Preset::Balanced, EmitLayer::State, no_look_ahead, 38.5, 35.3, 0.0795,
      0.008},
-    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.8, 37.5, 0.065,
+    {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.8, 37.35, 0.065,
      0.005},
     {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.25, 0.037, 0.003},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.7, 0.086, 0.0075},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.65, 0.086, 0.0075},
     {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.6, 37.5, 0.0685, 0.0065},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},

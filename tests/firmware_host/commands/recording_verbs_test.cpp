@@ -10,7 +10,7 @@
 #include "hal/fault/faulty_storage.h"
 #include "hal/recording/image_sequence.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/support/ran_here.h"
+#include "tests/support/ran.h"
 
 #include "tests/support/files.h"
 
@@ -276,10 +276,10 @@ TEST_CASE("whoever reads a recording is warned of another one behind it in the f
   for (const std::vector<std::string>& words : {std::vector<std::string>{"info", path},
                                                 {"export", path, "-o", folder + "/out"},
                                                 {"repair", path, "-o", folder + "/y.mkv"}}) {
-    const test::RanHere run = test::ran_here(words);
-    INFO(words.front() << ": " << run.err);
+    const test::Ran run = test::ran(words);
+    INFO(words.front());
     CHECK(run.exit_code == 0);
-    CHECK(run.err.find("warning: another recording, of ") != std::string::npos);
+    CHECK_THAT(run.output, Catch::Contains("warning: another recording, of "));
   }
   CHECK(sample::replay(posix_storage(), folder + "/y.mkv").frames.size() == 5);
   const auto stage = RecordingStage::open(posix_storage(), path, Contradiction::Warns).value();
