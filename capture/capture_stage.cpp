@@ -264,8 +264,8 @@ int CaptureStage::slot_for_light(const CapturedFrame& frame) const {
   const double log_exposure = frame.proof.label.log_value();
   const auto [shortest, longest] = adaptation_->ends();
   for (const std::size_t end : {shortest, longest}) {
-    const double of_end = log_product(schedule_.slot(static_cast<int>(end)).exposure);
-    if (std::abs(of_end - log_exposure) <= kSameExposure) return static_cast<int>(end);
+    const int slot = static_cast<int>(end);
+    if (same_exposure(log_product(schedule_.slot(slot).exposure), log_exposure)) return slot;
   }
   return frame.raw.facts.slot;
 }

@@ -2,6 +2,7 @@
 // writes them. The picture depends on the product E = time x gain. Value type, reentrant.
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,6 +30,7 @@ double log_product(const Exposure& exposure);
 // their uses differ.
 // Claims, labels and slots, each set or stated: rounding to lines and gain codes changes less.
 inline constexpr double kSameExposure = 0.05;
+inline bool same_exposure(double log_a, double log_b) { return std::abs(log_a - log_b) <= kSameExposure; }
 // A claim outside the cycle and an exposure of it, as far as pictures can tell: the interval of a measured
 // ratio reaches 0.1 to each side in a static scene, and more in others (photometry.h).
 inline constexpr double kSameToPictures = 0.15;

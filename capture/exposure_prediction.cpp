@@ -5,11 +5,6 @@
 #include <cstdlib>
 
 namespace hdrcam {
-namespace {
-
-bool same(double a, double b) { return std::abs(a - b) <= kSameExposure; }
-
-}  // namespace
 
 std::optional<ExposureClaim> ExposurePrediction::predict(const ControlHistory& history, std::uint64_t frame,
                                                          int shift) const {
@@ -45,7 +40,7 @@ const ControlHistory::Request* ExposurePrediction::shown(const ControlHistory& h
 bool ExposurePrediction::explains(const ControlHistory& history, int shift) const {
   return std::all_of(observations_.begin(), observations_.end(), [&](const Observation& observation) {
     const auto predicted = predict(history, observation.frame, shift);
-    return predicted && same(predicted->log_value(), observation.log_value);
+    return predicted && same_exposure(predicted->log_value(), observation.log_value);
   });
 }
 
@@ -56,9 +51,9 @@ void ExposurePrediction::learn(const ControlHistory& history, double log_value) 
   std::rotate(observations_.begin(), observations_.begin() + 1, observations_.end());
   observations_.back() = {history.newest_frame(), log_value};
   observation_count_ = std::min(observation_count_ + 1, kObservations);
-  const bool various =
-      std::any_of(observations_.begin(), observations_.end(),
-                  [&](const Observation& observation) { return !same(observation.log_value, log_value); });
+  const bool various = std::any_of(
+      observations_.begin(), observations_.end(),
+      [&](const Observation& observation) { return !same_exposure(observation.log_value, log_value); });
   if (observation_count_ < kObservations || !various || explains(history, shift_)) return;
   for (int distance = 1; distance <= kMaxShift; ++distance) {
     for (const int shift : {shift_ - distance, shift_ + distance}) {

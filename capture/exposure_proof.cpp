@@ -22,17 +22,15 @@ bool strobe_allows(Duration width, Duration exposure) {
 
 // The first claim that states `value`; null for none.
 const ExposureClaim* claim_saying(const FrameEvidence& evidence, double value) {
-  const auto found = std::ranges::find_if(evidence.claims, [&](const ExposureClaim& claim) {
-    return std::abs(claim.log_value() - value) <= kSameExposure;
-  });
+  const auto found = std::ranges::find_if(
+      evidence.claims, [&](const ExposureClaim& claim) { return same_exposure(claim.log_value(), value); });
   return found == evidence.claims.end() ? nullptr : found;
 }
 
 // The first of these exposures that is `value`; null for none.
 const Exposure* exposure_of(std::span<const Exposure> exposures, double value) {
-  const auto found = std::ranges::find_if(exposures, [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - value) <= kSameExposure;
-  });
+  const auto found = std::ranges::find_if(
+      exposures, [&](const Exposure& exposure) { return same_exposure(log_product(exposure), value); });
   return found == exposures.end() ? nullptr : &*found;
 }
 
@@ -215,9 +213,9 @@ Judgement ExposureProof::weigh(const FrameEvidence& evidence, const Explanations
   judgement.label = evidence.claims.front();
   const double claimed = judgement.label.log_value();
   const Votes votes = neighbours_on(claimed);
-  const bool claims_agree = std::all_of(
-      evidence.claims.begin() + 1, evidence.claims.end(),
-      [&](const ExposureClaim& other) { return std::abs(other.log_value() - claimed) <= kSameExposure; });
+  const bool claims_agree =
+      std::all_of(evidence.claims.begin() + 1, evidence.claims.end(),
+                  [&](const ExposureClaim& other) { return same_exposure(other.log_value(), claimed); });
 
   if (explanations.fits_nothing || (votes.against > 0 && votes.against >= votes.in_favour) ||
       another_explains_better(claimed, explanations)) {

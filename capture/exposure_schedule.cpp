@@ -49,7 +49,7 @@ Duration rounded_down(Duration longest) {
 
 Result<void> check_distinct(std::span<const Exposure> cycle) {
   const auto same = [&](const Exposure& exposure) {
-    return std::abs(log_product(exposure) - log_product(cycle.front())) <= kSameExposure;
+    return same_exposure(log_product(exposure), log_product(cycle.front()));
   };
   if (cycle.size() < 2 || !std::all_of(cycle.begin(), cycle.end(), same)) return {};
   return Error{

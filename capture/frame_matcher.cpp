@@ -141,7 +141,7 @@ void FrameMatcher::match_strobe(const StrobePulses::Pulse& pulse, MatchedFrame& 
 
 int FrameMatcher::slot_of(const ExposureClaim& label) const {
   const auto is_label = [value = label.log_value()](double log_value) {
-    return std::abs(log_value - value) <= kSameExposure;
+    return same_exposure(log_value, value);
   };
   const auto has_label = [&](int slot) { return is_label(log_product(schedule_.slot(slot).exposure)); };
   if (const auto& pulse = triggers_.last(); triggered_ && pulse->planned.slot < schedule_.slots())

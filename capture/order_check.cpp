@@ -16,14 +16,13 @@ bool goes_against(const CycleStep& step, double log_ratio) {
          std::abs(log_ratio) > kClearlySaid;
 }
 
-bool same(double a, double b) { return std::abs(a - b) <= kSameExposure; }
-
 }  // namespace
 
 bool OrderCheck::add(double from, double to, const CycleStep& step) {
   const bool against = goes_against(step, to - from);
-  auto found = std::ranges::find_if(
-      transitions_, [&](const Transition& seen) { return same(seen.from, from) && same(seen.to, to); });
+  auto found = std::ranges::find_if(transitions_, [&](const Transition& seen) {
+    return same_exposure(seen.from, from) && same_exposure(seen.to, to);
+  });
   if (found == transitions_.end()) {
     if (transitions_.size() == kMost) return against;
     transitions_.push_back({from, to});

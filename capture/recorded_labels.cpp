@@ -65,8 +65,7 @@ void RecordedLabels::learn_cycle(const FrameFacts& facts) {
   const Label label{facts.exposure_s, facts.analogue_gain, facts.digital_gain, facts.slot,
                     facts.exposure_source == ExposureSource::Estimated};
   const auto same = [](const Label& a) {
-    return
-        [value = a.log_value()](const Label& b) { return std::abs(value - b.log_value()) <= kSameExposure; };
+    return [value = a.log_value()](const Label& b) { return same_exposure(value, b.log_value()); };
   };
   if (recent_.size() == kRemembered) recent_.erase(recent_.begin());
   recent_.push_back(label);

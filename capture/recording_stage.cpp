@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -107,10 +108,7 @@ CaptureCounters RecordingStage::counters() const {
 
 std::vector<std::string> RecordingStage::warnings() const {
   std::vector<std::string> warnings = labels_.warnings();
-  if (std::string damage = recording_->left_out().sentence(); !damage.empty())
-    warnings.push_back(std::move(damage));
-  if (std::string behind = told_of_behind(*recording_); !behind.empty())
-    warnings.push_back(std::move(behind));
+  std::ranges::move(warnings_of(*recording_), std::back_inserter(warnings));
   // Contradicted exposures have their warning already, and a part of a cycle may be of equal ones.
   if (!exposures_differ_ && counters_.contradicted == 0 && with_exposure_ > ExposureSchedule::kMaxSlots)
     warnings.push_back(

@@ -48,9 +48,10 @@ void SecondLayer::begin(const ExposedFrame& first) {
   rested_ = false;
   ++world_;
   watch_.begin(first);
-  if (!field_) has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
-  poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
   const bool first_world = field_ == nullptr;
+  if (first_world)
+    has_poses_ = first.facts.T_world_camera.has_value();  // a unit of length for all of the run
+  poses_ = make_pose_prior(knobs_.pose, camera_, has_poses_, pool_);
   if (first_world && poses_->source() == PoseSource::Tracked && !camera_.intrinsics)
     warn_of_assumed_lens(camera_);
   DepthOptions depth = knobs_.depth;

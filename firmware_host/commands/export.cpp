@@ -122,9 +122,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   }
   TRY(clip.finish());
   if (with_poses) TRY(write_poses(around.storage, options, posed));
-  if (const std::string damage = reader->left_out().sentence(); !damage.empty())
-    remark("warning: {}\n", damage);
-  if (const std::string behind = told_of_behind(*reader); !behind.empty()) remark("warning: {}\n", behind);
+  for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);
   say("{}: {}\n", options.folder, counted(frames, "frame"));
   return ended;
 }

@@ -10,7 +10,7 @@
 #include "firmware_host/commands/trace_file.h"
 #include "firmware_host/run/memory_need.h"
 #include "firmware_host/run/output_needs.h"
-#include "firmware_host/run/pipeline_options.h"
+#include "firmware_host/run/pipeline.h"
 #include "firmware_host/settings/start_time.h"
 #include "firmware_host/sinks/scene_files/posed_clip.h"
 #include "firmware_host/terminal.h"
@@ -52,7 +52,7 @@ Result<void> check_lens_of_poses(Storage& storage, const std::string& recording,
     const auto next = reader.value()->next_facts();
     if (!next || !next.value()) return {};  // as is what ends it
     const FrameFacts& facts = *next.value();
-    if ((facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) continue;  // kept out of the fit
+    if (is_kept_out(facts)) continue;
     return facts.T_world_camera ? check_lens(PoseSource::Given, true, fmt::format("'{}'", recording))
                                 : Result<void>();
   }

@@ -61,9 +61,7 @@ Result<void> repair(const RepairOptions& options, const Settings& settings, Surr
     return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
   TRY(making.commit());
   if (!saved.cut.empty()) remark("warning: {}\n", saved.cut);
-  if (const std::string damage = reader->left_out().sentence(); !damage.empty())
-    remark("warning: {}\n", damage);
-  if (const std::string behind = told_of_behind(*reader); !behind.empty()) remark("warning: {}\n", behind);
+  for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);
   say("{}: {}\n", options.output, counted(saved.frames, "frame"));
   return {};
 }

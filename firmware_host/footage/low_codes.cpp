@@ -33,8 +33,7 @@ std::string LowCodes::warning() const {
   if (clipped.share < kManyAreClipped) return "";
   return fmt::format(
       "no code of 16 bits is above {}, and {:.2g} % of frame {} are at it: codes of {} bits in the lower "
-      "bits "
-      "of 16 look so, and come out nearly black; shift them up by {} (docs/recording.md, Bits)",
+      "bits of 16 look so, and come out nearly black; shift them up by {} (docs/recording.md, Bits)",
       brightest_, 100 * clipped.share, clipped.frame, bits, kBits - bits);
 }
 

@@ -57,7 +57,7 @@ Result<void> Pipeline::take(const RawFrame& raw, const FrameBudget& budget, cons
         ErrorCode::SizeChanged,
         fmt::format("frame {} is {}x{}, the clip is {}x{}; split the clip where its size changes",
                     raw.facts.sequence, raw.codes.cols(), raw.codes.rows(), camera_.width, camera_.height)};
-  if ((raw.facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0) {
+  if (is_kept_out(raw.facts)) {
     ++kept_out_;
     return {};
   }

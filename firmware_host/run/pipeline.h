@@ -19,6 +19,11 @@
 
 namespace hdrcam {
 
+// Whether a frame has no part in the fit: its exposure is not proved, or its pixels are damaged.
+inline bool is_kept_out(const FrameFacts& facts) {
+  return (facts.flags & (kFrameExposureUnproved | kFrameDamaged)) != 0;
+}
+
 class Pipeline {
  public:
   // An emitted frame, which the receiver may change, with its estimate. Valid during the call.

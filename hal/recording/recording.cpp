@@ -21,6 +21,12 @@ std::string told_of_behind(const RecordingReader& reader) {
       bytes);
 }
 
+std::vector<std::string> warnings_of(const RecordingReader& reader) {
+  std::vector<std::string> warnings{reader.left_out().sentence(), told_of_behind(reader)};
+  std::erase(warnings, "");
+  return warnings;
+}
+
 const LeftOut& RecordingReader::left_out() const {
   static const LeftOut none;
   return none;
