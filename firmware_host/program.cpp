@@ -29,7 +29,7 @@ namespace {
 struct ListedVerb {
   const char* group;
   const char* name;
-  void (*add)(CLI::App&, Verb&);
+  void (*add)(CommandLine, Verb&);
   const char* example;
 };
 constexpr ListedVerb kVerbs[] = {

@@ -1,6 +1,5 @@
 // hdrcam bench pareto CLIP..: what accuracy costs in time, on this machine. hdrcam bench kernels: how near
 // the method's kernels are to what this processor can do.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <span>
@@ -112,57 +111,52 @@ Result<void> bench_kernels(Surroundings& around, const KernelBenchFlags& flags) 
   return {};
 }
 
-void add_bench_kernels(CLI::App& bench, Verb& chosen) {
+void add_bench_kernels(CommandLine bench, Verb& chosen) {
   auto flags = std::make_shared<KernelBenchFlags>();
-  CLI::App* verb = bench.add_subcommand(
+  CommandLine verb = bench.add_verb(
       "kernels", "the rate of each kernel on one thread, beside what this processor can do, in one run");
-  verb->add_option("--width", flags->width, "of the pictures, px")
-      ->check(CLI::Range(64, 8192))
-      ->capture_default_str();
-  verb->add_option("--height", flags->height, "of the pictures, px")
-      ->check(CLI::Range(64, 8192))
-      ->capture_default_str();
-  verb->add_option("--seconds", flags->seconds, "for each kernel; the fastest fifth counts")
-      ->check([](const std::string& text) {
-        double seconds = 0;
-        const bool sound = CLI::detail::lexical_cast(text, seconds) && seconds >= 0.001 && seconds <= 60;
+  verb.add_option("--width", flags->width, "of the pictures, px").in_range(64, 8192).show_default();
+  verb.add_option("--height", flags->height, "of the pictures, px").in_range(64, 8192).show_default();
+  verb.add_option("--seconds", flags->seconds, "for each kernel; the fastest fifth counts")
+      .check([](const std::string& text) {
+        const auto seconds = real_number(text);
+        const bool sound = seconds && *seconds >= 0.001 && *seconds <= 60;
         return sound ? std::string() : fmt::format("takes seconds, 0.001 to 60, not '{}'", text);
       })
-      ->capture_default_str();
-  verb->add_option("--json", flags->json,
-                   "also write the figures to this file; -: print them instead of the table")
-      ->check(names_file);
-  flags->kept.add_without_force(*verb);
-  verb->callback(
+      .show_default();
+  verb.add_option("--json", flags->json,
+                  "also write the figures to this file; -: print them instead of the table")
+      .check(names_file);
+  flags->kept.add_without_force(verb);
+  verb.on_chosen(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return bench_kernels(around, *flags); }; });
 }
 
 }  // namespace
 
-void add_bench(CLI::App& app, Verb& chosen) {
+void add_bench(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<BenchFlags>();
-  CLI::App* bench = app.add_subcommand("bench", "measure what accuracy costs in time on this machine");
-  bench->require_subcommand(1);
-  add_bench_kernels(*bench, chosen);
-  CLI::App* verb = bench->add_subcommand(
+  CommandLine bench = program.add_verb("bench", "measure what accuracy costs in time on this machine");
+  bench.require_verb();
+  add_bench_kernels(bench, chosen);
+  CommandLine verb = bench.add_verb(
       "pareto", "walk the knobs over clips with ground truth: time, quality and flicker of each point");
-  verb->add_option("CLIP", flags->walk.clips, "folders with clip.json and gt/, as compare reads them")
-      ->required()
-      ->check(names_file);
-  verb->add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
-      ->required()
-      ->check(names_file);
-  verb->add_option("--point", flags->points,
-                   "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");
-  verb->add_option("--frames", flags->walk.frames, "frames to take of each clip [all]")
-      ->check(counts_frames());
-  verb->add_option("--repeats", flags->walk.repeats, "runs of each point; the fastest counts")
-      ->check(CLI::Range(1, 100))
-      ->capture_default_str();
-  flags->kept.add_to(*verb);
+  verb.add_option("CLIP", flags->walk.clips, "folders with clip.json and gt/, as compare reads them")
+      .required()
+      .check(names_file);
+  verb.add_option("-o,--output", flags->output, "folder for pareto.html, pareto.json and pareto.md")
+      .required()
+      .check(names_file);
+  verb.add_option("--point", flags->points,
+                  "only this point of the walk, such as fast or 'look-ahead 0'; may be repeated [all]");
+  verb.add_option("--frames", flags->walk.frames, "frames to take of each clip [all]").check(counts_frames());
+  verb.add_option("--repeats", flags->walk.repeats, "runs of each point; the fastest counts")
+      .in_range(1, 100)
+      .show_default();
+  flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine});
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, bench_pareto); });
+      verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Machine});
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, bench_pareto); });
 }
 
 }  // namespace hdrcam

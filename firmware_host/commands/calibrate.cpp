@@ -1,6 +1,5 @@
 // hdrcam calibrate delay --camera ID -o camera.toml: after how many frames the camera's controls act,
 // measured from its pictures.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 
@@ -131,17 +130,17 @@ Result<void> calibrate(const CalibrateFlags& flags, const Settings& settings, Su
 
 }  // namespace
 
-void add_calibrate(CLI::App& app, Verb& chosen) {
+void add_calibrate(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<CalibrateFlags>();
-  CLI::App* verb = app.add_subcommand("calibrate", "measure a camera's control delay from its pictures");
-  verb->add_option("what", flags->what,
-                   "delay: control latency, in frames from a request to the picture that shows it")
-      ->type_name("delay");
-  verb->add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
-      ->check(names_file);
-  flags->kept.add_to(*verb);
-  flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, calibrate); });
+  CommandLine verb = program.add_verb("calibrate", "measure a camera's control delay from its pictures");
+  verb.add_option("what", flags->what,
+                  "delay: control latency, in frames from a request to the picture that shows it")
+      .type_name("delay");
+  verb.add_option("-o,--output", flags->output, "configuration to write, for --config: camera.toml")
+      .check(names_file);
+  flags->kept.add_to(verb);
+  flags->settings = std::make_unique<SettingsFlags>(verb, kGroups);
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, calibrate); });
 }
 
 }  // namespace hdrcam

@@ -6,12 +6,9 @@
 #include <atomic>
 #include <functional>
 
+#include "firmware_host/command_line.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hdrcam {
 
@@ -24,21 +21,21 @@ struct Surroundings {
 
 using Verb = std::function<Result<void>(Surroundings&)>;
 
-void add_import(CLI::App& app, Verb& chosen);
-void add_export(CLI::App& app, Verb& chosen);
-void add_info(CLI::App& app, Verb& chosen);
-void add_repair(CLI::App& app, Verb& chosen);
-void add_replay(CLI::App& app, Verb& chosen);
-void add_render(CLI::App& app, Verb& chosen);
-void add_encode(CLI::App& app, Verb& chosen);
-void add_compare(CLI::App& app, Verb& chosen);
-void add_live(CLI::App& app, Verb& chosen);
-void add_record(CLI::App& app, Verb& chosen);
-void add_calibrate(CLI::App& app, Verb& chosen);
-void add_list(CLI::App& app, Verb& chosen);
-void add_simulate(CLI::App& app, Verb& chosen);
-void add_bench(CLI::App& app, Verb& chosen);
-void add_completion(CLI::App& app, Verb& chosen);
-void add_manual(CLI::App& app, Verb& chosen);
+void add_import(CommandLine program, Verb& chosen);
+void add_export(CommandLine program, Verb& chosen);
+void add_info(CommandLine program, Verb& chosen);
+void add_repair(CommandLine program, Verb& chosen);
+void add_replay(CommandLine program, Verb& chosen);
+void add_render(CommandLine program, Verb& chosen);
+void add_encode(CommandLine program, Verb& chosen);
+void add_compare(CommandLine program, Verb& chosen);
+void add_live(CommandLine program, Verb& chosen);
+void add_record(CommandLine program, Verb& chosen);
+void add_calibrate(CommandLine program, Verb& chosen);
+void add_list(CommandLine program, Verb& chosen);
+void add_simulate(CommandLine program, Verb& chosen);
+void add_bench(CommandLine program, Verb& chosen);
+void add_completion(CommandLine program, Verb& chosen);
+void add_manual(CommandLine program, Verb& chosen);
 
 }  // namespace hdrcam

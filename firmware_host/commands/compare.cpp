@@ -1,5 +1,4 @@
 // hdrcam compare CLIP OUT: scores a folder of HDR frames against a clip with ground truth.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -85,22 +84,21 @@ Result<void> compare(Surroundings& around, const CompareFlags& flags) {
 
 }  // namespace
 
-void add_compare(CLI::App& app, Verb& chosen) {
+void add_compare(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<CompareFlags>();
-  CLI::App* verb =
-      app.add_subcommand("compare", "score HDR frames against a clip with ground truth (docs/compare.md)");
-  verb->add_option("CLIP", flags->clip, "folder with clip.json and gt/")->required()->check(names_file);
-  verb->add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
-      ->required()
-      ->check(names_file);
-  verb->add_option("--json", flags->json,
-                   "also write the scores to this file; -: print them instead of the table")
-      ->check(names_file);
-  verb->add_option("--skip", flags->skip, "frames left out at either end of the clip")->capture_default_str();
-  verb->add_option("--label", flags->label,
-                   "name of the estimates in the table (default: the folder's name)");
-  flags->kept.add_without_force(*verb);
-  verb->callback(
+  CommandLine verb =
+      program.add_verb("compare", "score HDR frames against a clip with ground truth (docs/compare.md)");
+  verb.add_option("CLIP", flags->clip, "folder with clip.json and gt/").required().check(names_file);
+  verb.add_option("OUT", flags->estimates, "folder with the HDR frames, NNNN.exr by frame number")
+      .required()
+      .check(names_file);
+  verb.add_option("--json", flags->json,
+                  "also write the scores to this file; -: print them instead of the table")
+      .check(names_file);
+  verb.add_option("--skip", flags->skip, "frames left out at either end of the clip").show_default();
+  verb.add_option("--label", flags->label, "name of the estimates in the table (default: the folder's name)");
+  flags->kept.add_without_force(verb);
+  verb.on_chosen(
       [flags, &chosen] { chosen = [flags](Surroundings& around) { return compare(around, *flags); }; });
 }
 

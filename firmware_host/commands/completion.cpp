@@ -1,5 +1,4 @@
 // hdrcam completion SHELL: prints the completion of this command line for a shell.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
@@ -10,8 +9,8 @@
 namespace hdrcam {
 namespace {
 
-Result<void> print_completion(const CLI::App& app, const std::string& shell) {
-  const CommandTable table = command_table(app);
+Result<void> print_completion(CommandLine program, const std::string& shell) {
+  const CommandTable table = command_table(program);
   if (shell == "bash") return write_result(bash_completion(table)), Result<void>{};
   if (shell == "zsh") return write_result(zsh_completion(table)), Result<void>{};
   if (shell == "fish") return write_result(fish_completion(table)), Result<void>{};
@@ -21,14 +20,14 @@ Result<void> print_completion(const CLI::App& app, const std::string& shell) {
 
 }  // namespace
 
-void add_completion(CLI::App& app, Verb& chosen) {
+void add_completion(CommandLine program, Verb& chosen) {
   auto shell = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("completion", "print the completion of this command line for a shell");
-  verb->add_option("shell", *shell, "for bash: source <(hdrcam completion bash)")
-      ->type_name("bash|zsh|fish")
-      ->required();
-  verb->callback([shell, &app, &chosen] {
-    chosen = [shell, &app](Surroundings&) { return print_completion(app, *shell); };
+  CommandLine verb = program.add_verb("completion", "print the completion of this command line for a shell");
+  verb.add_option("shell", *shell, "for bash: source <(hdrcam completion bash)")
+      .type_name("bash|zsh|fish")
+      .required();
+  verb.on_chosen([shell, program, &chosen] {
+    chosen = [shell, program](Surroundings&) { return print_completion(program, *shell); };
   });
 }
 

@@ -1,5 +1,4 @@
 // hdrcam encode out/%06d.exr -o x.mp4: HDR frames that exist become a video.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -172,19 +171,19 @@ Result<void> encode(const EncodeFlags& flags, const Settings& settings, Surround
 
 }  // namespace
 
-void add_encode(CLI::App& app, Verb& chosen) {
+void add_encode(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<EncodeFlags>();
-  CLI::App* verb = app.add_subcommand("encode", "turn HDR frames that exist into a video");
-  verb->add_option("frames", flags->frames, "the OpenEXR files, numbered: out/%06d.exr")->required();
-  flags->kept.add_to(*verb);
+  CommandLine verb = program.add_verb("encode", "turn HDR frames that exist into a video");
+  verb.add_option("frames", flags->frames, "the OpenEXR files, numbered: out/%06d.exr").required();
+  flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",
-                                      "video.white", "video.peak", "video.crf", "video.pipe_format"});
-  verb->get_option("--output")->description("the video: out.mp4 (.mov, .mkv); or -, the standard output");
-  verb->get_option("--framerate")
-      ->description("frames per second of files that state no time (0.1..1000; 0: as they state it, or 30)")
-      ->group(title(SettingGroup::Output));
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, encode); });
+      verb, std::vector<std::string>{"output.frames", "camera.framerate", "video.transfer", "video.codec",
+                                     "video.white", "video.peak", "video.crf", "video.pipe_format"});
+  verb.flag("--output").describe("the video: out.mp4 (.mov, .mkv); or -, the standard output");
+  verb.flag("--framerate")
+      .describe("frames per second of files that state no time (0.1..1000; 0: as they state it, or 30)")
+      .group(title(SettingGroup::Output));
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, encode); });
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,5 @@
 // hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same; with the
 // poses that it states, in the files of reconstruction tools too.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <span>
@@ -129,19 +128,19 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
 
 }  // namespace
 
-void add_export(CLI::App& app, Verb& chosen) {
+void add_export(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* verb = app.add_subcommand("export", "turn a recording into a folder of images with a clip.json");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
-  verb->add_option("-o,--output", options->folder, "the folder to write")->required()->check(names_file);
-  verb->add_flag("--transforms", options->transforms,
-                 "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
-  verb->add_flag("--colmap", options->colmap,
-                 "the recording's poses as a COLMAP text model in colmap/ of that folder, without points");
-  verb->add_flag("--strict", options->strict, "fail where the recording is cut or damaged");
-  options->kept.add_to(*verb);
-  options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
-  verb->callback([options, &chosen] { chosen = with_settings(options, export_recording); });
+  CommandLine verb = program.add_verb("export", "turn a recording into a folder of images with a clip.json");
+  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_file);
+  verb.add_option("-o,--output", options->folder, "the folder to write").required().check(names_file);
+  verb.add_switch("--transforms", options->transforms,
+                  "the recording's poses as transforms.json in that folder, for nerfstudio and instant-ngp");
+  verb.add_switch("--colmap", options->colmap,
+                  "the recording's poses as a COLMAP text model in colmap/ of that folder, without points");
+  verb.add_switch("--strict", options->strict, "fail where the recording is cut or damaged");
+  options->kept.add_to(verb);
+  options->settings = std::make_unique<SettingsFlags>(verb, std::vector<std::string>{"machine.memory_mib"});
+  verb.on_chosen([options, &chosen] { chosen = with_settings(options, export_recording); });
 }
 
 }  // namespace hdrcam

@@ -1,6 +1,5 @@
 // hdrcam import FOOTAGE -o x.mkv: videos, pictures, or a folder of images with its clip.json become a
 // recording.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -239,9 +238,10 @@ Result<void> import_footage(Surroundings& around, const ImportOptions& options, 
 
 // What --framerate takes: "" for a rate that a recording can have, else a clause that says so.
 std::string takes_framerate(const std::string& text) {
+  const auto rate_hz = real_number(text);
+  if (!rate_hz) return fmt::format("takes frames per second, such as 30, not '{}'", text);
   CameraFacts camera;
-  if (!CLI::detail::lexical_cast(text, camera.framerate_hz))
-    return fmt::format("takes frames per second, such as 30, not '{}'", text);
+  camera.framerate_hz = *rate_hz;
   return objection_to(camera).value_or("");
 }
 
@@ -272,36 +272,36 @@ Result<void> import_any(const ImportOptions& options, const Settings& settings, 
 
 }  // namespace
 
-void add_import(CLI::App& app, Verb& chosen) {
+void add_import(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<ImportOptions>();
-  CLI::App* verb = app.add_subcommand("import", "turn videos or pictures of another camera into a recording");
+  CommandLine verb = program.add_verb("import", "turn videos or pictures of another camera into a recording");
   FootageRequest& footage = options->footage;
-  verb->add_option(
+  verb.add_option(
           "footage", footage.files,
           "videos and pictures, or a folder of them; with a clip.json that says each exposure, it or its "
           "folder")
-      ->required()
-      ->check(names_file);
-  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")->check(names_file);
-  verb->add_option(
+      .required()
+      .check(names_file);
+  verb.add_option("-o,--output", options->output, "the recording to write (.mkv)").check(names_file);
+  verb.add_option(
       "--shutter", footage.shutter,
       "the cycle of 1 to 4 exposure times, such as 1ms,4ms,16ms; auto: estimated from the pictures, "
       "relative [as EXIF states them]");
-  verb->add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
-  verb->add_option(
+  verb.add_option("--gain", footage.gain, "gain of each exposure, or one for all [1]");
+  verb.add_option(
           "--framerate", footage.framerate_hz,
           "frames per second of stills [when EXIF says they were taken, else 30] and of a video without "
           "times [as it states]")
-      ->check(takes_framerate);
-  verb->add_flag("--list", options->list, "say what would be imported, and write nothing");
-  verb->add_flag("--strict", options->strict,
-                 "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
-  verb->add_flag("--allow-outside", options->allow_outside,
-                 "also read images that the clip.json names outside its own folder");
-  options->kept.add_to(*verb);
+      .check(takes_framerate);
+  verb.add_switch("--list", options->list, "say what would be imported, and write nothing");
+  verb.add_switch("--strict", options->strict,
+                  "fail where the pictures contradict an exposure, instead of relabelling or flagging it");
+  verb.add_switch("--allow-outside", options->allow_outside,
+                  "also read images that the clip.json names outside its own folder");
+  options->kept.add_to(verb);
   options->settings =
-      std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"record.codec", "machine.memory_mib"});
-  verb->callback([options, &chosen] { chosen = with_settings(options, import_any); });
+      std::make_unique<SettingsFlags>(verb, std::vector<std::string>{"record.codec", "machine.memory_mib"});
+  verb.on_chosen([options, &chosen] { chosen = with_settings(options, import_any); });
 }
 
 }  // namespace hdrcam

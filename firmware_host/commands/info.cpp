@@ -1,6 +1,5 @@
 // hdrcam info x.mkv: shows the content of a recording, or of a saved scene, and whether it is complete; if
 // not, it ends with an error.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "firmware_host/commands/command.h"
@@ -42,16 +41,15 @@ Result<void> show(Surroundings& around, const InfoOptions& options) {
 
 }  // namespace
 
-void add_info(CLI::App& app, Verb& chosen) {
+void add_info(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* verb = app.add_subcommand(
+  CommandLine verb = program.add_verb(
       "info", "show the content of a recording, or of a saved scene, and whether it is complete");
-  verb->add_option("recording", options->recording,
-                   "the recording (.mkv), or the scene that --snapshot saved")
-      ->required()
-      ->check(names_file);
-  verb->add_flag("--json", options->json, "as JSON, for programs");
-  verb->callback(
+  verb.add_option("recording", options->recording, "the recording (.mkv), or the scene that --snapshot saved")
+      .required()
+      .check(names_file);
+  verb.add_switch("--json", options->json, "as JSON, for programs");
+  verb.on_chosen(
       [options, &chosen] { chosen = [options](Surroundings& around) { return show(around, *options); }; });
 }
 

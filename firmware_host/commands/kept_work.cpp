@@ -1,6 +1,5 @@
 #include "firmware_host/commands/kept_work.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string_view>
 
@@ -13,12 +12,12 @@
 
 namespace hdrcam {
 
-void KeptWork::add_to(CLI::App& verb) {
+void KeptWork::add_to(CommandLine verb) {
   add_without_force(verb);
-  verb.add_flag("--force", force_, "replace outputs of an earlier run");
+  verb.add_switch("--force", force_, "replace outputs of an earlier run");
 }
 
-void KeptWork::add_without_force(CLI::App& verb) { verb_ = &verb; }
+void KeptWork::add_without_force(CommandLine verb) { verb_ = verb; }
 
 Result<void> KeptWork::check(Storage& storage, const std::vector<NamedInput>& inputs,
                              const std::vector<NamedOutput>& outputs) const {
@@ -57,12 +56,8 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
   return outputs;
 }
 
-std::vector<NamedInput> configuration_of(const CLI::App& verb) {
-  for (const CLI::App* place = &verb; place != nullptr;
-       place = place->get_parent())  // "bench", then "kernels"
-    if (const CLI::Option* config = place->get_option_no_throw("--config");
-        config != nullptr && config->count() > 0)
-      return {{"the configuration", config->as<std::string>()}};
+std::vector<NamedInput> configuration_of(CommandLine verb) {
+  if (const auto file = verb.given("--config")) return {{"the configuration", *file}};
   return {};
 }
 

@@ -3,24 +3,22 @@
 // Thread-bound.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/settings/settings.h"
 #include "firmware_host/sinks/output_guard.h"
 #include "firmware_host/sinks/sink_table.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hdrcam {
 
 class KeptWork {
  public:
-  void add_to(CLI::App& verb);             // --force; the verb outlives this
-  void add_without_force(CLI::App& verb);  // for a verb whose outputs every run replaces
+  void add_to(CommandLine verb);             // --force; the verb outlives this
+  void add_without_force(CommandLine verb);  // for a verb whose outputs every run replaces
   bool replaces() const { return force_; }
 
   // Also makes the folders of the outputs. Errors: those of check_outputs and of make_room_for.
@@ -28,7 +26,7 @@ class KeptWork {
                      const std::vector<NamedOutput>& outputs) const;
 
  private:
-  const CLI::App* verb_ = nullptr;
+  std::optional<CommandLine> verb_;
   bool force_ = false;
 };
 
@@ -36,7 +34,7 @@ class KeptWork {
 // by the same settings is none.
 std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const SinkKind> sinks);
 // The file of --config; empty where there is none.
-std::vector<NamedInput> configuration_of(const CLI::App& verb);
+std::vector<NamedInput> configuration_of(CommandLine verb);
 // The files of a clip with ground truth: its clip.json, its pictures and its truth.
 std::vector<NamedInput> files_of_clip(const std::string& folder);
 // The recording that a camera "replay:FILE" reads; empty for any other camera.

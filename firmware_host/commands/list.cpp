@@ -1,7 +1,6 @@
 // hdrcam list: shows the devices, their capabilities and what is missing for each.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -63,12 +62,12 @@ void print_json(const std::vector<FoundDevice>& devices) {
 
 }  // namespace
 
-void add_list(CLI::App& app, Verb& chosen) {
+void add_list(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<ListFlags>();
-  CLI::App* verb = app.add_subcommand("list", "show cameras and sync lines, and what is missing for each");
-  verb->add_flag("--json", flags->json, "as JSON, for programs");
-  verb->add_flag("--verbose", flags->verbose, "show libcamera's log");
-  verb->callback([flags, &chosen] {
+  CommandLine verb = program.add_verb("list", "show cameras and sync lines, and what is missing for each");
+  verb.add_switch("--json", flags->json, "as JSON, for programs");
+  verb.add_switch("--verbose", flags->verbose, "show libcamera's log");
+  verb.on_chosen([flags, &chosen] {
     chosen = [flags](Surroundings&) -> Result<void> {
       if (flags->verbose) show_libcamera_log();
       const auto devices = list_devices();

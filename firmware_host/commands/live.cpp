@@ -1,5 +1,4 @@
 // hdrcam live --camera ID -o out/%06d.exr: turns a camera's frames into HDR frames as they arrive.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -109,19 +108,19 @@ Result<void> live(const LiveFlags& flags, const Settings& asked, Surroundings& a
 
 }  // namespace
 
-void add_live(CLI::App& app, Verb& chosen) {
+void add_live(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<LiveFlags>();
-  CLI::App* verb = app.add_subcommand("live", "turn a camera's frames into HDR frames as they arrive");
-  flags->limits.add_to(*verb);
-  verb->add_flag(
+  CommandLine verb = program.add_verb("live", "turn a camera's frames into HDR frames as they arrive");
+  flags->limits.add_to(verb);
+  verb.add_switch(
       "--strict", flags->strict,
       "fail where the pictures of replay:FILE contradict an exposure, instead of relabelling or flagging it");
-  flags->kept.add_to(*verb);
+  flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
-                                       SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                       SettingGroup::Record, SettingGroup::Machine});
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, live); });
+      verb, std::vector<SettingGroup>{SettingGroup::Camera, SettingGroup::Schedule, SettingGroup::Sync,
+                                      SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                      SettingGroup::Record, SettingGroup::Machine});
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, live); });
 }
 
 }  // namespace hdrcam

@@ -1,5 +1,4 @@
 // hdrcam manual -o FOLDER: writes the manual pages of the program and of its verbs.
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,16 +10,16 @@
 
 namespace hdrcam {
 
-void add_manual(CLI::App& app, Verb& chosen) {
+void add_manual(CommandLine program, Verb& chosen) {
   auto folder = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("manual", "write the manual pages, for an installation");
-  verb->add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
-      ->required()
-      ->check(names_file);
-  verb->callback([folder, &app, &chosen] {
-    chosen = [folder, &app](Surroundings& around) -> Result<void> {
+  CommandLine verb = program.add_verb("manual", "write the manual pages, for an installation");
+  verb.add_option("-o,--output", *folder, "the folder: hdrcam.1, and hdrcam-VERB.1 for each verb")
+      .required()
+      .check(names_file);
+  verb.on_chosen([folder, program, &chosen] {
+    chosen = [folder, program](Surroundings& around) -> Result<void> {
       TRY(around.storage.make_directories(*folder));
-      for (const ManualPage& page : manual_pages(command_table(app)))
+      for (const ManualPage& page : manual_pages(command_table(program)))
         TRY(write_whole(around.storage, *folder + "/" + page.name, std::as_bytes(std::span(page.roff))));
       return {};
     };

@@ -1,6 +1,5 @@
 // hdrcam record --camera ID -o walk.mkv: records every frame of a camera, raw, with the verdict on its
 // exposure.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
@@ -72,14 +71,14 @@ Result<void> record_frames(const RecordFlags& flags, const Settings& asked, Surr
 
 }  // namespace
 
-void add_record(CLI::App& app, Verb& chosen) {
+void add_record(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<RecordFlags>();
-  CLI::App* verb =
-      app.add_subcommand("record", "record a camera's frames, raw, each with its proved exposure");
-  flags->limits.add_to(*verb);
-  flags->kept.add_to(*verb);
-  flags->settings = std::make_unique<SettingsFlags>(*verb, kGroups);
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, record_frames); });
+  CommandLine verb =
+      program.add_verb("record", "record a camera's frames, raw, each with its proved exposure");
+  flags->limits.add_to(verb);
+  flags->kept.add_to(verb);
+  flags->settings = std::make_unique<SettingsFlags>(verb, kGroups);
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, record_frames); });
 }
 
 }  // namespace hdrcam

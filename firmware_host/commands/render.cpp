@@ -1,6 +1,5 @@
 // hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording, or one that a run saved,
 // from another view, at another time, with another shutter or exposure.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <span>
@@ -218,69 +217,69 @@ Result<void> render(const RenderFlags& flags, const Settings& given, Surrounding
   return ended;
 }
 
-void add_view_flags(CLI::App& verb, FilmOptions& options) {
+void add_view_flags(CommandLine verb, FilmOptions& options) {
   constexpr const char* kGroup = "View";
   verb.add_option(
           "--view", options.view,
           "where the camera stands, as the recorded one sees it: dx,dy,dz to the right, down and forward "
           "(in metres where the recording has poses, else 1 is the median depth of its first frame), then "
           "perhaps yaw,pitch,roll in degrees, to the right, up and clockwise: 0.1,0,0 or 0.1,0,0,-5,0,0")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option(
           "--path", options.path,
           "a file that moves the camera: CSV or JSON with time_s,dx,dy,dz,yaw,pitch,roll, time_s of the film")
-      ->check(names_file)
-      ->group(kGroup);
+      .check(names_file)
+      .group(kGroup);
   verb.add_option(
           "--time", options.time,
           "freeze this moment, seconds from the recording's first frame: 0.5, or end; or show this part: "
           "0.2..0.8")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option("--speed", options.speed,
                   "seconds of the recording in a second of the film: 0.25 is slow motion [1]")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option("--framerate", options.framerate_hz, "frames per second of the film [the recording's]")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option("--shutter-angle", options.shutter_deg,
                   "motion blur put back: the exposure, in degrees of 360 of a film frame's time [0: sharp]")
-      ->group(kGroup);
-  verb.add_flag("--ldr", options.ldr,
-                "8-bit pictures as the camera would have taken them, by its estimated response")
-      ->group(kGroup);
+      .group(kGroup);
+  verb.add_switch("--ldr", options.ldr,
+                  "8-bit pictures as the camera would have taken them, by its estimated response")
+      .group(kGroup);
   verb.add_option("--exposure", options.exposure,
                   "of the 8-bit pictures, at a gain of 1: 4ms, 1/250; sets --ldr [the reference exposure]")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option("--size", options.size,
                   "pixels: 1280x720; the scene is cropped to fill it [the recording's]")
-      ->group(kGroup);
+      .group(kGroup);
   verb.add_option("--stereo", options.stereo,
                   "two pictures side by side, left and right, this far apart: 63mm where the recording has "
                   "poses, else "
                   "0.02")
-      ->group(kGroup);
-  verb.add_flag("--stabilize", options.stabilize, "take the shake out of the recorded camera's path")
-      ->group(kGroup);
+      .group(kGroup);
+  verb.add_switch("--stabilize", options.stabilize, "take the shake out of the recorded camera's path")
+      .group(kGroup);
 }
 
 }  // namespace
 
-void add_render(CLI::App& app, Verb& chosen) {
+void add_render(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<RenderFlags>();
-  CLI::App* verb =
-      app.add_subcommand("render", "show a recording's scene from any view, at any time and exposure");
-  verb->add_option("recording", flags->recording,
-                   "the recording (docs/recording.md), or a scene that --snapshot of replay or live "
-                   "saved (docs/snapshot.md)")
-      ->check(names_file);
-  add_view_flags(*verb, flags->options);
-  flags->kept.add_to(*verb);
+  CommandLine verb =
+      program.add_verb("render", "show a recording's scene from any view, at any time and exposure");
+  verb.add_option("recording", flags->recording,
+                  "the recording (docs/recording.md), or a scene that --snapshot of replay or live "
+                  "saved (docs/snapshot.md)")
+      .check(names_file);
+  add_view_flags(verb, flags->options);
+  flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb,
+      verb,
       std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
                                 SettingGroup::Machine},
       // all frames of a film count, and it shows a scene but fits none of its own
       std::vector<std::string>{"fit.deadline", "output.snapshot"});
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, render); });
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, render); });
 }
 
 }  // namespace hdrcam

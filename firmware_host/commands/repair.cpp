@@ -1,6 +1,5 @@
 // hdrcam repair in.mkv -o out.mkv: the whole frames of a recording that was cut or damaged, as a recording
 // that is complete.
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "firmware_host/commands/command.h"
@@ -68,17 +67,17 @@ Result<void> repair(const RepairOptions& options, const Settings& settings, Surr
 
 }  // namespace
 
-void add_repair(CLI::App& app, Verb& chosen) {
+void add_repair(CommandLine program, Verb& chosen) {
   auto options = std::make_shared<RepairOptions>();
-  CLI::App* verb =
-      app.add_subcommand("repair", "write the whole frames of a cut or damaged recording as a complete one");
-  verb->add_option("recording", options->recording, "the recording (.mkv)")->required()->check(names_file);
-  verb->add_option("-o,--output", options->output, "the recording to write (.mkv)")
-      ->required()
-      ->check(names_file);
-  options->kept.add_to(*verb);
-  options->settings = std::make_unique<SettingsFlags>(*verb, std::vector<std::string>{"machine.memory_mib"});
-  verb->callback([options, &chosen] { chosen = with_settings(options, repair); });
+  CommandLine verb =
+      program.add_verb("repair", "write the whole frames of a cut or damaged recording as a complete one");
+  verb.add_option("recording", options->recording, "the recording (.mkv)").required().check(names_file);
+  verb.add_option("-o,--output", options->output, "the recording to write (.mkv)")
+      .required()
+      .check(names_file);
+  options->kept.add_to(verb);
+  options->settings = std::make_unique<SettingsFlags>(verb, std::vector<std::string>{"machine.memory_mib"});
+  verb.on_chosen([options, &chosen] { chosen = with_settings(options, repair); });
 }
 
 }  // namespace hdrcam

@@ -1,5 +1,4 @@
 // hdrcam replay RECORDING -o out/%06d.exr: turns a recording into HDR frames.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -78,24 +77,24 @@ Result<void> replay(const ReplayFlags& flags, const Settings& asked, Surrounding
 
 }  // namespace
 
-void add_replay(CLI::App& app, Verb& chosen) {
+void add_replay(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<ReplayFlags>();
-  CLI::App* verb = app.add_subcommand("replay", "turn a recording into HDR frames");
-  verb->add_option("recording", flags->recording, "the recording (docs/recording.md)")->check(names_file);
-  verb->add_option("--frames", flags->frames, "frames to take [all]")->check(counts_frames());
-  verb->add_option("--truth", flags->truth,
-                   "a clip with ground truth: scores in the report, and the field's views from the clip's "
-                   "other cameras beside the frames, in novel/")
-      ->check(names_file);
-  verb->add_flag(
+  CommandLine verb = program.add_verb("replay", "turn a recording into HDR frames");
+  verb.add_option("recording", flags->recording, "the recording (docs/recording.md)").check(names_file);
+  verb.add_option("--frames", flags->frames, "frames to take [all]").check(counts_frames());
+  verb.add_option("--truth", flags->truth,
+                  "a clip with ground truth: scores in the report, and the field's views from the clip's "
+                  "other cameras beside the frames, in novel/")
+      .check(names_file);
+  verb.add_switch(
       "--strict", flags->strict,
       "fail at a damaged frame and where pictures contradict an exposure, instead of going on with a "
       "warning");
-  flags->kept.add_to(*verb);
+  flags->kept.add_to(verb);
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
-                                       SettingGroup::Machine});
-  verb->callback([flags, &chosen] { chosen = with_settings(flags, replay); });
+      verb, std::vector<SettingGroup>{SettingGroup::Fit, SettingGroup::Knobs, SettingGroup::Output,
+                                      SettingGroup::Machine});
+  verb.on_chosen([flags, &chosen] { chosen = with_settings(flags, replay); });
 }
 
 }  // namespace hdrcam

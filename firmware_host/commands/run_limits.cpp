@@ -1,7 +1,5 @@
 #include "firmware_host/commands/run_limits.h"
 
-#include <CLI/CLI.hpp>
-
 #include "firmware_host/settings/seconds_text.h"
 
 namespace hdrcam {
@@ -12,27 +10,26 @@ constexpr int kMostFrames = 1'000'000'000;
 
 }  // namespace
 
-std::function<std::string(const std::string&)> counts_frames() {
+WordCheck counts_frames() {
   return [](const std::string& text) {
-    long long frames = 0;
-    const bool sound = CLI::detail::lexical_cast(text, frames) && frames >= 1 && frames <= kMostFrames;
+    const auto frames = whole_number(text);
+    const bool sound = frames && *frames >= 1 && *frames <= kMostFrames;
     return sound ? std::string()
                  : fmt::format("takes a number of frames, 1 to {}, not '{}'", kMostFrames, text);
   };
 }
 
-void RunLimits::add_to(CLI::App& verb) {
-  verb.add_option("--frames", frames, "frames to capture [until ^C]")->check(counts_frames());
-  const std::function<std::string(std::string)> in_seconds = [](const std::string& text) {
+void RunLimits::add_to(CommandLine verb) {
+  verb.add_option("--frames", frames, "frames to capture [until ^C]").check(counts_frames());
+  const auto in_seconds = [](const std::string& text) {
     const auto seconds = seconds_of(text);
     return seconds ? fmt::format("{}", *seconds) : text;
   };
   verb.add_option("--timeout", timeout_s, "duration, such as 90s, or a number of seconds [until ^C]")
-      ->transform(in_seconds)
-      ->check([](const std::string& text) {
-        double seconds = 0;
-        const bool sound =
-            CLI::detail::lexical_cast(text, seconds) && seconds > 0 && seconds <= kLongestRun_s;
+      .transform(in_seconds)
+      .check([](const std::string& text) {
+        const auto seconds = real_number(text);
+        const bool sound = seconds && *seconds > 0 && *seconds <= kLongestRun_s;
         return sound ? std::string()
                      : fmt::format(
                            "takes a duration such as 90s, or a number of seconds, more than 0 and at most "

@@ -2,26 +2,21 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <string>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/live/live_session.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hdrcam {
 
-// What --frames takes: "" for a number of frames, else a clause that says so.
-std::function<std::string(const std::string&)> counts_frames();
+// What --frames takes: a number of frames.
+WordCheck counts_frames();
 
 struct RunLimits {
   std::uint64_t frames = 0;  // 0: until ^C
   double timeout_s = 0;      // 0: until ^C
 
   // The flags --frames and --timeout.
-  void add_to(CLI::App& verb);
+  void add_to(CommandLine verb);
   LiveOptions options(bool fits) const;
   // ^C is the normal end of a run without limits; a run with limits is then Interrupted.
   Result<void> ended_by(LiveEnd end, std::uint64_t captured) const;

@@ -1,6 +1,5 @@
 // hdrcam simulate SCENE -o walk.mkv: a recording of a simulated scene, and with --truth its ground truth as a
 // clip that `hdrcam compare` scores against.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -178,27 +177,25 @@ Result<void> simulate(const SimulateFlags& flags, const Settings& settings, Surr
 
 }  // namespace
 
-void add_simulate(CLI::App& app, Verb& chosen) {
+void add_simulate(CommandLine program, Verb& chosen) {
   auto flags = std::make_shared<SimulateFlags>();
-  CLI::App* verb =
-      app.add_subcommand("simulate", "film a simulated scene into a recording, with ground truth");
-  verb->add_option("scene", flags->scene,
-                   "name and settings, for instance walk?seed=3&size=320x240&objects=5");
-  verb->add_option("-o,--output", flags->output, "the recording to write (.mkv)")->check(names_file);
-  verb->add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
-      ->check(names_file);
-  verb->add_option("--frames", flags->frames, "frames to film")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1'000'000));
-  verb->add_option("--format", flags->format, "pixel format: rgb or bayer")->capture_default_str();
-  verb->add_option("--bits", flags->bits, "bits per sample, 8..16 [8 for rgb, 12 for bayer]");
-  flags->kept.add_to(*verb);
-  verb->add_flag("--list", flags->list, "print the scenes, their settings and the effects");
-  verb->add_flag("--explain", flags->explain, "print which effects are on, why, and what they cost");
+  CommandLine verb =
+      program.add_verb("simulate", "film a simulated scene into a recording, with ground truth");
+  verb.add_option("scene", flags->scene,
+                  "name and settings, for instance walk?seed=3&size=320x240&objects=5");
+  verb.add_option("-o,--output", flags->output, "the recording to write (.mkv)").check(names_file);
+  verb.add_option("--truth", flags->truth, "folder for a clip with ground truth, as compare reads it")
+      .check(names_file);
+  verb.add_option("--frames", flags->frames, "frames to film").show_default().in_range(1, 1'000'000);
+  verb.add_option("--format", flags->format, "pixel format: rgb or bayer").show_default();
+  verb.add_option("--bits", flags->bits, "bits per sample, 8..16 [8 for rgb, 12 for bayer]");
+  flags->kept.add_to(verb);
+  verb.add_switch("--list", flags->list, "print the scenes, their settings and the effects");
+  verb.add_switch("--explain", flags->explain, "print which effects are on, why, and what they cost");
   flags->settings = std::make_unique<SettingsFlags>(
-      *verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "record.codec",
-                                      "machine.memory_mib"});
-  verb->callback([flags, &chosen] {
+      verb, std::vector<std::string>{"schedule.shutter", "schedule.gain", "fit.threads", "record.codec",
+                                     "machine.memory_mib"});
+  verb.on_chosen([flags, &chosen] {
     chosen =
         flags->list ? [flags](Surroundings&) { return list_scenes(*flags); } : with_settings(flags, simulate);
   });

@@ -104,7 +104,8 @@ VerbEntry entry_of(const CLI::App& app) {
 
 }  // namespace
 
-CommandTable command_table(const CLI::App& app) {
+CommandTable command_table(CommandLine program) {
+  const CLI::App& app = program.parser();
   CommandTable table;
   table.about = one_line(app.get_description());
   for (const CLI::Option* option : app.get_options()) table.flags.push_back(entry_of(*option));

@@ -6,9 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include "firmware_host/command_line.h"
 
 namespace hdrcam {
 
@@ -40,7 +38,7 @@ struct CommandTable {
   std::vector<VerbEntry> verbs;  // in the order of --help
 };
 
-// app: as program.cpp builds it. A placeholder in lower case lists an option's words: "bash|zsh|fish".
-CommandTable command_table(const CLI::App& app);
+// program: as program.cpp builds it. A placeholder in lower case lists an option's words: "bash|zsh|fish".
+CommandTable command_table(CommandLine program);
 
 }  // namespace hdrcam

@@ -97,21 +97,21 @@ struct SettingsFlags::Given {
   }
 };
 
-SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups,
+SettingsFlags::SettingsFlags(CommandLine verb, const std::vector<SettingGroup>& groups,
                              const std::vector<std::string>& left_out)
     : given_(std::make_unique<Given>()) {
   for (const SettingField& field : setting_fields())
     if (std::ranges::find(groups, field.group) != groups.end() &&
         std::ranges::find(left_out, field.key) == left_out.end())
-      given_->add(verb, field, flag_of(field, groups));
-  given_->add_config(verb);
+      given_->add(verb.parser(), field, flag_of(field, groups));
+  given_->add_config(verb.parser());
 }
 
-SettingsFlags::SettingsFlags(CLI::App& verb, const std::vector<std::string>& keys)
+SettingsFlags::SettingsFlags(CommandLine verb, const std::vector<std::string>& keys)
     : given_(std::make_unique<Given>()) {
   for (const SettingField& field : setting_fields())
-    if (std::ranges::find(keys, field.key) != keys.end()) given_->add(verb, field, field.flag);
-  given_->add_config(verb);
+    if (std::ranges::find(keys, field.key) != keys.end()) given_->add(verb.parser(), field, field.flag);
+  given_->add_config(verb.parser());
 }
 
 SettingsFlags::~SettingsFlags() = default;

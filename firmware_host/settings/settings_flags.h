@@ -8,13 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "firmware_host/command_line.h"
 #include "firmware_host/settings/settings.h"
 #include "hal/core/result.h"
 #include "hal/storage.h"
-
-namespace CLI {
-class App;
-}
 
 namespace hdrcam {
 
@@ -28,9 +25,9 @@ std::string names_file(const std::string& word);
 class SettingsFlags {
  public:
   // Adds the flags of these groups to the verb, but for those of some keys; or of these keys.
-  SettingsFlags(CLI::App& verb, const std::vector<SettingGroup>& groups,
+  SettingsFlags(CommandLine verb, const std::vector<SettingGroup>& groups,
                 const std::vector<std::string>& left_out = {});
-  SettingsFlags(CLI::App& verb, const std::vector<std::string>& keys);
+  SettingsFlags(CommandLine verb, const std::vector<std::string>& keys);
   ~SettingsFlags();
 
   // Errors: those of reading the file; Invalid for TOML that does not parse, an unknown key, a value of

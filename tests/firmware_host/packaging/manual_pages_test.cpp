@@ -1,7 +1,7 @@
 #include "firmware_host/packaging/manual_pages.h"
 
-#include <CLI/CLI.hpp>
 #include <fstream>
+#include <iomanip>
 #include <sstream>
 
 #include "firmware_host/program.h"

@@ -1,0 +1,80 @@
+#include "firmware_host/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+namespace hdrcam {
+namespace {
+
+template <class Number>
+std::optional<Number> number_in(const std::string& word) {
+  Number number = 0;
+  return CLI::detail::lexical_cast(word, number) ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
+
+Flag Flag::required() { return Flag(*option_->required()); }
+
+Flag Flag::check(const WordCheck& check) { return Flag(*option_->check(check)); }
+
+Flag Flag::in_range(int least, int most) { return Flag(*option_->check(CLI::Range(least, most))); }
+
+Flag Flag::transform(const std::function<std::string(const std::string&)>& change) {
+  return Flag(*option_->transform(change));
+}
+
+Flag Flag::show_default() { return Flag(*option_->capture_default_str()); }
+
+Flag Flag::type_name(const char* placeholder) { return Flag(*option_->type_name(placeholder)); }
+
+Flag Flag::group(const char* title) { return Flag(*option_->group(title)); }
+
+Flag Flag::describe(const char* help) { return Flag(*option_->description(help)); }
+
+CommandLine CommandLine::add_verb(const char* name, const char* help) {
+  return *parser_->add_subcommand(name, help);
+}
+
+void CommandLine::require_verb() { parser_->require_subcommand(1); }
+
+void CommandLine::on_chosen(const std::function<void()>& action) { parser_->callback(action); }
+
+Flag CommandLine::add_option(const char* names, std::string& target, const char* help) {
+  return Flag(*parser_->add_option(names, target, help));
+}
+
+Flag CommandLine::add_option(const char* names, std::vector<std::string>& target, const char* help) {
+  return Flag(*parser_->add_option(names, target, help));
+}
+
+Flag CommandLine::add_option(const char* names, int& target, const char* help) {
+  return Flag(*parser_->add_option(names, target, help));
+}
+
+Flag CommandLine::add_option(const char* names, std::uint64_t& target, const char* help) {
+  return Flag(*parser_->add_option(names, target, help));
+}
+
+Flag CommandLine::add_option(const char* names, double& target, const char* help) {
+  return Flag(*parser_->add_option(names, target, help));
+}
+
+Flag CommandLine::add_switch(const char* names, bool& target, const char* help) {
+  return Flag(*parser_->add_flag(names, target, help));
+}
+
+Flag CommandLine::flag(const char* name) { return Flag(*parser_->get_option(name)); }
+
+std::optional<std::string> CommandLine::given(const char* name) const {
+  for (const CLI::App* place = parser_; place != nullptr; place = place->get_parent())
+    if (const CLI::Option* option = place->get_option_no_throw(name);
+        option != nullptr && option->count() > 0)
+      return option->as<std::string>();
+  return std::nullopt;
+}
+
+std::optional<long long> whole_number(const std::string& word) { return number_in<long long>(word); }
+
+std::optional<double> real_number(const std::string& word) { return number_in<double>(word); }
+
+}  // namespace hdrcam

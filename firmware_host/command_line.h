@@ -1,0 +1,76 @@
+// The command line as a verb sees it: the verb adds its flags and arguments, and says what to do when the
+// user names it. The parser behind it is CLI11, whose header alone takes seconds to compile: only the sources
+// that need more of the parser than this include it. Handles: whoever made the parser owns it, and keeps it
+// for as long as they are used (Request::app). Thread-bound.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace hdrcam {
+
+// Says what a flag takes: "" for such a word, else a clause: "takes seconds, 0.001 to 60, not 'x'".
+using WordCheck = std::function<std::string(const std::string&)>;
+
+// A flag, or an argument without dashes. Each call returns the same flag, for the next one.
+class Flag {
+ public:
+  explicit Flag(CLI::Option& option) : option_(&option) {}
+
+  Flag required();
+  Flag check(const WordCheck& check);
+  Flag in_range(int least, int most);
+  // The word becomes another one before any check.
+  Flag transform(const std::function<std::string(const std::string&)>& change);
+
+  // In --help: the value that the target has now, a placeholder for the value, a heading, another text.
+  Flag show_default();
+  Flag type_name(const char* placeholder);
+  Flag group(const char* title);
+  Flag describe(const char* help);
+
+ private:
+  CLI::Option* option_;
+};
+
+// The command line of the program, or of one of its verbs.
+class CommandLine {
+ public:
+  CommandLine(CLI::App& parser) : parser_(&parser) {}
+
+  CommandLine add_verb(const char* name, const char* help);
+  void require_verb();  // for a verb that has verbs of its own
+  void on_chosen(const std::function<void()>& action);
+
+  // names: "-o,--output"; "recording" is an argument. The target lives as long as the parser, and
+  // keeps its value unless the user gives one.
+  Flag add_option(const char* names, std::string& target, const char* help);
+  Flag add_option(const char* names, std::vector<std::string>& target, const char* help);
+  Flag add_option(const char* names, int& target, const char* help);
+  Flag add_option(const char* names, std::uint64_t& target, const char* help);
+  Flag add_option(const char* names, double& target, const char* help);
+  Flag add_switch(const char* names, bool& target, const char* help);  // takes no value
+  Flag flag(const char* name);                                         // that the verb has already
+
+  // What the user gave for this flag of the verb, or of the verb around it: "bench", then "kernels".
+  std::optional<std::string> given(const char* name) const;
+
+  CLI::App& parser() const { return *parser_; }
+
+ private:
+  CLI::App* parser_;
+};
+
+// The number that this word is to a flag for numbers; none where it is none.
+std::optional<long long> whole_number(const std::string& word);
+std::optional<double> real_number(const std::string& word);
+
+}  // namespace hdrcam
