@@ -21,8 +21,9 @@ struct TrackOptions {
   int longest_track = 60;    // frames: after that the chained flow has drifted too far
   int outlier_patience = 3;  // frames in a row that a point may contradict the pose
   double sigma_px = 0.25;    // start value for one flow vector; then it is measured..
-  double least_sigma_px = 0.03, most_sigma_px = 0.3;  // ..within these
-  double sigma_growth = 0.1;                          // of the chain: variance = sigma^2 (1 + growth * age)
+  // ..within these: what moves by itself is no noise, and a wide kernel would let it pull the pose along
+  double least_sigma_px = 0.03, most_sigma_px = 0.1;
+  double sigma_growth = 0.1;  // of the chain: variance = sigma^2 (1 + growth * age)
   double pull = 0.2;  // share of a point's residual corrected per frame, because the chained flow drifts
   double prior_spread = 1;   // relative standard deviation of the inverse depth of a new point..
   double vague_spread = 10;  // ..and while no depth is known
