@@ -66,6 +66,10 @@ void LiveSession::capture_frames(const std::atomic<bool>& stop) {
   const Result<void> stopped = capture_.stop();
   capture_.settle_trigger();
   if (capture_result_) capture_result_ = stopped;
+  {
+    const std::lock_guard lock(mutex_);
+    counters_.ended = true;
+  }
   inbox_.close();
 }
 

@@ -41,6 +41,7 @@ struct LiveOptions {
 // end.
 struct LiveCounters {
   CaptureCounters camera;        // camera.captured = camera.emitted + camera.dropped()
+  bool ended = false;            // no further frame is captured
   std::uint64_t pool_full = 0;   // dropped: the pool was full
   std::uint64_t shed = 0;        // dropped: the fit was slower than the camera
   std::uint64_t unproved = 0;    // dropped: kept out of the fit, because its exposure is not certain

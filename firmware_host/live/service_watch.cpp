@@ -38,7 +38,12 @@ void ServiceWatch::stopping() {
   }
   wake_.notify_all();
   thread_.join();
-  supervisor_.tell("STOPPING=1");
+  tell_stopping();
+}
+
+// In words of its own: of READY and STOPPING in one message the last one counts.
+void ServiceWatch::tell_stopping() {
+  if (!std::exchange(told_stopping_, true)) supervisor_.tell("STOPPING=1");
 }
 
 void ServiceWatch::watch() {
@@ -63,6 +68,7 @@ void ServiceWatch::look(bool describe) {
   if (ready_ && life_.seen(now)) lines += "WATCHDOG=1\n";
   if (describe) lines += fmt::format("STATUS={}\n", describe_(now));
   if (!lines.empty()) supervisor_.tell(lines);
+  if (now.ended) tell_stopping();
 }
 
 }  // namespace hdrcam

@@ -1,7 +1,8 @@
 // Tells the service manager how a run on a camera goes (hal/supervisor.h): ready when the first frame is
 // there, alive as long as every part of the run that has work makes progress, and how far it is, about once a
 // second. On a thread of its own, which reads counters only: a capture, a disk or a fit that hangs stops the
-// sign of life, and the service manager restarts the program. Thread-bound.
+// sign of life, and the service manager restarts the program. Once no further frame is captured the run
+// stops: what the fit, the files and the recording still take is no hang. Thread-bound.
 #pragma once
 
 #include <condition_variable>
@@ -39,12 +40,13 @@ class ServiceWatch {
  private:
   void watch();
   void look(bool describe);
+  void tell_stopping();  // once
 
   const Supervisor supervisor_;
   const std::function<LiveCounters()> counters_;
   const std::function<std::string(const LiveCounters&)> describe_;
   SignOfLife life_;
-  bool ready_ = false;
+  bool ready_ = false, told_stopping_ = false;
   std::mutex mutex_;  // guards stopping_
   std::condition_variable wake_;
   bool stopping_ = false;

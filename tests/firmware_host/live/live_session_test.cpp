@@ -114,6 +114,19 @@ TEST_CASE(
   for (std::size_t i = 1; i < frames.size(); ++i) CHECK(frames[i].sequence > frames[i - 1].sequence);
 }
 
+TEST_CASE("a run says that no further frame is captured while its fit still has frames") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), nullptr, {.frames = 5});
+  CHECK_FALSE(session.counters().ended);
+  require_done(session.start(kNeverStops));
+  for (int looks = 0; looks < 10'000 && !session.counters().ended; ++looks)
+    std::this_thread::sleep_for(milliseconds(1));
+  const LiveCounters now = session.counters();
+  CHECK(now.ended);
+  CHECK(now.captured() == 5);
+  CHECK(now.waiting() > 0);
+}
+
 TEST_CASE("a run that only records hands out no frame and keeps them all") {
   Stand stand("still?size=64x48&fps=200");
   LiveSession session(stand.capture(), stand.record(posix_storage()), {.frames = 60, .fits = false});

@@ -77,3 +77,23 @@ TEST_CASE("a service is ready with its first frame, gives signs of life, and say
   captured = 3;
   CHECK(socket.next(300).empty());
 }
+
+TEST_CASE("a service whose camera has ended says once that it stops, though the fit still works") {
+  NotifySocket socket(NotifySocket::Where::Path);
+  std::atomic<bool> ended{false};
+  ServiceWatch watch(
+      Supervisor(socket.name(), milliseconds(100)),
+      [&] {
+        LiveCounters now = counted(30, {.taken = 2, .emitted = 1, .waiting = 28});
+        now.ended = ended;
+        return now;
+      },
+      [](const LiveCounters&) { return "some frames wait"; });
+  CHECK_THAT(until(socket, "READY=1"), Catch::StartsWith("READY=1\nWATCHDOG=1\n"));
+  CHECK(socket.next(300).empty());
+  ended = true;
+  CHECK_THAT(until(socket, "STOPPING"), Catch::Equals("STOPPING=1"));
+  watch.stopping();
+  for (std::string text = socket.next(300); !text.empty(); text = socket.next(300))
+    CHECK(text.find("STOPPING") == std::string::npos);
+}
