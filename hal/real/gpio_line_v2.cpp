@@ -6,6 +6,7 @@
 #include <cerrno>
 
 #include "hal/real/gpio_line.h"
+#include "hal/sync_line.h"
 
 namespace hdrcam {
 namespace {
@@ -102,6 +103,8 @@ Result<std::unique_ptr<GpioLine>> request_gpio_line(const std::string& name, Lin
     gpiod_line_settings_set_direction(settings.get(), GPIOD_LINE_DIRECTION_INPUT);
     gpiod_line_settings_set_edge_detection(settings.get(), GPIOD_LINE_EDGE_BOTH);
     gpiod_line_settings_set_event_clock(settings.get(), GPIOD_LINE_CLOCK_MONOTONIC);
+    // the kernel keeps 16 unless it is asked for more, and then loses the oldest
+    gpiod_request_config_set_event_buffer_size(request.get(), SyncLine::kMostWaiting);
   }
   gpiod_line_config_add_line_settings(lines.get(), &found.offset, 1, settings.get());
   LineRequest granted(gpiod_chip_request_lines(found.chip.get(), request.get(), lines.get()));
