@@ -96,7 +96,14 @@ Result<void> FileInMaking::commit(Durability durability) {
   TRY(check_earlier());
   TRY(storage_->rename(path(), earlier_.real_path));
   ours_ = false;
-  return {};
+  return durability == Durability::AtOnce ? sync_folder() : Result<void>();
+}
+
+// The name is the folder's: of a file alone the disk may have the bytes and not yet the name (fsync(2)).
+Result<void> FileInMaking::sync_folder() {
+  const auto folder =
+      storage_->open(std::filesystem::path(earlier_.real_path).parent_path());  // where it may be read
+  return folder ? folder.value()->sync() : Result<void>();
 }
 
 Result<void> write_whole(Storage& storage, const std::string& path, std::span<const std::byte> bytes,

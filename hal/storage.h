@@ -51,7 +51,7 @@ enum class Creation {
 class Storage {
  public:
   virtual ~Storage() = default;
-  // To read; NotFound, Permission (also for a device or a FIFO).
+  // To read, a folder only to sync its names; NotFound, Permission (also for a device or a FIFO).
   virtual Result<std::unique_ptr<StorageFile>> open(const std::string& path) = 0;
   virtual Result<std::unique_ptr<StorageFile>> create(
       const std::string& path, Creation how = Creation::Replace) = 0;  // empty, to write; Permission, Exists
@@ -115,6 +115,7 @@ class FileInMaking {
   FileInMaking(Storage& storage, std::string path, FileFacts earlier, std::string asked)
       : storage_(&storage), names_{std::move(path), std::move(asked)}, earlier_(std::move(earlier)) {}
   Result<void> check_earlier();
+  Result<void> sync_folder();
 
   Storage* storage_;
   Names names_;

@@ -54,6 +54,18 @@ TEST_CASE("one chosen write, read or sync is refused, the others are not") {
   CHECK(read_whole(disk, path).value() == "ac");
 }
 
+TEST_CASE("a document is on the disk with its name, and a frame of a stream waits for no disk") {
+  const std::string path = sample::scratch_folder("fault_durable") + "/x";
+  FaultyStorage disk(posix_storage(), {});
+  REQUIRE(write_whole(disk, path, bytes("frame"), Durability::WrittenBack).ok());
+  CHECK(disk.syncs() == 0);
+  REQUIRE(write_whole(disk, path, bytes("document")).ok());
+  CHECK(disk.syncs() == 2);  // the file, then the folder that has its name
+  FaultyStorage failing(posix_storage(), {.failing_sync = 1});
+  CHECK(sample::error_of(write_whole(failing, path, bytes("newer"))).code == ErrorCode::Io);
+  CHECK(read_whole(posix_storage(), path).value() == "newer");
+}
+
 TEST_CASE("a cut file is short and a flipped bit is flipped, whichever way they are read") {
   const std::string path = sample::scratch_folder("fault_read") + "/x";
   REQUIRE(write_whole(posix_storage(), path, bytes("abcdef")).ok());
