@@ -73,6 +73,7 @@ void Recorder::work() {
   // Also after a failure: it closes the frames written before as well as possible.
   const Result<void> finished = recording_->finish();
   if (result) result = finished;
+  recording_.reset();  // the run may go on for long: the file is nobody's any more
   const std::lock_guard lock(mutex_);
   result_ = std::move(result);
   ended_ = true;

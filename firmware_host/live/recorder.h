@@ -39,7 +39,7 @@ class Recorder {
   void work();
   FrameShare next();
 
-  std::unique_ptr<RecordingWriter> recording_;
+  std::unique_ptr<RecordingWriter> recording_;  // of its thread; null once it is complete
   std::function<void()> written_;
   Trace* const trace_;
   mutable std::mutex mutex_;

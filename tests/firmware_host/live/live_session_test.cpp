@@ -47,6 +47,7 @@ class Stand {
       frames.push_back(**facts);
     }
   }
+  const std::string& path() const { return path_; }
   void remove_recording() const { std::filesystem::remove(path_); }
   ~Stand() { remove_recording(); }
 
@@ -264,6 +265,21 @@ TEST_CASE("a recording that failed while it was completed keeps its error, and n
   stand.remove_recording();
   require_error(session.start_recording(stand.record(posix_storage())), ErrorCode::NoSpace);
   require_error(session.finish(), ErrorCode::NoSpace);
+}
+
+TEST_CASE("a recording that was stopped is let go of while the run goes on") {
+  Stand stand("still?size=64x48&fps=200");
+  LiveSession session(stand.capture(), stand.record(posix_storage()), {});
+  require_done(session.start(kNeverStops));
+  const auto wait_for = [](const auto& condition) {
+    for (int looks = 0; looks < 10'000 && !condition(); ++looks) std::this_thread::sleep_for(milliseconds(1));
+  };
+  wait_for([&] { return session.counters().recorded > 0; });
+  require_error(value_of(posix_storage().open(stand.path()))->hold(), ErrorCode::Busy);
+  require_done(session.stop_recording());
+  wait_for([&] { return session.may_record().ok(); });
+  require_done(session.may_record());
+  require_done(value_of(posix_storage().open(stand.path()))->hold());
 }
 
 TEST_CASE("frames whose exposure is not proved are recorded, but kept out of the fit") {
