@@ -24,11 +24,6 @@ void SimBench::disturb_controls(ControlFault fault, int requests) {
   camera_.faults_->control = fault, camera_.faults_->disturbed_requests = requests;
 }
 
-void SimBench::set_delays(ControlDelays delays) {
-  const std::lock_guard lock(camera_.mutex_);
-  camera_.exposure_.set_delay(delays.exposure), camera_.gain_.set_delay(delays.gain);
-}
-
 void SimBench::unplug() {
   {
     const std::lock_guard lock(camera_.mutex_);

@@ -44,8 +44,6 @@ class SimBench {
   void disturb_metadata(MetadataFault fault, int buffers);
   // The next requests do not act as requested.
   void disturb_controls(ControlFault fault, int requests);
-  // Changes the sensor's delays from now on.
-  void set_delays(ControlDelays delays);
   // Unplugs the device: wait() and queue() return Unplugged.
   void unplug();
 

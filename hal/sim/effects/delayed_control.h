@@ -32,10 +32,6 @@ class DelayedControl {
     if (due) current_ = *due, due.reset();
     return current_;
   }
-  void set_delay(int delay) {
-    HDRCAM_CHECK(delay >= 0 && delay <= kMost);
-    delay_ = delay;
-  }
 
  private:
   static constexpr std::size_t kSlots = kMost + 1;

@@ -31,11 +31,6 @@ class LearnedResponse {
   explicit LearnedResponse(const Response& response) { start_from(response); }
 
   void start_from(const Response& response);
-  void start_linear() {
-    for (auto& channel : increment_)
-      for (int j = 0; j < kSegments; ++j) channel[index(j)] = inverse_softplus(T(2 * j + 1) / T(kSegments));
-    rebuild();
-  }
 
   Value evaluate(int channel, T x) const {
     if (x >= 1) return {1 + kLeak - kLeak / std::sqrt(x), T(0.5) * kLeak / std::sqrt(x), -1, 0};
