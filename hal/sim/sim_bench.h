@@ -2,34 +2,13 @@
 // includes this. Thread-safe; the camera outlives the bench.
 #pragma once
 
-#include <array>
+#include <cstdint>
+#include <optional>
 
+#include "hal/sim/injected_faults.h"
 #include "hal/sim/simulated_camera.h"
 
 namespace hdrcam {
-
-// How a frame was really exposed, whatever its buffer reports.
-struct TrueExposure {
-  std::uint64_t sequence = 0;
-  Duration exposure{0};
-  double analogue_gain = 1;
-  Instant begin;
-};
-
-enum class MetadataFault {
-  None,
-  Missing,  // the buffer reports no exposure
-  Late,     // it reports the exposure of the previous buffer
-  Doubled,  // it repeats cookie and exposure of the previous buffer
-};
-
-enum class ControlFault {
-  None,
-  Early,    // acts a frame earlier than the delay says (not before its own frame)
-  Late,     // a frame later
-  Clipped,  // exposures are cut at 2 ms, gains at 1
-  Ignored,  // never acts
-};
 
 class SimBench {
  public:
@@ -49,20 +28,6 @@ class SimBench {
 
  private:
   SimulatedCamera& camera_;
-};
-
-// The faults that a test has requested; empty in the product.
-struct SimulatedCamera::InjectedFaults {
-  static constexpr std::size_t kHistory = 4096;
-  static constexpr Duration kClippedExposure = std::chrono::milliseconds(2);
-
-  std::array<TrueExposure, kHistory> history{};  // of frame n at n % kHistory
-  int drops = 0;
-  MetadataFault metadata = MetadataFault::None;
-  int disturbed_buffers = 0;
-  ControlFault control = ControlFault::None;
-  int disturbed_requests = 0;
-  bool unplugged = false;
 };
 
 }  // namespace hdrcam

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "hal/pixel_pack.h"
-#include "hal/sim/sim_bench.h"
+#include "hal/sim/injected_faults.h"
 
 namespace hdrcam {
 namespace {

@@ -96,7 +96,7 @@ class SimulatedCamera : public Camera, private BufferLease::Owner {
     std::vector<T> slots_;
     std::size_t begin_ = 0, size_ = 0;
   };
-  struct InjectedFaults;  // faults that a test has requested, see sim_bench.h
+  struct InjectedFaults;  // faults that a test has requested: injected_faults.h
 
   void give_back(int buffer) override;
   Instant begin_of(std::uint64_t frame) const;
