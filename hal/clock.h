@@ -1,6 +1,5 @@
-// Time. The program uses one clock, the boot clock (Instant); timestamps of other clocks
-// are converted here, with measured offsets. Real, virtual (sim/) and replayed.
-// Thread-safe.
+// Time. The program uses one clock, the boot clock (Instant); timestamps of other clocks are converted here,
+// with measured offsets. Real and virtual (sim/). Thread-safe.
 #pragma once
 
 #include <chrono>

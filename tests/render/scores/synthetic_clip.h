@@ -21,8 +21,8 @@ Image<float> estimate(int frame);
 
 // Writes clip.json and gt/ into the folder, which must not be a clip yet.
 void write_clip(const std::string& folder);
-// Writes one estimated frame: radiance, and depth and both flows where `with_geometry`.
 enum class Geometry { Without, With };
+// Writes one estimated frame: radiance, and with geometry depth and both flows, too.
 void write_estimate(const std::string& path, int frame, Geometry geometry);
 
 // A scratch folder of its own.
