@@ -128,9 +128,8 @@ std::vector<Knob> stream_knobs() {
   };
 }
 
-std::vector<Knob> prior_and_scene_knobs() {
+std::vector<Knob> prior_knobs() {
   using K = Knobs;
-  using F = FieldOptions;
   return {
       choice<&K::pose>("pose", {"given", "tracked", "fixed"},
                        {.costs = "tracked: a few ms per frame",
@@ -145,6 +144,13 @@ std::vector<Knob> prior_and_scene_knobs() {
           {.costs = "1 % of the time; 0 saves it",
            .gives = "how much nearer a moving region is taken to be than what is around it, unless it stands "
                     "on ground; 0: not guessed"}),
+  };
+}
+
+std::vector<Knob> field_knobs() {
+  using K = Knobs;
+  using F = FieldOptions;
+  return {
       choice<&K::field>(
           "field", {"none", "hash_grid"},
           {.costs = "pose, depth, fit and view",
@@ -190,6 +196,14 @@ std::vector<Knob> prior_and_scene_knobs() {
       choice<&K::hash_grid, &F::shape, &FieldShape::blend>(
           "blend", {"density_sum", "weight"},
           {.gives = "blending of static and dynamic: densities add up, or the paper's blending weight"}),
+  };
+}
+
+// How the field is fitted; the steps of a frame are the budget's.
+std::vector<Knob> fit_knobs() {
+  using K = Knobs;
+  using F = FieldOptions;
+  return {
       real<&K::hash_grid, &F::newest_share>(
           "newest_share", {0, 1},
           {.gives = "share of the rays in the newest frame; the rest is spread over the window"}),
@@ -271,7 +285,9 @@ std::vector<Knob> loss_knobs(std::index_sequence<term...>) {
 std::vector<Knob> make_table() {
   const std::pair<KnobChange, std::vector<Knob>> groups[] = {
       {KnobChange::AtStart, stream_knobs()},
-      {KnobChange::AtStart, prior_and_scene_knobs()},
+      {KnobChange::AtStart, prior_knobs()},
+      {KnobChange::AtStart, field_knobs()},
+      {KnobChange::AtStart, fit_knobs()},
       {KnobChange::PerFrame, frame_budget_knobs()},
       {KnobChange::AtStart, loss_knobs(std::make_index_sequence<kLossTerms>())},
   };
