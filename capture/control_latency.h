@@ -1,6 +1,6 @@
 // How long it takes at most until a frame shows the exposure that was asked for: requests wait in the
 // camera's queue, and controls act some frames after they are written. History, prediction and proof are
-// sized for it.
+// sized for it. Constants.
 #pragma once
 
 namespace hdrcam {

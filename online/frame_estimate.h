@@ -1,5 +1,6 @@
 // The complete estimate of one frame, delivered as soon as its look-ahead has arrived. Const, and valid only
-// during the call that delivers it; only a snapshot of the field may be held longer.
+// during the call that delivers it; only a snapshot of the field may be held longer. Thread-bound, but for
+// that snapshot.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
 // The mu-law by which radiance is judged as an eye would: log(1 + mu x) / log(1 + mu), x in units of white
 // (PSNR-mu, Kalantari and Ramamoorthi 2017). Below 1 / mu of white it is linear: differences there are hardly
-// visible.
+// visible. A constant.
 #pragma once
 
 namespace hdrcam {

@@ -1,7 +1,7 @@
 // Rolling shutter correction. A sensor that reads row after row exposes the lower ones later: what moves
-// sideways leans, what moves down or up is stretched or squeezed. Where the read-out time is known
-// a finished frame is put back, each pixel along its motion, to the one moment that
-// its time stamp states: that of the middle row. Thread-bound; deterministic for any number of threads.
+// sideways leans, what moves down or up is stretched or squeezed. Where the read-out time is known a finished
+// frame is put back, each pixel along its motion, to the one moment that its time stamp states: that of the
+// middle row. Thread-bound; deterministic for any number of threads.
 #pragma once
 
 #include "online/frame_estimate.h"

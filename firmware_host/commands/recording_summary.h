@@ -1,5 +1,5 @@
 // The summary of a recording for `hdrcam info`: gathered in one pass over the facts, shown as a table or as
-// JSON. The pixels are checked by their checksums but not decoded.
+// JSON. The pixels are checked by their checksums but not decoded. Reentrant.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// A number and what it counts, for messages: "1 frame", "12 frames".
+// A number and what it counts, for messages: "1 frame", "12 frames". Reentrant.
 #pragma once
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// A rigid transform as files and facts store it. geometry.h calculates with it.
+// A rigid transform as files and facts store it. geometry.h calculates with it. Plain value.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// The named scenes and the settings that vary them. The same settings give the same scene on every
-// machine.
+// The named scenes and the settings that vary them. The same settings give the same scene on every machine.
+// Immutable; reentrant.
 #pragma once
 
 #include <cstdint>

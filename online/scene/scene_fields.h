@@ -1,5 +1,5 @@
 // The kinds of fields by name: a new one has a folder beside this file, a word here and a line in
-// make_scene_field().
+// make_scene_field(). Reentrant.
 #pragma once
 
 #include "hal/gpu/gpu_device.h"

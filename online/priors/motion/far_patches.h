@@ -1,6 +1,7 @@
 // Patches that were found far from where they were expected (FlowKernels::search_far): which of them are
 // believed, and what they tell the search back. One patch alone finds what looks like it, in a repeating
 // texture above all; neighbours that found the same motion are an object.
+// Reentrant.
 #pragma once
 
 #include "hal/core/image.h"

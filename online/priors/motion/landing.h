@@ -1,7 +1,7 @@
 // Where what moves fast is on its way. A motion is known at the pixels that it starts from; the path over a
 // clipped frame is sought from those that it leads to, where something else was before. So pixels that move
 // fast are thrown ahead, into cells; the fastest of a cell stays, because what is in front mostly moves
-// faster. What is written there is a guess: pixels of the cell's rest do not move so.
+// faster. What is written there is a guess: pixels of the cell's rest do not move so. Thread-bound.
 #pragma once
 
 #include "hal/core/image.h"

@@ -1,4 +1,5 @@
 // The two pose sources that need no pictures: a camera that never moves, and poses that came with the frames.
+// Thread-bound.
 #pragma once
 
 #include "hal/core/geometry.h"

@@ -1,6 +1,7 @@
 // The scene as a windowed field of two hash grids with small networks, volume rendered: the first
 // implementation of SceneField (field/README.md, fit/README.md). Its snapshots copy the networks and hold the
-// window's frames, which are reused only when no snapshot holds them (field/window.h).
+// window's frames, which are reused only when no snapshot holds them (field/window.h). The field is
+// thread-bound, a snapshot reentrant.
 #pragma once
 
 #include <memory>
