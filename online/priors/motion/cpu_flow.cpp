@@ -56,22 +56,7 @@ void CpuFlow::compute(FlowQuality quality, const FlowRequest& request) {
     for (Direction& direction : directions_)
       for (Image<float>& picture : direction.room) pool_.scratch().acquire(picture, 1, 1, piece);
     for (int scale = coarsest; scale >= finest; --scale) match(scale, scales, effort);
-    for (int scale = finest; scale > 1; --scale) {
-      const ScratchLease larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
-                                {{&there.larger, 2}, {&back.larger, 2}});
-      pool_.for_each(2, [&](int i) {
-        Direction& direction = directions_[static_cast<std::size_t>(i)];
-        enlarge(direction.flow, direction.line, direction.larger);
-        std::swap(direction.flow, direction.larger);
-      });
-    }
-    if (finest == 0)
-      for (Direction& direction : directions_) std::swap(direction.flow, *direction.answer);
-    else
-      pool_.for_each(2, [&](int i) {
-        Direction& direction = directions_[static_cast<std::size_t>(i)];
-        enlarge(direction.flow, direction.line, *direction.answer);
-      });
+    enlarge_answers(finest, rows, cols);
   }
   for (Direction& direction : directions_)
     for (Image<float>& picture : direction.room) pool_.scratch().release(picture);
@@ -200,6 +185,28 @@ void CpuFlow::refine(Direction& d, int scale, const FlowEffort& effort) {
       kLeastSlope2,          kSmallest,           effort.rounds,     effort.sweeps};
   for (std::size_t i = 0; i < d.room.size(); ++i) refinement.room[i] = d.room[i].plane(0);
   refinement_kernels().refine(refinement);
+}
+
+// From the flows of the finest scale that was matched to those of full size.
+void CpuFlow::enlarge_answers(int finest, int rows, int cols) {
+  auto& [there, back] = directions_;
+  if (finest == 0) {
+    for (Direction& direction : directions_) std::swap(direction.flow, *direction.answer);
+    return;
+  }
+  for (int scale = finest; scale > 1; --scale) {
+    const ScratchLease larger(pool_.scratch(), rows >> (scale - 1), cols >> (scale - 1),
+                              {{&there.larger, 2}, {&back.larger, 2}});
+    pool_.for_each(2, [&](int i) {
+      Direction& direction = directions_[static_cast<std::size_t>(i)];
+      enlarge(direction.flow, direction.line, direction.larger);
+      std::swap(direction.flow, direction.larger);
+    });
+  }
+  pool_.for_each(2, [&](int i) {
+    Direction& direction = directions_[static_cast<std::size_t>(i)];
+    enlarge(direction.flow, direction.line, *direction.answer);
+  });
 }
 
 // To the size of the answer, which is twice that of the flow, perhaps with an odd last row or column.

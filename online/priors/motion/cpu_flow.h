@@ -45,6 +45,7 @@ class CpuFlow final : public DenseFlow {
   void search_far();
   void prepare(Direction& direction, int scale, int coarsest, const FlowEffort& effort);
   void refine(Direction& direction, int scale, const FlowEffort& effort);
+  void enlarge_answers(int finest, int rows, int cols);
   static void enlarge(const Image<float>& flow, std::vector<float>& line, Image<float>& answer);
 
   WorkerPool& pool_;
