@@ -12,6 +12,7 @@
 #include "firmware_host/run/backlog.h"
 #include "firmware_host/run/backoff.h"
 #include "firmware_host/run/budget_ladder.h"
+#include "firmware_host/run/frame_work.h"
 #include "firmware_host/run/rung_costs.h"
 #include "firmware_host/run/rung_times.h"
 #include "hal/core/instant.h"

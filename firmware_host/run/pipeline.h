@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "capture/exposed_stream.h"
-#include "firmware_host/run/governor.h"
+#include "firmware_host/run/frame_work.h"
 #include "firmware_host/run/pipeline_options.h"
 #include "firmware_host/sinks/run_record.h"
 #include "hal/core/frame.h"

@@ -9,6 +9,7 @@
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/backend.h"
 #include "firmware_host/run/deadline.h"
+#include "firmware_host/run/governor.h"
 #include "firmware_host/run/novel_views.h"
 #include "firmware_host/run/output_needs.h"
 #include "firmware_host/run/pipeline.h"

@@ -8,14 +8,9 @@
 #include <cstddef>
 #include <optional>
 
-namespace hdrcam {
+#include "firmware_host/run/frame_work.h"
 
-// The time of the work on one frame, or of one call that did several frames at once (the first ones).
-struct FrameWork {
-  int frames = 0;        // 0: the call only stored its frame
-  double total_ms = 0;   // all of it
-  double steady_ms = 0;  // the part of it that is the same on every rung, for the same frame
-};
+namespace hdrcam {
 
 // Of one frame; where a rung emits only some frames, the mean of the frames of one emission.
 struct FrameTime {
