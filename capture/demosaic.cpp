@@ -1,7 +1,6 @@
 #include "capture/demosaic.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace hdrcam {

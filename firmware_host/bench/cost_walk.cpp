@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <system_error>
 
 #include "firmware_host/run/recording_source.h"

@@ -1,7 +1,6 @@
 // hdrcam compare CLIP OUT: scores a folder of HDR frames against a clip with ground truth.
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "firmware_host/commands/command.h"
 #include "firmware_host/commands/kept_work.h"

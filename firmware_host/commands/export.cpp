@@ -1,6 +1,5 @@
 // hdrcam export x.mkv -o FOLDER: writes a recording as images and a clip.json, bit by bit the same; with the
 // poses that it states, in the files of reconstruction tools too.
-#include <cstdio>
 #include <memory>
 #include <span>
 

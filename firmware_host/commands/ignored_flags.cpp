@@ -2,8 +2,6 @@
 
 #include <fmt/ranges.h>
 
-#include <utility>
-
 #include "firmware_host/commands/camera_run.h"
 #include "firmware_host/live/capture_setup.h"
 #include "firmware_host/settings/setting_fields.h"

@@ -1,7 +1,6 @@
 // hdrcam import FOOTAGE -o x.mkv: videos, pictures, or a folder of images with its clip.json become a
 // recording.
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>

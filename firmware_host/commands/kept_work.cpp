@@ -1,6 +1,5 @@
 #include "firmware_host/commands/kept_work.h"
 
-#include <filesystem>
 #include <string_view>
 
 #include "firmware_host/live/capture_setup.h"

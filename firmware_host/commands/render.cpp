@@ -1,6 +1,5 @@
 // hdrcam render RECORDING --view 0.1,0,0 -o out/%06d.exr: the scene of a recording, or one that a run saved,
 // from another view, at another time, with another shutter or exposure.
-#include <cstdio>
 #include <memory>
 #include <span>
 #include <string>

@@ -1,5 +1,4 @@
 // hdrcam replay RECORDING -o out/%06d.exr: turns a recording into HDR frames.
-#include <cstdio>
 #include <memory>
 #include <string>
 

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
-#include <span>
 
 #include "firmware_host/settings/setting_field.h"
 #include "firmware_host/settings/suggestion.h"

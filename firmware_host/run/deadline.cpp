@@ -1,7 +1,5 @@
 #include "firmware_host/run/deadline.h"
 
-#include <cmath>
-
 #include "capture/exposure.h"
 
 namespace hdrcam {

@@ -13,7 +13,6 @@
 #include "firmware_host/run/record_keeping.h"
 #include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/sink_set.h"
-#include "hal/core/counted.h"
 #include "hal/core/cpu.h"
 #include "hal/core/stopwatch.h"
 #include "hal/core/thread_name.h"

@@ -2,8 +2,6 @@
 
 #include <fmt/chrono.h>
 
-#include <utility>
-
 namespace hdrcam {
 namespace {
 

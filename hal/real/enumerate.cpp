@@ -10,7 +10,6 @@
 #include "hal/real/device_node.h"
 #include "hal/real/gpio_line.h"
 #include "hal/real/media_graph.h"
-#include "hal/real/v4l2_modes.h"
 
 namespace hdrcam {
 namespace {

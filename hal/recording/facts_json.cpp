@@ -2,12 +2,10 @@
 
 #include <zlib.h>
 
-#include <cmath>
 #include <exception>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <utility>
 
 #include "hal/core/json_text.h"
 

@@ -5,7 +5,6 @@
 #include <array>
 #include <bit>
 #include <climits>
-#include <cstring>
 #include <utility>
 
 #include "hal/core/sound_facts.h"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "firmware_host/sinks/canvas.h"
 #include "firmware_host/sinks/live_view/frame_picture.h"

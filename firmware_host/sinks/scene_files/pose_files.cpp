@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <deque>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
