@@ -1,5 +1,6 @@
 #include "online/priors/motion/state_motion.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "capture/clip_policy.h"
@@ -82,6 +83,12 @@ bool tells_change(float ratio) {
   return ratio > 1 / kMostRatio && ratio < kMostRatio;
 }
 
+// A row's motion, no longer than `longest` along either axis. Where nothing is seen a search answers with its
+// guess, which the ratio of the next step's time makes longer: without a limit that goes on to infinity.
+void limit(float* motion, int n, float longest) {
+  for (int x = 0; x < n; ++x) motion[x] = std::min(std::max(motion[x], -longest), longest);
+}
+
 }  // namespace
 
 MotionEstimator::MotionEstimator(int rows, int cols, WorkerPool& pool, GpuDevice* gpu)
@@ -156,6 +163,7 @@ void MotionEstimator::start_at_prediction(float ratio, FlowRequest& request) con
 
 // Where the frame is clipped, its motion is the one that was predicted.
 void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
+  const auto longest = static_cast<float>(rows_ + cols_);  // it leads out of the picture from anywhere
   std::swap(measured_, measured_before_);
   measured_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
@@ -168,6 +176,8 @@ void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
                                       .u = to.row(0, y),
                                       .v = to.row(1, y),
                                       .measured_now = measured_.row(0, y)});
+    for (int c = 0; c < 2; ++c)
+      for (int y = y0; y < y1; ++y) limit(to.row(c, y), cols_, longest);
   });
 }
 

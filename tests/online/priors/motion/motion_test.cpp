@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "capture/to_exposed_frame.h"
@@ -102,6 +103,29 @@ TEST_CASE("motion is the same for any number of threads, and zero for a picture 
     if (rows == 8)
       for (const float v : results[0]) REQUIRE(v == 0);
   }
+}
+
+TEST_CASE("where nothing is seen, motion does not grow without end, whatever times the steps take") {
+  const float code = GENERATE(0.f, 120.f, 255.f);
+  WorkerPool pool(1);
+  const ExposureTables tables(Response::linear(), {}, 1);
+  MotionEstimator estimator(kRows, kCols, pool);
+  StateMotion motion;
+  const auto follow = [&](const ExposedFrame& before, const ExposedFrame& frame, float ratio) {
+    const RadianceState state = state_of(before, tables, pool);
+    estimator.match(state, frame, tables, {.flow = FlowQuality::Fast, .before_ratio = ratio}, {}, motion);
+    estimator.complete(state, frame, {.before_ratio = ratio}, FlowQuality::Fast, {}, motion);
+  };
+  follow(leaves(0, 0), leaves(1, 2), 1);
+  const ExposedFrame empty = frame_of(2, 1, [&](float, float) { return code; });
+  for (int step = 0; step < 60; ++step) follow(empty, empty, step % 3 < 2 ? 10.f : 0.1f);
+  float longest = 0;
+  for (const Image<float>* vectors : {&motion.to_previous.vectors, &motion.from_previous.vectors})
+    for (const float v : vectors->samples()) {
+      REQUIRE(std::isfinite(v));
+      longest = std::max(longest, std::abs(v));
+    }
+  CHECK(longest <= 10 * (kRows + kCols));
 }
 
 TEST_CASE("motion that only the blue channel of a dark frame shows is found") {
