@@ -120,7 +120,6 @@ void CpuFlow::search() {
 // What is found far away in either direction is a guess in both, which a second search spreads over the rest
 // of the object.
 void CpuFlow::search_far() {
-  using flow_constants::kReach;
   const PatchGrid grid = directions_[0].search.grid;
   for (Direction& direction : directions_) {
     direction.far.reshape_like(direction.patches), direction.far_back.reshape_like(direction.patches);
@@ -130,7 +129,7 @@ void CpuFlow::search_far() {
     Direction& direction = directions_[static_cast<std::size_t>(i % 2)];
     const FlowPicture& picture = direction.search.from;
     kernels_.search_far(direction.search,
-                        {picture.cols / kReach, picture.rows / kReach, planes_of(direction.far)}, i / 2,
+                        {far_reach(picture.cols), far_reach(picture.rows), planes_of(direction.far)}, i / 2,
                         i / 2 + 1);
   });
   auto& [there, back] = directions_;

@@ -21,7 +21,8 @@ constexpr float kFarthest2 = 64;             // pixels^2: farther off, it is ano
 constexpr float kBetterShare = 0.25f, kLeastBetter = 32;
 
 // What is looked for far away.
-constexpr int kReach = 3;              // up to a third of the picture away, each way
+constexpr int kReach = 3;              // up to a third of the picture away, each way, and
+constexpr int kMostReach = 96;         // pixels: a long strip has too many places to compare all
 constexpr float kLeastTexture = 2500;  // codes^2 over the patch: with less, much looks alike
 constexpr float kExplained = 0.5f;     // of the texture: a patch whose error is below is where it should be
 constexpr float kFound = 0.35f;        // of the texture, and

@@ -34,4 +34,9 @@ PatchGrid patch_grid(int rows, int cols, int stride) {
   return {places(rows), places(cols), stride};
 }
 
+int far_reach(int side) {
+  using namespace flow_constants;
+  return std::min(side / kReach, kMostReach);
+}
+
 }  // namespace hdrcam

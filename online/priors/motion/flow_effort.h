@@ -27,4 +27,7 @@ FlowScales scales_of(const FlowEffort& effort, int rows, int cols);
 
 PatchGrid patch_grid(int rows, int cols, int stride);
 
+// How far a patch is looked for far away, along a side of so many pixels.
+int far_reach(int side);
+
 }  // namespace hdrcam

@@ -34,7 +34,7 @@ void main() {
   const float error_here = error_sums.y - error_sums.x * error_sums.x / kPixels;
   const bool wanted = texture_here >= kLeastTexture && error_here >= kExplained * texture_here;
 
-  const ivec2 reach = ivec2(cols, rows) / kReach;
+  const ivec2 reach = min(ivec2(cols, rows) / kReach, ivec2(kMostReach));
   const ivec2 least = max(ivec2(0), corner - reach);
   const ivec2 most = min(ivec2(cols, rows) - kPatchSize, corner + reach);
   const int across = most.x - least.x + 1, count = wanted ? across * (most.y - least.y + 1) : 0;

@@ -1,5 +1,7 @@
 #include "online/priors/motion/far_patches.h"
 
+#include "online/priors/motion/flow_effort.h"
+
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
@@ -33,6 +35,13 @@ TEST_CASE("a patch that alone was found far away is not believed, one among its 
       const bool of_the_four = (row == 3 || row == 4) && (col == 5 || col == 6);
       CHECK(kept.at(0, row, col) == (of_the_four ? far.at(0, row, col) : kNowhere));
     }
+}
+
+TEST_CASE("a patch is looked for in a third of a picture, and in a long strip no farther") {
+  constexpr int kShort = 85;  // pixels, of the longest picture that is searched for what is far away
+  CHECK(far_reach(kShort) == kShort / 3);
+  CHECK(far_reach(3 * kShort) == kShort);
+  CHECK(far_reach(16384) < 2 * kShort);
 }
 
 TEST_CASE("a patch found far away is a guess of the patches back, where it leads") {

@@ -168,9 +168,8 @@ TEST_CASE("what is found far away on the graphics device is what the processor f
   Image<float> expected(kFlowVectorPlanes, on.grid.rows, on.grid.cols);
   for (int d = 0; d < 2; ++d) {
     const PatchSearch search{on.from(d), on.to(d), on.grid, on.planes_of(patches, d), 3};
-    flow_kernels().search_far(
-        search, {kCols / flow_constants::kReach, kRows / flow_constants::kReach, on.planes_of(expected, d)},
-        0, on.grid.rows);
+    flow_kernels().search_far(search, {far_reach(kCols), far_reach(kRows), on.planes_of(expected, d)}, 0,
+                              on.grid.rows);
   }
   CHECK(std::ranges::count(expected.samples(), 17.f) > 20);  // some are found
   check_alike(found, expected, 0, 0.99);
