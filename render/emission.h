@@ -17,6 +17,7 @@ class Emission {
 
  private:
   void judge(const FrameEstimate& estimate, float offset, HdrFrame& frame);
+  void keep_bounds(const FrameEstimate& estimate, HdrFrame& frame);
 
   WorkerPool& pool_;
   Shrinkage shrinkage_;
