@@ -181,10 +181,10 @@ std::vector<Knob> field_knobs() {
           "dynamic_entries", {10, 20},
           {.unit = "log2", .costs = "memory and cache misses", .gives = "detail of dynamic content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::static_grid, &HashGridShape::levels>(
-          "static_levels", {1, 16},
+          "static_levels", {.least = 2, .most = 16, .multiple = 2},
           {.unit = "levels", .costs = "time of a step", .gives = "scales of static content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::dynamic_grid, &HashGridShape::levels>(
-          "dynamic_levels", {1, 16},
+          "dynamic_levels", {.least = 2, .most = 16, .multiple = 2},
           {.unit = "levels", .costs = "time of a step", .gives = "scales of dynamic content"}),
       whole<&K::hash_grid, &F::shape, &FieldShape::hidden>("hidden", {.least = 4, .most = 128, .multiple = 4},
                                                            {.unit = "neurons",

@@ -60,6 +60,8 @@ TEST_CASE("a value beyond the range, of another kind or for no knob is refused w
       {"steps=10x", "steps takes a whole number, 0..1000 steps, not '10x'"},
       {"steps=nan", "steps takes a whole number, 0..1000 steps, not 'nan'"},
       {"rays_per_step=100", "rays_per_step takes a whole number, 32..4096 rays, a multiple of 32, not '100'"},
+      {"static_levels=7", "static_levels takes a whole number, 2..16 levels, a multiple of 2, not '7'"},
+      {"dynamic_levels=1", "dynamic_levels takes a whole number, 2..16 levels, a multiple of 2, not '1'"},
       {"flow=finest", "flow takes coarse, fast, medium, fine, not 'finest'"},
       {"step=10", "there is no knob 'step'; there are"},
       {"steps", "'steps' has no value; write NAME=VALUE, such as steps=100"},
