@@ -54,18 +54,20 @@ void list_fields(auto& fields, Field& field) {
 
 bool is_possible(const WindowFrustum& frustum) {
   const int step = frustum.step_px;
-  return is_within(frustum.rows, 1, kMaxSidePx) && is_within(frustum.cols, 1, kMaxSidePx) &&
-         !objection_to(frustum.camera, frustum.cols, frustum.rows) &&
+  const Intrinsics& lens = frustum.camera;
+  const Intrinsics of_stream{step * lens.fx_px, step * lens.fy_px, step * lens.cx_px, step * lens.cy_px};
+  return (step == 1 || step == 2 || step == 4 || step == 8) && is_within(frustum.rows, 1, kMaxSidePx) &&
+         is_within(frustum.cols, 1, kMaxSidePx) &&
+         !objection_to(of_stream, step * frustum.cols, step * frustum.rows) &&
          is_within(static_cast<double>(frustum.margin), 1, 2) &&
-         is_within(static_cast<double>(frustum.near), 1e-9, 1e9) &&
-         (step == 1 || step == 2 || step == 4 || step == 8);
+         is_within(static_cast<double>(frustum.near), 1e-9, 1e9);
 }
 
 bool is_possible(const HashGridShape& shape) {
   return is_within(shape.levels, 2, 16) && shape.levels % 2 == 0 && is_within(shape.log2_entries, 6, 20) &&
          is_within(shape.slots, 1, kMostFrames + 1) && is_within(shape.coarsest_cells, 2, 1 << 16) &&
          is_within(shape.finest_cells, shape.coarsest_cells, 1 << 16) &&
-         is_within(static_cast<double>(shape.v_ratio), 1e-3, 1e3) &&
+         is_within(static_cast<double>(shape.v_ratio), 1.0 / kMaxSidePx, kMaxSidePx) &&
          is_within(static_cast<double>(shape.d_ratio), 1e-3, 1e3);
 }
 

@@ -240,6 +240,31 @@ TEST_CASE("a run without a field saves a scene that is filmed from its own camer
   CHECK(files_in(folder + "/out").size() == 6);
 }
 
+TEST_CASE("a scene of very small or very long pictures is filmed from its snapshot", "[film]") {
+  struct Case {
+    int rows, cols;
+    const char* blocks;  // side of the field's
+  };
+  for (const Case& c : {Case{40, 4, "field_step=8"}, Case{2, 2048, "field_step=1"}}) {
+    INFO(c.cols << "x" << c.rows);
+    test::MovingScene moving;
+    moving.rows = c.rows, moving.cols = c.cols;
+    const std::string folder = sample::scratch_folder("snapshot_of_few_pixels");
+    const std::string clip = folder + "/clip.mkv", scene = folder + "/clip.hdrscene";
+    auto writer = create_recording(posix_storage(), clip, moving.camera()).value();
+    for (int i = 0; i < 6; ++i) REQUIRE(writer->append(moving.frame(i)).ok());
+    REQUIRE(writer->finish().ok());
+    const RanHere run =
+        ran_here({"replay", clip, "--preset", "fast", "--set", c.blocks, "--snapshot", scene});
+    INFO(run.err);
+    REQUIRE(run.exit_code == 0);
+    const RanHere filmed = ran_here({"render", scene, "--time", "end", "-o", folder + "/%06d.exr"});
+    INFO(filmed.err);
+    CHECK(filmed.exit_code == 0);
+    CHECK(fs::exists(folder + "/000000.exr"));
+  }
+}
+
 TEST_CASE("a live run saves the scene of its end, and a run that is stopped before its first frame none",
           "[film]") {
   const std::string folder = sample::scratch_folder("snapshot_live"), scene = folder + "/s.hdrscene";
