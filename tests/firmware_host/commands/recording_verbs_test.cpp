@@ -178,6 +178,16 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     REQUIRE(hdrcam_verb(line + " --force", disk).ok());
     CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 4);
   }
+  SECTION("damaged in all of its frames") {
+    REQUIRE(hdrcam_verb(line).ok());
+    const std::string worse = folder + "/worse.mkv";
+    REQUIRE(sample::record(posix_storage(), worse, camera, sample::frames(camera, 1, 3)).ok());
+    FaultyStorage disk(posix_storage(), {.flipped_bits = {std::filesystem::file_size(worse) * 4}});
+    const auto none = hdrcam_verb("export " + worse + " -o " + folder + "/out --force", disk);
+    CHECK(sample::error_of(none).code == ErrorCode::Corrupt);
+    CHECK(none.error().message == "'" + worse + "' has no whole frame");
+    CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 5);
+  }
   SECTION("twice") {
     REQUIRE(hdrcam_verb(line).ok());
     const auto again = hdrcam_verb(line);
