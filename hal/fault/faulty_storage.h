@@ -43,6 +43,7 @@ class FaultyStorage : public Storage {
   // Calls so far, refused ones included.
   std::uint64_t reads() const { return reads_; }
   std::uint64_t writes() const { return writes_; }
+  std::uint64_t syncs() const { return syncs_; }
 
  private:
   class File;
