@@ -1,8 +1,6 @@
 #include "render/emission.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "online/mu_law.h"
 #include "render/black_channels.h"
@@ -31,25 +29,6 @@ void Emission::render(const FrameEstimate& estimate, HdrFrame& frame) {
                         pool_);
   shrinkage_.apply(frame.radiance, estimate.state.variance,
                    {offset, estimate.noise_origin, estimate.budget.shrinkage});
-  if (estimate.budget.shrinkage != ShrinkageEffort::Off) keep_bounds(estimate, frame);
-}
-
-// A channel that no frame saw unclipped is not mixed with what is darker around it.
-void Emission::keep_bounds(const FrameEstimate& estimate, HdrFrame& frame) {
-  const RadianceEstimate& state = estimate.state;
-  const float unseen_from = estimate.unseen_variance;
-  const int cols = state.radiance.cols();
-  pool_.for_rows(state.radiance.rows(), [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y) {
-      const std::uint8_t* from = frame.provenance.row(0, y);
-      if (std::find(from, from + cols, code(Provenance::Bound)) == from + cols) continue;
-      const auto bound = rows_of(state.radiance, y), variance = rows_of(state.variance, y);
-      const auto shown = rows_of(frame.radiance, y);
-      for (std::size_t c = 0; c < 3; ++c)
-        for (int x = 0; x < cols; ++x)
-          shown[c][x] = variance[c][x] >= unseen_from ? std::max(shown[c][x], bound[c][x]) : shown[c][x];
-    }
-  });
 }
 
 // The source of each pixel and its uncertainty.

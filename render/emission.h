@@ -17,7 +17,6 @@ class Emission {
 
  private:
   void judge(const FrameEstimate& estimate, float offset, HdrFrame& frame);
-  void keep_bounds(const FrameEstimate& estimate, HdrFrame& frame);
 
   WorkerPool& pool_;
   Shrinkage shrinkage_;
