@@ -63,9 +63,26 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
   });
   add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
     RandomPlanes& r = room->radiance;
-    kernels.update({r.row(0, y), r.row(7, y), r.row(4, y), room->share.row(0, y), r.row(2, y), r.row(5, y),
-                    room->share.row(1, y), nullptr, noise(), 1e6f, 1e-3f, 0.1f, 1, 1e-3f, false,
-                    room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
+    kernels.update({.state = r.row(0, y),
+                    .variance = r.row(7, y),
+                    .sample = r.row(4, y),
+                    .weight = room->share.row(0, y),
+                    .mean = r.row(2, y),
+                    .blur = r.row(5, y),
+                    .gate = room->share.row(1, y),
+                    .extra = nullptr,
+                    .noise = noise(),
+                    .unseen_from = 1e6f,
+                    .relative2 = 1e-3f,
+                    .blur_variance = 0.1f,
+                    .unknown_blur_variance = 1,
+                    .least = 1e-3f,
+                    .ringing = 1,
+                    .later = true,
+                    .starts = false,
+                    .new_state = room->out.row(0, y),
+                    .new_variance = room->out.row(1, y),
+                    .share = room->out.row(2, y)},
                    cols);
   });
   const auto flow = std::make_shared<RandomPlanes>(2, rows, cols, -6, 6, 5);

@@ -9,7 +9,9 @@ void ExposureTables::rebuild(const Response& response, const NoiseModel& noise,
   constexpr float kDarkCode =
       10;  // below it the slope of the response is uncertain: the largest nearby is used
   constexpr int kBlackCode = 4, kSureCode = 8;
+  constexpr float kClean = 0.25f, kRings = 0.75f;  // codes rms
   excess_ = excess;
+  ringing_ = smooth_step(kClean, kRings, noise.code_noise);
   for (int c = 0; c < 3; ++c) {
     const auto channel = static_cast<std::size_t>(c);
     for (std::size_t z = 0; z < 256; ++z) radiance_[channel][z] = response.inverse(c)[z] / exposure_;

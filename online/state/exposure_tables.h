@@ -51,6 +51,9 @@ class ExposureTables {
   // the tables (online/state/texture_error.h).
   float texture_error() const { return texture_error_; }
   void set_texture_error(float share) { texture_error_ = share; }
+  // 0..1: whether the camera's processing leaves codes below white in what is clipped, as compression and
+  // sharpening do: cameras with noise in their codes.
+  float ringing() const { return ringing_; }
   const VarianceExcess& excess() const { return excess_; }
 
   // Half a code: what is darker cannot be told from none.
@@ -84,7 +87,7 @@ class ExposureTables {
 
  private:
   static constexpr int kSegments = pass_constants::kSegments;  // uniform in sqrt(x)
-  float exposure_, texture_error_ = 0;
+  float exposure_, texture_error_ = 0, ringing_ = 0;
   VarianceExcess excess_;
   std::array<std::array<float, pass_constants::kCodes>, 3> radiance_{};
   std::array<std::array<float, pass_constants::kRoots>, 3> variance_{}, code_{};

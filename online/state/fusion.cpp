@@ -188,6 +188,8 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
                                .blur_variance = o.blur_variance,
                                .unknown_blur_variance = o.unknown_blur_variance,
                                .least = seen.tables.least_radiance(c),
+                               .ringing = seen.tables.ringing(),
+                               .later = moved != nullptr,
                                .starts = order == SampleOrder::FirstFrame,
                                .new_state = after.radiance.row(c, y),
                                .new_variance = after.variance.row(c, y),

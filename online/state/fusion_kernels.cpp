@@ -136,28 +136,49 @@ inline V guessed(V state, V sample, float least_radiance) {
   return size * size;
 }
 
+// Compression and sharpening leave codes below white in what is clipped: where the state, as this exposure
+// sees it, is surely beyond white, codes that fade already count less.
+template <class V>
+inline V without_ringing(const UpdatedRow& row, V seen, V variance, V weight) {
+  const V sure = variance < row.unseen_from ? seen - kSureSigmas * root(variance) : seen;
+  const V clipped = smooth_step(kSurelyClipped, kFarClipped, sure * row.noise.exposure);
+  return most(weight - row.ringing * kRingingFades * clipped * (1 - weight), V{});
+}
+
+// What a frame shows clipped is so bright that a later one would clip it, too; what that shows much darker is
+// something else, as behind a flash.
+template <class V>
+inline auto shows_else(const UpdatedRow& row, V state, V variance, V sample) {
+  const float white = 1 / row.noise.exposure,
+              bounded_from = row.later ? row.unseen_from : __builtin_huge_valf();
+  return (variance >= bounded_from) & (state >= kAtClip * white) & (sample < kElse * white);
+}
+
 void update(const UpdatedRow& row, int n) {
   across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
     using V = decltype(noise);
-    const V s = get<V>(row.state + x), r = get<V>(row.sample + x), weighs = get<V>(row.weight + x);
-    V v = get<V>(row.variance + x);
+    const V s = get<V>(row.state + x), r = get<V>(row.sample + x);
+    const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{}, blur2 = blur * blur;
+    V v = get<V>(row.variance + x), weighs = get<V>(row.weight + x);
+    if (row.ringing > 0) weighs = without_ringing(row, s + blur, v, weighs);
+    const auto other = shows_else(row, s, v, r);
     if (!row.starts) {
       const V guess = weighs < kClipped ? v : least(v, guessed(s, r, row.least));
       v = v < row.unseen_from ? v : guess;
     }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
-    const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{}, blur2 = blur * blur;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
     const V taken = v < row.unseen_from ? sharp : r;
     const V blur_doubt = v < row.unseen_from ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-    V weighed = weighs;
+    V weighed = other ? V{} : weighs;
     if (row.gate != nullptr) weighed *= get<V>(row.gate + x);
     // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
     const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const auto counts = (v < row.unseen_from) | (weighed * mean2 > kLeastSignal2 * doubt);
+    const V known = other ? all<V>(row.unseen_from) : v;
+    const auto counts = (known < row.unseen_from) | (weighed * mean2 > kLeastSignal2 * doubt);
     put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
     put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
     put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));

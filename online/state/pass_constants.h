@@ -19,6 +19,12 @@ constexpr float kBelowBound = 0.15f;      // of that: so far below it, 1/e of th
 
 // Update: squared signal over noise from which on a sample is more than a bound.
 constexpr float kLeastSignal2 = 1e-5f;
+// Ringing: the relative exposure at which the state is sure to be clipped, and far beyond, by so many
+// standard deviations; how many times faster the weight falls there.
+constexpr float kSurelyClipped = 1.25f, kFarClipped = 2.5f, kSureSigmas = 2, kRingingFades = 3;
+// A later frame's sample against a bound, in relative exposures: from which on what is bounded would be
+// clipped there, and below which the sample shows something else.
+constexpr float kAtClip = 0.98f, kElse = 0.5f;
 
 // Age: least divisor of the variance where the gate is closed.
 constexpr float kLeastGate = 1e-4f;

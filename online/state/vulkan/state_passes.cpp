@@ -47,7 +47,7 @@ void GpuTables::take(const ExposureTables& tables, GpuWork& work) {
   for (int c = 0; c < 3; ++c) all.insert(all.end(), tables.variances(c).begin(), tables.variances(c).end());
   work.upload(std::as_bytes(std::span(all)), *curves);
   work.upload(std::as_bytes(std::span(tables.excess().bins)), *excess);
-  exposure = tables.exposure(), texture_error = tables.texture_error();
+  exposure = tables.exposure(), texture_error = tables.texture_error(), ringing = tables.ringing();
 }
 
 Result<PassRoom> PassRoom::make(GpuDevice& device, int rows, int cols) {
@@ -206,7 +206,7 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
   const struct {
     int rows, cols, joins, starts;
     float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2,
-        texture_error;
+        texture_error, ringing;
   } constants{state.rows,
               state.cols,
               taking == Taking::Later ? 1 : 0,
@@ -217,7 +217,8 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
               o.blur_variance,
               o.unknown_blur_variance,
               static_cast<float>(moved.intervals) * square(o.misalignment),
-              tables.texture_error};
+              tables.texture_error,
+              tables.ringing};
   run(kUpdate,
       {*state, *samples, *room.mean, tables.curves.get(), *gate, *moved.contrast, *moved.motion, *share,
        *room.detail},

@@ -21,7 +21,7 @@ constexpr int kResidualPlanes = 9;  // residual, variance, bin; rgb each
 // What a code means and how noisy it is, in the device's memory.
 struct GpuTables {
   std::unique_ptr<GpuBuffer> curves, excess;
-  float exposure = 1, texture_error = 0;
+  float exposure = 1, texture_error = 0, ringing = 0;
 
   static Result<GpuTables> make(GpuDevice& device);
   void take(const ExposureTables& tables, GpuWork& work);

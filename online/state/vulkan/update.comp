@@ -8,6 +8,7 @@
 layout(push_constant) uniform Constants {
   int rows, cols, joins, starts;
   float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
+  float ringing;
 };
 CHANGES(0, State, state)
 READS(1, Samples, samples)
@@ -24,6 +25,16 @@ READS(8, Detail, detail)  // the local contrast of what the mean is of
 #include "online/state/vulkan/noise.glsl"
 #include "online/state/vulkan/warp_variance.glsl"
 
+// The twins are in online/state/fusion_kernels.cpp.
+float without_ringing(float seen, float variance, float weight) {
+  const float sure = variance < unseen_from ? seen - kSureSigmas * sqrt(variance) : seen;
+  const float clipped = smoothstep(kSurelyClipped, kFarClipped, sure * exposure);
+  return max(weight - ringing * kRingingFades * clipped * (1 - weight), 0.0);
+}
+bool shows_else(float radiance, float variance, float sample_) {
+  return joins != 0 && variance >= unseen_from && radiance * exposure >= kAtClip && sample_ * exposure < kElse;
+}
+
 void main() {
   if (!is_pixel()) return;
   const int x = column(), y = row(), pixel = at(0, y, x);
@@ -32,10 +43,12 @@ void main() {
   float shared_ = 0;
   for (int c = 0; c < 3; ++c) {
     const int i = at(c, y, x), of_variance = at(kVariance + c, y, x);
-    const float s = state[i], r = samples[i], m = mean[i], weighs = samples[at(kWeight + c, y, x)];
-    float v = state[of_variance];
-    if (starts == 0 && !(v < unseen_from) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
+    const float s = state[i], r = samples[i], m = mean[i];
     const float blur = samples[at(kBlur + c, y, x)], blur2 = blur * blur;
+    float v = state[of_variance], weighs = samples[at(kWeight + c, y, x)];
+    if (ringing > 0) weighs = without_ringing(s + blur, v, weighs);
+    const bool other = shows_else(s, v, r);
+    if (starts == 0 && !(v < unseen_from) && !(weighs < kClipped)) v = min(v, guessed(c, s, r));
     float variance = noise_variance(c, m) + relative2 * m * m, value = r;
     if (v < unseen_from) {
       value = max(0.0, value - blur * blur2 / (blur2 + v + kTiny));
@@ -45,14 +58,15 @@ void main() {
     }
     if (joins != 0) variance += extra * contrast[i];
     if (texture_error > 0) variance += texture_error * detail[i];
-    const float weight = weighs * trust / (variance + kTiny);
+    const float weight = other ? 0 : weighs * trust / (variance + kTiny);
     const float before = 1 / (v + kTiny);
-    if (weight > kLeastSignal2 / (m * m + kTiny) || v < unseen_from) {
+    if (weight > kLeastSignal2 / (m * m + kTiny) || (v < unseen_from && !other)) {
       state[i] = (s * before + value * weight) / (before + weight);
       state[of_variance] = 1 / (before + weight);
       shared_ += weight / (before + weight) * (1.0 / 3);
     } else {
       state[i] = max(r, s);
+      state[of_variance] = v;
     }
   }
   share[pixel] = joins != 0 ? share[pixel] * (1 - shared_) + shared_ : shared_;

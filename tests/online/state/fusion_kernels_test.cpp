@@ -141,22 +141,44 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
          {std::pair(false, false), std::pair(true, false), std::pair(true, true)}) {
       const auto size = static_cast<std::size_t>(n);
       constexpr float kKnown = 1, kRelative2 = 4e-4f, kBlur = 1, kUnknownBlur = 8, kLeast = 0.2f;
-      Row state = numbers.between(0, 1, n), variance = numbers.between(0, 2, n);
+      const float ringing = whole ? 0.7f : 0;
+      Row state = numbers.between(0, starts ? 1 : 6, n), variance = numbers.between(0, 2, n);
       const Row sample = numbers.between(0, 1, n), mean = numbers.between(0.01f, 1, n);
       const Row blur = numbers.between(-0.1f, 0.1f, n), gate = numbers.between(0, 1, n);
       const Row extra = numbers.between(0, 0.1f, n);
       Row weight = numbers.between(-1, 1, n), share(size, 0.1f);
       for (float& w : weight) w = std::max(0.f, w);
       Row as_state = state, as_variance = variance, as_shared = share, new_state(size), new_variance(size);
-      fusion_kernels().update(
-          {state.data(), variance.data(), sample.data(), weight.data(), mean.data(), blur.data(),
-           whole ? nullptr : gate.data(), whole ? nullptr : extra.data(), noise(), kKnown, kRelative2, kBlur,
-           kUnknownBlur, kLeast, starts, new_state.data(), new_variance.data(), share.data()},
-          n);
+      fusion_kernels().update({.state = state.data(),
+                               .variance = variance.data(),
+                               .sample = sample.data(),
+                               .weight = weight.data(),
+                               .mean = mean.data(),
+                               .blur = blur.data(),
+                               .gate = whole ? nullptr : gate.data(),
+                               .extra = whole ? nullptr : extra.data(),
+                               .noise = noise(),
+                               .unseen_from = kKnown,
+                               .relative2 = kRelative2,
+                               .blur_variance = kBlur,
+                               .unknown_blur_variance = kUnknownBlur,
+                               .least = kLeast,
+                               .ringing = ringing,
+                               .later = !whole,
+                               .starts = starts,
+                               .new_state = new_state.data(),
+                               .new_variance = new_variance.data(),
+                               .share = share.data()},
+                              n);
       for (std::size_t x = 0; x < size; ++x) {
         float &s = as_state[x], &v = as_variance[x];
+        const float sure = s + blur[x] - (v < kKnown ? 2 * std::sqrt(v) : 0);
+        const float clipped = smooth_step(1.25f, 2.5f, sure * tables().exposure());
+        float weighs = std::max(0.f, weight[x] - 3 * ringing * clipped * (1 - weight[x]));
+        const float exposure = tables().exposure();
+        const bool other = !whole && v >= kKnown && s * exposure >= 0.98f && sample[x] * exposure < 0.5f;
         const float guessed = std::max({s, sample[x], kLeast});
-        if (!starts && v >= kKnown && weight[x] >= 0.05f) v = std::min(v, guessed * guessed);
+        if (!starts && v >= kKnown && weighs >= 0.05f) v = std::min(v, guessed * guessed);
         const float blur2 = blur[x] * blur[x];
         float doubt = tables().variance(1, mean[x]) + kRelative2 * mean[x] * mean[x], taken = sample[x];
         if (v < kKnown) {
@@ -166,8 +188,9 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
           doubt += kUnknownBlur * blur2;
         }
         if (!whole) doubt += extra[x];
-        const float w = weight[x] * (whole ? 1 : gate[x]) / (doubt + kTiny), before = 1 / (v + kTiny);
-        if (v < kKnown || w > 1e-5f / (mean[x] * mean[x] + kTiny)) {
+        const float w = other ? 0 : weighs * (whole ? 1 : gate[x]) / (doubt + kTiny),
+                    before = 1 / (v + kTiny);
+        if ((v < kKnown && !other) || w > 1e-5f / (mean[x] * mean[x] + kTiny)) {
           s = (s * before + taken * w) / (before + w);
           v = 1 / (before + w);
           as_shared[x] += w / (before + w) / 3;

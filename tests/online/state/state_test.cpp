@@ -3,6 +3,7 @@
 #include "capture/to_exposed_frame.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
+#include "online/state/look_ahead.h"
 #include "online/state/state_filter.h"
 #include "tests/support/moving_scene.h"
 
@@ -285,6 +286,58 @@ TEST_CASE("a state that is doubted is no worse than a guess, and weighs against 
   filter.resume(seen, {});
   filter.advance({frame, tables, unseen_variance_from(64)}, doubtful);
   for (const float l : filter.state().radiance.samples()) REQUIRE(l < 0.7f * dark);
+}
+
+TEST_CASE(
+    "what compression leaves below white in a clipped place does not darken it, a clean camera's code does") {
+  constexpr int kRows = 20, kCols = 24, kY = 9, kX = 11;
+  WorkerPool pool(1);
+  const auto shown = [&](int index, float exposure, float code) {
+    ExposedFrame frame;
+    frame.index = index, frame.exposure = exposure;
+    frame.codes = Image<float>(3, kRows, kCols);
+    frame.codes.fill(code);
+    return frame;
+  };
+  const auto seen_then_rung = [&](float code_noise, float code) {
+    const NoiseModel noise{.full_well = 4000, .read_noise = 5, .code_noise = code_noise};
+    const ExposureTables of_short(Response::gamma(2.2f), noise, 0.25f),
+        of_long(Response::gamma(2.2f), noise, 4);
+    const ExposedFrame first = shown(0, 0.25f, 200);
+    ExposedFrame second = shown(1, 4, 255);
+    for (int c = 0; c < 3; ++c) second.codes.at(c, kY, kX) = code;
+    StateFilter filter({}, kRows, kCols, pool);
+    filter.restart({first, of_short, kUnseen});
+    filter.advance({second, of_long, kUnseen}, still(kRows, kCols));
+    return filter.state().radiance.at(1, kY, kX) / of_short.radiance(1, 200);
+  };
+  CHECK(seen_then_rung(1, 238) == Approx(1).epsilon(0.01));
+  CHECK(seen_then_rung(0.1f, 238) < 0.9f);
+  CHECK(seen_then_rung(1, 215) < 0.9f);  // no ringing reaches so far: something else is there now
+}
+
+TEST_CASE("a frame that shows a flash keeps it, though the next one shows the dark behind it") {
+  constexpr int kRows = 20, kCols = 24;
+  WorkerPool pool(1);
+  const ExposureTables of_next(Response::gamma(2.2f), {}, 4);  // clips from .25 on
+  RadianceState flash{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
+                      Image<float>(1, kRows, kCols)};
+  const FlowField path = still(kRows, kCols);
+  const auto joined = [&](float bound, float next) {
+    flash.radiance.fill(bound), flash.variance.fill(kUnseenVariance);
+    ExposedFrame later;
+    later.index = 1, later.exposure = 4;
+    later.codes = Image<float>(3, kRows, kCols);
+    later.codes.fill(of_next.code(1, next));
+    const LaterFrame next_frame{&later, &path, &of_next};
+    Fusion fusion({}, pool);
+    JoinedState both;
+    LookAhead(pool).join(flash, {&next_frame, 1}, kUnseen, fusion, both);
+    return both.radiance.at(1, 9, 11);
+  };
+  CHECK(joined(1, 0.1f) == 1);
+  CHECK(joined(1, 0.18f) == Approx(0.18f).epsilon(0.05));   // nearly clipped: it may be the same surface
+  CHECK(joined(0.2f, 0.1f) == Approx(0.1f).epsilon(0.05));  // a bound that the next frame's white is beyond
 }
 
 TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {
