@@ -78,7 +78,7 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                     .unknown_blur_variance = 1,
                     .least = 1e-3f,
                     .ringing = 1,
-                    .later = true,
+                    .bounded = true,
                     .starts = false,
                     .new_state = room->out.row(0, y),
                     .new_variance = room->out.row(1, y),

@@ -189,7 +189,7 @@ void Fusion::update(const Seen& seen, const Image<float>* gate, const Moved* mov
                                .unknown_blur_variance = o.unknown_blur_variance,
                                .least = seen.tables.least_radiance(c),
                                .ringing = seen.tables.ringing(),
-                               .later = moved != nullptr,
+                               .bounded = moved != nullptr && !moved->shorter,
                                .starts = order == SampleOrder::FirstFrame,
                                .new_state = after.radiance.row(c, y),
                                .new_variance = after.variance.row(c, y),

@@ -48,6 +48,7 @@ struct Moved {
   const Image<float>& contrast;
   const Image<float>& flow;
   int intervals = 1;
+  bool shorter = false;  // exposed than the frame that they were moved to
 };
 
 // Before the first frame the state holds nothing; after it, at least a guess of what it does not know.

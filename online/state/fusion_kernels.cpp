@@ -145,12 +145,12 @@ inline V without_ringing(const UpdatedRow& row, V seen, V variance, V weight) {
   return most(weight - row.ringing * kRingingFades * clipped * (1 - weight), V{});
 }
 
-// What a frame shows clipped is so bright that a later one would clip it, too; what that shows much darker is
-// something else, as behind a flash.
+// What a frame shows clipped is so bright that one exposed longer clips it, too; what that shows much darker
+// is something else, as behind a flash.
 template <class V>
 inline auto shows_else(const UpdatedRow& row, V state, V variance, V sample) {
   const float white = 1 / row.noise.exposure,
-              bounded_from = row.later ? row.unseen_from : __builtin_huge_valf();
+              bounded_from = row.bounded ? row.unseen_from : __builtin_huge_valf();
   return (variance >= bounded_from) & (state >= kAtClip * white) & (sample < kElse * white);
 }
 

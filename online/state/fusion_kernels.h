@@ -64,7 +64,7 @@ struct UpdatedRow {
   float unseen_from, relative2, blur_variance, unknown_blur_variance;
   float least;    // radiance that the samples cannot tell from none
   float ringing;  // 0..1: how much codes that fade are doubted where the state is clipped
-  bool later;     // samples of a later frame, which do not deny what this one shows
+  bool bounded;   // by a frame exposed no longer, whose clipped pixels these samples do not deny
   bool starts;    // the state holds nothing yet, not even a guess
   float *new_state, *new_variance;
   float* share;  // a third of this channel's is added

@@ -30,7 +30,7 @@ void LookAhead::join(const RadianceEstimate& state, std::span<const LaterFrame> 
     fusion.gate(seen, path->confidence, gate_, contrast_);
     // by turns, so that the last one is what is asked for
     RadianceEstimate& after = (later.size() - i) % 2 == 1 ? joined : between_;
-    const Moved moved{contrast_, path->vectors, static_cast<int>(i) + 1};
+    const Moved moved{contrast_, path->vectors, static_cast<int>(i) + 1, ahead.shorter};
     fusion.update(seen, &gate_, &moved, after, i == 0 ? joined.later_share : share_);
     before = &after;
     if (i == 0) continue;

@@ -15,6 +15,7 @@ struct LaterFrame {
   const ExposedFrame* frame;
   const FlowField* from_previous;  // from the previous frame
   const ExposureTables* tables;    // at its exposure
+  bool shorter = false;            // exposed than the state's frame: what clips that, it need not clip
 };
 
 constexpr std::size_t kMaxLookAhead = 2;  // frames

@@ -204,12 +204,13 @@ void StatePasses::fuse(Taking taking, const GpuSeen& seen, const GpuPicture& gat
   else
     box_mean(room.guess, 1, room.mean);
   const struct {
-    int rows, cols, joins, starts;
+    int rows, cols, joins, bounded, starts;
     float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2,
         texture_error, ringing;
   } constants{state.rows,
               state.cols,
               taking == Taking::Later ? 1 : 0,
+              taking == Taking::Later && !moved.shorter ? 1 : 0,
               taking == Taking::First ? 1 : 0,
               unseen_variance,
               tables.exposure,

@@ -40,6 +40,7 @@ struct GpuMoved {
   const GpuPicture& contrast;
   const GpuPicture& motion;
   int intervals = 1;
+  bool shorter = false;
 };
 
 // What the kernels of one pass leave to each other; nothing in it outlives the pass.

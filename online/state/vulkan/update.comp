@@ -3,10 +3,10 @@
 // Inverse-variance update of the state by samples. A frame's own samples count whole and set the share; where
 // it is the first one (`starts` 1) there is nothing before it, not even a guess;
 // later frames' samples (`joins` 1) count as far as the gate says, with the variance of their warp, and their
-// share is joined to that of those before.
+// share is joined to that of those before; `bounded` 1 where their frame is exposed no shorter.
 #include "hal/gpu/element.glsl"
 layout(push_constant) uniform Constants {
-  int rows, cols, joins, starts;
+  int rows, cols, joins, bounded, starts;
   float unseen_from, exposure, relative2, blur_variance, unknown_blur_variance, misalignment2, texture_error;
   float ringing;
 };
@@ -32,7 +32,7 @@ float without_ringing(float seen, float variance, float weight) {
   return max(weight - ringing * kRingingFades * clipped * (1 - weight), 0.0);
 }
 bool shows_else(float radiance, float variance, float sample_) {
-  return joins != 0 && variance >= unseen_from && radiance * exposure >= kAtClip && sample_ * exposure < kElse;
+  return bounded != 0 && variance >= unseen_from && radiance * exposure >= kAtClip && sample_ * exposure < kElse;
 }
 
 void main() {

@@ -215,7 +215,7 @@ Result<void> VulkanState::join_gpu(const RadianceEstimate& of, std::span<const L
                       on.samples);
     const GpuSeen seen{on.joined, on.samples, on.tables, unseen_variance};
     passes.gate(seen, on.path, on.room, on.gate, on.contrast);
-    passes.join(seen, on.gate, {on.contrast, on.path, intervals}, on.room, on.share);
+    passes.join(seen, on.gate, {on.contrast, on.path, intervals, ahead.shorter}, on.room, on.share);
   }
   download_both(work, on.joined, joined.radiance, joined.variance);
   download(work, on.share, joined.later_share);

@@ -164,7 +164,7 @@ TEST_CASE("the update is the inverse-variance mean, or the larger bound of what 
                                .unknown_blur_variance = kUnknownBlur,
                                .least = kLeast,
                                .ringing = ringing,
-                               .later = !whole,
+                               .bounded = !whole,
                                .starts = starts,
                                .new_state = new_state.data(),
                                .new_variance = new_variance.data(),

@@ -323,13 +323,13 @@ TEST_CASE("a frame that shows a flash keeps it, though the next one shows the da
   RadianceState flash{Image<float>(3, kRows, kCols), Image<float>(3, kRows, kCols),
                       Image<float>(1, kRows, kCols)};
   const FlowField path = still(kRows, kCols);
-  const auto joined = [&](float bound, float next) {
+  const auto joined = [&](float bound, float next, bool shorter = false) {
     flash.radiance.fill(bound), flash.variance.fill(kUnseenVariance);
     ExposedFrame later;
     later.index = 1, later.exposure = 4;
     later.codes = Image<float>(3, kRows, kCols);
     later.codes.fill(of_next.code(1, next));
-    const LaterFrame next_frame{&later, &path, &of_next};
+    const LaterFrame next_frame{&later, &path, &of_next, shorter};
     Fusion fusion({}, pool);
     JoinedState both;
     LookAhead(pool).join(flash, {&next_frame, 1}, kUnseen, fusion, both);
@@ -338,6 +338,7 @@ TEST_CASE("a frame that shows a flash keeps it, though the next one shows the da
   CHECK(joined(1, 0.1f) == 1);
   CHECK(joined(1, 0.18f) == Approx(0.18f).epsilon(0.05));   // nearly clipped: it may be the same surface
   CHECK(joined(0.2f, 0.1f) == Approx(0.1f).epsilon(0.05));  // a bound that the next frame's white is beyond
+  CHECK(joined(1, 0.1f, true) == Approx(0.1f).epsilon(0.05));  // a longer frame's own bound is lower
 }
 
 TEST_CASE("a sample that contradicts the state is gated, one that agrees is not") {

@@ -344,7 +344,7 @@ struct TwoLayers {
     check_alike(there.state().own_share, here.state().own_share, "own share", kRecursion);
   }
   void join_after(int i, std::size_t ahead, const RadianceState* earlier = nullptr) {
-    const LaterFrame later[2] = {{&frames[i + 1], &onward, &tables[(i + 1) % 3]},
+    const LaterFrame later[2] = {{&frames[i + 1], &onward, &tables[(i + 1) % 3], i % 2 == 1},
                                  {&frames[i + 2], &onward, &tables[(i + 2) % 3]}};
     JoinedState a, b;
     here.join(earlier ? *earlier : here.state(), {later, ahead}, kUnseen, a);
