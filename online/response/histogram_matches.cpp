@@ -88,6 +88,8 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   const bool shortest = !shortest_ || shorter.exposure < 0.9f * *shortest_;
   if (shortest) shortest_ = shorter.exposure;
   const std::pair key{ExposureCorrections::key(shorter.exposure), ExposureCorrections::key(longer.exposure)};
+  const double log_ratio =
+      std::log(static_cast<double>(shorter.exposure) / static_cast<double>(longer.exposure));
   std::vector<float> scratch;
   std::array<std::vector<CodeMatch>, 3> found;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -107,7 +109,7 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
   if (std::ranges::all_of(found, &std::vector<CodeMatch>::empty)) return false;
   for (std::size_t c = 0; c < 3; ++c) {
     CodeMatches& matches = matches_[c][key];
-    matches.log_ratio = (key.first - key.second) / 64.0 * std::log(2.0);
+    matches.log_ratio += (log_ratio - matches.log_ratio) / ++matches.pairs;
     matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
     keep_newest(matches.codes);
   }

@@ -25,7 +25,8 @@ struct CodeMatch {
 
 // The matches of one channel for one pair of exposures.
 struct CodeMatches {
-  double log_ratio = 0;  // ln E1/E2 < 0, as stated
+  double log_ratio = 0;  // ln E1/E2 < 0, as stated; the mean, where times jitter
+  int pairs = 0;         // of frames
   std::vector<CodeMatch> codes;
 };
 

@@ -147,12 +147,13 @@ void MultiViewDepth::carry_depth(const Relative& previous, const GridPlace& from
   previous.turn((from.x() + 0.5f - static_cast<float>(lens_.cx_px)) / static_cast<float>(lens_.fx_px),
                 (from.y() + 0.5f - static_cast<float>(lens_.cy_px)) / static_cast<float>(lens_.fy_px), ray);
   const float z = ray[2] + d * previous.t[2];
-  if (!(z > kNearestZ)) return;
+  if (!(z > kNearestZ && ray[2] > kNearestZ)) return;
+  const float per_depth = z * z / ray[2];  // change of d for one of d / z
   // what the camera learnt outlasts any time that it stands still, or only turns
   const float forget = previous.moves() ? options_.forget : 0;
   const float keep = 1 / ((1 + forget) * (1 + forget));
   carried_learnt_.at(0, y, x) = d / z;
-  carried_learnt_.at(1, y, x) = known * z * z * keep;
+  carried_learnt_.at(1, y, x) = known * per_depth * per_depth * keep;
 }
 
 // The inverse depth of a static point from the displacement to a keyframe.
