@@ -134,8 +134,10 @@ void CaptureStage::settle_trigger() {
   counters_.trigger = trigger_.counters();
 }
 
+// What waits; of a line that floats more comes than can ever be read.
 Result<void> CaptureStage::drain_strobe() {
-  while (strobe_ != nullptr && options_.strobe != StrobePulse::Absent) {
+  if (strobe_ == nullptr || options_.strobe == StrobePulse::Absent) return {};
+  for (std::size_t edges = 0; edges < 4 * SyncLine::kMostWaiting; ++edges) {
     const Result<Edge> edge = strobe_->wait_edge(Duration(0));
     if (edge) {
       matcher_->strobe(edge.value());

@@ -29,7 +29,7 @@ inline constexpr std::string_view kFlowBackward[2] = {"backward.u",
 inline constexpr std::string_view kFlowForward[2] = {"forward.u", "forward.v"};  // pixels to the next frame
 inline constexpr std::string_view kFieldFlow[2] = {"field.u", "field.v"};  // the field's, to the previous
 inline constexpr std::string_view kFieldFlowForward[2] = {"field.forward.u", "field.forward.v"};
-inline constexpr std::string_view kSigma = "sigma";            // of ln radiance
+inline constexpr std::string_view kSigma = "sigma";            // HdrFrame::sigma
 inline constexpr std::string_view kProvenance = "provenance";  // enum Provenance, 0..4
 }  // namespace exr_channel
 

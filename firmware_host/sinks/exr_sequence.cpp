@@ -42,7 +42,8 @@ void describe(const ExrLayers& layers, LengthUnit length_unit, std::map<std::str
   if (layers.field_flow_forward)
     texts["hdrcam.unit.field.forward"] = "pixels to the next frame, of the field; u to the right, v down";
   if (layers.confidence) {
-    texts["hdrcam.unit.sigma"] = "standard deviation of ln radiance";
+    texts["hdrcam.unit.sigma"] =
+        "standard deviation of ln(radiance + white / 5000), white what saturates the shortest exposure";
     texts["hdrcam.unit.confidence"] = "exp(-sigma), 0 to 1";
   }
   if (!layers.provenance) return;

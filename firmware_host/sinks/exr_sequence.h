@@ -9,7 +9,7 @@
 //   forward.u/.v        motion to the next frame, likewise; 0 for the last frame
 //   field.u/.v          the field's own motion to the previous frame, likewise
 //   field.forward.u/.v  and to the next one
-//   sigma               standard deviation of ln radiance, half
+//   sigma               standard deviation of ln(radiance + white / 5000), half
 //   confidence          exp(-sigma), half, 0..1: the one-sigma lower bound over the value
 //   provenance          enum Provenance, half
 #pragma once

@@ -4,6 +4,7 @@
 #include <microhttpd.h>
 #include <netdb.h>
 #include <netinet/in.h>
+#include <strings.h>
 #include <sys/random.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -159,7 +160,7 @@ struct HttpCallbacks {
   static std::optional<HttpAnswer> refused_without_token(const HttpServer& server,
                                                          MHD_Connection* connection) {
     const std::string_view given = header_of(connection, MHD_HTTP_HEADER_AUTHORIZATION);
-    if (!given.starts_with(kBearer)) {
+    if (given.size() < kBearer.size() || ::strncasecmp(given.data(), kBearer.data(), kBearer.size()) != 0) {
       HttpAnswer answer = http_error(401, "this needs the token that was printed at the start");
       answer.headers.emplace_back("WWW-Authenticate", "Bearer");
       return answer;
