@@ -73,6 +73,12 @@ void keep_newest(std::vector<CodeMatch>& matches) {
     matches.erase(matches.begin(), matches.end() - static_cast<std::ptrdiff_t>(kMost));
 }
 
+void keep_newest(HistogramMatches::OfChannel& matches) {
+  if (matches.size() > HistogramMatches::kMostPairs)
+    matches.erase(
+        std::ranges::min_element(matches, {}, [](const auto& entry) { return entry.second.newest; }));
+}
+
 }  // namespace
 
 bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCuts cuts) {
@@ -112,6 +118,8 @@ bool HistogramMatches::add(const ExposedFrame& a, const ExposedFrame& b, SceneCu
     matches.log_ratio += (log_ratio - matches.log_ratio) / ++matches.pairs;
     matches.codes.insert(matches.codes.end(), found[c].begin(), found[c].end());
     keep_newest(matches.codes);
+    matches.newest = pairs_;
+    keep_newest(matches_[c]);
   }
   ++pairs_;
   return true;

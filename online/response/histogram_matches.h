@@ -27,12 +27,14 @@ struct CodeMatch {
 struct CodeMatches {
   double log_ratio = 0;  // ln E1/E2 < 0, as stated; the mean, where times jitter
   int pairs = 0;         // of frames
+  int newest = 0;        // of all pairs of frames, the last of these
   std::vector<CodeMatch> codes;
 };
 
 class HistogramMatches {
  public:
-  static constexpr int kQuantiles = 400;  // matches per pair and channel
+  static constexpr int kQuantiles = 400;         // matches per pair and channel
+  static constexpr std::size_t kMostPairs = 64;  // of exposures: the newest, where they go on changing
 
   // Of one channel, by the stated exposures, shorter and longer (ExposureCorrections::key).
   using OfChannel = std::map<std::pair<int, int>, CodeMatches>;

@@ -54,7 +54,7 @@ inline constexpr PictureFloor kPictureFloors[] = {
     {"state, look-ahead 1", kWalk, Preset::Balanced, EmitLayer::State, one_frame_ahead, 39.8, 37.35, 0.065,
      0.005},
     {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.25, 0.037, 0.003},
-    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.65, 0.086, 0.0075},
+    {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.55, 0.086, 0.0075},
     {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.6, 37.5, 0.0685, 0.0065},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/to_exposed_frame.h"
+#include "online/response/histogram_matches.h"
 #include "online/response/response_estimator.h"
 #include "tests/support/moving_scene.h"
 
@@ -200,6 +201,26 @@ TEST_CASE("pairs that say nothing are left out") {
     }
   CHECK(estimator.pairs() == 0);
   CHECK(response_error(estimator.estimate({}).response, prior_mean_response()) < 1e-3);
+}
+
+TEST_CASE(
+    "exposures that go on changing, as with the light, are kept as far back as they tell, not for ever") {
+  HistogramMatches matches;
+  const auto shown = [](float exposure) {
+    return frame_of(exposure, [&](int, int y, int x) {
+      return 255 * std::sqrt(std::min(1.f, exposure * static_cast<float>(x + y) / 900));
+    });
+  };
+  constexpr int kPairs = 2 * static_cast<int>(HistogramMatches::kMostPairs);
+  for (int i = 0; i < kPairs; ++i) {
+    const float exposure = std::exp2(static_cast<float>(i) / 32);
+    REQUIRE(matches.add(shown(exposure / 8), shown(exposure / 2), SceneCuts::None));
+  }
+  CHECK(matches.pairs() == kPairs);
+  for (std::size_t c = 0; c < 3; ++c) {
+    CHECK(matches.of(c).size() == HistogramMatches::kMostPairs);
+    CHECK(matches.of(c).begin()->second.newest == kPairs - static_cast<int>(HistogramMatches::kMostPairs));
+  }
 }
 
 TEST_CASE("a step of four stops over lamps and shadows is no scene cut") {
