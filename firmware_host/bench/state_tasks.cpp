@@ -77,7 +77,7 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
                     .blur_variance = 0.1f,
                     .unknown_blur_variance = 1,
                     .least = 1e-3f,
-                    .ringing = 1,
+                    .ringing = 0,
                     .bounded = true,
                     .starts = false,
                     .new_state = room->out.row(0, y),

@@ -149,22 +149,29 @@ inline V without_ringing(const UpdatedRow& row, V seen, V variance, V weight) {
 // is something else, as behind a flash.
 template <class V>
 inline auto shows_else(const UpdatedRow& row, V state, V variance, V sample) {
-  const float white = 1 / row.noise.exposure,
-              bounded_from = row.bounded ? row.unseen_from : __builtin_huge_valf();
-  return (variance >= bounded_from) & (state >= kAtClip * white) & (sample < kElse * white);
+  const float white = 1 / row.noise.exposure;
+  return (variance >= row.unseen_from) & (state >= kAtClip * white) & (sample < kElse * white);
 }
+
+inline bool some(bool is) { return is; }
+inline bool some(Whole are) { return any_negative(are); }
 
 void update(const UpdatedRow& row, int n) {
   across_noise(row.noise, row.mean, n, [&](int x, auto noise) {
     using V = decltype(noise);
     const V s = get<V>(row.state + x), r = get<V>(row.sample + x);
     const V blur = row.blur != nullptr ? get<V>(row.blur + x) : V{}, blur2 = blur * blur;
-    V v = get<V>(row.variance + x), weighs = get<V>(row.weight + x);
-    if (row.ringing > 0) weighs = without_ringing(row, s + blur, v, weighs);
-    const auto other = shows_else(row, s, v, r);
+    const V held = get<V>(row.variance + x);
+    V v = held, weighs = get<V>(row.weight + x), counts_below = all<V>(row.unseen_from);
+    if (row.ringing > 0 && some((weighs > 0) & (weighs < 1)))
+      weighs = without_ringing(row, s + blur, held, weighs);
     if (!row.starts) {
       const V guess = weighs < kClipped ? v : least(v, guessed(s, r, row.least));
       v = v < row.unseen_from ? v : guess;
+    }
+    if (row.bounded && some(held >= row.unseen_from)) {
+      const auto other = shows_else(row, s, held, r);
+      weighs = other ? V{} : weighs, counts_below = other ? V{} : counts_below;
     }
     const V mean = get<V>(row.mean + x), mean2 = mean * mean;
     const V sharp = most(r - blur * blur2 / (blur2 + v + kTiny), V{});
@@ -172,13 +179,12 @@ void update(const UpdatedRow& row, int n) {
     const V blur_doubt = v < row.unseen_from ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-    V weighed = other ? V{} : weighs;
+    V weighed = weighs;
     if (row.gate != nullptr) weighed *= get<V>(row.gate + x);
     // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
     const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const V known = other ? all<V>(row.unseen_from) : v;
-    const auto counts = (known < row.unseen_from) | (weighed * mean2 > kLeastSignal2 * doubt);
+    const auto counts = (v < counts_below) | (weighed * mean2 > kLeastSignal2 * doubt);
     put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
     put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
     put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));
