@@ -70,7 +70,9 @@ Result<Json> parsed(std::string& text, const std::string& path) {
     return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON at line {}, byte {}: {}", path, lines + 1,
                                                  byte, reason_of(e))};
   } catch (const Json::exception& e) {
-    return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON: {}", path, reason_of(e))};
+    const std::string_view what = e.what();  // a number that no double holds, after the library's own number
+    return Error{ErrorCode::Invalid,
+                 fmt::format("'{}' is not usable: {}", path, what.substr(what.find(']') + 2))};
   }
 }
 

@@ -248,7 +248,7 @@ TEST_CASE("a clip.json that cannot be read is refused with what is wrong and whe
   refused("{\"width\":" + deep + shallow + "}", {"clip.json", "64"});
   refused("{" + std::string(kHead) + ",\"frames\":[{\"file\":" + deep + shallow + "},{}]}",
           {"clip.json", "64"});
-  refused("{\"frames\":[1e999]}", {"clip.json", "1e999"});
+  refused("{\"frames\":[1e999]}", {"clip.json' is not usable", "1e999"});
   refused(R"({"width":6,"height":4,"fps":30,"bits":8})", {"'frames' missing"});
   refused(R"({"height":4,"fps":30,"bits":8)" + frames, {"'width' missing"});
   refused(R"({"width":0,"height":4,"fps":30,"bits":8)" + frames, {"'width' is 0"});
