@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "capture/clip_policy.h"
-#include "online/noise/robust_spread.h"
+#include "hal/core/robust_spread.h"
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/sparse_lines.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "hal/core/median.h"
-#include "online/noise/robust_spread.h"
+#include "hal/core/robust_spread.h"
 #include "online/state/pass_constants.h"
 
 namespace hdrcam {
