@@ -1,15 +1,25 @@
-// How much of a large picture is looked at by those who want a few numbers of it: as many pixels as of one of
-// 320x240, so that the cost does not grow with the picture. Of 320x240 itself fewer pixels were worse
-// (docs/decisions/kernels.md). Reentrant.
+// How much of a large picture is looked at, so that the cost does not grow with it: every n-th line tells as
+// much. Reentrant.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+
+#include "hal/core/image.h"
 
 namespace hdrcam {
 
+// For statistics of the picture as a whole: n, so that about 200,000 pixels of each channel are looked at.
+// codes: [channels, rows, cols].
+inline int line_step(const Image<float>& codes) {
+  constexpr std::size_t kEnoughPixels = 200'000;
+  return static_cast<int>((codes.plane_size() + kEnoughPixels - 1) / kEnoughPixels);
+}
+
 inline constexpr int kUsualPixels = 320 * 240;
 
-// Between the lines that are looked at; stride: between them in a picture of at most the usual size.
+// For a few numbers of it: between the lines that are looked at, so that these are as many pixels as of one
+// of 320x240, of which fewer were worse (docs/decisions/kernels.md); stride: between lines of such a picture.
 inline int lines_apart(int rows, int cols, int stride) {
   return stride * std::max(1, rows * cols / kUsualPixels);
 }

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <iterator>
 
+#include "online/pictures/same_scene.h"
+#include "online/pictures/sparse_lines.h"
 #include "online/response/exposure_corrections.h"
 #include "online/response/float_order.h"
-#include "online/response/same_scene.h"
-#include "online/response/sampled_lines.h"
 
 namespace hdrcam {
 namespace {

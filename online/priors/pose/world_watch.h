@@ -5,8 +5,8 @@
 
 #include <vector>
 
+#include "online/pictures/same_scene.h"
 #include "online/priors/pose/pose_prior.h"
-#include "online/response/same_scene.h"
 
 namespace hdrcam {
 

@@ -1,4 +1,4 @@
-#include "online/response/same_scene.h"
+#include "online/pictures/same_scene.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include "capture/clip_policy.h"
 #include "hal/core/inline_list.h"
 #include "hal/core/median.h"
-#include "online/response/sampled_lines.h"
+#include "online/pictures/sparse_lines.h"
 
 namespace hdrcam {
 namespace {
