@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "capture/clip_policy.h"
+#include "capture/exposure.h"
 
 namespace hdrcam {
 
@@ -177,7 +179,7 @@ Result<void> OnlineStage::emit_at(std::size_t place, std::size_t ahead, const Em
   for (std::size_t k = 0; k < ahead; ++k) {
     const PendingFrame& next = frames_[place + 1 + k];
     later[k] = {&next.frame, &next.motion.from_previous, &sensor_.tables_for(next.frame),
-                next.frame.exposure < 0.98f * pending.frame.exposure};
+                std::log(next.frame.exposure / pending.frame.exposure) < -static_cast<float>(kSameExposure)};
   }
   const RadianceState& state = pending.state.radiance.empty() ? state_->state() : pending.state;
   const std::size_t joining = std::min(ahead, static_cast<std::size_t>(budget_.later_frames));
