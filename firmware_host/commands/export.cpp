@@ -118,9 +118,10 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
     TRY(clip.append(**frame));
     add(facts, clip.last_path(), *start, posed);
   }
-  if (frames == 0 && ended.ok())
+  if (frames == 0) {
+    TRY(ended);
     return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
-  if (frames == 0) return ended;
+  }
   TRY(clip.finish());
   if (with_poses) TRY(write_poses(around.storage, options, posed));
   for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);

@@ -48,11 +48,11 @@ std::string_view non_number(const Json& value) {
   return word == kNonNumbers.end() ? "" : *word;
 }
 
-// The library's message without its own position.
+// The library's message without its own number and position.
 std::string reason_of(const Json::exception& e) {
   const std::string_view what = e.what();
   const auto column = what.find("column ");
-  const auto begin = what.find(": ", column == std::string_view::npos ? 0 : column);
+  const auto begin = column == std::string_view::npos ? what.find("] ") : what.find(": ", column);
   return std::string(begin == std::string_view::npos ? what : what.substr(begin + 2));
 }
 
@@ -70,9 +70,7 @@ Result<Json> parsed(std::string& text, const std::string& path) {
     return Error{ErrorCode::Invalid, fmt::format("'{}' is not JSON at line {}, byte {}: {}", path, lines + 1,
                                                  byte, reason_of(e))};
   } catch (const Json::exception& e) {
-    const std::string_view what = e.what();  // a number that no double holds, after the library's own number
-    return Error{ErrorCode::Invalid,
-                 fmt::format("'{}' is not usable: {}", path, what.substr(what.find(']') + 2))};
+    return Error{ErrorCode::Invalid, fmt::format("'{}' is not usable: {}", path, reason_of(e))};
   }
 }
 

@@ -179,12 +179,11 @@ void update(const UpdatedRow& row, int n) {
     const V blur_doubt = v < row.unseen_from ? all<V>(row.blur_variance) : all<V>(row.unknown_blur_variance);
     V doubt = noise + row.relative2 * mean2 + blur_doubt * blur2;
     if (row.extra != nullptr) doubt += get<V>(row.extra + x);
-    V weighed = weighs;
-    if (row.gate != nullptr) weighed *= get<V>(row.gate + x);
+    if (row.gate != nullptr) weighs *= get<V>(row.gate + x);
     // the inverse variances' sum, with one division: of the sample 1 / doubt, as far as it is weighed
-    const V per_both = 1 / (doubt + v * weighed + kTiny), part = v * weighed * per_both;
+    const V per_both = 1 / (doubt + v * weighs + kTiny), part = v * weighs * per_both;
     // what no frame saw unclipped keeps the larger of the bounds
-    const auto counts = (v < counts_below) | (weighed * mean2 > kLeastSignal2 * doubt);
+    const auto counts = (v < counts_below) | (weighs * mean2 > kLeastSignal2 * doubt);
     put<V>(row.new_state + x, counts ? s + (taken - s) * part : most(s, r));
     put<V>(row.new_variance + x, counts ? doubt * (v * per_both) : v);
     put<V>(row.share + x, get<V>(row.share + x) + (counts ? part * (1 / 3.f) : V{}));

@@ -167,7 +167,7 @@ void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
   std::swap(measured_, measured_before_);
   measured_.reshape(1, rows_, cols_);
   pool_.for_rows(rows_, [&](int y0, int y1) {
-    for (int y = y0; y < y1; ++y)
+    for (int y = y0; y < y1; ++y) {
       clipped_motion_kernels().go_on({.at = {rows_, cols_, y},
                                       .clipped = clipped_.row(0, y),
                                       .predicted = last_.empty() ? nullptr : predicted_.plane(0),
@@ -176,8 +176,8 @@ void MotionEstimator::continue_predicted(float ratio, Image<float>& to) {
                                       .u = to.row(0, y),
                                       .v = to.row(1, y),
                                       .measured_now = measured_.row(0, y)});
-    for (int c = 0; c < 2; ++c)
-      for (int y = y0; y < y1; ++y) limit(to.row(c, y), cols_, longest);
+      for (int c = 0; c < 2; ++c) limit(to.row(c, y), cols_, longest);
+    }
   });
 }
 
