@@ -76,6 +76,7 @@ class SensorModel {
   // The frames, counted from 0, with which the response became another one.
   const std::vector<int>& relearned() const { return relearned_; }
   const BlackLevel& black_level() const { return black_level_; }
+  const ExposureCorrections& exposures() const { return exposures_; }
   const NoiseModel& noise() const { return noise_; }  // at reference_gain()
   NoiseOrigin noise_origin() const { return noise_origin_; }
   double reference_gain() const { return reference_gain_; }  // of the first frame

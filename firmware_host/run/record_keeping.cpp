@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "firmware_host/film/virtual_camera.h"
 #include "firmware_host/run/governor.h"
@@ -21,6 +23,15 @@ namespace {
 // The record of a clip holds every frame. A camera may run for weeks, so only the latest frames are kept.
 std::size_t frames_kept(RunPace pace) {
   return pace == RunPace::Camera ? kFramesKept : std::numeric_limits<std::size_t>::max();
+}
+
+// Shutter times are rounded to nominal ones, mostly by less.
+constexpr float kNotedStops = 0.05f;
+
+float farthest_off(const std::vector<ExposureCorrection>& exposures) {
+  float most = 0;
+  for (const ExposureCorrection& exposure : exposures) most = std::max(most, std::abs(exposure.stops));
+  return most;
 }
 
 }  // namespace
@@ -67,6 +78,10 @@ void add_findings(const Pipeline& pipeline, RunRecord& record) {
     record.notes.emplace_back(
         "poses: the first frame states none, so they are tracked; those that later frames state have no "
         "part");
+  record.exposures = sensor.exposures().learned();
+  if (const float most = farthest_off(record.exposures); most >= kNotedStops)
+    record.notes.push_back(
+        fmt::format("exposures: the stated ones are up to {:.2f} stop off, as pictures tell", most));
   if (!sensor.response_measured())
     record.notes.emplace_back("response: no frames tell it; the mean of real cameras stands in");
   for (const int frame : sensor.relearned())

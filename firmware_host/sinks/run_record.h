@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "hal/core/inline_list.h"
+#include "online/response/exposure_corrections.h"
 #include "online/response/response.h"
 #include "render/hdr_frame.h"
 
@@ -94,6 +95,7 @@ struct RunRecord {
   std::vector<SinkTimes> sinks;
   std::optional<ResponseCurves> response;         // the estimate in use at the end
   std::optional<Response::Curve> response_prior;  // the mean of the prior, the same for each channel
+  std::vector<ExposureCorrection> exposures;      // what pictures say about the stated ones
   std::vector<ScoreRow> scores;                   // empty without ground truth
   double film_from_field = 0;                     // share of a film's pixels that no recorded frame shows
   std::vector<std::string> notes;  // remarks on the clip, such as what was switched off and why

@@ -103,6 +103,11 @@ std::string to_json(const RunRecord& record) {
       scores[score.name] = {{"value", score.value}, {"unit", score.unit}};
   }
   if (record.response) json["response"] = *record.response;
+  if (!record.exposures.empty()) {
+    Json& exposures = json["exposures"] = Json::array();
+    for (const auto& [stated, stops] : record.exposures)
+      exposures.push_back({{"stated", stated}, {"off_stops", stops}});
+  }
   json["notes"] = record.notes;
   Json& frames = json["per_frame"] = Json::array();
   for (const FrameRecord& frame : record.frames) frames.push_back(json_of(frame, !record.rungs.empty()));

@@ -26,6 +26,14 @@ float ExposureCorrections::corrected(float exposure) const {
   return exposure * static_cast<float>(std::exp(nearest->second));
 }
 
+std::vector<ExposureCorrection> ExposureCorrections::learned() const {
+  std::vector<ExposureCorrection> all;
+  for (const auto& [key, log_ratio] : log_ratios_)
+    all.push_back({std::exp2(static_cast<float>(key) / kKeysPerStop),
+                   static_cast<float>(log_ratio / std::numbers::ln2)});
+  return all;
+}
+
 int ExposureCorrections::key(float exposure) {
   return static_cast<int>(std::lround(std::log2(exposure) * kKeysPerStop));
 }

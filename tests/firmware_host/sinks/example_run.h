@@ -53,6 +53,7 @@ inline RunRecord example_run(int frames) {
   }
   record.response = example_response();
   record.response_prior = example_response()[1];
+  record.exposures = {{0.25f, 0.03f}, {1, -0.06f}, {4, 0.03f}};
   record.scores = {
       {"PSNR-mu", "dB", 38.1, true}, {"flicker", "stops", 0.059, false}, {"SSIM", "", 0.98, true}};
   record.notes = {"the camera stands still: no poses are tracked"};

@@ -40,6 +40,9 @@ TEST_CASE("the statistics are JSON with the fields that scripts rely on") {
   CHECK(json["scores"]["PSNR-mu"]["unit"] == "dB");
   CHECK(json["response"].size() == 3);
   CHECK(json["response"][0].size() == 256);
+  REQUIRE(json["exposures"].size() == 3);
+  CHECK(json["exposures"][1]["stated"] == 1);
+  CHECK(json["exposures"][1]["off_stops"].get<float>() == -0.06f);
 }
 
 TEST_CASE("the statistics state the pose of each frame that has one, its source and its unit") {

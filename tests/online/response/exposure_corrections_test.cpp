@@ -1,6 +1,8 @@
 #include "online/response/exposure_corrections.h"
 
 #include <cmath>
+#include <numbers>
+#include <vector>
 
 #include <catch2/catch.hpp>
 
@@ -23,6 +25,11 @@ TEST_CASE(
     INFO("jitter " << jitter);
     CHECK(ln_off(0.25f * jitter) == Approx(-0.04).epsilon(1e-3));
   }
+  const std::vector<ExposureCorrection> learned = corrections.learned();
+  REQUIRE(learned.size() == 3);
+  CHECK(learned[0].stated == 0.25f);
+  CHECK(learned[0].stops == Approx(-0.04 / std::numbers::ln2));
+  CHECK(learned[2].stops == Approx(0.2 / std::numbers::ln2));
   for (const float other : {0.1f, 0.23f, 0.5f, 0.93f, 1.12f, 4.f})
     CHECK(corrections.corrected(other) == other);
 }
