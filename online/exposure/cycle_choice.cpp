@@ -111,6 +111,8 @@ std::optional<Exposure> CycleChoice::fitted(std::size_t slot, double time_s, dou
   if (exposure.gain < limits_.least_gain / kSlack || exposure.gain > limits_.greatest_gain * kSlack)
     return std::nullopt;
   exposure.gain = std::clamp(exposure.gain, limits_.least_gain, limits_.greatest_gain);
+  if (exposure.gain < limits_.least_gain * kSlack)
+    exposure.gain = limits_.least_gain;  // half stops up and down again do not end where they began
   if (exposure == better_[slot]) return std::nullopt;
   return exposure;
 }

@@ -138,6 +138,15 @@ TEST_CASE("a cycle of short times and high gains gets long times and low gains o
   CHECK(loop.cycle()[2].gain < 3);
 }
 
+TEST_CASE("a gain that comes down by half stops ends at the least one, not a rounding above it") {
+  const double half_stop = std::sqrt(2.0);
+  Loop loop(limits_of({{250us, half_stop}, {1ms, half_stop}, {4ms, half_stop}}), {.brightness = 0.02f});
+  loop.run(240);
+  INFO(describe(loop.cycle()));
+  CHECK(loop.cycle()[2].gain == 1);
+  for (const Exposure& exposure : loop.cycle()) CHECK((exposure.gain == 1 || exposure.gain > 1.1));
+}
+
 TEST_CASE("gain takes the place of time where something moves in the dark") {
   Loop loop(limits_of(kCycle), {.speed_px = 10, .brightness = 0.02f});
   loop.run(240);
