@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "capture/companding.h"
 #include "capture/exposure.h"
 #include "hal/recording/exposure_cycle.h"
 
@@ -41,7 +42,9 @@ double cycle_mean(const std::vector<RawFrame>& frames) {
 }  // namespace
 
 ExposedStream::ExposedStream(const CameraFacts& camera, int first_frames, StatedBlack stated_black)
-    : first_frames_(static_cast<std::size_t>(first_frames)), stated_black_(stated_black) {
+    : first_frames_(static_cast<std::size_t>(first_frames)),
+      stated_black_(stated_black),
+      is_companded_(is_companded(camera)) {
   settings_.bits = camera.bits;
   settings_.layout = camera.layout;
 }
@@ -88,6 +91,7 @@ Result<void> ExposedStream::expose(const RawFrame& raw, double interval_s) {
   StageWatch watch(timing_);
   TRY(to_exposed_frame(raw, arrived_, interval_s, settings_, frame_));
   if (black_level_) remove_black_level(frame_, *black_level_);
+  if (is_companded_) compand(frame_);
   ++arrived_;
   watch.lap(Stage::Unpack);
   return {};

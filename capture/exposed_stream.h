@@ -38,6 +38,7 @@ class ExposedStream {
 
   const std::size_t first_frames_;
   const StatedBlack stated_black_;
+  const bool is_companded_;
   ExposedFrameSettings settings_;
   std::optional<BlackLevel> black_level_;  // removed here
   std::vector<RawFrame> waiting_;          // until the reference is known

@@ -1,6 +1,8 @@
 #include "online/sensor_model.h"
 
 #include "capture/amplified_noise.h"
+#include "capture/companding.h"
+#include "capture/demosaic.h"
 #include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
@@ -15,11 +17,13 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
       learner_({knobs.response, knobs.bootstrap_frames, code_scale(camera.bits), camera.bits}),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(std::in_place, pool),
-      texture_error_(std::in_place, pool),
+      texture_error_of_mosaic_(is_bayer(camera.layout) ? kTextureErrorOfMosaic : 0),
+      texture_error_(std::in_place, pool, texture_error_of_mosaic_),
       shown_blur_(pool) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
-  noise_.code_step = code_scale(camera.bits);
+  noise_.code_step = is_companded(camera) ? 0 : code_scale(camera.bits);
   assumed_noise_ = noise_;
+  if (is_companded(camera)) own_response_ = Response::linear();
 }
 
 void SensorModel::meet(const ExposedFrame& frame) {
@@ -48,7 +52,7 @@ void SensorModel::begin_anew(const ResponseEstimate& estimate, int frame) {
   tables_.clear();
   noise_ = assumed_noise_;
   noise_estimator_.emplace(pool_);
-  texture_error_.emplace(pool_);
+  texture_error_.emplace(pool_, texture_error_of_mosaic_);
   shown_blur_.forget();
   go_over_to(estimate);
 }

@@ -65,6 +65,8 @@ class SensorModel {
 
   // --- what is known ---
   const Response& response() const { return response_; }
+  // Of the codes that the camera itself writes: another one where they are companded (capture/companding.h).
+  const Response& camera_response() const { return own_response_ ? *own_response_ : response_; }
   // False where no frames say anything about the response yet, and the mean of real cameras stands in.
   bool response_measured() const { return response_stated_ || learner_.measured(); }
   // Whether it is known well enough to judge exposures by: then ratios of pictures are as good as exact.
@@ -100,6 +102,7 @@ class SensorModel {
 
   ResponseLearner learner_;
   Response response_;
+  std::optional<Response> own_response_;  // the camera's, where its codes are companded
   BlackLevel black_level_;
   ExposureCorrections exposures_;
   std::vector<int> relearned_;
@@ -108,6 +111,7 @@ class SensorModel {
   NoiseOrigin noise_origin_ = NoiseOrigin::Unknown;
   NoiseModel assumed_noise_, noise_;  // before any measurement, and as measured so far
   std::optional<NoiseEstimator> noise_estimator_;
+  const float texture_error_of_mosaic_;
   std::optional<TextureError> texture_error_;
   ShownBlur shown_blur_;
   double reference_gain_ = 0;                                 // 0: no frame came yet

@@ -71,8 +71,8 @@ void add_deadline(const Governor& governor, RunRecord& record) {
 void add_findings(const Pipeline& pipeline, RunRecord& record) {
   const OnlineStage& online = pipeline.online();
   const SensorModel& sensor = online.sensor();
-  record.response = ResponseCurves{sensor.response().inverse(0), sensor.response().inverse(1),
-                                   sensor.response().inverse(2)};
+  record.response = ResponseCurves{sensor.camera_response().inverse(0), sensor.camera_response().inverse(1),
+                                   sensor.camera_response().inverse(2)};
   record.response_prior = prior_mean_response().inverse(1);
   if (online.leaves_out_given_poses())
     record.notes.emplace_back(

@@ -204,7 +204,7 @@ Result<void> Run::give_to_outputs(HdrFrame& hdr, const FrameEstimate& estimate, 
   Stopwatch watch;
   if (scene_) scene_->take(hdr, estimate);
   if (film_) {
-    TRY(film_->take(hdr, estimate, sensor().response(), show_));
+    TRY(film_->take(hdr, estimate, sensor().camera_response(), show_));
   } else {
     if (balance_) apply_white_balance(*balance_, hdr);
     const bool previews = !governor_ || governor_->previews();
@@ -221,7 +221,7 @@ Result<void> Run::save_scene() {
   if (!scene_ || scene_->frames() == 0) return {};
   const std::string& path = plan_.settings.output.path(Settings::Output::kSnapshot);
   const std::string frames = counted(scene_->frames(), "frame");
-  TRY(scene_->save(storage_, path, camera_, sensor().response()));
+  TRY(scene_->save(storage_, path, camera_, sensor().camera_response()));
   record_.notes.push_back(fmt::format("snapshot: the scene of the last {}", frames));
   saved_ = fmt::format("{}: the scene of the last {}\n", path, frames);
   return {};
@@ -233,7 +233,7 @@ void Run::tell_response() {
   if (!sensor().response_is_sure()) return;
   const std::size_t known = 1 + sensor().relearned().size();
   if (std::exchange(responses_told_, known) < known)
-    source_.learn_response(sensor().response().inverse(1), sensor().black_level());
+    source_.learn_response(sensor().camera_response().inverse(1), sensor().black_level());
 }
 
 // Asks the source for another cycle where the fit expects less error of it.

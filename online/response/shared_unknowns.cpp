@@ -20,7 +20,7 @@ Eigen::Index place_of(int key, const std::vector<int>& keys) {
 // exposures to a power, and the curve to the same, explain the same matches: which power it is only real
 // cameras tell, so exposures are not bent that way.
 Eigen::MatrixXd prior_precision(const std::vector<int>& keys) {
-  constexpr double kSigma = 0.06 * 0.69314718056;  // ln, of .06 stop
+  constexpr double kSigma = 0.04 * 0.69314718056;  // ln, of .04 stop
   constexpr double kUnbent = 1e6;
   const auto n = static_cast<Eigen::Index>(keys.size());
   Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(kExposures + n, kExposures + n) / (kSigma * kSigma);

@@ -98,7 +98,7 @@ float TextureError::share() const {
   // What the motion's errors leave of sharp pictures, and how more than that is believed. A share of more
   // than kMost is a failure of the motion or of the response, not of pixels.
   constexpr float kOfMatches = 0.06f, kSlope = 5, kMost = 0.18f;
-  return std::clamp(kSlope * (disagreement_ - kOfMatches), 0.f, kMost);
+  return std::clamp(kSlope * (disagreement_ - kOfMatches), least_, kMost);
 }
 
 }  // namespace hdrcam

@@ -16,9 +16,13 @@
 
 namespace hdrcam {
 
+// What interpolating a mosaic of colours leaves (capture/demosaic.h), which matches of smooth places hide.
+inline constexpr float kTextureErrorOfMosaic = 0.02f;
+
 class TextureError {
  public:
-  explicit TextureError(WorkerPool& pool) : pool_(pool) {}
+  // least: the share that is known before any comparison.
+  explicit TextureError(WorkerPool& pool, float least = 0) : pool_(pool), least_(least) {}
 
   // Compares a frame with the state of the frame before; to_previous: from the frame's pixels to the state's.
   // unseen_variance: from which on a pixel of the state counts as unseen.
@@ -26,7 +30,7 @@ class TextureError {
                const ExposureTables& tables, float unseen_variance);
 
   // The share of the local contrast (variance of 3x3 pixels) that a sample's variance has on top of its
-  // noise. 0 for cameras that leave textures alone.
+  // noise. `least` for cameras that leave textures alone.
   float share() const;
   // As measured, with what imperfect matches leave. It starts at that of a sharp camera: the first frames
   // are compared with a state that is hardly better than they are.
@@ -44,6 +48,7 @@ class TextureError {
   static std::optional<float> compare(const Seen& seen, int channel, int y, int x);
 
   WorkerPool& pool_;
+  const float least_;
   std::vector<float> shares_;       // of the current frame, line by line
   std::vector<std::size_t> found_;  // in each line
   float disagreement_ = 0.03f;

@@ -1,5 +1,7 @@
 #include "capture/exposed_stream.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "tests/support/moving_scene.h"
@@ -7,6 +9,7 @@
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using namespace std::chrono_literals;
 
 namespace {
 
@@ -48,6 +51,33 @@ TEST_CASE("the first frames of a stream wait for their cycle, then each is hande
     CHECK(frame.reference_exposure == Approx(reference_s));
     CHECK(frame.exposure == Approx(scene.exposures_s[i % 3] / reference_s));
     CHECK(frame.codes.channels() == 3);
+  }
+}
+
+TEST_CASE("codes of a linear camera of more than 8 bits become their roots, whose dark ones are told apart") {
+  for (const int bits : {8, 12}) {
+    CameraFacts camera;
+    camera.width = 4, camera.height = 2, camera.bits = bits, camera.linear = true;
+    ExposedStream stream(camera, 2, StatedBlack::Removed);
+    Handed handed;
+    const std::uint16_t most = static_cast<std::uint16_t>((1 << bits) - 1);
+    const std::array<std::uint16_t, 4> codes{1, 16, 100, most};
+    for (int i = 0; i < 2; ++i) {
+      RawFrame raw;
+      raw.facts.sequence = i, raw.facts.timestamp = Instant{i * 33ms};
+      raw.facts.exposure_s = i == 0 ? 0.001 : 0.004;
+      raw.codes = Image<std::uint16_t>(3, 2, 4);
+      for (int c = 0; c < 3; ++c)
+        for (int y = 0; y < 2; ++y) std::ranges::copy(codes, raw.codes.row(c, y));
+      REQUIRE(stream.take(raw, handed.keep()).ok());
+    }
+    REQUIRE(handed.frames.size() == 2);
+    for (std::size_t x = 0; x < codes.size(); ++x) {
+      const float share = static_cast<float>(codes[x]) / static_cast<float>(most);
+      INFO(bits << " bits, code " << codes[x]);
+      CHECK(handed.frames[0].codes.at(1, 0, static_cast<int>(x)) ==
+            Approx(255 * (bits > 8 ? std::sqrt(share) : share)));
+    }
   }
 }
 

@@ -68,6 +68,8 @@ TEST_CASE("what a camera's processing makes of textures is seen, and a camera th
   CHECK(texture.found() == 0);
   texture.smooth(0.8f);
   CHECK(texture.found() > 0.02f);
+  WorkerPool pool(1);
+  CHECK(TextureError(pool, kTextureErrorOfMosaic).share() == kTextureErrorOfMosaic);
   texture.motion.confidence.fill(0.5f);
   CHECK(texture.found() == 0);  // perhaps it is the motion
   Texture flat(0.001f);
