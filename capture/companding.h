@@ -1,6 +1,7 @@
-// Companding: the codes of a linear camera of more than 8 bits become their square roots. What is near black is
-// told apart in codes, whose steps are meant to be even to the eye, as those of pictures are; linear codes are
-// much finer there, and by the same limits most of what they tell would be taken for nothing. Reentrant.
+// Companding: the codes of a linear camera become their square roots, before the fit sees them. What is near
+// black is told apart in codes, whose steps are meant to be even to the eye, as those of pictures are; linear
+// codes are much finer there, and by the same limits most of what they tell would be taken for nothing.
+// Reentrant.
 #pragma once
 
 #include "capture/exposed_frame.h"

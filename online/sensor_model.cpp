@@ -6,6 +6,12 @@
 #include "capture/to_exposed_frame.h"
 
 namespace hdrcam {
+namespace {
+
+// Of the quantiser, in codes of 255. Companded, steps of the quantiser are even in light, as read noise is.
+float code_step_of(const CameraFacts& camera) { return is_companded(camera) ? 0 : code_scale(camera.bits); }
+
+}  // namespace
 
 SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
                          const std::optional<Response>& response, const StateLayer& state, WorkerPool& pool)
@@ -14,14 +20,14 @@ SensorModel::SensorModel(const Knobs& knobs, const CameraFacts& camera,
       response_stated_(response.has_value()),
       state_(state),
       pool_(pool),
-      learner_({knobs.response, knobs.bootstrap_frames, code_scale(camera.bits), camera.bits}),
+      learner_({knobs.response, knobs.bootstrap_frames, code_step_of(camera), camera.bits, response}),
       response_(response ? *response : prior_mean_response()),
       noise_estimator_(std::in_place, pool),
       texture_error_of_mosaic_(is_bayer(camera.layout) ? kTextureErrorOfMosaic : 0),
       texture_error_(std::in_place, pool, texture_error_of_mosaic_),
       shown_blur_(pool) {
   noise_.code_noise = camera.linear ? 0 : knobs.code_noise;  // raw codes are not compressed
-  noise_.code_step = is_companded(camera) ? 0 : code_scale(camera.bits);
+  noise_.code_step = code_step_of(camera);
   assumed_noise_ = noise_;
   if (is_companded(camera)) own_response_ = Response::linear();
 }
@@ -31,9 +37,7 @@ void SensorModel::meet(const ExposedFrame& frame) {
   if (tables_.size() > kMaxTables) tables_.clear();
   if (reference_gain_ == 0) reference_gain_ = frame.facts.gain();
   if (blur_kind_ == BlurKind::Shown) shown_blur_.observe_exposure(frame);
-  if (known_ || !response_stated_) return;
-  black_level_ = frame.facts.black_level.value_or(BlackLevel());
-  known_ = true;
+  if (!known_ && response_stated_) black_level_ = frame.facts.black_level.value_or(BlackLevel());
 }
 
 void SensorModel::learn_first(std::span<const CompactFrame> frames) {
@@ -59,7 +63,7 @@ void SensorModel::begin_anew(const ResponseEstimate& estimate, int frame) {
 
 void SensorModel::go_over_to(const ResponseEstimate& estimate) {
   response_ = estimate.response;
-  black_level_ = estimate.black_level;
+  if (!response_stated_) black_level_ = estimate.black_level;
   exposures_ = estimate.exposures;
   noise_origin_ = NoiseOrigin::Unknown;
   if (!estimate.noise || noise_kind_ != NoiseKind::Learned) return;
@@ -69,8 +73,7 @@ void SensorModel::go_over_to(const ResponseEstimate& estimate) {
 }
 
 void SensorModel::correct(ExposedFrame& frame) const {
-  if (response_stated_) return;
-  remove_black_level(frame, black_level_);
+  if (!response_stated_) remove_black_level(frame, black_level_);
   frame.exposure = exposures_.corrected(frame.exposure);
 }
 

@@ -22,15 +22,15 @@ namespace hdrcam {
 
 class SensorModel {
  public:
-  // response: none where it is unknown and must be learned. state: what frames are compared with; it and the
-  // pool outlive the model.
+  // response: where it is known, and frames come without their black level; else it is learned, too. state:
+  // what frames are compared with; it and the pool outlive the model.
   SensorModel(const Knobs& knobs, const CameraFacts& camera, const std::optional<Response>& response,
               const StateLayer& state, WorkerPool& pool);
 
   // --- the way of a frame, in this order ---
   // Takes note of what the frame states. Where the response is unknown, it has its black level still.
   void meet(const ExposedFrame& frame);
-  // Whether codes mean something: else frames are seen, and wait until there are enough for learn_first().
+  // Whether codes mean something: first frames are seen, and wait until there are enough for learn_first().
   bool is_known() const { return known_; }
   // before: the frame before it, or null.
   void see_first(const ExposedFrame& frame, const CompactFrame* before) { learner_.see_first(frame, before); }
@@ -41,7 +41,7 @@ class SensorModel {
   // Under another response the same codes are other radiances: nothing that was learned under the last one
   // holds. frame: the index of the first that comes under it.
   void begin_anew(const ResponseEstimate& estimate, int frame);
-  // Removes a black level that was learned and corrects the exposure.
+  // Removes a black level that was learned, and corrects the exposure.
   void correct(ExposedFrame& frame) const;
   // The share of the motion that counts as the frame's blur becomes its blur_fraction; returns the stated
   // one.

@@ -94,23 +94,26 @@ struct Fit {
   std::array<Curve, 3> curves;
   Vector shared;  // shared_unknowns.h
   std::optional<NoiseModel> seen;
-
-  SensorNoise noise() const {
-    return {shared[shared_unknowns::kFullWell], shared[shared_unknowns::kReadNoise]};
-  }
 };
+
+SensorNoise noise_of(const Vector& shared) {
+  return {shared[shared_unknowns::kFullWell], shared[shared_unknowns::kReadNoise]};
+}
+
+bool shows_noise(const std::array<std::vector<NoiseLevel>, 3>& levels) {
+  return std::any_of(levels.begin(), levels.end(), [](const auto& channel) { return !channel.empty(); });
+}
 
 // Curves and what they share together: each channel's curve is eliminated from the equations of the shared.
 Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLevel>, 3>& levels,
           const BlackLevel& black_level, const NoiseModel& noise, WorkerPool* pool) {
   constexpr int kIterationsWithNoise = 12;  // it may lead far from the mean of real cameras
   const std::vector<int> keys = matches.exposure_keys();
-  const bool shows_noise =
-      std::any_of(levels.begin(), levels.end(), [](const auto& channel) { return !channel.empty(); });
-  const Matrix shared_precision = shared_unknowns::prior_precision(keys);
+  const bool noise_shown = shows_noise(levels);
+  const Matrix shared_precision = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Fitted);
   Fit fit{{}, Vector::Zero(shared_precision.rows()), {}};
   for (Fit::Curve& curve : fit.curves) curve = {curve_prior().mean, {}};
-  for (int iteration = 0; iteration < (shows_noise ? kIterationsWithNoise : kIterations); ++iteration) {
+  for (int iteration = 0; iteration < (noise_shown ? kIterationsWithNoise : kIterations); ++iteration) {
     std::array<Vector, 3> alone;  // curves, and their change with the shared
     std::array<Matrix, 3> change;
     std::array<Matrix, 3> Qs;  // of the shared, what each channel adds to their equations
@@ -119,7 +122,8 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
       Fit::Curve& curve = fit.curves[c];
       const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
       Agreement agreed = agreement(matches.of(c), black_level[c], of_matches, curve.g, keys, fit.shared);
-      add_noise_evidence(levels[c], black_level[c], curve.g, fit.noise(), shared_unknowns::kFullWell, agreed);
+      add_noise_evidence(levels[c], black_level[c], curve.g, noise_of(fit.shared), shared_unknowns::kFullWell,
+                         agreed);
       const Eigen::LLT<Matrix> factor(agreed.A);
       alone[c] = factor.solve(agreed.b), change[c] = factor.solve(agreed.B);
       Qs[c] = agreed.C - agreed.B.transpose() * change[c];
@@ -135,12 +139,63 @@ Fit solve(const HistogramMatches& matches, const std::array<std::vector<NoiseLev
       g = alone[c] - change[c] * fit.shared;
       make_monotone(g);
     }
-    if (shows_noise) fit.seen = noise_model(fit.noise(), noise.code_step);
+    if (noise_shown) fit.seen = noise_model(noise_of(fit.shared), noise.code_step);
   }
   return fit;
 }
 
+// What the channels share where their curves are known and codes have no black level.
+struct SharedFit {
+  Vector shared;
+  std::optional<NoiseModel> seen;
+};
+SharedFit solve_shared(const HistogramMatches& matches, const std::array<std::vector<NoiseLevel>, 3>& levels,
+                       const Response& known, const NoiseModel& noise, WorkerPool* pool) {
+  const std::vector<int> keys = matches.exposure_keys();
+  const Matrix prior = shared_unknowns::prior_precision(keys, shared_unknowns::Curves::Known);
+  std::array<Vector, 3> g;
+  for (std::size_t c = 0; c < 3; ++c) {
+    g[c].resize(kKnots);
+    const Response::Curve& inverse = known.inverse(static_cast<int>(c));
+    for (int z = 0; z < kKnots; ++z)
+      g[c][z] = std::log(static_cast<double>(inverse[static_cast<std::size_t>(z) + 1]));
+  }
+  SharedFit fit{Vector::Zero(prior.rows()), {}};
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::array<Matrix, 3> Qs;
+    std::array<Vector, 3> qs;
+    for_each_channel(pool, [&](std::size_t c) {
+      CurveSquares squares(prior.rows());
+      const MatchNoise of_matches{fit.seen.value_or(noise), fit.seen.has_value()};
+      add_match_evidence(matches.of(c), 0, of_matches, g[c], keys, fit.shared, squares);
+      add_noise_evidence(levels[c], 0, g[c], noise_of(fit.shared), shared_unknowns::kFullWell, squares);
+      Qs[c] = std::move(squares.C);
+      qs[c] = squares.d - squares.B.transpose() * g[c];
+    });
+    Matrix Q = prior;
+    Vector q = Vector::Zero(Q.rows());
+    for (std::size_t c = 0; c < 3; ++c) Q += Qs[c], q += qs[c];
+    fit.shared = Q.ldlt().solve(q);
+    if (shows_noise(levels)) fit.seen = noise_model(noise_of(fit.shared), noise.code_step);
+  }
+  return fit;
+}
+
+ExposureCorrections corrections_of(const Vector& shared, const std::vector<int>& keys) {
+  ExposureCorrections exposures;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64),
+                  shared[shared_unknowns::kExposures + static_cast<Eigen::Index>(k)]);
+  return exposures;
+}
+
 }  // namespace
+
+ResponseEstimate ResponseEstimator::estimate_under(const Response& known, const NoiseModel& noise,
+                                                   WorkerPool* pool) const {
+  const SharedFit fit = solve_shared(matches_, noise_levels_.levels(), known, noise, pool);
+  return {known, {}, corrections_of(fit.shared, matches_.exposure_keys()), fit.seen};
+}
 
 ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseModel model,
                                              WorkerPool* pool) const {
@@ -180,12 +235,9 @@ ResponseEstimate ResponseEstimator::estimate(const NoiseModel& noise, ResponseMo
       uncertainty[c][static_cast<std::size_t>(z) + 1] = static_cast<float>(std::sqrt(variance[z]));
     uncertainty[c][0] = uncertainty[c][1];
   });
-  ExposureCorrections exposures;
-  for (std::size_t k = 0; k < keys.size(); ++k)
-    exposures.set(std::exp2(static_cast<float>(keys[k]) / 64),
-                  fit.shared[shared_unknowns::kExposures + static_cast<Eigen::Index>(k)]);
   const auto& [red, green, blue] = fit.curves;
-  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, exposures, fit.seen};
+  return {Response(curves_of({red.g, green.g, blue.g}), uncertainty), black, corrections_of(fit.shared, keys),
+          fit.seen};
 }
 
 Response prior_mean_response() {

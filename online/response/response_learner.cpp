@@ -27,6 +27,10 @@ ResponseEstimate ResponseLearner::first(std::span<const CompactFrame> frames, co
                                         WorkerPool& pool) {
   if (estimator_.pairs() == 0) look(frames, SceneCuts::None);  // not every pair of frames spans a cut
   frames_ = look_at_ = static_cast<long>(frames.size());
+  if (options_.known) {
+    measured_ = true;
+    return estimator_.estimate_under(*options_.known, noise, &pool);
+  }
   ResponseEstimate estimate = estimator_.estimate(noise, options_.model, &pool);
   measured_ = is_measured(estimate);
   uncertainty_ = uncertainty_of(estimate.response);

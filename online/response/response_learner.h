@@ -20,9 +20,10 @@ class ResponseLearner {
  public:
   struct Options {
     ResponseModel model = ResponseModel::Curve;
-    int frames = 6;       // in a row that are looked at together
-    float code_step = 1;  // of the quantiser, in codes of 255
-    int bits = 8;         // of the camera's codes
+    int frames = 6;                      // in a row that are looked at together
+    float code_step = 1;                 // of the quantiser, in codes of 255
+    int bits = 8;                        // of the camera's codes
+    std::optional<Response> known = {};  // then only exposures and noise are learned
   };
   explicit ResponseLearner(Options options) : options_(options) {}
 

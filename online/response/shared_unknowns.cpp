@@ -16,16 +16,15 @@ Eigen::Index place_of(int key, const std::vector<int>& keys) {
   return kExposures + (std::lower_bound(keys.begin(), keys.end(), key) - keys.begin());
 }
 
-// Nominal times are within a sixth of a stop of the true ones, mostly within a twentieth. All
-// exposures to a power, and the curve to the same, explain the same matches: which power it is only real
-// cameras tell, so exposures are not bent that way.
-Eigen::MatrixXd prior_precision(const std::vector<int>& keys) {
+// Nominal times are within a sixth of a stop of the true ones, mostly within a twentieth.
+Eigen::MatrixXd prior_precision(const std::vector<int>& keys, Curves curves) {
   constexpr double kSigma = 0.04 * 0.69314718056;  // ln, of .04 stop
   constexpr double kUnbent = 1e6;
   const auto n = static_cast<Eigen::Index>(keys.size());
   Eigen::MatrixXd precision = Eigen::MatrixXd::Identity(kExposures + n, kExposures + n) / (kSigma * kSigma);
   precision(kFullWell, kFullWell) = std::pow(SensorNoise::kFullWellSigma, -2);
   precision(kReadNoise, kReadNoise) = std::pow(SensorNoise::kReadNoiseSigma, -2);
+  if (curves == Curves::Known) return precision;
   Eigen::VectorXd power(n);
   for (Eigen::Index k = 0; k < n; ++k) power[k] = keys[static_cast<std::size_t>(k)];
   if (n > 0) power.array() -= power.mean();

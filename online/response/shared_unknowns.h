@@ -14,7 +14,11 @@ inline constexpr Eigen::Index kFullWell = 0, kReadNoise = 1, kExposures = 2;  //
 Eigen::Index count(const std::vector<int>& keys);
 // Where e has the exposure of this key, which is one of them.
 Eigen::Index place_of(int key, const std::vector<int>& keys);
+// Whether the curves are fitted, too. All exposures to a power, and the curve to the same, explain the same
+// matches: which power it is only real cameras tell, so exposures are not bent that way, unless the curve is
+// known.
+enum class Curves { Fitted, Known };
 // The inverse covariance of its prior, whose mean is 0: [count, count].
-Eigen::MatrixXd prior_precision(const std::vector<int>& keys);
+Eigen::MatrixXd prior_precision(const std::vector<int>& keys, Curves curves);
 
 }  // namespace hdrcam::shared_unknowns

@@ -13,6 +13,7 @@ struct FloorClip {
   const char* scene;
   const char* shutter;
   int frames;
+  const char* format = "rgb";
 };
 // hand-held, six objects that move, a sun that clips, shot noise, a film's response
 inline constexpr FloorClip kWalk{"walk?size=128x96&seed=3&full-well=1500", "1ms,4ms,16ms", 20};
@@ -22,6 +23,12 @@ inline constexpr FloorClip kShortWalk{"walk?size=128x96&seed=3&full-well=1500", 
 inline constexpr FloorClip kPan{"pan?size=112x84&seed=2&speed=2", "2ms,8ms,32ms", 16};
 // few photons, quick things
 inline constexpr FloorClip kDim{"fast?size=128x96&seed=2&full-well=500", "1.5ms,6ms,26ms", 16};
+
+// raw codes of 12 bits behind a mosaic
+inline constexpr FloorClip kRaw{"walk?size=128x96&seed=5", "1ms,4ms,16ms", 14, "bayer"};
+// lamps on the mains, which short exposures catch brighter or darker
+inline constexpr FloorClip kMains{"night?size=128x96&seed=15&full-well=20000&read-noise=3&without=flare",
+                                  "1ms,4ms,16ms", 14, "bayer"};
 
 // Parts of the method, each with the setting that turns it off.
 inline void leave(PipelineOptions&) {}
@@ -55,6 +62,9 @@ inline constexpr PictureFloor kPictureFloors[] = {
      0.005},
     {"state, quick pan", kPan, Preset::Balanced, EmitLayer::State, leave, 38.6, 36.25, 0.037, 0.003},
     {"state, few photons", kDim, Preset::Balanced, EmitLayer::State, leave, 33.7, 31.55, 0.086, 0.0075},
+    {"state, raw", kRaw, Preset::Balanced, EmitLayer::State, leave, 36.85, 36.15, 0.052, 0.0017},
+    {"state, raw, lamps on the mains", kMains, Preset::Balanced, EmitLayer::State, leave, 31.8, 28.9, 0.112,
+     0.021},
     {"merged, fast", kShortWalk, Preset::Fast, EmitLayer::Merged, leave, 39.6, 37.5, 0.0685, 0.0065},
     {"merged, balanced", kShortWalk, Preset::Balanced, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},
     {"merged, best", kShortWalk, Preset::Best, EmitLayer::Merged, leave, 40.0, 38.25, 0.0635, 0.006},

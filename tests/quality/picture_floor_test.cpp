@@ -24,10 +24,11 @@ struct Outcome {
 
 const SimulatedClip& clip_of(const FloorClip& wanted) {
   static std::map<std::string, SimulatedClip> clips;
-  const std::string key = fmt::format("{} {} {}", wanted.scene, wanted.shutter, wanted.frames);
+  const std::string key =
+      fmt::format("{} {} {} {}", wanted.scene, wanted.shutter, wanted.frames, wanted.format);
   const auto found = clips.find(key);
   if (found != clips.end()) return found->second;
-  return clips.emplace(key, film(wanted.scene, wanted.shutter, wanted.frames)).first->second;
+  return clips.emplace(key, film(wanted.scene, wanted.shutter, wanted.frames, wanted.format)).first->second;
 }
 
 const Outcome& outcome_of(const FloorClip& wanted, Preset preset, EmitLayer layer, Change change) {

@@ -29,13 +29,15 @@ void write_radiance(const std::string& path, const Image<float>& radiance) {
 
 }  // namespace
 
-SimulatedClip film(const std::string& scene, const std::string& shutter, int frames) {
+SimulatedClip film(const std::string& scene, const std::string& shutter, int frames,
+                   const std::string& format) {
   static int filmed = 0;
   SimulatedClip clip;
   clip.folder = sample::scratch_folder(fmt::format("simulated_clip_{}", filmed++));
   const std::string recording = clip.folder + "/clip.mkv", count = std::to_string(frames);
-  const test::RanHere filmed_here = test::ran_here(
-      {"simulate", scene, "-o", recording, "--truth", clip.folder, "--frames", count, "--shutter", shutter});
+  const test::RanHere filmed_here =
+      test::ran_here({"simulate", scene, "-o", recording, "--truth", clip.folder, "--frames", count,
+                      "--shutter", shutter, "--format", format});
   INFO(filmed_here.err);
   REQUIRE(filmed_here.exit_code == 0);
   const auto reader = value_of(open_recording(posix_storage(), recording));

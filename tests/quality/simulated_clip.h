@@ -22,7 +22,8 @@ struct SimulatedClip {
 };
 
 // scene: "walk?size=128x96"; shutter: "1ms,4ms,16ms"
-SimulatedClip film(const std::string& scene, const std::string& shutter, int frames);
+SimulatedClip film(const std::string& scene, const std::string& shutter, int frames,
+                   const std::string& format = "rgb");
 
 struct EmittedClip {
   std::vector<HdrFrame> frames;  // radiance, sigma and provenance only

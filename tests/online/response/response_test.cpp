@@ -122,6 +122,28 @@ TEST_CASE("an exposure that is not the stated one is found with the response") {
   CHECK(estimated(two).exposures.corrected(two[1].exposure) == Approx(two[1].exposure).epsilon(1e-3));
 }
 
+TEST_CASE("under a known response exposures are found as they are, and the noise with them") {
+  test::MovingScene scene;
+  scene.rows = 120, scene.cols = 160;
+  const Response known = Response::gamma(scene.gamma);
+  for (const double true_stops : {0.0, 0.12, -0.3}) {
+    auto frames = exposed(scene, 6);
+    for (std::size_t i = 2; i < frames.size(); i += 3)
+      frames[i].exposure *= static_cast<float>(std::exp2(-true_stops));
+    ResponseEstimator estimator;
+    for (std::size_t i = 1; i < frames.size(); ++i) CHECK(estimator.add_pair(frames[i - 1], frames[i]));
+    const ResponseEstimate found = estimator.estimate_under(known, {});
+    CHECK(response_error(found.response, known) == 0);
+    const auto off = [&](std::size_t i) {
+      return std::log2(
+          static_cast<double>(found.exposures.corrected(frames[i].exposure) / frames[i].exposure));
+    };
+    INFO(true_stops << " stop: " << off(0) << " " << off(1) << " " << off(2));
+    CHECK(off(1) - off(0) == Approx(0).margin(0.02));  // even where all would be a power
+    CHECK(off(2) - off(1) == Approx(true_stops).margin(0.02));
+  }
+}
+
 TEST_CASE("what an exposure is off counts for all frames of it, however its reported times jitter") {
   test::MovingScene scene;
   scene.rows = 120, scene.cols = 160;
