@@ -19,11 +19,23 @@ Error refused(std::string_view flag, std::string_view text, std::string_view why
           fmt::format("{} '{}' {}; write it as 'out/%06d{}'", flag, text, why, extension)};
 }
 
+// Any other '%' of a folder's name is a character like others.
+bool holds_number(std::string_view folder) {
+  for (std::size_t at = folder.find('%'); at != std::string_view::npos; at = folder.find('%', at + 1)) {
+    const std::size_t end = folder.find_first_not_of("0123456789", at + 1);
+    if (end != std::string_view::npos && end > at + 1 && folder[end] == 'd') return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view text,
                                          std::string_view extension) {
-  const auto percents = std::count(text.begin(), text.end(), '%');
+  const std::size_t slash = text.rfind('/'), begin = slash == std::string_view::npos ? 0 : slash + 1;
+  if (holds_number(text.substr(0, begin)))
+    return refused(flag, text, "has the frame number in a folder's name", extension);
+  const auto percents = std::count(text.begin() + static_cast<std::ptrdiff_t>(begin), text.end(), '%');
   if (percents == 0) {
     Error one_file = refused(flag, text, "would put every frame into one file", extension);
     if (flag == kTakesVideos) one_file.message += ", or name a video: out.mp4, out.mov or out.mkv";
@@ -33,7 +45,7 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
   if (!text.ends_with(extension))
     return refused(flag, text, fmt::format("does not end in '{}'", extension), extension);
 
-  const std::size_t percent = text.find('%');
+  const std::size_t percent = text.find('%', begin);
   const std::size_t end = text.find_first_not_of("0123456789", percent + 1);
   const std::string_view width = text.substr(percent + 1, end - percent - 1);
   if (end == std::string_view::npos || text[end] != 'd' || width.size() < 2 || width.size() > 3 ||
@@ -43,9 +55,11 @@ Result<FramePattern> FramePattern::parse(std::string_view flag, std::string_view
   for (const char digit : width) digits = digits * 10 + (digit - '0');
   if (digits < 1 || digits > kMaxDigits)
     return refused(flag, text, fmt::format("asks for {} digits, not 1 to {}", digits, kMaxDigits), extension);
-  if (text.find('/', percent) != std::string_view::npos)
-    return refused(flag, text, "has the frame number in a folder's name", extension);
   return FramePattern(std::string(text.substr(0, percent)), digits, std::string(text.substr(end + 1)));
+}
+
+bool FramePattern::is_one(std::string_view text) {
+  return parse("", text, std::filesystem::path(text).extension().string()).ok();
 }
 
 std::string FramePattern::path(std::uint64_t sequence) const {

@@ -1,5 +1,6 @@
-// The name of one file per frame: "out/%06d.exr" -> out/000041.exr. It has exactly one %0Nd, which stands for
-// the sensor's sequence number; the pattern is parsed here and never passed to printf. Value type, reentrant.
+// The name of one file per frame: "out/%06d.exr" -> out/000041.exr. The file's name has exactly one %0Nd,
+// which stands for the sensor's sequence number; that of its folder has none, and may have other '%'. The
+// pattern is parsed here and never passed to printf. Value type, reentrant.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +17,8 @@ class FramePattern {
   // flag: the flag that the message names, e.g. "--output"; extension: with its dot, e.g. ".exr".
   // Errors: Invalid.
   static Result<FramePattern> parse(std::string_view flag, std::string_view text, std::string_view extension);
+  // Whether an output of that name is one file per frame, with whatever extension.
+  static bool is_one(std::string_view text);
 
   std::string path(std::uint64_t sequence) const;
   // The number of a file of that name, without its folder; nullopt where the pattern makes no such name.

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -150,7 +149,7 @@ Result<std::unique_ptr<FrameSink>> create_video(Storage& storage, const std::str
   const auto container = video_container_of(path);
   if (!container)
     return Error{ErrorCode::Invalid, fmt::format("'{}' is no name of a video; .mp4, .mov or .mkv are", path)};
-  if (FramePattern::parse("", path, std::filesystem::path(path).extension().string()))
+  if (FramePattern::is_one(path))
     return Error{ErrorCode::Invalid,
                  fmt::format("'{}' numbers frames, and a video is one file; give out.mp4, "
                              "or out/%06d.exr for HDR frames",

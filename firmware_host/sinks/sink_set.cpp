@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "firmware_host/sinks/frame_pattern.h"
 #include "hal/core/counted.h"
 #include "hal/core/stopwatch.h"
 
@@ -33,7 +34,7 @@ Result<void> check_standard_output(std::span<const SinkKind> kinds, const Paths&
 
 PicturePatterns patterns_of(const Paths& paths) {
   const std::string frames = path_in(paths, "frames");
-  const bool numbered = frames.find('%') != std::string::npos;
+  const bool numbered = FramePattern::is_one(frames);
   return {numbered ? frames : path_in(paths, "preview"), path_in(paths, "depth")};
 }
 
@@ -106,7 +107,7 @@ std::string SinkSet::whole_outputs(Storage& storage) const {
   for (const Open& open : open_) {
     if (open.kind->target == SinkTarget::Address || open.path == kStandardOutput) continue;
     const SinkTimes times = times_of(open);
-    const bool numbered = open.path.find('%') != std::string::npos;
+    const bool numbered = FramePattern::is_one(open.path);
     const bool some = times.frames + times.left_out > 0;
     if (numbered ? !some : open.failed || !is_there(storage, open.path)) continue;
     text += numbered ? fmt::format("{}: {}", open.path, counted(times.frames, "frame")) : open.path;

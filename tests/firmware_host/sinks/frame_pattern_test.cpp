@@ -61,6 +61,19 @@ TEST_CASE("a pattern that would lose frames or reach printf is refused with the 
   }
 }
 
+TEST_CASE(
+    "a percent sign in a folder's name is a character like others, and a frame number there is refused") {
+  const auto pattern = FramePattern::parse("--output", "50%/a%d b%/%06d.exr", ".exr");
+  REQUIRE(pattern.ok());
+  CHECK(pattern.value().folder() == "50%/a%d b%");
+  CHECK(pattern.value().path(7) == "50%/a%d b%/000007.exr");
+  CHECK(FramePattern::is_one("50%/%06d.png"));
+  for (const char* one_file : {"50%.mp4", "50%/out.mp4", "50% %.json", "out.exr", "%06d/out.exr", ""})
+    CHECK_FALSE(FramePattern::is_one(one_file));
+  CHECK_THAT(FramePattern::parse("--output", "50%/%06d/%06d.exr", ".exr").error().message,
+             Contains("has the frame number in a folder's name"));
+}
+
 TEST_CASE("a single file for all frames leads to the videos, where the output may be one") {
   const auto message = [](const char* flag, const char* text, const char* extension) {
     return FramePattern::parse(flag, text, extension).error().message;

@@ -139,7 +139,7 @@ TEST_CASE("a name that no frame or file can have is refused before its folder is
     require_error(checked, ErrorCode::Invalid);
     CHECK(checked.error().message.find(reason) != std::string::npos);
   };
-  refused({"--output", "o/100%/%06d.exr", OutputKind::Frames, ".exr"}, "more than one '%'");
+  refused({"--output", "o/100%%06d.exr", OutputKind::Frames, ".exr"}, "more than one '%'");
   refused({"--preview", "o/%06d.exr", OutputKind::Frames, ".png"}, "does not end in '.png'");
   refused({"--depth", "o/depth.png", OutputKind::Frames, ".png"}, "would put every frame into one file");
   refused({"--stats", "o/", OutputKind::Page}, "names a folder");

@@ -121,3 +121,18 @@ TEST_CASE("a numbered output is told with the frames that arrived and those left
   REQUIRE(sinks.value().finish().ok());
   CHECK(sinks.value().whole_outputs(posix_storage()) == frames + ": 1 frame, 1 left out to keep up\n");
 }
+
+TEST_CASE(
+    "a percent sign alone makes no numbered output: the file is told, and the previews are the pictures") {
+  const std::string file = sample::scratch_folder("sink_set_percent") + "/50%.txt";
+  const CameraFacts camera;
+  const SinkRequest request{.path = {}, .camera = camera, .layers = {}, .storage = posix_storage()};
+  auto sinks = SinkSet::open(kKinds, {{"tally", file}}, request, RunPace::Clip);
+  REQUIRE(sinks.ok());
+  const HdrFrame frame = example_frame(0);
+  REQUIRE(sinks.value().emit({frame, ExposedFrame{}, FrameRecord{}}).ok());
+  REQUIRE(sinks.value().finish().ok());
+  CHECK(sinks.value().whole_outputs(posix_storage()) == file + "\n");
+  CHECK(patterns_of({{"frames", "50%.mp4"}, {"preview", "p/%06d.png"}}).pictures == "p/%06d.png");
+  CHECK(patterns_of({{"frames", "50%/%06d.exr"}, {"preview", "p/%06d.png"}}).pictures == "50%/%06d.exr");
+}
