@@ -50,6 +50,7 @@ DisplayLight::DisplayLight(double white_nits, double peak_nits, double brightest
 
 PictureLight DisplayLight::show(const Image<float>& radiance, Image<float>& light) const {
   HDRCAM_CHECK(light.rows() >= radiance.rows() && light.cols() >= radiance.cols() && light.channels() == 3);
+  constexpr float kBrightest = 1e30f;  // what is above it would be infinite in cd/m2, and then no number
   const auto scale = static_cast<float>(white_nits_);
   const auto knee = static_cast<float>(shoulder_.knee_nits());
   float largest = 0;
@@ -58,10 +59,12 @@ PictureLight DisplayLight::show(const Image<float>& radiance, Image<float>& ligh
     const float *r = radiance.row(0, y), *g = radiance.row(1, y), *b = radiance.row(2, y);
     float* const out[3] = {light.row(0, y), light.row(1, y), light.row(2, y)};
     for (int x = 0; x < radiance.cols(); ++x) {
+      const float rgb[3] = {std::min(r[x], kBrightest), std::min(g[x], kBrightest),
+                            std::min(b[x], kBrightest)};
       float nits[3];
       for (int c = 0; c < 3; ++c) {
         const float(&m)[3] = kBt2020FromBt709[c];
-        nits[c] = scale * (m[0] * r[x] + m[1] * g[x] + m[2] * b[x]);
+        nits[c] = scale * (m[0] * rgb[0] + m[1] * rgb[1] + m[2] * rgb[2]);
       }
       float most = std::max({nits[0], nits[1], nits[2]});
       if (most > knee) {  // all three by one factor: the hue stays

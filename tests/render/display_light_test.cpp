@@ -61,3 +61,16 @@ TEST_CASE("grey keeps its luminance, a colour its hue, and the brightest channel
         Approx((101.5 + static_cast<double>(shown) + static_cast<double>(light.at(0, 0, 2))) / 3)
             .epsilon(1e-4));
 }
+
+TEST_CASE("light beyond what a float holds in cd/m2 is as bright as the display, and its hue stays") {
+  Image<float> radiance(3, 1, 3), light(3, 1, 16);
+  const float pixels[3][3] = {{1e37f, 1e37f, 1e37f}, {3.4e38f, 3.4e38f, 3.4e38f}, {3.4e38f, 0, 0}};
+  for (int x = 0; x < 3; ++x)
+    for (int c = 0; c < 3; ++c) radiance.at(c, 0, x) = pixels[x][c];
+  const PictureLight counted = DisplayLight(203, 1000, 16).show(radiance, light);
+  for (int x = 0; x < 2; ++x)
+    for (int c = 0; c < 3; ++c) CHECK(light.at(c, 0, x) == Approx(1000).epsilon(1e-3));
+  CHECK(light.at(0, 0, 2) == Approx(1000).epsilon(1e-3));
+  CHECK(light.at(1, 0, 2) / light.at(0, 0, 2) == Approx(0.0691 / 0.6274).epsilon(1e-4));
+  CHECK(counted.largest_nits == Approx(1000).epsilon(1e-3));
+}
