@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "capture/exposure_schedule.h"
@@ -91,15 +92,25 @@ Result<void> take_regular_times(Scan& seen, double rate_hz, std::string& trouble
   return {};
 }
 
+// Of stills the median. Matroska has times in milliseconds, so that a video's intervals of one frame differ:
+// their mean.
+double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times) {
+  constexpr double kLeast = 0.45, kMost = 1.55;  // of the median: what may be one frame
+  std::ranges::sort(intervals_s);
+  const double median_s = intervals_s[intervals_s.size() / 2];
+  if (times == TimeOrigin::Exif || !(median_s > 0)) return median_s;
+  const auto begin = std::ranges::lower_bound(intervals_s, kLeast * median_s);
+  const auto end = std::ranges::upper_bound(intervals_s, kMost * median_s);
+  return std::accumulate(begin, end, 0.0) / static_cast<double>(end - begin);
+}
+
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
 // taken when somebody wishes.
 void read_times(Scan& seen, TimeOrigin times) {
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < seen.facts.size(); ++i)
     intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
-  std::vector<double> sorted = intervals_s;
-  std::ranges::sort(sorted);
-  const double usual_s = sorted[sorted.size() / 2];
+  const double usual_s = usual_interval_s(intervals_s, times);
   if (!(usual_s > 0)) return;  // no times worth the name
   seen.camera.framerate_hz = 1 / usual_s;
   if (times == TimeOrigin::Exif) return;

@@ -226,6 +226,32 @@ TEST_CASE("--framerate is that of Y4M, which has no times, and refused of a vide
   CHECK_THAT(sample::error_of(refused).message, Contains(video) && Contains("leave out --framerate"));
 }
 
+namespace {
+
+// Of a Matroska video of the scene with frames at these times.
+FootagePlan plan_of_matroska(const std::string& name, const std::vector<double>& times_s, double rate_hz) {
+  const std::string path = sample::scratch_folder(name) + "/x.mkv";
+  const std::vector<int> frames = filmed(0, static_cast<int>(times_s.size()), {});
+  REQUIRE(test::write_video(path, VideoCodec::H264, pictures(frames), times_s, rate_hz).ok());
+  const std::atomic<bool> stop = false;
+  auto plan = plan_footage(posix_storage(), {.files = {path}, .shutter = "1ms,4ms,16ms", .gain = ""}, stop);
+  REQUIRE(plan.ok());
+  return std::move(plan).value();
+}
+
+}  // namespace
+
+TEST_CASE("times in whole milliseconds give the video's frame rate, and no frame for missing") {
+  for (const double rate_hz : {24., 60., 120., 480.}) {
+    std::vector<double> times_s;
+    for (int i = 0; i < 25; ++i) times_s.push_back(i / rate_hz);
+    const FootagePlan plan = plan_of_matroska("import_milliseconds", times_s, rate_hz);
+    INFO(rate_hz);
+    CHECK(plan.camera.framerate_hz == Approx(rate_hz).epsilon(0.005));
+    for (std::size_t i = 0; i < plan.facts.size(); ++i) CHECK(plan.facts[i].sequence == i);
+  }
+}
+
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
