@@ -107,6 +107,7 @@ double usual_interval_s(std::vector<double> intervals_s, TimeOrigin times) {
 // The usual time from a frame to the next, and what is missing where it is longer: not of stills, which are
 // taken when somebody wishes.
 void read_times(Scan& seen, TimeOrigin times) {
+  constexpr double kMostMissing = 1e9;  // between two frames: beyond it the times are wrong
   std::vector<double> intervals_s;
   for (std::size_t i = 1; i < seen.facts.size(); ++i)
     intervals_s.push_back(to_seconds(seen.facts[i].timestamp - seen.facts[i - 1].timestamp));
@@ -115,7 +116,8 @@ void read_times(Scan& seen, TimeOrigin times) {
   seen.camera.framerate_hz = 1 / usual_s;
   if (times == TimeOrigin::Exif) return;
   for (std::size_t i = 0; i < intervals_s.size(); ++i)
-    seen.steps[0][i].missing = std::max(0, static_cast<int>(std::lround(intervals_s[i] / usual_s)) - 1);
+    seen.steps[0][i].missing =
+        static_cast<int>(std::clamp(std::round(intervals_s[i] / usual_s) - 1, 0.0, kMostMissing));
 }
 
 void take_stated_cycle(FootagePlan& plan) {
@@ -288,10 +290,11 @@ std::string describe(const FootageLosses& losses) {
 std::string describe_missing(const FootagePlan& plan) {
   constexpr int kShown = 12;  // places
   std::string places;
-  int lost = 0, losses = 0;
+  std::uint64_t lost = 0;
+  int losses = 0;
   for (std::size_t i = 0; i < plan.walk.lost_before.size(); ++i)
     if (const int missing = plan.walk.lost_before[i]; missing > 0) {
-      lost += missing;
+      lost += static_cast<std::uint64_t>(missing);
       if (++losses <= kShown) places += fmt::format("{}{}", places.empty() ? "" : ", ", i);
     }
   if (lost == 0) return "";

@@ -252,6 +252,14 @@ TEST_CASE("times in whole milliseconds give the video's frame rate, and no frame
   }
 }
 
+TEST_CASE("a pause of years is a loss of very many frames") {
+  std::vector<double> times_s;
+  for (int i = 0; i < 12; ++i) times_s.push_back(i / 30. + (i < 6 ? 0 : 143165576));
+  const FootagePlan plan = plan_of_matroska("import_years", times_s, 30);
+  CHECK(plan.facts.back().sequence > 1'000'000'000);
+  CHECK_THAT(describe_missing(plan), Contains("frames are missing, before frame 6"));
+}
+
 TEST_CASE("with no exposures at all the ratios are estimated, and the recording says so of every frame") {
   const std::string path = sample::scratch_folder("import_auto") + "/x.mp4";
   const std::vector<int> frames = filmed(1, 36, {});
