@@ -38,11 +38,10 @@ Result<void> check_poses(Storage& storage, const ExportOptions& options) {
     auto facts = reader->next_facts();
     if (!facts && !options.is_end(facts.error())) return facts.error();
     if (!facts || !facts.value())
-      return Error{
-          ErrorCode::Invalid,
-          fmt::format("'{0}' states no poses; 'hdrcam replay {0} --preview out/%06d.png --transforms "
-                      "out/transforms.json' tracks the camera",
-                      options.recording)};
+      return Error{ErrorCode::Invalid,
+                   fmt::format("'{}' states no poses; 'hdrcam replay {} --preview out/%06d.png --transforms "
+                               "out/transforms.json' tracks the camera",
+                               options.recording, shell_word(options.recording))};
     if ((**facts).T_world_camera) break;
   }
   return check_lens(PoseSource::Given, !reader->camera().intrinsics, fmt::format("'{}'", options.recording));

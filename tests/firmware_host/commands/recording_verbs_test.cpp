@@ -230,6 +230,11 @@ TEST_CASE("export does not call a recording that it cannot read one without pose
     CHECK(none.message.find("states no poses") != std::string::npos);
   }
   CHECK_FALSE(std::filesystem::exists(folder + "/out"));
+
+  const std::string spaced = folder + "/my walk.mkv";
+  std::filesystem::copy_file(path, spaced);
+  const test::Ran ran = test::ran({"export", spaced, "-o", folder + "/out", "--colmap"});
+  CHECK(ran.output.find("hdrcam replay '" + spaced + "' --preview") != std::string::npos);
 }
 
 TEST_CASE("repair writes the whole frames of a cut or damaged recording, each with its number") {
