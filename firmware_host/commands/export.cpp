@@ -8,6 +8,7 @@
 #include "firmware_host/commands/no_snapshot.h"
 #include "firmware_host/commands/with_settings.h"
 #include "firmware_host/run/memory_need.h"
+#include "firmware_host/sinks/earlier_frames.h"
 #include "firmware_host/sinks/scene_files/colmap_text.h"
 #include "firmware_host/sinks/scene_files/transforms_json.h"
 #include "firmware_host/terminal.h"
@@ -29,6 +30,7 @@ struct ExportOptions {
   bool is_end(const Error& error) const { return error.code == ErrorCode::Truncated && !strict; }
   std::string transforms_path() const { return transforms ? folder + "/transforms.json" : ""; }
   std::string model() const { return folder + "/colmap"; }
+  std::string pictures() const { return fmt::format("{}/{}/%04d.png", folder, ImageSequence::kPictures); }
 };
 
 // Whether the recording states poses, and the lens that they need.
@@ -48,10 +50,9 @@ Result<void> check_poses(Storage& storage, const ExportOptions& options) {
 }
 
 Result<void> check_files(Storage& storage, const ExportOptions& options) {
-  const auto in_folder = [&](const char* file) { return options.folder + "/" + file; };
   std::vector<NamedOutput> outputs{
-      {"--output", in_folder(ImageSequence::kFile), OutputKind::Document},
-      {"--output", in_folder(ImageSequence::kPictures) + "/%04d.png", OutputKind::Frames},
+      {"--output", options.folder + "/" + ImageSequence::kFile, OutputKind::Document},
+      {"--output", options.pictures(), OutputKind::Frames},
       {"--transforms", options.transforms_path()}};
   for (const std::string_view file : kColmapFiles)
     outputs.push_back({"--colmap", options.colmap ? fmt::format("{}/{}", options.model(), file) : ""});
@@ -99,6 +100,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   auto reader = TRY(open_recording(around.storage, options.recording, options.damage()));
   TRY(admit_copy(settings, reader->camera()));
   TRY(check_files(around.storage, options));
+  const EarlierFrames earlier(around.storage, options.pictures());
   auto clip =
       TRY(ImageSequenceWriter::create(around.storage, options.folder, reader->camera(), Creation::Replace));
   PosedClip posed = begun(reader->camera());
@@ -124,6 +126,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   TRY(clip.finish());
   if (with_poses) TRY(write_poses(around.storage, options, posed));
   for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);
+  if (const std::string warning = earlier.warning(); !warning.empty()) remark("warning: {}\n", warning);
   say("{}: {}\n", options.folder, counted(frames, "frame"));
   return ended;
 }

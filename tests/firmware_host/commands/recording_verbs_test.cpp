@@ -197,6 +197,16 @@ TEST_CASE("export gives the whole frames of a cut or damaged recording and never
     REQUIRE(hdrcam_verb(line + " --force").ok());
     CHECK(ImageSequence::open(posix_storage(), folder + "/out").value().frame_count() == 2);
   }
+  SECTION("again, of fewer frames") {
+    const auto exported = [&] {
+      const test::Ran ran = test::ran(line + " --force");
+      CHECK(ran.exit_code == 0);
+      return ran.output;
+    };
+    CHECK(exported().find("earlier run") == std::string::npos);
+    REQUIRE(sample::record(posix_storage(), path, camera, sample::frames(camera, 2, 3)).ok());
+    CHECK(exported().find("warning: 3 file(s) of an earlier run remain") != std::string::npos);
+  }
   SECTION("over pictures of the user's own") {
     const std::string mine = folder + "/out/ldr/0001.png", text = "my own picture";
     REQUIRE(posix_storage().make_directories(folder + "/out/ldr").ok());
