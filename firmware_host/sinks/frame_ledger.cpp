@@ -6,6 +6,17 @@
 #include <utility>
 
 namespace hdrcam {
+namespace {
+
+// As RFC 4180 has it.
+std::string cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
+}
+
+}  // namespace
 
 std::string FrameLedger::path_beside(const FramePattern& frames) {
   return fmt::format("{}/{}frames.csv", frames.folder(), frames.name_before());
@@ -25,7 +36,7 @@ Result<void> FrameLedger::append(const FrameFacts& facts, double time_s, const s
   return write(fmt::format("{},{:.9f},{:.9f},{:.9g},{:.6g},{:.6g},{},{},{}\n", facts.sequence, time_s,
                            facts.timestamp.seconds(), facts.exposure_s, facts.analogue_gain,
                            facts.digital_gain, name(facts.exposure_source),
-                           facts.verdict ? name(*facts.verdict) : "", file));
+                           facts.verdict ? name(*facts.verdict) : "", cell(file)));
 }
 
 Result<void> FrameLedger::write(const std::string& line) {

@@ -37,3 +37,12 @@ TEST_CASE("takes in one folder have a list each, named as their frames are") {
   CHECK(list_of("out/%04d_b.exr") == "out/frames.csv");
   CHECK(list_of("%06d.exr") == "./frames.csv");
 }
+
+TEST_CASE("a name with a comma or a quotation mark is one cell of the list") {
+  const std::string folder = sample::scratch_folder("frame_ledger_comma");
+  const FramePattern frames = value_of(FramePattern::parse("--output", folder + "/%06d.exr", ".exr"));
+  FrameLedger ledger = value_of(FrameLedger::create(posix_storage(), frames));
+  require_done(ledger.append({}, 0, "a,\"b\"000007.exr"));
+  const std::string written = value_of(read_whole(posix_storage(), folder + "/frames.csv"));
+  CHECK(written.ends_with(",\"a,\"\"b\"\"000007.exr\"\n"));
+}
