@@ -1,5 +1,7 @@
 #include "firmware_host/sinks/half_pipe.h"
 
+#include <fmt/format.h>
+
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -18,6 +20,11 @@ class HalfPipe : public FrameSink {
   Result<void> emit(const EmittedFrame& frame) override {
     static_assert(std::endian::native == std::endian::little);
     const Image<float>& radiance = frame.hdr.radiance;
+    if (written_ == 0) rows_ = radiance.rows(), cols_ = radiance.cols();
+    if (radiance.rows() != rows_ || radiance.cols() != cols_)
+      return Error{ErrorCode::SizeChanged,
+                   fmt::format("frame {} has {}x{} pixels in a stream of {}x{}", frame.hdr.facts.sequence,
+                               radiance.cols(), radiance.rows(), cols_, rows_)};
     const std::size_t n = radiance.plane_size();
     samples_.resize(3 * n);
     for (int c = 0; c < 3; ++c)
@@ -32,6 +39,7 @@ class HalfPipe : public FrameSink {
  private:
   std::unique_ptr<StorageFile> pipe_;
   std::uint64_t written_ = 0;
+  int rows_ = 0, cols_ = 0;  // of all frames: nothing in the stream tells another size
   std::vector<std::uint16_t> samples_;
 };
 

@@ -1,4 +1,6 @@
 // hdrcam encode, and videos instead of numbered frames, from outside.
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -114,6 +116,18 @@ TEST_CASE("frames go to a pipe, and nothing but frames") {
   const auto [half, half_code] = piped(replay + "half");
   CHECK(half_code == 0);
   CHECK(half.size() == std::size_t{6} * 3 * 2 * static_cast<std::size_t>(video.width * video.height));
+}
+
+TEST_CASE("a frame of another size ends a pipe before it, as nothing in bare radiance tells sizes") {
+  const std::string out = sample::scratch_folder("encode_sizes");
+  write_grey(out + "/000000.exr", Image<float>(1, 48, 64));
+  write_grey(out + "/000001.exr", Image<float>(1, 32, 64));
+  for (const char* format : {"half", "nut", "y4m"}) {
+    INFO(format);
+    const auto [bytes, status] = piped("encode " + out + "/%06d.exr -o - --pipe-format " + format);
+    CHECK(WEXITSTATUS(status) == exit_code_of(ErrorCode::SizeChanged));
+    if (format == std::string_view("half")) CHECK(bytes.size() == std::size_t{48} * 64 * 3 * 2);
+  }
 }
 
 TEST_CASE("a frame rate that cannot be is refused, naming the file and --framerate, which overrules it") {
