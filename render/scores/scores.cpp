@@ -227,6 +227,7 @@ Result<ClipScores> score_clip(Storage& storage, const std::string& clip_folder,
   const GroundTruth truth = TRY(GroundTruth::open(storage, clip_folder));
   const Estimates estimates = TRY(Estimates::open(storage, estimates_folder, options.is_scored));
   const auto novel = Estimates::open(storage, estimates_folder + "/novel", options.is_scored);
+  if (!novel && novel.error().code != ErrorCode::NotFound) return novel.error();
   return ClipScoring(truth, estimates, novel ? std::optional(novel.value()) : std::nullopt, options).run();
 }
 

@@ -158,6 +158,11 @@ TEST_CASE(
   const ClipScores scores = scores_of(clip);
   REQUIRE(scores.novel_psnr_mu_db);
   CHECK(*scores.novel_psnr_mu_db == Approx(scores.frames[1].picture.psnr_mu_db));
+
+  std::filesystem::copy_file(clip / "out/000002.exr", clip / "out/novel/2.exr");
+  const Error twice = error_of(clip.path(), clip / "out");
+  CHECK(twice.code == ErrorCode::Invalid);
+  CHECK(mentions(twice, "are both frame 2"));
 }
 
 TEST_CASE("the flow of the field is scored everywhere, and on what moves in the world") {
