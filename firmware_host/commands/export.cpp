@@ -74,8 +74,8 @@ void add(const FrameFacts& facts, const std::string& path, Instant start, PosedC
   clip.pictures.push_back({.path = path,
                            .depth_path = "",
                            .time_s = to_seconds(facts.timestamp - start),
-                           .exposure_s = facts.exposure_s,
                            .T_world_camera = transform_of(*facts.T_world_camera)});
+  if (facts.has_exposure_time()) clip.pictures.back().exposure_s = facts.exposure_s;
 }
 
 Result<void> write_poses(Storage& storage, const ExportOptions& options, const PosedClip& clip) {

@@ -47,7 +47,7 @@ class PoseFile : public FrameSink {
     picture.path = pictures_.path(frame.facts.sequence);
     if (depths_) picture.depth_path = depths_->path(frame.facts.sequence);
     picture.time_s = to_seconds(frame.facts.timestamp - *start_);
-    picture.exposure_s = frame.facts.exposure_s;
+    if (frame.facts.has_exposure_time()) picture.exposure_s = frame.facts.exposure_s;
     picture.T_world_camera = frame.pose->T_world_camera;
     picture.world = frame.pose->world;
     clip_.pictures.push_back(std::move(picture));

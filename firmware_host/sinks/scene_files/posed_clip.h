@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,10 +16,10 @@
 namespace hdrcam {
 
 struct PosedPicture {
-  std::string path;        // of the picture, as the user would name it
-  std::string depth_path;  // of its depth (depth_pictures.h); "" for none
-  double time_s = 0;       // since the first frame
-  double exposure_s = 0;
+  std::string path;                       // of the picture, as the user would name it
+  std::string depth_path;                 // of its depth (depth_pictures.h); "" for none
+  double time_s = 0;                      // since the first frame
+  std::optional<double> exposure_s = {};  // none where only ratios of exposures are known
   RigidTransform T_world_camera;
   int world = 0;  // FramePose::world
 };

@@ -45,7 +45,7 @@ std::string to_transforms_json(const PosedClip& clip, const std::string& folder)
                {"transform_matrix", matrix_of(picture.T_world_camera)}};
     if (!picture.depth_path.empty()) frame["depth_file_path"] = path_from(folder, picture.depth_path);
     frame["time_s"] = picture.time_s;
-    frame["exposure_s"] = picture.exposure_s;
+    if (picture.exposure_s) frame["exposure_s"] = *picture.exposure_s;
     frames.push_back(std::move(frame));
   }
   return json_text(json, 1) + '\n';

@@ -60,6 +60,24 @@ TEST_CASE("a frame whose pose is lost, and one whose picture is not there, are l
   CHECK(model.images.at(point.track[0].first).sightings[0].point == id);
 }
 
+TEST_CASE("an exposure that was estimated is a ratio, and is not stated as a time") {
+  const std::string folder = sample::scratch_folder("pose_files_estimated");
+  auto transforms =
+      create_transforms(posix_storage(), folder + "/transforms.json", {folder + "/%04d.png", ""});
+  REQUIRE(transforms.ok());
+  for (const std::uint64_t sequence : {0U, 1U}) {
+    HdrFrame frame = posed_frame(sequence);
+    frame.facts.exposure_s = 0.004;
+    if (sequence == 1) frame.facts.exposure_source = ExposureSource::Estimated;
+    REQUIRE(test::emit(*transforms.value(), frame).ok());
+    write_picture(folder + "/000" + std::to_string(sequence) + ".png");
+  }
+  REQUIRE((transforms.value()->finish().ok() && transforms.value()->conclude({}).ok()));
+  const auto read = test::read_transforms(folder + "/transforms.json");
+  CHECK(read.json["frames"][0]["exposure_s"] == 0.004);
+  CHECK_FALSE(read.json["frames"][1].contains("exposure_s"));
+}
+
 TEST_CASE("a new pose is not that of an earlier run's picture, where the run shed its own") {
   const std::string folder = sample::scratch_folder("pose_files_earlier");
   const auto picture = [&](int sequence) { return folder + "/000" + std::to_string(sequence) + ".png"; };
