@@ -10,6 +10,15 @@
 #include "hal/video/video_writer.h"
 
 namespace hdrcam {
+namespace {
+
+// A page or pictures that are named like one by mistake are none.
+bool may_be_video(const SinkKind& sink) {
+  const std::string_view name = sink.name;
+  return name == "frames" || name == "video";
+}
+
+}  // namespace
 
 void KeptWork::add_to(CommandLine verb) {
   add_without_force(verb);
@@ -38,7 +47,8 @@ std::vector<NamedOutput> outputs_of(const Settings& settings, std::span<const Si
         outputs.push_back({name, fmt::format("{}/{}", path, file)});
       continue;
     }
-    const bool video = video_container_of(path).has_value(), numbered = !video && sink.extension != nullptr;
+    const bool video = may_be_video(sink) && video_container_of(path).has_value(),
+               numbered = !video && sink.extension != nullptr;
     const OutputKind kind = video                                    ? OutputKind::Recording
                             : numbered                               ? OutputKind::Frames
                             : std::string_view(sink.name) == "sheet" ? OutputKind::Picture

@@ -181,6 +181,22 @@ TEST_CASE("a run that is refused leaves the earlier recording, even with --force
   refused({"--camera", "replay:" + wide, "--memory", "64"}, 16);
 }
 
+TEST_CASE("no page, sheet or list takes the place of a recording or a video, even with --force") {
+  const std::string folder = sample::scratch_folder("kept_from_pages");
+  for (const char* name : {"/take.mkv", "/film.mp4", "/film.mov"}) {
+    const std::string kept = folder + name;
+    put(kept, "an earlier take");
+    for (const char* flag : {"--stats", "--report", "--sheet", "--transforms"}) {
+      INFO(flag << " " << name);
+      const RanHere run = ran_here(
+          {"replay", kDemo, "-o", folder + "/out/%06d.exr", "--preset", "fast", "--force", flag, kept});
+      CHECK(run.exit_code == 2);
+      CHECK_THAT(run.err, Contains("would replace a picture or a recording"));
+      CHECK(text_of(kept) == "an earlier take");
+    }
+  }
+}
+
 TEST_CASE("a video that holds no frame is not left, and an earlier one stays") {
   const std::string folder = sample::scratch_folder("kept_video"), video = folder + "/depth.mp4";
   const float depth[4] = {1, 2, 3, 4};
