@@ -1,6 +1,7 @@
 #include "capture/delay_calibration.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -97,7 +98,8 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
                                     const Exposure& shorter, const Exposure& longer,
                                     const PixelUnpackSettings& unpack, const std::atomic<bool>& stop,
                                     int frames) {
-  constexpr Duration kPatience{2'000'000'000};
+  constexpr int kFrames = 10;  // that a camera may leave out or take for its start
+  const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * mode.frame_duration);
   constexpr std::size_t kAsked = 64;
   const PixelCodes kind = codes_of(mode.format);
   DelayCalibration calibration(shorter, longer,
@@ -126,7 +128,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
       bool readable = false;
       std::uint64_t completed = 0;
       {
-        const CapturedBuffer buffer = TRY(camera.wait(kPatience));
+        const CapturedBuffer buffer = TRY(camera.wait(patience));
         if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
         sequence = buffer.sequence;
         completed = buffer.cookie;

@@ -3,7 +3,9 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 
+#include "hal/sim/simulated_camera.h"
 #include "tests/capture/misbehaving_camera.h"
+#include "tests/contracts/expect.h"
 
 namespace hdrcam {
 namespace {
@@ -88,6 +90,16 @@ TEST_CASE("a camera that loses most frames is given up after twice the time of a
   CHECK_FALSE(estimate.value().delay);
   CHECK(estimate.value().reason.find("frames are lost") != std::string::npos);
   CHECK(camera.frames() <= 2 * 120 + 2 * 30);
+}
+
+TEST_CASE("a camera with frames of some seconds is waited for", "[capture]") {
+  VirtualClock clock;
+  SimulatedCamera camera(value_of(simulation_of("still?size=64x48&delay=2")), SimTime(clock), 1);
+  const StreamMode mode = value_of(camera.configure({PixelFormat::Rgb24, 64, 48, 3s}, 8));
+  REQUIRE(mode.frame_duration > 2s);
+  const DelayEstimate estimate = value_of(measure_delay(camera, mode, 8, kShort, kLong, {}, kGoOn));
+  CAPTURE(estimate.reason);
+  CHECK(estimate.delay == 2);
 }
 
 TEST_CASE("a calibration that is told to stop ends at the next frame", "[capture]") {
