@@ -86,6 +86,7 @@ bool allowed(const SettingField& field, const SettingValue& value) {
     const auto& text = std::get<std::string>(value);
     return text.empty() || text == kOff || parse_duration(text).ok();
   }
+  if (field.type == SettingType::Time) return parse_duration(std::get<std::string>(value)).ok();
   if (field.type == SettingType::Delay) return parse_signed_duration(std::get<std::string>(value)).ok();
   if (field.type == SettingType::Gains) return parse_white_balance(std::get<std::string>(value)).has_value();
   if (const auto* text = std::get_if<std::string>(&value)) return !stranger(field, *text);
@@ -119,6 +120,7 @@ std::string accepted(const SettingField& field) {
   if (field.type == SettingType::Knob) return accepted_values(*field.knob);
   if (!field.choices.empty()) return words_of(field);
   if (field.type == SettingType::TimeOrOff) return fmt::format("a time such as 33ms, or {}", kOff);
+  if (field.type == SettingType::Time) return "a time such as 250us or 1ms, more than 0";
   if (field.type == SettingType::Delay) return "a time such as 250us, -2ms or 0";
   if (is_switch(field)) return "true or false";
   if (!is_number(field)) return field.list ? "a text or a list" : "a text";

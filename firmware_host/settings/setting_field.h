@@ -15,10 +15,23 @@
 namespace hdrcam {
 
 // Choice: one of the field's words, an enum in Settings. Words: any of them, joined by commas. Knob: a value
-// for a knob of the method (online/knobs.h); "" keeps the preset's value. TimeOrOff: a time, or "off". Delay:
-// a time with a sign, or 0. Times: exposure times, joined by commas.
+// for a knob of the method (online/knobs.h); "" keeps the preset's value. Time: a time of more than 0.
+// TimeOrOff: such a time, or "off". Delay: a time with a sign, or 0. Times: exposure times, joined by commas.
 // Gains: one of the words, or factors of R, G and B.
-enum class SettingType { Text, Whole, Real, Switch, Choice, Words, Knob, TimeOrOff, Delay, Times, Gains };
+enum class SettingType {
+  Text,
+  Whole,
+  Real,
+  Switch,
+  Choice,
+  Words,
+  Knob,
+  Time,
+  TimeOrOff,
+  Delay,
+  Times,
+  Gains
+};
 
 // A value as given or printed; choices and words are texts.
 using SettingValue = std::variant<std::string, int, double, bool>;

@@ -46,6 +46,13 @@ SettingField file(const char* key, const char* flag, const char* about, const ch
 }
 
 template <auto kGroup, auto kMember>
+SettingField time(const char* key, const char* flag, const char* about) {
+  SettingField field = any<kGroup, kMember>(key, flag, about);
+  field.type = SettingType::Time;
+  return field;
+}
+
+template <auto kGroup, auto kMember>
 SettingField delay(const char* key, const char* flag, const char* about) {
   SettingField field = any<kGroup, kMember>(key, flag, about);
   field.type = SettingType::Delay;
@@ -269,11 +276,11 @@ std::vector<SettingField> sync_fields() {
           {{"off", TriggerMode::Off},
            {"fsync", TriggerMode::FrameStart},
            {"pulse-width", TriggerMode::PulseWidth}}),
-      any<kGroup, &S::trigger_width>("sync.trigger_width", "--trigger-width",
-                                     "width of a pulse that starts a frame"),
-      any<kGroup, &S::trigger_gap>("sync.trigger_gap", "--trigger-gap",
-                                   "least time between two trigger pulses, in which the sensor reads out"),
-      any<kGroup, &S::trigger_tolerance>(
+      time<kGroup, &S::trigger_width>("sync.trigger_width", "--trigger-width",
+                                      "width of a pulse that starts a frame"),
+      time<kGroup, &S::trigger_gap>("sync.trigger_gap", "--trigger-gap",
+                                    "least time between two trigger pulses, in which the sensor reads out"),
+      time<kGroup, &S::trigger_tolerance>(
           "sync.trigger_tolerance", "--trigger-tolerance",
           "a trigger pulse whose edge is later than this is late, and its frame is flagged"),
       any<kGroup, &S::trigger_active_low>("sync.trigger_active_low", "--trigger-active-low",

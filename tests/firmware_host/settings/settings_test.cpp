@@ -68,6 +68,7 @@ std::string other_value(const SettingField& field) {
       return to_text(field.range.most);
     case SettingType::Real:
       return to_text(field.range.least + (field.range.most - field.range.least) / 3);
+    case SettingType::Time:
     case SettingType::TimeOrOff:
       return "33ms";
     case SettingType::Delay:
@@ -472,6 +473,21 @@ TEST_CASE("docs/configuration.md lists every setting as the program has it") {
                                          fallback.empty() ? "" : "`" + fallback + "`", describe(field));
     INFO(line);
     CHECK(page.value().find(line) != std::string::npos);
+  }
+}
+
+TEST_CASE("a time of a trigger pulse that is none is refused by its name, and by its line in a file") {
+  for (const char* name : {"width", "gap", "tolerance"}) {
+    for (const char* wrong : {"0", "-1ms", "2", "wide"}) {
+      INFO(name << " " << wrong);
+      CHECK_THAT(sentence(from_flags({fmt::format("--trigger-{}={}", name, wrong)})),
+                 Contains(fmt::format("--trigger-{} takes a time such as 250us or 1ms, more than 0, not '{}'",
+                                      name, wrong)));
+      CHECK_THAT(sentence(from_flags(
+                     {"--config", file_with(fmt::format("[sync]\ntrigger_{} = \"{}\"\n", name, wrong))})),
+                 Contains(fmt::format(":2: sync.trigger_{} takes a time", name)));
+    }
+    CHECK(from_flags({fmt::format("--trigger-{}=1/2000", name)}).ok());
   }
 }
 
