@@ -33,10 +33,11 @@ Result<void> check_camera_run(const Settings& settings, const char* recording_fl
   TRY(check_recording_name(storage, recording_flag, settings.record.file));
   TRY(check_replayed(settings.camera, storage));  // as the next, before a folder is made
   TRY(parse_exposures(settings.schedule.shutter, settings.schedule.gain));
+  if (!settings.camera.control_delay.empty()) TRY(parse_delays(settings.camera.control_delay));
+  TRY(check_lines(settings));
   std::vector<NamedOutput> outputs = outputs_of(settings, sinks);
   outputs.push_back({recording_flag, settings.record.file, OutputKind::Recording});
-  TRY(kept.check(storage, inputs_of(settings.camera), outputs));
-  return check_lines(settings);
+  return kept.check(storage, inputs_of(settings.camera), outputs);
 }
 
 Result<std::unique_ptr<CameraSource>> open_camera_source(const Settings& settings, LiveOptions limits,

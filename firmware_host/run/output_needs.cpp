@@ -8,6 +8,7 @@
 #include "firmware_host/settings/without_field.h"
 #include "firmware_host/sinks/sink_set.h"
 #include "firmware_host/terminal.h"
+#include "firmware_host/web/http_address.h"
 
 namespace hdrcam {
 namespace {
@@ -118,6 +119,8 @@ Result<void> check_needs(const Settings& settings) {
         ErrorCode::Invalid,
         "--snapshot - would write a file named '-': only the frames of -o go to the standard output; "
         "name a file"};
+  if (const std::string& address = settings.output.path("http"); !address.empty())
+    TRY(parse_http_address(address));
   for (const auto& [sink, flag] : {std::pair("transforms", "--transforms"), std::pair("colmap", "--colmap")})
     if (is_written(settings.output, sink)) TRY(pictures_of(flag, patterns_of(settings.output.paths)));
   const std::string shown = settings.fit.emit == EmitLayer::Field

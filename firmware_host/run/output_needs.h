@@ -37,7 +37,8 @@ ExrCompression compression_of(const Settings::Output& output, RunPace pace);
 // Writes a result to the standard output; to the standard error stream where the frames take that.
 void write_result_beside_frames(const Settings::Output& output, std::string_view text);
 
-// Invalid where the settings switch off what an output needs, or where there are no pictures for its poses.
+// Invalid where the settings switch off what an output needs, where there are no pictures for its poses, and
+// for an address of the live page that is none.
 Result<void> check_needs(const Settings& settings);
 
 }  // namespace hdrcam

@@ -146,12 +146,23 @@ TEST_CASE("a run that is refused leaves no folder of its outputs") {
                                              {"--colmap", out + "/colmap"},
                                              {"--transforms", out + "/transforms.json"},
                                              {"--flow-forward", out + "/%06d.flo", "--lookahead", "0"},
+                                             {"--http", "localhost", "-o", out + "/%06d.exr"},
                                              {"--stats", out + "/"}}) {
     INFO(flags.back());
     CHECK(ran_here(joined({"replay", kDemo}, flags)).exit_code == 2);
     CHECK_FALSE(fs::exists(out));
   }
   const std::string frames = out + "/%06d.exr";
+  for (const std::vector<std::string>& flags :
+       std::vector<std::vector<std::string>>{{"--http", "localhost"},
+                                             {"--control-delay", "soon"},
+                                             {"--trigger-line", "sim", "--trigger", "off"},
+                                             {"--trigger-line", "sim", "--trigger-width", "0"}}) {
+    INFO(flags.front());
+    CHECK(ran_here(joined({"live", "--camera", "sim:walk?size=64x48", "--frames", "2", "-o", frames}, flags))
+              .exit_code == 2);
+    CHECK_FALSE(fs::exists(out));
+  }
   for (const char* verb : {"replay", "render"})
     CHECK_THAT(ran_here({verb, folder + "/none.mkv", "-o", frames}).err,
                Contains("none.mkv' does not exist"));
