@@ -53,7 +53,8 @@ std::string account_of(CameraSource& camera) {
   std::string text = fmt::format("{}\n{}\n", sentence_of(counters, camera.fits()), proof_of(counters.camera));
   if (camera.fits())
     text += fmt::format("latency: {:.0f} ms at most\n", to_seconds(counters.longest_latency) * 1e3);
-  if (const std::string trigger = camera.trigger_account(); !trigger.empty()) text += trigger + "\n";
+  for (const std::string& line : {camera.trigger_account(), camera.strobe_account()})
+    if (!line.empty()) text += line + "\n";
   return text;
 }
 

@@ -90,9 +90,15 @@ Result<void> CameraSource::finish(RunRecord& record) {
   record.emitted = static_cast<int>(counters.emitted);
   record.dropped = static_cast<int>(counters.dropped());
   record.notes.push_back(proof_of(counters.camera));
-  if (const std::string account = trigger_account(); !account.empty()) record.notes.push_back(account);
+  for (const std::string& account : {trigger_account(), strobe_account()})
+    if (!account.empty()) record.notes.push_back(account);
   if (end || (replayed_ && end.error().code == ErrorCode::Unplugged)) return {};
   return end.error();
+}
+
+std::string CameraSource::strobe_account() const {
+  const CaptureCounters camera = session_->counters().camera;
+  return lines_->strobe_sentence(camera.captured, camera.strobed);
 }
 
 std::vector<NamedValue> CameraSource::counters() const { return named(session_->counters()); }

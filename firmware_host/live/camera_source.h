@@ -49,6 +49,8 @@ class CameraSource : public FrameSource, public RunControl {
   std::vector<std::string> warnings() const;
   // The account of the trigger line so far, as a sentence; "" without one.
   std::string trigger_account() const { return lines_->sentence(session_->counters().camera.trigger); }
+  // That the strobe line has no pulse for any frame so far; "" where it has, or there is none.
+  std::string strobe_account() const;
   LiveSession& session() { return *session_; }
   bool fits() const { return fits_; }  // or only records
   // Why the run ended, if it ended without an error.

@@ -114,6 +114,7 @@ std::vector<NamedValue> named(const LiveCounters& counters) {
       {"camera.relabelled", camera.relabelled},
       {"camera.unreported", camera.unreported},
       {"camera.repeated_cookies", camera.repeated_cookies},
+      {"camera.strobed", camera.strobed},
       {"camera.pulses_forgotten", camera.pulses_forgotten},
       {"camera.requests_late", camera.requests_late},
       {"camera.relocks", camera.relocks},

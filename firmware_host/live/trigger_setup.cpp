@@ -106,4 +106,11 @@ std::string CameraLines::sentence(const TriggerCounters& counters) const {
          (realtime() ? "" : "; not scheduled in real time");
 }
 
+std::string CameraLines::strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const {
+  if (!strobe_ || captured == 0 || strobed > 0) return "";
+  return fmt::format(
+      "strobe line '{}': no frame has a pulse; check its wiring, --sync-active-low and --strobe-delay",
+      sync_.line);
+}
+
 }  // namespace hdrcam

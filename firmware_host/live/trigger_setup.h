@@ -36,6 +36,9 @@ class CameraLines {
   std::string note() const;
   // The sentence of the end (trigger_ledger.h); "" without a trigger.
   std::string sentence(const TriggerCounters& counters) const;
+  // What to check where the strobe line has no pulse for any of these frames; "" where it has, or there is
+  // none.
+  std::string strobe_sentence(std::uint64_t captured, std::uint64_t strobed) const;
   bool realtime() const { return thread_ && thread_->realtime().ok(); }
 
  private:

@@ -186,6 +186,29 @@ TEST_CASE("exposures that the fit asks for are those of later frames, and counte
   CHECK(counters.camera.contradicted == 0);
 }
 
+TEST_CASE("a strobe line that has a pulse for no frame is told of, with what to check") {
+  for (const std::string delay : {"0us", "10ms"}) {  // at the pulses of 50 frames a second, and between them
+    INFO(delay);
+    Settings settings;
+    settings.camera.id = "sim:still?size=64x48&rays=1&fps=50";
+    settings.camera.format = "RGB24";
+    settings.schedule.shutter = "1ms,4ms";
+    settings.sync.line = "sim";
+    settings.sync.strobe_delay = delay;
+    const std::atomic<bool> stop{false};
+    const auto source = value_of(CameraSource::open(settings, {.frames = 12}, posix_storage(), stop));
+    require_done(source->start());
+    while (value_of(source->next()) != nullptr) continue;
+    RunRecord record;
+    require_done(source->finish(record));
+    const bool marks = delay == "0us";
+    CHECK((source->session().counters().camera.strobed > 0) == marks);
+    CHECK(source->strobe_account().empty() == marks);
+    REQUIRE(record.notes.size() == (marks ? 1 : 2));
+    if (!marks) CHECK_THAT(record.notes[1], Catch::Contains("'sim'") && Catch::Contains("--strobe-delay"));
+  }
+}
+
 TEST_CASE("a run that only records has no fit to ask for exposures") {
   Settings settings = settings_of("unused");
   settings.schedule.adapt = Adapt::Motion;
