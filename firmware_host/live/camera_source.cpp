@@ -135,7 +135,11 @@ Result<void> CameraSource::change_cycle(const std::string& shutter, const std::s
   if (adapt_ != Adapt::Off)
     return Error{ErrorCode::Unsupported, fmt::format("the cycle follows the {} (--adapt)",
                                                      adapt_ == Adapt::Light ? "light" : "motion")};
-  return session_->change_cycle(TRY(parse_exposures(shutter, gain, usual_gain(camera_->capabilities()))));
+  const std::string& kept = gain.empty() ? gain_ : gain;
+  const auto cycle = TRY(parse_exposures(shutter, kept, usual_gain(camera_->capabilities())));
+  TRY(session_->change_cycle(cycle));
+  gain_ = kept;
+  return {};
 }
 
 std::string CameraSource::status(const ProgressState&) const {

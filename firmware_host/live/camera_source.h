@@ -61,6 +61,7 @@ class CameraSource : public FrameSource, public RunControl {
       : stop_(stop),
         storage_(storage),
         adapt_(settings.schedule.adapt),
+        gain_(settings.schedule.gain),
         codec_(settings.record.codec),
         recording_(settings.record.file) {}
   Result<std::unique_ptr<RecordingWriter>> create_take();
@@ -76,6 +77,7 @@ class CameraSource : public FrameSource, public RunControl {
   bool replayed_ = false, fits_ = true;
   bool exposure_fixed_ = false;  // by the camera
   const Adapt adapt_;
+  std::string gain_;                   // of the cycle, as --gain is written
   const RecordingCodec codec_;         // of recordings
   std::string recording_;              // the file that is open; "" for none
   std::optional<FramePattern> takes_;  // recordings that a person starts

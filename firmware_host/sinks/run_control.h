@@ -25,9 +25,9 @@ class RunControl {
   virtual Result<std::string> start_recording() = 0;
   // Errors: NotFound where nothing is recorded.
   virtual Result<void> stop_recording() = 0;
-  // Later frames follow this cycle, written as the flags --shutter and --gain are. Errors: Invalid,
-  // BadExposure, Timeout where the camera delivers no frame, Unsupported where the camera or --adapt sets the
-  // exposures.
+  // Later frames follow this cycle, written as the flags --shutter and --gain are; "" keeps the gain. Errors:
+  // Invalid, BadExposure, Timeout where the camera delivers no frame, Unsupported where the camera or --adapt
+  // sets the exposures.
   virtual Result<void> change_cycle(const std::string& shutter, const std::string& gain) = 0;
 };
 

@@ -27,7 +27,10 @@ class Running {
         const auto frame = source_->next();
         if (!frame || frame.value() == nullptr) return;
         const FrameFacts& facts = frame.value()->facts;
-        if (facts.slot >= 0) newest_exposure_us_ = std::llround(facts.exposure_s * 1e6);
+        if (facts.slot >= 0) {
+          newest_gain_ = facts.analogue_gain;
+          newest_exposure_us_ = std::llround(facts.exposure_s * 1e6);
+        }
         FrameRecord record;
         record.sequence = facts.sequence;
         source_->emitted(record);
@@ -53,6 +56,7 @@ class Running {
     return false;
   }
   long long newest_exposure_us() const { return newest_exposure_us_; }
+  double newest_gain() const { return newest_gain_; }
   LiveCounters end() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
@@ -66,6 +70,7 @@ class Running {
   std::unique_ptr<CameraSource> source_;
   std::atomic<int> frames_{0};
   std::atomic<long long> newest_exposure_us_{0};
+  std::atomic<double> newest_gain_{0};
   std::thread thread_;
 };
 
@@ -156,6 +161,22 @@ TEST_CASE("the cycle of a running camera changes to one of as many exposures, an
   REQUIRE_FALSE(run.control().change_cycle("2ms,1s", "").ok());
   REQUIRE(run.more_frames(10));
   CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - 8000) < 100; }));
+}
+
+TEST_CASE("a cycle that is changed without a gain keeps the one that it has") {
+  Settings settings = settings_of("unused");
+  settings.schedule.gain = "2";
+  Running run(settings);
+  REQUIRE(run.more_frames(10));
+  const auto follows = [&](const char* shutter, const char* gain, long long exposure_us, double expected) {
+    INFO(shutter << " " << gain);
+    require_done(run.control().change_cycle(shutter, gain));
+    CHECK(run.waits_for([&] { return std::abs(run.newest_exposure_us() - exposure_us) < 100; }));
+    CHECK(run.newest_gain() == Approx(expected));
+  };
+  follows("1ms,6ms", "", 6000, 2);
+  follows("1ms,5ms", "3", 5000, 3);
+  follows("1ms,7ms", "", 7000, 3);
 }
 
 TEST_CASE("a cycle that follows the light is not changed by hand") {
