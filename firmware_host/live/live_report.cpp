@@ -57,7 +57,8 @@ std::string way_out(const LiveCounters& counters, const Settings& settings) {
     return "the fit did not keep up with the recording; leave out --pace realtime, and every frame is worked "
            "on";
   const std::string& recording = settings.record.file;
-  const bool whole = counters.not_recorded() == 0 && counters.recorded > 0;
+  const std::uint64_t elsewhere = counters.in_takes + counters.not_requested;
+  const bool whole = counters.not_recorded() + elsewhere == 0 && counters.recorded > 0;
   const std::string later =
       recording.empty() ? "; --record walk.mkv keeps all frames for a replay"
       : whole           ? fmt::format("; all frames are recorded: hdrcam replay {}", shell_word(recording))

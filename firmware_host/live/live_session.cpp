@@ -32,13 +32,15 @@ LiveSession::LiveSession(CaptureStage& capture, std::unique_ptr<RecordingWriter>
       pool_(frames_in(options.memory_bytes, capture.facts())),
       inbox_(capture.schedule().slots(),
              most_waiting(capture.facts(), pool_.size(), capture.schedule().slots())) {
-  if (recording) recorder_ = recorder_of(std::move(recording));
+  if (recording) recorder_ = recorder_of(std::move(recording), StartedBy::Run);
 }
 
-std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWriter> recording) {
-  const auto written = [this] {
+std::shared_ptr<Recorder> LiveSession::recorder_of(std::unique_ptr<RecordingWriter> recording,
+                                                   StartedBy started_by) {
+  const auto written = [this, started_by] {
     const std::lock_guard lock(mutex_);
     ++counters_.recorded, --counters_.to_record;
+    counters_.in_takes += started_by == StartedBy::Person;
   };
   return std::make_shared<Recorder>(std::move(recording), pool_.size(), written, options_.trace);
 }
@@ -241,7 +243,7 @@ Result<void> LiveSession::may_record() const {
 
 Result<void> LiveSession::start_recording(std::unique_ptr<RecordingWriter> recording) {
   TRY(may_record());
-  std::shared_ptr<Recorder> recorder = recorder_of(std::move(recording)), completed;
+  std::shared_ptr<Recorder> recorder = recorder_of(std::move(recording), StartedBy::Person), completed;
   const std::lock_guard lock(mutex_);
   completed = std::exchange(completing_, nullptr);
   recorder_ = std::move(recorder);

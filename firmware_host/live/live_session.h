@@ -51,6 +51,7 @@ struct LiveCounters {
   std::uint64_t in_fit = 0;      // queued for the fit, or in it
   std::uint64_t taken = 0;       // by the fit, in all
   std::uint64_t recorded = 0, to_record = 0;
+  std::uint64_t in_takes = 0;       // of those recorded: in recordings that were started during the run
   std::uint64_t unwritten = 0;      // not recorded: the recording had failed
   std::uint64_t not_requested = 0;  // came while nobody wanted a recording
   Duration latency{0},
@@ -130,7 +131,8 @@ class LiveSession {
   void count_shed(int frames);
   void take_feedback();
   void take_cycle();
-  std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording);
+  enum class StartedBy { Run, Person };
+  std::shared_ptr<Recorder> recorder_of(std::unique_ptr<RecordingWriter> recording, StartedBy started_by);
   std::optional<LiveEnd> reason_to_end(const std::atomic<bool>& stop) const;
 
   CaptureStage& capture_;

@@ -8,6 +8,7 @@
 #include <set>
 #include <thread>
 
+#include "firmware_host/live/live_report.h"
 #include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 
@@ -139,6 +140,28 @@ TEST_CASE("a recording that is open when the run ends is completed") {
   const LiveCounters counters = run.end();
   CHECK(sequences_in(file).size() == counters.recorded);
   CHECK(counters.recorded >= 10);
+}
+
+TEST_CASE("frames of recordings that a person starts are not said to be in that of the run") {
+  const std::string folder = sample::scratch_folder("own_and_takes");
+  Settings settings = settings_of(folder);
+  settings.record.file = folder + "/run.mkv";
+  Running run(settings);
+  REQUIRE(run.more_frames(10));
+  require_done(run.control().stop_recording());
+  std::string take;
+  REQUIRE(run.waits_for([&] {  // until the run's own is complete
+    auto started = run.control().start_recording();
+    if (started) take = started.value();
+    return started.ok();
+  }));
+  REQUIRE(run.more_frames(10));
+  LiveCounters counters = run.end();
+  CHECK(counters.in_takes == sequences_in(take).size());
+  CHECK(counters.recorded - counters.in_takes == sequences_in(settings.record.file).size());
+  CHECK(counters.in_takes >= 10);
+  counters.shed = 1;
+  CHECK(way_out(counters, settings).find("all frames are recorded") == std::string::npos);
 }
 
 TEST_CASE("a run without a place for recordings records nothing on demand, and says how to get one") {
