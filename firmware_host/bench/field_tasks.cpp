@@ -19,39 +19,49 @@ void add_window(KernelTasks& tasks, int rows, int cols) {
                                                 RandomPlanes(2, rows, cols, -6, 6, 2),
                                                 RandomPlanes(3, rows, cols, 0, 0, 3)});
   add_rows(tasks, "window: base", rows, cols, 30, 4, [room, cols](int y) {
-    window_kernels().base(
-        {room->in.row(0, y), room->in.row(1, y), 1e6f, 0.1f, room->out.row(0, y), room->out.row(1, y)}, cols);
+    window_kernels().base({.radiance = room->in.row(0, y),
+                           .variance = room->in.row(1, y),
+                           .unseen_from = 1e6f,
+                           .trusted_sigma = 0.1f,
+                           .log_radiance = room->out.row(0, y),
+                           .gate = room->out.row(1, y)},
+                          cols);
   });
   // half as many blocks as a row has pixels: two rows each
   add_rows(tasks, "window: state of blocks", rows / 2, cols / 2, 16, 10, [room, cols](int y) {
     const auto blocks = [&](int channel, int x, int n) {
-      return BlockRow{
-          {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x}, 2, 2 * n};
+      return BlockRow{.row = {room->in.row(channel, 2 * y) + 2 * x, room->in.row(channel, 2 * y + 1) + 2 * x},
+                      .step = 2,
+                      .cols = 2 * n};
     };
     for (int x = 0; x < cols / 2; x += kMostBlocks) {
       const int n = std::min(kMostBlocks, cols / 2 - x);
-      window_kernels().block_state(
-          {blocks(0, x, n), blocks(1, x, n), 1e6f, room->out.row(0, y) + x, room->out.row(1, y) + x}, n);
+      window_kernels().block_state({.radiance = blocks(0, x, n),
+                                    .variance = blocks(1, x, n),
+                                    .unseen_from = 1e6f,
+                                    .mean = room->out.row(0, y) + x,
+                                    .variance_of_mean = room->out.row(1, y) + x},
+                                   n);
     }
   });
   add_rows(tasks, "window: flow lifted to surfaces", rows, cols, 50, 7, [room, rows, cols](int y) {
     const float camera[3][4] = {{1, 0, 0, 0.01f}, {0, 1, 0, 0}, {0, 0, 1, 0.01f}};
     const auto half_width = static_cast<float>(cols) / 2, half_height = static_cast<float>(rows) / 2;
-    window_kernels().lift({room->flow.row(0, y),
-                           room->flow.row(1, y),
-                           room->in.row(0, y),
-                           room->in.row(1, y),
-                           0.5f,
-                           static_cast<float>(y) + 0.5f,
-                           camera,
-                           camera,
-                           {2 * half_width, 2 * half_width},
-                           {half_width, half_height},
-                           ViewGeometry<float>::kNearest,
-                           512,
-                           room->out.row(0, y),
-                           room->out.row(1, y),
-                           room->out.row(2, y)},
+    window_kernels().lift({.dx = room->flow.row(0, y),
+                           .dy = room->flow.row(1, y),
+                           .confidence = room->in.row(0, y),
+                           .surface = room->in.row(1, y),
+                           .x = 0.5f,
+                           .y = static_cast<float>(y) + 0.5f,
+                           .here = camera,
+                           .there = camera,
+                           .focal = {2 * half_width, 2 * half_width},
+                           .centre = {half_width, half_height},
+                           .nearest = ViewGeometry<float>::kNearest,
+                           .most = 512,
+                           .u = room->out.row(0, y),
+                           .v = room->out.row(1, y),
+                           .sure = room->out.row(2, y)},
                           cols);
   });
 }
@@ -73,7 +83,8 @@ void add_field(KernelTasks& tasks) {
   const FieldKernels& kernels = field_kernels();
   const auto query = [room] {
     RandomPlanes& p = room->position;
-    return GridQuery{{p.plane(0), p.plane(1), p.plane(2)}, room->slot.plane(0), kSamples};
+    return GridQuery{
+        .position = {p.plane(0), p.plane(1), p.plane(2)}, .slot = room->slot.plane(0), .n = kSamples};
   };
   const auto add = [&](std::string name, const char* item, double items, double flops, double look_ups,
                        auto run) {
@@ -113,8 +124,9 @@ void add_field(KernelTasks& tasks) {
   adam.flops = 13, adam.bytes = 40, adam.footprint = 5 * 4.0 * kParameters;
   adam.run = [room, &kernels] {  // which clears the gradient
     std::copy_n(room->gradient.plane(1), kParameters, room->gradient.plane(0));
-    kernels.adam({1e-3f, 1, 0.9f, 0.99f, 1e-8f}, kParameters, room->grid.table(0).data(),
-                 room->gradient.plane(0), room->moments.plane(0), room->moments.plane(1));
+    kernels.adam({.rate = 1e-3f, .gradient_scale = 1, .beta1 = 0.9f, .beta2 = 0.99f, .epsilon = 1e-8f},
+                 kParameters, room->grid.table(0).data(), room->gradient.plane(0), room->moments.plane(0),
+                 room->moments.plane(1));
   };
   tasks.push_back(std::move(adam));
 }

@@ -45,7 +45,8 @@ void make_texture_pair(MotionRoom& room) {
       for (int x = 0; x < cols; ++x) origin(0)[y * pitch + x] = texture_at(texels, x + kShift_px * i, y);
     flow_kernels().extend(origin(0), pitch, rows, cols);
     flow_kernels().derive(origin(0), pitch, rows, cols, origin(1), origin(2));
-    room.pictures[i] = {origin(0), origin(1), origin(2), pitch, rows, cols};
+    room.pictures[i] = {
+        .gray = origin(0), .dx = origin(1), .dy = origin(2), .pitch = pitch, .rows = rows, .cols = cols};
   }
 }
 
@@ -73,12 +74,16 @@ void add_flow(KernelTasks& tasks, const SharedRoom& room) {
   constexpr int kStride = 4, kSteps = 4;
   const int rows = room->rows, cols = room->cols;
   const FlowKernels& kernels = flow_kernels();
-  const PatchGrid grid{1 + (rows - kPatchSize + kStride - 1) / kStride,
-                       1 + (cols - kPatchSize + kStride - 1) / kStride, kStride};
+  const PatchGrid grid{.rows = 1 + (rows - kPatchSize + kStride - 1) / kStride,
+                       .cols = 1 + (cols - kPatchSize + kStride - 1) / kStride,
+                       .stride = kStride};
   const auto patches = std::make_shared<Image<float>>(2, grid.rows, grid.cols);
   const auto search = [room, patches, grid] {
-    return PatchSearch{
-        room->pictures[0], room->pictures[1], grid, {patches->plane(0), patches->plane(1)}, kSteps};
+    return PatchSearch{.from = room->pictures[0],
+                       .to = room->pictures[1],
+                       .grid = grid,
+                       .patches = {patches->plane(0), patches->plane(1)},
+                       .steps = kSteps};
   };
   add_task(tasks, "flow: inverse search, 2 x 4 steps", "patches", static_cast<double>(grid.rows) * grid.cols,
            [patches, search, &kernels, grid] {
@@ -114,21 +119,21 @@ void add_clipped_motion(KernelTasks& tasks, const SharedRoom& room) {
   // three rounds of two places, seven components read, a mean and a bend; a last place, two shares
   add_rows(tasks, "motion over a clipped frame", rows, cols, 3 * 100 + 50, 15,
            [room, clipped, nowhere, rows, cols](int y) {
-             clipped_motion_kernels().bridge({{rows, cols, y},
-                                              clipped->row(0, y),
-                                              clipped->plane(1),
-                                              {.after_to_state = room->vectors.plane(0),
-                                               .state_to_after = room->vectors.plane(2),
-                                               .last = room->vectors.plane(0),
-                                               .measured = clipped->plane(0),
-                                               .share = 0.5f,
-                                               .before = 0.5f},
-                                              nowhere->row(0, 0),
-                                              nowhere->row(0, 0),
-                                              room->vectors.plane(0),
-                                              room->flow.row(0, y),
-                                              room->flow.row(1, y),
-                                              room->weight.row(0, y)});
+             clipped_motion_kernels().bridge({.at = {rows, cols, y},
+                                              .clipped = clipped->row(0, y),
+                                              .clipped_after = clipped->plane(1),
+                                              .path = {.after_to_state = room->vectors.plane(0),
+                                                       .state_to_after = room->vectors.plane(2),
+                                                       .last = room->vectors.plane(0),
+                                                       .measured = clipped->plane(0),
+                                                       .share = 0.5f,
+                                                       .before = 0.5f},
+                                              .landed_u = nowhere->row(0, 0),
+                                              .landed_v = nowhere->row(0, 0),
+                                              .from = room->vectors.plane(0),
+                                              .u = room->flow.row(0, y),
+                                              .v = room->flow.row(1, y),
+                                              .measured = room->weight.row(0, y)});
            });
   // a place, three components read, a change, three shares
   add_rows(tasks, "motion of the next step", rows, cols, 60, 9, [room, clipped, rows, cols](int y) {
@@ -148,15 +153,15 @@ void add_refinement(KernelTasks& tasks, const SharedRoom& room) {
   const auto piece = static_cast<int>(refinement_kernels().piece_floats(room->rows, room->cols));
   const auto pieces = std::make_shared<Image<float>>(kRefinementPieces, 1, piece);
   add_task(tasks, "flow: refinement, 5 x 5 sweeps", "px", room->pixels(), [room, pieces] {
-    FlowRefinement refinement{room->pictures[0],
-                              room->pictures[1],
-                              {room->flow.plane(0), room->flow.plane(1)},
-                              {},
-                              0.5f,
-                              10,
-                              0.1f,
-                              5,
-                              5};
+    FlowRefinement refinement{.from = room->pictures[0],
+                              .to = room->pictures[1],
+                              .flow = {room->flow.plane(0), room->flow.plane(1)},
+                              .room = {},
+                              .data = 0.5f,
+                              .slope2 = 10,
+                              .smallest = 0.1f,
+                              .rounds = 5,
+                              .sweeps = 5};
     for (int i = 0; i < kRefinementPieces; ++i) refinement.room[i] = pieces->plane(i);
     refinement_kernels().refine(refinement);
   });

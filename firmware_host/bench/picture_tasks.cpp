@@ -32,8 +32,16 @@ void add_pictures(KernelTasks& tasks, int rows, int cols) {
       task.flops = flops, task.look_ups = together ? 0 : look_ups, task.bytes = 32;
       task.footprint = task.items * task.bytes;
       task.run = [room, &flow, kernel, limit, rows, cols] {
-        kernel({room->in.plane(0), room->out.plane(0), flow.plane(0), flow.plane(1), 3, rows, cols, 0, rows,
-                limit});
+        kernel({.in = room->in.plane(0),
+                .out = room->out.plane(0),
+                .dx = flow.plane(0),
+                .dy = flow.plane(1),
+                .channels = 3,
+                .rows = rows,
+                .cols = cols,
+                .y0 = 0,
+                .y1 = rows,
+                .limit = limit});
       };
       tasks.push_back(std::move(task));
     }
@@ -52,8 +60,16 @@ void add_pictures(KernelTasks& tasks, int rows, int cols) {
   blur.footprint = blur.items * blur.bytes;
   const auto motion = std::make_shared<RandomPlanes>(2, rows, cols, 5.98f, 6.02f, 4);
   blur.run = [room, motion, rows, cols] {
-    exposure_blur_kernels().blur({room->in.plane(0), motion->plane(0), motion->plane(1), 0.45f,
-                                  room->out.plane(0), 3, rows, cols, 0, rows});
+    exposure_blur_kernels().blur({.radiance = room->in.plane(0),
+                                  .dx = motion->plane(0),
+                                  .dy = motion->plane(1),
+                                  .fraction = 0.45f,
+                                  .difference = room->out.plane(0),
+                                  .channels = 3,
+                                  .rows = rows,
+                                  .cols = cols,
+                                  .y0 = 0,
+                                  .y1 = rows});
   };
   tasks.push_back(std::move(blur));
 }

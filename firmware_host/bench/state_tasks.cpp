@@ -22,8 +22,12 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
     return SampleVariances{room->tables.variances(1).data(), room->tables.exposure()};
   };
   add_rows(tasks, "fusion: samples", rows, cols, 34, 5, [room, &kernels, cols](int y) {
-    kernels.sample({room->codes.row(0, y), room->codes.row(1, y), room->tables.radiances(1).data(),
-                    room->out.row(0, y), room->out.row(1, y), room->out.row(2, y)},
+    kernels.sample({.codes = room->codes.row(0, y),
+                    .brightest = room->codes.row(1, y),
+                    .radiances = room->tables.radiances(1).data(),
+                    .radiance = room->out.row(0, y),
+                    .weight = room->out.row(1, y),
+                    .comparable = room->out.row(2, y)},
                    cols);
   });
   add_rows(tasks, "fusion: codes of the state", rows, cols, 40, 7, [room, &kernels, cols](int y) {
@@ -38,27 +42,43 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
   });
   add_rows(tasks, "fusion: stand-ins", rows, cols, 1, 4, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
-    kernels.stand_in({r.row(0, y), r.row(1, y), r.row(2, y), 0.5f, room->out.row(0, y)}, cols);
+    kernels.stand_in({.state = r.row(0, y),
+                      .variance = r.row(1, y),
+                      .sample = r.row(2, y),
+                      .unseen_from = 0.5f,
+                      .out = room->out.row(0, y)},
+                     cols);
   });
   add_rows(tasks, "fusion: comparison", rows, cols, 25, 11, [room, &kernels, noise, cols](int y) {
     RandomPlanes& r = room->radiance;
-    kernels.compare(
-        {r.row(0, y), r.row(1, y), r.row(2, y), r.row(3, y), r.row(4, y), room->share.row(0, y), r.row(5, y),
-         noise(), 1e6f, 1e-3f, 1e-2f, 0.1f, room->out.row(0, y), room->out.row(1, y)},
-        cols);
+    kernels.compare({.state = r.row(0, y),
+                     .variance = r.row(1, y),
+                     .mean = r.row(2, y),
+                     .contrast = r.row(3, y),
+                     .sample = r.row(4, y),
+                     .comparable = room->share.row(0, y),
+                     .blur = r.row(5, y),
+                     .noise = noise(),
+                     .unseen_from = 1e6f,
+                     .relative2 = 1e-3f,
+                     .texture2 = 1e-2f,
+                     .blur_tolerance = 0.1f,
+                     .chi2 = room->out.row(0, y),
+                     .covered = room->out.row(1, y)},
+                    cols);
   });
   add_rows(tasks, "fusion: gate", rows, cols, 67, 13, [room, &kernels, cols](int y) {
     RandomPlanes &r = room->radiance, &s = room->share;
-    kernels.gate({r.row(0, y),
-                  s.row(0, y),
-                  s.row(1, y),
-                  {r.row(1, y), r.row(2, y), r.row(3, y)},
-                  {r.row(4, y), r.row(5, y), r.row(6, y)},
-                  {s.row(2, y), s.row(3, y), s.row(1, y)},
-                  2,
-                  1,
-                  0.01f,
-                  room->out.row(3, y)},
+    kernels.gate({.chi2 = r.row(0, y),
+                  .covered = s.row(0, y),
+                  .trust = s.row(1, y),
+                  .state = {r.row(1, y), r.row(2, y), r.row(3, y)},
+                  .sample = {r.row(4, y), r.row(5, y), r.row(6, y)},
+                  .weight = {s.row(2, y), s.row(3, y), s.row(1, y)},
+                  .tolerance = 2,
+                  .scale = 1,
+                  .floor = 0.01f,
+                  .gate = room->out.row(3, y)},
                  cols);
   });
   add_rows(tasks, "fusion: update", rows, cols, 35, 11, [room, &kernels, noise, cols](int y) {
@@ -87,14 +107,27 @@ void add_state(KernelTasks& tasks, int rows, int cols) {
   });
   const auto flow = std::make_shared<RandomPlanes>(2, rows, cols, -6, 6, 5);
   add_rows(tasks, "fusion: variance of a warp", rows, cols, 22, 4, [room, flow, &kernels, cols](int y) {
-    kernels.warp_variance({flow->row(0, y), flow->row(1, y), 0.4f, room->out.row(3, y)}, cols);
+    kernels.warp_variance(
+        {.dx = flow->row(0, y), .dy = flow->row(1, y), .scale = 0.4f, .per_contrast = room->out.row(3, y)},
+        cols);
   });
   add_rows(tasks, "fusion: ageing", rows, cols, 18, 8, [room, &kernels, cols](int y) {
     RandomPlanes& r = room->radiance;
-    kernels.age(
-        {r.row(0, y), r.row(7, y), room->share.row(0, y), r.row(4, y), room->share.row(1, y), r.row(2, y),
-         r.row(3, y), 1.05f, 1e-4f, 0.002f, 1e6f, kUnseenVariance, 1e-3f, room->out.row(3, y)},
-        cols);
+    kernels.age({.state = r.row(0, y),
+                 .variance = r.row(7, y),
+                 .gate = room->share.row(0, y),
+                 .sample = r.row(4, y),
+                 .weight = room->share.row(1, y),
+                 .contrast = r.row(2, y),
+                 .per_contrast = r.row(3, y),
+                 .growth = 1.05f,
+                 .relative2 = 1e-4f,
+                 .floor = 0.002f,
+                 .unseen_from = 1e6f,
+                 .lost_variance = kUnseenVariance,
+                 .least = 1e-3f,
+                 .new_variance = room->out.row(3, y)},
+                cols);
   });
 }
 
