@@ -36,6 +36,7 @@ Result<std::unique_ptr<Camera>> open_libcamera_camera(const std::string&, Clock&
 #include "hal/real/libcamera_buffers.h"
 #include "hal/real/libcamera_formats.h"
 #include "hal/real/recent_stamp.h"
+#include "hal/real/stream_errors.h"
 
 namespace hdrcam {
 namespace {
@@ -183,10 +184,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   Result<void> start() override {
     const std::lock_guard lock(mutex_);
-    if (started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
-    if (slots_.empty())
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    if (started_) return already_started(capabilities_.id);
+    if (slots_.empty()) return not_configured(capabilities_.id);
     slots_.free_queued();
     {
       const std::lock_guard completions(completions_mutex_);
@@ -206,8 +205,7 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
 
   Result<void> queue(const ExposureRequest& wanted) override {
     const std::lock_guard lock(mutex_);
-    if (!started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    if (!started_) return not_started(capabilities_.id);
     TRY(check_exposure(capabilities_, wanted));
     const std::size_t slot = TRY(slots_.free_one());
     lc::Request& request = *requests_[slot].own;
@@ -231,13 +229,9 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
     {
       std::unique_lock completions(completions_mutex_);
       changed_.wait_for(completions, timeout, [&] { return count_ > 0 || gone_ || !started_; });
-      if (!started_)
-        return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+      if (!started_) return stopped(capabilities_.id);
       if (count_ == 0 && gone_) return libcamera_error(-ENODEV, capabilities_.id, "deliver a frame");
-      if (count_ == 0)
-        return Error{ErrorCode::Timeout,
-                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
-                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+      if (count_ == 0) return no_frame_within(capabilities_.id, timeout);
       index = completed_[first_];
       first_ = (first_ + 1) % completed_.size(), --count_;
     }
@@ -273,12 +267,8 @@ class LibcameraCamera : public Camera, private BufferLease::Owner {
   }
 
   Result<void> check_configurable(const StreamMode& wanted, int buffers) const {
-    if (started_)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
-    if (buffers < 1 || buffers > ControlPacer::kDepth)
-      return Error{ErrorCode::Invalid, fmt::format("a stream cannot have {} buffers; ask for 1 to {}",
-                                                   buffers, ControlPacer::kDepth)};
+    if (started_) return must_stop_to_configure(capabilities_.id);
+    TRY(check_buffers(buffers, ControlPacer::kDepth));
     if (wanted.width <= 0 || wanted.height <= 0)
       return Error{ErrorCode::Invalid,
                    fmt::format("a picture of {} x {} pixels is impossible", wanted.width, wanted.height)};

@@ -15,6 +15,7 @@
 #include "hal/real/control_pacer.h"
 #include "hal/real/media_graph.h"
 #include "hal/real/recent_stamp.h"
+#include "hal/real/stream_errors.h"
 #include "hal/real/v4l2_formats.h"
 #include "hal/real/v4l2_modes.h"
 #include "hal/real/v4l2_stream.h"
@@ -122,10 +123,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<void> start() override {
     const std::lock_guard lock(mutex_);
-    if (started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is started already", capabilities_.id)};
-    if (slots_.empty())
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not configured", capabilities_.id)};
+    if (started_) return already_started(capabilities_.id);
+    if (slots_.empty()) return not_configured(capabilities_.id);
     slots_.free_queued();
     pacer_.restart(), last_write_ = {}, wake_.clear();
     TRY(stream_.start());
@@ -135,8 +134,7 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
 
   Result<void> queue(const ExposureRequest& request) override {
     const std::lock_guard lock(mutex_);
-    if (!started_)
-      return Error{ErrorCode::Invalid, fmt::format("camera '{}' is not started", capabilities_.id)};
+    if (!started_) return not_started(capabilities_.id);
     TRY(std::exchange(last_write_, {}));
     TRY(check_exposure(capabilities_, request));
     const std::size_t slot = TRY(slots_.free_one());
@@ -156,16 +154,12 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     for (;;) {
       {
         const std::lock_guard lock(mutex_);
-        if (!started_)
-          return Error{ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", capabilities_.id)};
+        if (!started_) return stopped(capabilities_.id);
         if (slots_.any_queued())
           if (const auto filled = TRY(stream_.dequeue())) return completed(*filled);
       }
       const auto left = deadline - SteadyClock::now();
-      if (left <= Duration::zero())
-        return Error{ErrorCode::Timeout,
-                     fmt::format("camera '{}' delivered no frame within {} ms", capabilities_.id,
-                                 std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+      if (left <= Duration::zero()) return no_frame_within(capabilities_.id, timeout);
       TRY(sleep_until_ready(left));
     }
   }
@@ -175,8 +169,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
     if (!started_) return {};
     started_ = false;
     wake_.set();
-    auto stopped = stream_.stop();
-    if (!stopped && stopped.error().code != ErrorCode::Unplugged) return stopped;
+    auto ended = stream_.stop();
+    if (!ended && ended.error().code != ErrorCode::Unplugged) return ended;
     return {};
   }
 
@@ -187,12 +181,8 @@ class V4l2Camera : public Camera, private BufferLease::Owner {
   }
 
   Result<void> check_configurable(int buffers) const {
-    if (started_)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("camera '{}' is started; stop it to configure it", capabilities_.id)};
-    if (buffers < 1 || buffers > VIDEO_MAX_FRAME)
-      return Error{ErrorCode::Invalid,
-                   fmt::format("a stream cannot have {} buffers; ask for 1 to {}", buffers, VIDEO_MAX_FRAME)};
+    if (started_) return must_stop_to_configure(capabilities_.id);
+    TRY(check_buffers(buffers, VIDEO_MAX_FRAME));
     return slots_.check_none_leased();
   }
 

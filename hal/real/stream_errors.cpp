@@ -1,0 +1,39 @@
+#include "hal/real/stream_errors.h"
+
+#include <chrono>
+
+namespace hdrcam {
+
+Error must_stop_to_configure(const std::string& id) {
+  return {ErrorCode::Invalid, fmt::format("camera '{}' is started; stop it to configure it", id)};
+}
+
+Error already_started(const std::string& id) {
+  return {ErrorCode::Invalid, fmt::format("camera '{}' is started already", id)};
+}
+
+Error not_configured(const std::string& id) {
+  return {ErrorCode::Invalid, fmt::format("camera '{}' is not configured", id)};
+}
+
+Error not_started(const std::string& id) {
+  return {ErrorCode::Invalid, fmt::format("camera '{}' is not started", id)};
+}
+
+Result<void> check_buffers(int buffers, int most) {
+  if (buffers >= 1 && buffers <= most) return {};
+  return Error{ErrorCode::Invalid,
+               fmt::format("a stream cannot have {} buffers; ask for 1 to {}", buffers, most)};
+}
+
+Error stopped(const std::string& id) {
+  return {ErrorCode::Interrupted, fmt::format("camera '{}' is stopped", id)};
+}
+
+Error no_frame_within(const std::string& id, Duration timeout) {
+  return {ErrorCode::Timeout,
+          fmt::format("camera '{}' delivered no frame within {} ms", id,
+                      std::chrono::duration_cast<std::chrono::milliseconds>(timeout).count())};
+}
+
+}  // namespace hdrcam

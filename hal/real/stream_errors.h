@@ -1,0 +1,24 @@
+// What a camera of this folder answers to a call at the wrong time, and to a wait that ends without a frame.
+// Each text names the camera. Reentrant.
+#pragma once
+
+#include <string>
+
+#include "hal/core/instant.h"
+#include "hal/core/result.h"
+
+namespace hdrcam {
+
+// Invalid: of configure(), start() and queue().
+Error must_stop_to_configure(const std::string& id);
+Error already_started(const std::string& id);
+Error not_configured(const std::string& id);
+Error not_started(const std::string& id);
+// Invalid for other numbers of buffers than 1..most.
+Result<void> check_buffers(int buffers, int most);
+
+// Interrupted and Timeout: of wait().
+Error stopped(const std::string& id);
+Error no_frame_within(const std::string& id, Duration timeout);
+
+}  // namespace hdrcam
