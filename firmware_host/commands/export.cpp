@@ -121,7 +121,7 @@ Result<void> export_recording(const ExportOptions& options, const Settings& sett
   }
   if (frames == 0) {
     TRY(ended);
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
+    return no_whole_frame(options.recording);
   }
   TRY(clip.finish());
   if (with_poses) TRY(write_poses(around.storage, options, posed));

@@ -56,8 +56,7 @@ Result<void> repair(const RepairOptions& options, const Settings& settings, Surr
   TRY(admit_copy(settings, reader->camera()));
   FileInMaking making = TRY(FileInMaking::beside(around.storage, options.output));
   const Saved saved = TRY(making.as_asked(copy_whole_frames(around, *reader, making.path())));
-  if (saved.frames == 0)
-    return Error{ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", options.recording)};
+  if (saved.frames == 0) return no_whole_frame(options.recording);
   TRY(making.commit());
   if (!saved.cut.empty()) remark("warning: {}\n", saved.cut);
   for (const std::string& warning : warnings_of(*reader)) remark("warning: {}\n", warning);

@@ -27,6 +27,10 @@ std::vector<std::string> warnings_of(const RecordingReader& reader) {
   return warnings;
 }
 
+Error no_whole_frame(const std::string& path) {
+  return {ErrorCode::Corrupt, fmt::format("'{}' has no whole frame", path)};
+}
+
 const LeftOut& RecordingReader::left_out() const {
   static const LeftOut none;
   return none;

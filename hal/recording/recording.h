@@ -72,6 +72,8 @@ class RecordingReader {
 std::string told_of_behind(const RecordingReader& reader);
 // What to say of a recording that was read: of frames that were left out, of another recording behind it.
 std::vector<std::string> warnings_of(const RecordingReader& reader);
+// Corrupt: of a recording that was read to its end and gave nothing to write.
+Error no_whole_frame(const std::string& path);
 
 // how: Replace: the file gets its name when its first frame is whole; until then an earlier file stays.
 // Errors: Exists where a file exists that may not be replaced; Permission, also for a device or a FIFO;
