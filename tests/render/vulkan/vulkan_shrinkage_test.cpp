@@ -1,14 +1,12 @@
 // Shrinkage on the graphics device against the processor's.
 #include "render/vulkan/vulkan_shrinkage.h"
 
-#include <stdlib.h>
-
 #include <cmath>
-#include <ctime>
 
 #include "hal/fault/faulty_gpu.h"
 #include "online/state/radiance_state.h"
 #include "render/shrinkage.h"
+#include "tests/support/cold_gpu.h"
 
 #include "tests/support/checked_gpu.h"
 
@@ -93,16 +91,11 @@ TEST_CASE("the checks of Vulkan find nothing wrong with shrinkage", "[gpu]") {
 
 TEST_CASE("shrinkage's kernels are compiled and have run once within three seconds of processor time",
           "[gpu]") {
-  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // cold: the driver's own cache would hide it
-  const auto gpu = test::open_test_gpu();
-  NEEDS_GPU(gpu);
+  const test::ColdGpu cold;
+  NEEDS_GPU(cold.gpu);
   WorkerPool pool(1);
   Noisy noisy(30, 41);
-  const std::clock_t begin = std::clock();
-  require_done(value_of(VulkanShrinkage::make(*gpu, pool))
+  require_done(value_of(VulkanShrinkage::make(*cold.gpu, pool))
                    ->apply(noisy.radiance, noisy.variance, {kOffset, NoiseOrigin::Unknown}));
-  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  ::unsetenv("MESA_SHADER_CACHE_DISABLE");
-  INFO(seconds << " s");
-  CHECK(seconds < 3);
+  CHECK(cold.seconds() < 3);
 }

@@ -3,7 +3,6 @@
 #include "online/state/vulkan/state_passes.h"
 
 #include <cmath>
-#include <ctime>
 #include <vector>
 
 #include "capture/to_exposed_frame.h"
@@ -11,6 +10,7 @@
 #include "online/pictures/local_statistics.h"
 #include "online/pictures/warp.h"
 #include "online/state/vulkan/vulkan_state.h"
+#include "tests/support/cold_gpu.h"
 #include "tests/support/moving_scene.h"
 
 #include "tests/support/checked_gpu.h"
@@ -473,20 +473,15 @@ TEST_CASE("the checks of Vulkan find nothing wrong with the state's passes", "[g
 
 TEST_CASE("the state's kernels are compiled and have run once within three seconds of processor time",
           "[gpu]") {
-  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);  // cold: the driver's own cache would hide it
-  const auto gpu = test::open_test_gpu();
-  NEEDS_GPU(gpu);
-  const std::clock_t begin = std::clock();
-  TwoLayers both(*gpu);
+  const test::ColdGpu cold;
+  NEEDS_GPU(cold.gpu);
+  TwoLayers both(*cold.gpu);
   for (int i = 0; i < 2; ++i) both.there.restart(both.input(i));
   both.there.advance(both.input(2), both.motion);
   JoinedState joined;
   const LaterFrame later[2] = {{&both.frames[3], &both.onward, &both.tables[0]},
                                {&both.frames[4], &both.onward, &both.tables[1]}};
   both.there.join(both.there.state(), later, kUnseen, joined);
-  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  ::unsetenv("MESA_SHADER_CACHE_DISABLE");
-  INFO(seconds << " s");
   CHECK(both.there.fallback_reason().empty());
-  CHECK(seconds < 3);
+  CHECK(cold.seconds() < 3);
 }
