@@ -1,66 +1,21 @@
 // The verbs that run a camera, live, record and calibrate, as a user meets them, on simulated and replayed
 // cameras.
 #include <chrono>
-#include <csignal>
-#include <filesystem>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <random>
 #include <span>
-#include <thread>
 
-#include "firmware_host/exit_code.h"
-#include "hal/recording/recording.h"
-#include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
-#include "tests/support/process.h"
-#include "tests/support/ran_here.h"
 
+#include "tests/firmware_host/commands/verb_runs.h"
 #include "tests/support/ran.h"
 
 using namespace hdrcam;
+using test::check_refused;
+using test::files_in;
+using test::frames_in;
+using test::json_in;
 using test::ran_here;
 using test::RanHere;
-using test::started;
-
-namespace {
-
-void require_success(const std::vector<std::string>& words) {
-  const RanHere result = ran_here(words);
-  INFO(result.err);
-  REQUIRE(result.exit_code == kExitOk);
-}
-
-void check_refused(const std::vector<std::string>& words, ErrorCode code, const std::string& named) {
-  const RanHere result = ran_here(words);
-  INFO(result.err);
-  CHECK(result.exit_code == exit_code_of(code));
-  CHECK(result.err.find(named) != std::string::npos);
-}
-
-nlohmann::json json_in(const std::string& path) {
-  return nlohmann::json::parse(value_of(read_whole(posix_storage(), path)));
-}
-
-std::vector<RawFrame> frames_in(const std::string& path) {
-  auto reader = value_of(open_recording(posix_storage(), path));
-  std::vector<RawFrame> frames;
-  for (;;) {
-    auto next = reader->next();
-    if (!next) require_error(next, ErrorCode::Truncated);
-    if (!next || !*next) return frames;
-    frames.push_back(std::move(**next));
-  }
-}
-
-std::size_t files_in(const std::string& folder, const std::string& ending) {
-  std::size_t count = 0;
-  for (const auto& file : std::filesystem::directory_iterator(folder))
-    count += file.path().string().ends_with(ending) ? 1 : 0;
-  return count;
-}
-
-}  // namespace
+using test::require_success;
 
 TEST_CASE("live leaves HDR frames, a recording and numbers that add up") {
   const std::string folder = sample::scratch_folder("live");
@@ -242,125 +197,6 @@ TEST_CASE("wrong exposures of a clip are put right by import, replay and live, o
   CHECK(photometric >= 16);
 }
 
-TEST_CASE("a camera replay: without a file is refused with what belongs there, by every verb of a camera") {
-  const std::string folder = sample::scratch_folder("replay_nothing");
-  for (const std::vector<std::string>& verb : {std::vector<std::string>{"live", "-o", folder + "/%06d.exr"},
-                                               {"record", "-o", folder + "/x.mkv"},
-                                               {"record", "-o", folder + "/x.mkv", "--pace", "realtime"},
-                                               {"calibrate", "delay"}}) {
-    std::vector<std::string> words = verb;
-    words.insert(words.end(), {"--camera", "replay:"});
-    check_refused(words, ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv");
-  }
-}
-
-TEST_CASE("a flag that a run would ignore is refused, and a file of settings that holds it is not") {
-  const std::string folder = sample::scratch_folder("ignored_flags"), walk = folder + "/walk.mkv";
-  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
-  const std::vector<std::string> copy{"record", "--camera", "replay:" + walk, "-o", folder + "/copy.mkv"};
-  const auto with = [&](std::vector<std::string> flags) {
-    flags.insert(flags.begin(), copy.begin(), copy.end());
-    return flags;
-  };
-  check_refused(with({"--width", "128", "--height", "96", "--shutter", "9ms"}), ErrorCode::Invalid,
-                "leave out --width, --height, --shutter");
-  for (const auto& [flag, value] : {std::pair("--framerate", "5"),
-                                    {"--gain", "4"},
-                                    {"--format", "YUYV"},
-                                    {"--adapt", "light"},
-                                    {"--mains", "50"}})
-    for (const char* pace : {"fit", "realtime"})
-      check_refused(with({"--pace", pace, flag, value}), ErrorCode::Invalid,
-                    std::string("are recorded and cannot be set; leave out ") + flag);
-  check_refused({"live", "--camera", "replay:" + walk, "--adapt", "motion"}, ErrorCode::Invalid, "--adapt");
-  for (const auto& [flag, value] : {std::pair("--buffers", "6"),
-                                    {"--control-delay", "2,1"},
-                                    {"--timestamp", "begin"},
-                                    {"--yuv-range", "full"},
-                                    {"--sync-line", "gpiochip0:17"},
-                                    {"--strobe", "exposure"},
-                                    {"--record-memory", "64"}})
-    check_refused(with({flag, value}), ErrorCode::Invalid,
-                  std::string("give --pace realtime to play it as a camera, or leave out ") + flag);
-  check_refused({"live", "--camera", "sim:still", "--pace", "realtime"}, ErrorCode::Invalid,
-                "give --camera replay:FILE, or leave out --pace");
-  check_refused({"live", "--camera", "sim:still", "--strict"}, ErrorCode::Invalid,
-                "--strict is for a recording");
-  check_refused({"live", "--camera", "replay:" + walk, "--pace", "realtime", "--strict"}, ErrorCode::Invalid,
-                "not with --pace realtime");
-  const auto unused = [&](const char* flag, const char* value, const char* why) {
-    check_refused({"replay", walk, "--stats", folder + "/s.json", flag, value}, ErrorCode::Invalid, why);
-  };
-  unused("--layers", "depth", "give -o out/%06d.exr, or leave out --layers");
-  unused("--compression", "zip", "give -o out/%06d.exr, or leave out --compression");
-  unused("--crf", "20", "give -o out.mp4, or leave out --crf");
-  unused("--white", "100", "give -o out.mp4, or leave out --white");
-  unused("--transfer", "sdr", "give -o out.mp4, or leave out --transfer");
-  unused("--pipe-format", "y4m", "give -o -, or leave out --pipe-format");
-  check_refused({"render", walk, "--deadline", "33ms", "-o", folder + "/%06d.exr"}, ErrorCode::Invalid,
-                "--deadline");
-  CHECK_FALSE(std::filesystem::exists(folder + "/s.json"));
-  const std::string page_alone = "give --http 127.0.0.1:8080 too";
-  check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
-  check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
-                page_alone);
-  check_refused({"replay", walk, "--stats", folder + "/s.json", "--http-token", "abc"}, ErrorCode::Invalid,
-                page_alone);
-  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
-
-  const std::string file = folder + "/rig.toml",
-                    text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
-  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
-  require_success(with({"--config", file}));
-}
-
-TEST_CASE("white, peak and transfer are refused where no output has them") {
-  const std::string folder = sample::scratch_folder("ignored_light"), walk = folder + "/walk.mkv";
-  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
-  const auto with = [&](std::vector<std::string> flags) {
-    flags.insert(flags.begin(), {"replay", walk, "--preset", "fast", "--emit", "state"});
-    return flags;
-  };
-  for (const char* flag : {"--white", "--peak"}) {
-    check_refused(with({"-o", "-", "--pipe-format", "half", flag, "400"}), ErrorCode::Invalid,
-                  std::string("writes no video; give -o out.mp4, or leave out ") + flag);
-    check_refused(with({"-o", folder + "/x.mp4", "--transfer", "sdr", flag, "400"}), ErrorCode::Invalid,
-                  std::string("give --transfer pq or hlg, or leave out ") + flag);
-  }
-  const std::string no_transfer = "writes no video; give -o out.mp4, or leave out --transfer";
-  check_refused(with({"-o", "-", "--pipe-format", "half", "--transfer", "hlg"}), ErrorCode::Invalid,
-                no_transfer);
-  check_refused(with({"--http", "127.0.0.1:0", "--transfer", "hlg"}), ErrorCode::Invalid, no_transfer);
-  check_refused({"encode", folder + "/%06d.exr", "-o", "-", "--pipe-format", "half", "--peak", "400"},
-                ErrorCode::Invalid, "leave out --peak");
-  CHECK_FALSE(std::filesystem::exists(folder + "/x.mp4"));
-  require_success(with({"--http", "127.0.0.1:0", "--white", "100"}));  // the page shows HDR pictures
-  require_success(with({"-o", folder + "/y.mp4", "--transfer", "hlg", "--white", "100"}));
-
-  const std::string file = folder + "/rig.toml", text = "[video]\nwhite = 2000\n";
-  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
-  require_success(with({"-o", folder + "/z.mp4", "--transfer", "sdr", "--config", file}));
-}
-
-TEST_CASE("recordings that the live page starts are refused as a flag of a replay, and ignored in a file") {
-  const std::string folder = sample::scratch_folder("ignored_takes"), walk = folder + "/walk.mkv",
-                    file = folder + "/rig.toml", takes = folder + "/takes/%03d.mkv",
-                    text = "[output]\nhttp_record = \"" + takes + "\"\n";
-  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
-  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
-  for (const std::string verb : {"replay", "render"}) {
-    const std::string stats = folder + "/" + verb + ".json";
-    std::vector<std::string> words{verb, walk, "--preset", "fast", "--emit", "state", "--stats", stats};
-    const std::size_t size = words.size();
-    words.insert(words.end(), {"--http-record", takes});
-    check_refused(words, ErrorCode::Invalid, "--http-record needs a camera");
-    words.resize(size);
-    words.insert(words.end(), {"--config", file});
-    require_success(words);
-    CHECK(json_in(stats)["command"].get<std::string>().find("--http-record") == std::string::npos);
-  }
-}
-
 TEST_CASE("live names its recording among its outputs, also where a recording stands in for the camera") {
   const std::string folder = sample::scratch_folder("live_names_recording"), copy = folder + "/copy.mkv";
   require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", folder + "/walk.mkv"});
@@ -432,11 +268,6 @@ TEST_CASE("a black level that the user states reaches recording and fit, of raw 
   }
 }
 
-TEST_CASE("a cycle of equal exposures is refused") {
-  check_refused({"live", "--camera", "sim:still", "--shutter", "1ms,1ms,1ms"}, ErrorCode::Invalid,
-                "all 3 exposures of the cycle are the same");
-}
-
 TEST_CASE("a camera that reports nothing is calibrated once and then labelled right") {
   const std::string folder = sample::scratch_folder("live_calibrated");
   const std::string camera = "sim:still?size=96x72&fps=100&reports=no&delay=3,1";
@@ -477,139 +308,4 @@ TEST_CASE("a calibration replaces an earlier configuration with --force only, an
   }
   words.emplace_back("--force");
   check_refused(words, ErrorCode::Invalid, "a picture or a recording");
-}
-
-TEST_CASE("what cannot be is said before the camera starts, each with its own exit code") {
-  const std::string sim = "sim:still?size=64x48";
-  check_refused({"live", "--camera", "sim:nosuch"}, ErrorCode::NotFound, "nosuch");
-  check_refused({"live", "--camera", "replay:/nonexistent.mkv"}, ErrorCode::NotFound, "/nonexistent.mkv");
-  check_refused({"live", "--camera", "/dev/video99"}, ErrorCode::NotFound, "/dev/video99");
-  check_refused({"live", "--camera", sim, "--format", "YUYV"}, ErrorCode::Unsupported, "YUYV");
-  check_refused({"live", "--camera", sim, "--shutter", "1ms,200ms"}, ErrorCode::BadExposure, "200 ms");
-  check_refused({"live", "--camera", sim, "--shutter", "1ms,4ms", "--gain", "1,99"}, ErrorCode::BadExposure,
-                "99");
-  check_refused({"live", "--camera", sim, "--shutter", "1ms,zwei"}, ErrorCode::Invalid, "zwei");
-  check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
-  check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
-  check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
-  check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it as walk.mkv");
-  check_refused({"live", "--camera", sim, "--record", "x.mp4"}, ErrorCode::Invalid, "name it as walk.mkv");
-  check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
-                "/proc/nonexistent");
-  check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
-  check_refused({"calibrate", "delay", "--camera", sim, "--shutter", "4ms"}, ErrorCode::Invalid,
-                "no two exposures of --shutter 4ms are a stop apart");
-}
-
-TEST_CASE("^C is how a run without limits ends well; one that was to go on says that it was stopped") {
-  for (const bool limited : {false, true}) {
-    const std::string folder = sample::scratch_folder(limited ? "live_cut_short" : "live_ended");
-    std::vector<std::string> words{"live",
-                                   "--shutter",
-                                   "1ms,4ms",
-                                   "--camera",
-                                   "sim:still?size=64x48&fps=60",
-                                   "--format",
-                                   "RGB24",
-                                   "--preset",
-                                   "fast",
-                                   "--emit",
-                                   "state",
-                                   "-o",
-                                   folder + "/%06d.exr",
-                                   "--record",
-                                   folder + "/raw.mkv"};
-    if (limited) words.insert(words.end(), {"--frames", "100000"});
-    const pid_t process = started(words);
-    for (int i = 0; i < 1000 && files_in(folder, ".exr") < 5; ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    kill(process, SIGINT);
-    int status = 0;
-    REQUIRE(waitpid(process, &status, 0) == process);
-    REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == (limited ? kExitInterrupted : kExitOk));
-    auto reader = value_of(open_recording(posix_storage(), folder + "/raw.mkv"));
-    REQUIRE(reader->frame_count());  // the index is there: the recording was finished
-    CHECK(static_cast<std::size_t>(*reader->frame_count()) >= files_in(folder, ".exr"));
-  }
-}
-
-TEST_CASE("^C before there are frames enough for an HDR frame is no failure either") {
-  const std::string folder = sample::scratch_folder("live_stopped_at_once"), raw = folder + "/raw.mkv";
-  const pid_t process =
-      started({"live", "--camera", "sim:still?size=64x48&fps=2", "--shutter", "1ms,4ms", "--format", "RGB24",
-               "--preset", "fast", "-o", folder + "/%06d.exr", "--record", raw});
-  for (int i = 0; i < 1000 && value_of(posix_storage().look_at(raw)).kind == FileKind::Missing; ++i)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  kill(process, SIGINT);  // one frame is there; two are the least
-  int status = 0;
-  REQUIRE(waitpid(process, &status, 0) == process);
-  REQUIRE(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == kExitOk);
-  CHECK(value_of(open_recording(posix_storage(), raw))->frame_count());
-}
-
-// However busy the machine is.
-void wait_for_size(const std::string& path, std::uintmax_t bytes) {
-  for (int i = 0; i < 3000; ++i) {
-    std::error_code missing;
-    const std::uintmax_t size = std::filesystem::file_size(path, missing);
-    if (!missing && size >= bytes) return;
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-}
-
-// A killed recorder must leave a recording that reads up to its last frames, every one with its own exposure.
-// Which exposure a frame has shows in its picture: the scene stands still and makes no noise.
-void survives_kills(int kills) {
-  const std::string path = sample::scratch_folder("killed") + "/raw.mkv";
-  const std::string camera = "sim:still?size=64x48&fps=200&without=noise";
-  const auto key_of = [](const RawFrame& frame) {
-    double sum = 0;
-    for (const std::uint16_t code : frame.codes.samples()) sum += code;
-    return sum / static_cast<double>(frame.codes.size());
-  };
-  std::map<std::int64_t, double> brightness;  // by exposure, us
-  require_success({"record", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,2ms,4ms", "--frames",
-                   "40", "-o", path});
-  const auto label_of = [](const RawFrame& frame) { return std::llround(frame.facts.exposure_s * 1e6); };
-  for (const RawFrame& frame : frames_in(path)) brightness[label_of(frame)] = key_of(frame);
-  REQUIRE(brightness.size() == 3);
-
-  std::mt19937 random(20);
-  std::uniform_int_distribution<int> when_ms(0, 600);
-  std::size_t read = 0;
-  for (int i = 0; i < kills; ++i) {
-    std::filesystem::remove(path);
-    const pid_t process =
-        started({"record", "--camera", camera, "--format", "RGB24", "--shutter", "1ms,2ms,4ms", "-o", path});
-    if (i % 3 != 0) wait_for_size(path, 64 << 10);  // others are killed as early as it comes
-    std::this_thread::sleep_for(std::chrono::milliseconds(when_ms(random)));
-    kill(process, SIGKILL);
-    int status = 0;
-    REQUIRE(waitpid(process, &status, 0) == process);
-    REQUIRE(WIFSIGNALED(status));
-    auto opened = open_recording(posix_storage(), path);
-    if (!opened) {  // killed before the first frame was whole
-      const ErrorCode code = opened.error().code;
-      CHECK((code == ErrorCode::NotFound || code == ErrorCode::Truncated || code == ErrorCode::NotRecording));
-      continue;
-    }
-    for (const RawFrame& frame : frames_in(path)) {
-      ++read;
-      const auto known = brightness.find(label_of(frame));
-      REQUIRE(known != brightness.end());
-      CHECK(key_of(frame) == Approx(known->second).epsilon(1e-6));
-    }
-  }
-  CHECK(read > static_cast<std::size_t>(10 * kills));
-}
-
-TEST_CASE("a recorder that is killed leaves a readable recording, each frame with its own exposure") {
-  survives_kills(12);
-}
-
-TEST_CASE("a recorder that is killed at a thousand moments leaves a readable recording each time",
-          "[.][full]") {
-  survives_kills(1000);
 }

@@ -5,21 +5,19 @@
 #include <filesystem>
 #include <numbers>
 
-#include "firmware_host/exit_code.h"
 #include "hal/recording/png_image.h"
-#include "hal/recording/recording.h"
 #include "render/exr.h"
 #include "render/scores/ground_truth.h"
-#include "tests/contracts/expect.h"
 #include "tests/hal/recording/sample_recordings.h"
 #include "tests/places.h"
 #include "tests/support/moving_scene.h"
-#include "tests/support/ran_here.h"
 
+#include "tests/firmware_host/commands/verb_runs.h"
 #include "tests/support/scene_file_readers.h"
 
 using namespace hdrcam;
 using nlohmann::json;
+using test::json_in;
 using test::Pixel;
 using test::ran_here;
 using test::RanHere;
@@ -27,6 +25,7 @@ using test::read_colmap;
 using test::read_flow;
 using test::read_transforms;
 using test::ReadCamera;
+using test::require_success;
 using test::Vector3;
 namespace fs = std::filesystem;
 
@@ -34,17 +33,9 @@ namespace {
 
 constexpr int kFrames = 12, kRows = 96, kCols = 128;
 
-void require_success(const std::vector<std::string>& words) {
-  const RanHere run = ran_here(words);
-  INFO(run.err);
-  REQUIRE(run.exit_code == 0);
-}
-
-json json_of(const std::string& path) { return json::parse(read_whole(posix_storage(), path).value()); }
-
 // Copies the recording with the true pose of each frame, as a rig that knows its place would state it.
 void state_poses(const std::string& place) {
-  const json truth = json_of(place + "/clip/gt/gt.json");
+  const json truth = json_in(place + "/clip/gt/gt.json");
   const auto reader = value_of(open_recording(posix_storage(), place + "/unposed.mkv"));
   const auto writer = value_of(create_recording(posix_storage(), place + "/lamps.mkv", reader->camera()));
   for (std::size_t i = 0; i < kFrames; ++i) {
@@ -92,7 +83,7 @@ struct Truth {
 
 Truth truth_of(int frame) {
   const std::string gt = filmed() + "/clip/gt";
-  const json facts = json_of(gt + "/gt.json");
+  const json facts = json_in(gt + "/gt.json");
   const std::string number = fmt::format("{:04}", frame);
   Truth truth;
   truth.depth = std::move(value_of(read_exr(posix_storage(), gt + "/depth/" + number + ".exr")).samples);
@@ -305,7 +296,7 @@ TEST_CASE("depth is in metres where poses are given, as layer and as picture") {
 }
 
 TEST_CASE("stats.json and the EXR files state each frame's pose and that it was given") {
-  const json stats = json_of(replayed() + "/stats.json");
+  const json stats = json_in(replayed() + "/stats.json");
   for (int frame = 0; frame < kFrames; ++frame) {
     const auto& pose = stats["per_frame"][static_cast<std::size_t>(frame)]["pose"];
     CHECK(pose["source"] == "given");
@@ -328,7 +319,7 @@ TEST_CASE("tracked poses leave in the same files and say that they were tracked"
   require_success({"replay", filmed() + "/lamps.mkv", "--preset", "fast", "--set", "pose=tracked", "-o",
                    out + "/%06d.exr", "--transforms", out + "/transforms.json", "--colmap", out + "/colmap",
                    "--stats", out + "/stats.json"});
-  const json stats = json_of(out + "/stats.json");
+  const json stats = json_in(out + "/stats.json");
   const auto transforms = read_transforms(out + "/transforms.json");
   CHECK(transforms.json["hdrcam"]["pose_source"] == "tracked");
   CHECK(transforms.json["hdrcam"]["length_unit"] == "median depth of the first view");

@@ -1,0 +1,159 @@
+// What the verbs that run a camera refuse before it starts, as a user meets it: what cannot be, and flags
+// that the run would ignore.
+#include <filesystem>
+#include <span>
+
+#include "tests/hal/recording/sample_recordings.h"
+
+#include "tests/firmware_host/commands/verb_runs.h"
+
+using namespace hdrcam;
+using test::check_refused;
+using test::json_in;
+using test::require_success;
+
+TEST_CASE("a camera replay: without a file is refused with what belongs there, by every verb of a camera") {
+  const std::string folder = sample::scratch_folder("replay_nothing");
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"live", "-o", folder + "/%06d.exr"},
+                                               {"record", "-o", folder + "/x.mkv"},
+                                               {"record", "-o", folder + "/x.mkv", "--pace", "realtime"},
+                                               {"calibrate", "delay"}}) {
+    std::vector<std::string> words = verb;
+    words.insert(words.end(), {"--camera", "replay:"});
+    check_refused(words, ErrorCode::Invalid, "'replay:' names no recording; write --camera replay:walk.mkv");
+  }
+}
+
+TEST_CASE("a flag that a run would ignore is refused, and a file of settings that holds it is not") {
+  const std::string folder = sample::scratch_folder("ignored_flags"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "4", "-o", walk});
+  const std::vector<std::string> copy{"record", "--camera", "replay:" + walk, "-o", folder + "/copy.mkv"};
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), copy.begin(), copy.end());
+    return flags;
+  };
+  check_refused(with({"--width", "128", "--height", "96", "--shutter", "9ms"}), ErrorCode::Invalid,
+                "leave out --width, --height, --shutter");
+  for (const auto& [flag, value] : {std::pair("--framerate", "5"),
+                                    {"--gain", "4"},
+                                    {"--format", "YUYV"},
+                                    {"--adapt", "light"},
+                                    {"--mains", "50"}})
+    for (const char* pace : {"fit", "realtime"})
+      check_refused(with({"--pace", pace, flag, value}), ErrorCode::Invalid,
+                    std::string("are recorded and cannot be set; leave out ") + flag);
+  check_refused({"live", "--camera", "replay:" + walk, "--adapt", "motion"}, ErrorCode::Invalid, "--adapt");
+  for (const auto& [flag, value] : {std::pair("--buffers", "6"),
+                                    {"--control-delay", "2,1"},
+                                    {"--timestamp", "begin"},
+                                    {"--yuv-range", "full"},
+                                    {"--sync-line", "gpiochip0:17"},
+                                    {"--strobe", "exposure"},
+                                    {"--record-memory", "64"}})
+    check_refused(with({flag, value}), ErrorCode::Invalid,
+                  std::string("give --pace realtime to play it as a camera, or leave out ") + flag);
+  check_refused({"live", "--camera", "sim:still", "--pace", "realtime"}, ErrorCode::Invalid,
+                "give --camera replay:FILE, or leave out --pace");
+  check_refused({"live", "--camera", "sim:still", "--strict"}, ErrorCode::Invalid,
+                "--strict is for a recording");
+  check_refused({"live", "--camera", "replay:" + walk, "--pace", "realtime", "--strict"}, ErrorCode::Invalid,
+                "not with --pace realtime");
+  const auto unused = [&](const char* flag, const char* value, const char* why) {
+    check_refused({"replay", walk, "--stats", folder + "/s.json", flag, value}, ErrorCode::Invalid, why);
+  };
+  unused("--layers", "depth", "give -o out/%06d.exr, or leave out --layers");
+  unused("--compression", "zip", "give -o out/%06d.exr, or leave out --compression");
+  unused("--crf", "20", "give -o out.mp4, or leave out --crf");
+  unused("--white", "100", "give -o out.mp4, or leave out --white");
+  unused("--transfer", "sdr", "give -o out.mp4, or leave out --transfer");
+  unused("--pipe-format", "y4m", "give -o -, or leave out --pipe-format");
+  check_refused({"render", walk, "--deadline", "33ms", "-o", folder + "/%06d.exr"}, ErrorCode::Invalid,
+                "--deadline");
+  CHECK_FALSE(std::filesystem::exists(folder + "/s.json"));
+  const std::string page_alone = "give --http 127.0.0.1:8080 too";
+  check_refused({"live", "--camera", "sim:still", "--http-token", "abc"}, ErrorCode::Invalid, page_alone);
+  check_refused({"live", "--camera", "sim:still", "--http-record", folder + "/%03d.mkv"}, ErrorCode::Invalid,
+                page_alone);
+  check_refused({"replay", walk, "--stats", folder + "/s.json", "--http-token", "abc"}, ErrorCode::Invalid,
+                page_alone);
+  CHECK_FALSE(std::filesystem::exists(folder + "/copy.mkv"));
+
+  const std::string file = folder + "/rig.toml",
+                    text = "[camera]\nwidth = 128\n[schedule]\nadapt = \"light\"\n";
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  require_success(with({"--config", file}));
+}
+
+TEST_CASE("white, peak and transfer are refused where no output has them") {
+  const std::string folder = sample::scratch_folder("ignored_light"), walk = folder + "/walk.mkv";
+  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
+  const auto with = [&](std::vector<std::string> flags) {
+    flags.insert(flags.begin(), {"replay", walk, "--preset", "fast", "--emit", "state"});
+    return flags;
+  };
+  for (const char* flag : {"--white", "--peak"}) {
+    check_refused(with({"-o", "-", "--pipe-format", "half", flag, "400"}), ErrorCode::Invalid,
+                  std::string("writes no video; give -o out.mp4, or leave out ") + flag);
+    check_refused(with({"-o", folder + "/x.mp4", "--transfer", "sdr", flag, "400"}), ErrorCode::Invalid,
+                  std::string("give --transfer pq or hlg, or leave out ") + flag);
+  }
+  const std::string no_transfer = "writes no video; give -o out.mp4, or leave out --transfer";
+  check_refused(with({"-o", "-", "--pipe-format", "half", "--transfer", "hlg"}), ErrorCode::Invalid,
+                no_transfer);
+  check_refused(with({"--http", "127.0.0.1:0", "--transfer", "hlg"}), ErrorCode::Invalid, no_transfer);
+  check_refused({"encode", folder + "/%06d.exr", "-o", "-", "--pipe-format", "half", "--peak", "400"},
+                ErrorCode::Invalid, "leave out --peak");
+  CHECK_FALSE(std::filesystem::exists(folder + "/x.mp4"));
+  require_success(with({"--http", "127.0.0.1:0", "--white", "100"}));  // the page shows HDR pictures
+  require_success(with({"-o", folder + "/y.mp4", "--transfer", "hlg", "--white", "100"}));
+
+  const std::string file = folder + "/rig.toml", text = "[video]\nwhite = 2000\n";
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  require_success(with({"-o", folder + "/z.mp4", "--transfer", "sdr", "--config", file}));
+}
+
+TEST_CASE("recordings that the live page starts are refused as a flag of a replay, and ignored in a file") {
+  const std::string folder = sample::scratch_folder("ignored_takes"), walk = folder + "/walk.mkv",
+                    file = folder + "/rig.toml", takes = folder + "/takes/%03d.mkv",
+                    text = "[output]\nhttp_record = \"" + takes + "\"\n";
+  require_success({"simulate", "walk?size=64x48", "--frames", "6", "-o", walk});
+  REQUIRE(write_whole(posix_storage(), file, std::as_bytes(std::span(text))).ok());
+  for (const std::string verb : {"replay", "render"}) {
+    const std::string stats = folder + "/" + verb + ".json";
+    std::vector<std::string> words{verb, walk, "--preset", "fast", "--emit", "state", "--stats", stats};
+    const std::size_t size = words.size();
+    words.insert(words.end(), {"--http-record", takes});
+    check_refused(words, ErrorCode::Invalid, "--http-record needs a camera");
+    words.resize(size);
+    words.insert(words.end(), {"--config", file});
+    require_success(words);
+    CHECK(json_in(stats)["command"].get<std::string>().find("--http-record") == std::string::npos);
+  }
+}
+
+TEST_CASE("a cycle of equal exposures is refused") {
+  check_refused({"live", "--camera", "sim:still", "--shutter", "1ms,1ms,1ms"}, ErrorCode::Invalid,
+                "all 3 exposures of the cycle are the same");
+}
+
+TEST_CASE("what cannot be is said before the camera starts, each with its own exit code") {
+  const std::string sim = "sim:still?size=64x48";
+  check_refused({"live", "--camera", "sim:nosuch"}, ErrorCode::NotFound, "nosuch");
+  check_refused({"live", "--camera", "replay:/nonexistent.mkv"}, ErrorCode::NotFound, "/nonexistent.mkv");
+  check_refused({"live", "--camera", "/dev/video99"}, ErrorCode::NotFound, "/dev/video99");
+  check_refused({"live", "--camera", sim, "--format", "YUYV"}, ErrorCode::Unsupported, "YUYV");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,200ms"}, ErrorCode::BadExposure, "200 ms");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,4ms", "--gain", "1,99"}, ErrorCode::BadExposure,
+                "99");
+  check_refused({"live", "--camera", sim, "--shutter", "1ms,zwei"}, ErrorCode::Invalid, "zwei");
+  check_refused({"live", "--camera", sim, "--control-delay", "2;1"}, ErrorCode::Invalid, "2;1");
+  check_refused({"live", "--camera", sim, "--preset", "slow"}, ErrorCode::Invalid, "slow");
+  check_refused({"record", "--camera", sim}, ErrorCode::Invalid, "-o");
+  check_refused({"record", "--camera", sim, "-o", "-"}, ErrorCode::Invalid, "name it as walk.mkv");
+  check_refused({"live", "--camera", sim, "--record", "x.mp4"}, ErrorCode::Invalid, "name it as walk.mkv");
+  check_refused({"record", "--camera", sim, "-o", "/proc/nonexistent/x.mkv"}, ErrorCode::NotFound,
+                "/proc/nonexistent");
+  check_refused({"calibrate", "gain", "--camera", sim}, ErrorCode::Invalid, "'gain'");
+  check_refused({"calibrate", "delay", "--camera", sim, "--shutter", "4ms"}, ErrorCode::Invalid,
+                "no two exposures of --shutter 4ms are a stop apart");
+}
