@@ -11,15 +11,15 @@
 #include <string>
 #include <string_view>
 
-#include "capture/exposed_stream.h"
-#include "hal/core/median.h"
-#include "online/response/response_estimator.h"
 #include "render/emission.h"
+#include "tests/online/online_stream.h"
 #include "tests/support/moving_scene.h"
 
 #include <catch2/catch.hpp>
 
 using namespace hdrcam;
+using test::OnlineStream;
+using test::state_alone;
 
 namespace {
 
@@ -27,44 +27,6 @@ struct Run {
   std::vector<std::uint64_t> sequences;
   std::vector<float> radiance;
   Result<void> result;
-};
-
-Knobs state_alone() {
-  Knobs knobs;
-  knobs.field = FieldKind::None;
-  return knobs;
-}
-
-// Capture's end and the online stage, as a run joins them.
-class Stream {
- public:
-  Stream(const test::MovingScene& scene, const Knobs& options, WorkerPool& pool)
-      : Stream(scene.camera(), options, pool) {}
-  Stream(const CameraFacts& camera, const Knobs& options, WorkerPool& pool)
-      : exposed_(camera, options.bootstrap_frames, StatedBlack::Kept),
-        online_(options, camera, std::nullopt, pool) {}
-
-  Result<void> take(const RawFrame& raw, const FrameBudget& budget, const OnlineStage::Emit& emit) {
-    return exposed_.take(raw, to_online(budget, emit));
-  }
-  Result<void> finish(const FrameBudget& budget, const OnlineStage::Emit& emit) {
-    TRY(exposed_.finish(to_online(budget, emit)));
-    return online_.finish(emit);
-  }
-  OnlineStage& online() { return online_; }
-  void freeze_exposures() { frozen_ = true; }  // as if every exposure were an instant
-
- private:
-  ExposedStream::HandOn to_online(const FrameBudget& budget, const OnlineStage::Emit& emit) {
-    return [&](ExposedFrame& frame) {
-      if (frozen_) frame.blur_fraction = 0;
-      return online_.ingest(frame, budget, emit);
-    };
-  }
-
-  bool frozen_ = false;
-  ExposedStream exposed_;
-  OnlineStage online_;
 };
 
 // What is logged while it lives.
@@ -92,7 +54,7 @@ class LogKept {
 
 Run run(const test::MovingScene& scene, int frames, const Knobs& options, int threads) {
   WorkerPool pool(threads);
-  Stream stream(scene, options, pool);
+  OnlineStream stream(scene.camera(), options, pool);
   Emission emission(pool);
   HdrFrame frame;
   Run run;
@@ -149,7 +111,7 @@ TEST_CASE(
     Knobs options = state_alone();
     options.look_ahead = look_ahead;
     WorkerPool pool(1);
-    Stream stream(scene, options, pool);
+    OnlineStream stream(scene.camera(), options, pool);
     std::vector<Emitted> frames;
     const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
       const auto radiance = estimate.state.radiance.samples();
@@ -201,7 +163,7 @@ TEST_CASE("without motion blur in their budget, frames are taken for instants") 
     options.look_ahead = 0;
     options.budget.blurs = blurs;
     WorkerPool pool(1);
-    Stream stream(scene, options, pool);
+    OnlineStream stream(scene.camera(), options, pool);
     if (frozen) stream.freeze_exposures();
     std::vector<float> all;
     const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
@@ -264,7 +226,7 @@ TEST_CASE("a frame that is not emitted takes part in the state: the others are t
   Emission emission(pool);
   HdrFrame frame;
   const auto pictures = [&](bool all) {
-    Stream stream(scene, state_alone(), pool);
+    OnlineStream stream(scene.camera(), state_alone(), pool);
     int left_out = 0;
     stream.online().set_left_out([&] { ++left_out; });
     std::map<std::uint64_t, std::vector<float>> by_sequence;
@@ -297,7 +259,7 @@ TEST_CASE("while the field rests the frames are those of the state, and then it 
   const Run alone = run(scene, 20, options, 1);
   options.field = FieldKind::HashGrid;
   options.budget.fit.steps = 2;
-  Stream stream(scene, options, pool);
+  OnlineStream stream(scene.camera(), options, pool);
   std::vector<float> radiance;
   std::string in_field;  // of each frame
   const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
@@ -330,7 +292,7 @@ TEST_CASE("that a lens is assumed is said once a run, however many worlds it has
   WorkerPool pool(1);
   Knobs options;
   options.budget.fit.steps = 2;
-  Stream stream(camera, options, pool);
+  OnlineStream stream(camera, options, pool);
   int worlds = 0;
   const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
     worlds = std::max(worlds, estimate.world + 1);
@@ -358,7 +320,7 @@ TEST_CASE("behind a cut another world begins, and a fast pan ends none") {
   WorkerPool pool(1);
   Knobs options;
   options.look_ahead = GENERATE(0, 2);
-  Stream stream(scene, options, pool);
+  OnlineStream stream(scene.camera(), options, pool);
   std::vector<int> worlds;
   std::vector<bool> in_field;
   const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
@@ -391,7 +353,7 @@ TEST_CASE(
     WorkerPool pool(1);
     Knobs options;
     options.field_step = field_step;
-    Stream stream(scene, options, pool);
+    OnlineStream stream(scene.camera(), options, pool);
     int step = 0;
     const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
       if (estimate.depth != nullptr) step = scene.rows / estimate.depth->inverse_depth.rows();
@@ -443,7 +405,7 @@ TEST_CASE("white is that of the last frames' exposures, also when the light has 
   day.framerate_hz = night.framerate_hz = 0.5;
   WorkerPool pool(1);
   const Knobs options = state_alone();
-  Stream stream(day, options, pool);
+  OnlineStream stream(day.camera(), options, pool);
   std::vector<float> whites;
   const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
     whites.push_back(estimate.white);
@@ -456,144 +418,6 @@ TEST_CASE("white is that of the last frames' exposures, also when the light has 
   CHECK(whites[10] == Approx(4).epsilon(0.01));
   CHECK(whites[25] == Approx(4).epsilon(0.01));  // the state still holds what those exposures showed
   CHECK(whites.back() == Approx(4 / kFall).epsilon(0.01));
-}
-
-TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
-  test::MovingScene scene;
-  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
-  scene.exposures_s = {0.0005, 0.016};
-  scene.gamma = 3;
-  scene.full_well = 3000, scene.read_noise = 15;
-  WorkerPool pool(2);
-  const Knobs options = state_alone();
-  Stream stream(scene, options, pool);
-  NoiseOrigin origin{};
-  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
-    origin = estimate.noise_origin;
-    return {};
-  };
-  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
-  CHECK(origin == NoiseOrigin::Sensor);
-  CHECK(stream.online().sensor().noise().full_well == Approx(3000).epsilon(0.15));
-  CHECK(stream.online().sensor().noise().read_noise == Approx(15).epsilon(0.25));
-}
-
-TEST_CASE("a response that the sensor's noise alone told is measured") {
-  test::MovingScene scene;
-  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
-  scene.exposures_s = {0.004};  // no two that could be compared
-  scene.gamma = 1;
-  scene.full_well = 3000, scene.read_noise = 15;
-  WorkerPool pool(2);
-  const Knobs options = state_alone();
-  Stream stream(scene, options, pool);
-  const auto emit = [](const FrameEstimate&) -> Result<void> { return {}; };
-  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
-  const SensorModel& sensor = stream.online().sensor();
-  CHECK(sensor.response_measured());
-  CHECK(response_error(sensor.response(), Response::linear()) <
-        0.5 * response_error(prior_mean_response(), Response::linear()));
-}
-
-TEST_CASE("noise that single frames do not tell is learned from pairs of them") {
-  test::MovingScene scene;
-  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
-  scene.drift_px = scene.disc_px = 0;
-  scene.full_well = 1000, scene.read_noise = 10;
-  scene.noise_is_grey = true;
-  WorkerPool pool(2);
-  const Knobs options = state_alone();
-  Stream stream(scene, options, pool);
-  NoiseOrigin origin = NoiseOrigin::Sensor;
-  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
-    origin = estimate.noise_origin;
-    return {};
-  };
-  for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
-  CHECK(origin == NoiseOrigin::Unknown);
-  CHECK(stream.online().sensor().noise().full_well > 500);
-  CHECK(stream.online().sensor().noise().full_well < 2000);
-}
-
-TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
-  test::MovingScene scene;
-  scene.rows = 72, scene.cols = 96;
-  scene.drift_px = 0.4, scene.disc_px = 0.8;
-  scene.covered_frames = 14;
-  constexpr int kFrames = 66;
-  for (const int look_ahead : {0, 1, 2})
-    for (const FieldKind field : {FieldKind::None, FieldKind::HashGrid}) {
-      if (field != FieldKind::None && look_ahead != 1) continue;
-      Knobs options = state_alone();
-      options.look_ahead = look_ahead, options.field = field;
-      WorkerPool pool(2);
-      Stream stream(scene, options, pool);
-      Emission emission(pool);
-      HdrFrame frame;
-      std::vector<std::uint64_t> sequences;
-      const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
-        emission.render(estimate, frame);
-        for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
-        sequences.push_back(frame.facts.sequence);
-        const std::vector<int>& anew = stream.online().sensor().relearned();
-        if (look_ahead == 0 && !anew.empty() && estimate.frame.index == anew.front()) {
-          const auto own = estimate.own_share.samples();
-          std::vector<float> shares(own.begin(), own.end());
-          CHECK(median(shares) > 0.99f);  // nothing of before is in it
-        }
-        return {};
-      };
-      const Response truth = Response::gamma(scene.gamma);
-      double error_before = 0;
-      for (int i = 0; i < kFrames; ++i) {
-        REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
-        if (stream.online().sensor().relearned().empty())
-          error_before = response_error(stream.online().sensor().response(), truth);
-      }
-      REQUIRE(stream.finish(options.budget, emit).ok());
-
-      REQUIRE(sequences.size() == kFrames);
-      for (std::size_t i = 0; i < kFrames; ++i) CHECK(sequences[i] == i);
-      CHECK(stream.online().sensor().relearned().size() == 1);
-      CHECK(error_before > 0.2);
-      CHECK(response_error(stream.online().sensor().response(), truth) < 0.07);
-    }
-}
-
-TEST_CASE("under another response the noise is learned as fast as at the beginning") {
-  test::MovingScene scene;
-  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
-  scene.drift_px = scene.disc_px = 0;
-  scene.full_well = 1000, scene.read_noise = 10;
-  scene.noise_is_grey = true;
-  scene.covered_frames = 14;
-  WorkerPool pool(2);
-  const Knobs options = state_alone();
-  Stream stream(scene, options, pool);
-  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
-  int frame = 0;
-  for (; frame < 80 && stream.online().sensor().relearned().empty(); ++frame)
-    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
-  REQUIRE(stream.online().sensor().relearned().size() == 1);
-  for (const int end = frame + 9; frame < end; ++frame)
-    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
-  CHECK(stream.online().sensor().noise().full_well > 500);
-  CHECK(stream.online().sensor().noise().full_well < 2000);
-}
-
-TEST_CASE("a response that later frames show no better stays as it is, however long the stream") {
-  test::MovingScene scene;
-  scene.rows = 72, scene.cols = 96;
-  scene.drift_px = 0.4, scene.disc_px = 0.8;
-  scene.exposures_s = {0.0001, 0.016};  // which share hardly a code
-  scene.noise_is_grey = true;
-  const Knobs options = state_alone();
-  WorkerPool pool(2);
-  Stream stream(scene, options, pool);
-  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
-  for (int i = 0; i < 90; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
-  CHECK(uncertainty_of(stream.online().sensor().response()) > 0.06);  // so that it is looked at again
-  CHECK(stream.online().sensor().relearned().empty());
 }
 
 TEST_CASE("a clip of one frame and an exposure that cannot be are errors that name them") {

@@ -1,0 +1,155 @@
+// What the online stage learns of the sensor from the stream itself: its response and its noise.
+#include "online/sensor_model.h"
+
+#include <cmath>
+#include <vector>
+
+#include "hal/core/median.h"
+#include "online/response/response_estimator.h"
+#include "render/emission.h"
+#include "tests/online/online_stream.h"
+#include "tests/support/moving_scene.h"
+
+#include <catch2/catch.hpp>
+
+using namespace hdrcam;
+using test::OnlineStream;
+using test::state_alone;
+
+TEST_CASE("the first frames tell the noise of a sensor whose exposures share hardly a code") {
+  test::MovingScene scene;
+  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
+  scene.exposures_s = {0.0005, 0.016};
+  scene.gamma = 3;
+  scene.full_well = 3000, scene.read_noise = 15;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  OnlineStream stream(scene.camera(), options, pool);
+  NoiseOrigin origin{};
+  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    origin = estimate.noise_origin;
+    return {};
+  };
+  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  CHECK(origin == NoiseOrigin::Sensor);
+  CHECK(stream.online().sensor().noise().full_well == Approx(3000).epsilon(0.15));
+  CHECK(stream.online().sensor().noise().read_noise == Approx(15).epsilon(0.25));
+}
+
+TEST_CASE("a response that the sensor's noise alone told is measured") {
+  test::MovingScene scene;
+  scene.rows = 192, scene.cols = 256, scene.detail = 0.15;
+  scene.exposures_s = {0.004};  // no two that could be compared
+  scene.gamma = 1;
+  scene.full_well = 3000, scene.read_noise = 15;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  OnlineStream stream(scene.camera(), options, pool);
+  const auto emit = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 7; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  const SensorModel& sensor = stream.online().sensor();
+  CHECK(sensor.response_measured());
+  CHECK(response_error(sensor.response(), Response::linear()) <
+        0.5 * response_error(prior_mean_response(), Response::linear()));
+}
+
+TEST_CASE("noise that single frames do not tell is learned from pairs of them") {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 1000, scene.read_noise = 10;
+  scene.noise_is_grey = true;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  OnlineStream stream(scene.camera(), options, pool);
+  NoiseOrigin origin = NoiseOrigin::Sensor;
+  const auto emit = [&](const FrameEstimate& estimate) -> Result<void> {
+    origin = estimate.noise_origin;
+    return {};
+  };
+  for (int i = 0; i < 9; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+  CHECK(origin == NoiseOrigin::Unknown);
+  CHECK(stream.online().sensor().noise().full_well > 500);
+  CHECK(stream.online().sensor().noise().full_well < 2000);
+}
+
+TEST_CASE("of a lens that is covered at first the response is learned when it no longer is") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.drift_px = 0.4, scene.disc_px = 0.8;
+  scene.covered_frames = 14;
+  constexpr int kFrames = 66;
+  for (const int look_ahead : {0, 1, 2})
+    for (const FieldKind field : {FieldKind::None, FieldKind::HashGrid}) {
+      if (field != FieldKind::None && look_ahead != 1) continue;
+      Knobs options = state_alone();
+      options.look_ahead = look_ahead, options.field = field;
+      WorkerPool pool(2);
+      OnlineStream stream(scene.camera(), options, pool);
+      Emission emission(pool);
+      HdrFrame frame;
+      std::vector<std::uint64_t> sequences;
+      const OnlineStage::Emit emit = [&](const FrameEstimate& estimate) -> Result<void> {
+        emission.render(estimate, frame);
+        for (const float l : frame.radiance.samples()) REQUIRE((std::isfinite(l) && l >= 0));
+        sequences.push_back(frame.facts.sequence);
+        const std::vector<int>& anew = stream.online().sensor().relearned();
+        if (look_ahead == 0 && !anew.empty() && estimate.frame.index == anew.front()) {
+          const auto own = estimate.own_share.samples();
+          std::vector<float> shares(own.begin(), own.end());
+          CHECK(median(shares) > 0.99f);  // nothing of before is in it
+        }
+        return {};
+      };
+      const Response truth = Response::gamma(scene.gamma);
+      double error_before = 0;
+      for (int i = 0; i < kFrames; ++i) {
+        REQUIRE(stream.take(scene.frame(i), options.budget, emit).ok());
+        if (stream.online().sensor().relearned().empty())
+          error_before = response_error(stream.online().sensor().response(), truth);
+      }
+      REQUIRE(stream.finish(options.budget, emit).ok());
+
+      REQUIRE(sequences.size() == kFrames);
+      for (std::size_t i = 0; i < kFrames; ++i) CHECK(sequences[i] == i);
+      CHECK(stream.online().sensor().relearned().size() == 1);
+      CHECK(error_before > 0.2);
+      CHECK(response_error(stream.online().sensor().response(), truth) < 0.07);
+    }
+}
+
+TEST_CASE("under another response the noise is learned as fast as at the beginning") {
+  test::MovingScene scene;
+  scene.rows = 96, scene.cols = 128, scene.detail = 0.2;
+  scene.drift_px = scene.disc_px = 0;
+  scene.full_well = 1000, scene.read_noise = 10;
+  scene.noise_is_grey = true;
+  scene.covered_frames = 14;
+  WorkerPool pool(2);
+  const Knobs options = state_alone();
+  OnlineStream stream(scene.camera(), options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  int frame = 0;
+  for (; frame < 80 && stream.online().sensor().relearned().empty(); ++frame)
+    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
+  REQUIRE(stream.online().sensor().relearned().size() == 1);
+  for (const int end = frame + 9; frame < end; ++frame)
+    REQUIRE(stream.take(scene.frame(frame), options.budget, ignore).ok());
+  CHECK(stream.online().sensor().noise().full_well > 500);
+  CHECK(stream.online().sensor().noise().full_well < 2000);
+}
+
+TEST_CASE("a response that later frames show no better stays as it is, however long the stream") {
+  test::MovingScene scene;
+  scene.rows = 72, scene.cols = 96;
+  scene.drift_px = 0.4, scene.disc_px = 0.8;
+  scene.exposures_s = {0.0001, 0.016};  // which share hardly a code
+  scene.noise_is_grey = true;
+  const Knobs options = state_alone();
+  WorkerPool pool(2);
+  OnlineStream stream(scene.camera(), options, pool);
+  const auto ignore = [](const FrameEstimate&) -> Result<void> { return {}; };
+  for (int i = 0; i < 90; ++i) REQUIRE(stream.take(scene.frame(i), options.budget, ignore).ok());
+  CHECK(uncertainty_of(stream.online().sensor().response()) > 0.06);  // so that it is looked at again
+  CHECK(stream.online().sensor().relearned().empty());
+}
