@@ -105,18 +105,18 @@ void add_field(KernelTasks& tasks) {
                       room->y.plane(1));
     });
   }
+  static constexpr LayerSize kSize{.in = kWidth, .out = kWidth, .ld = kSamples, .n = kSamples};
   const double layer = 2.0 * kWidth * kWidth * kSamples;
   add("field: layer 32 to 32", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.affine(room->weights.plane(0), room->bias.plane(0), room->x.plane(0), kSamples, kSamples, kWidth,
-                   kWidth, true, room->y.plane(0));
+    kernels.affine(kSize, room->weights.plane(0), room->bias.plane(0), room->x.plane(0), true,
+                   room->y.plane(0));
   });
   add("field: layer 32 to 32, backward", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.affine_transposed(room->weights.plane(0), room->x.plane(0), kSamples, kSamples, kWidth, kWidth,
-                              room->x.plane(0), room->y.plane(0));
+    kernels.affine_transposed(kSize, room->weights.plane(0), room->x.plane(0), room->x.plane(0),
+                              room->y.plane(0));
   });
   add("field: layer 32 to 32, its weights", "flop", layer, 1, 0, [room, &kernels] {
-    kernels.outer(room->x.plane(0), room->y.plane(0), kSamples, kSamples, kWidth, kWidth,
-                  room->d_weights.plane(0), room->bias.plane(1));
+    kernels.outer(kSize, room->x.plane(0), room->y.plane(0), room->d_weights.plane(0), room->bias.plane(1));
   });
   constexpr int kParameters = 1 << 16;
   KernelTask adam;

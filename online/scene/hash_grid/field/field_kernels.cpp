@@ -125,8 +125,8 @@ void position_backward(const HashLevel& level, const float* table, const GridQue
 // ---- matrix products: a tile of 4 outputs x 2 registers of samples stays in registers over the whole inner
 // sum
 
-void affine(const float* w, const float* b, const float* x, int ld, int n, int in, int out, bool relu,
-            float* y) {
+void affine(const LayerSize& size, const float* w, const float* b, const float* x, bool relu, float* y) {
+  const int in = size.in, out = size.out, ld = size.ld, n = size.n;
   for (int s = 0; s < n; s += 2 * kLanes)
     for (int o = 0; o < out; o += 4) {
       Lanes a0 = splat(b[o]), a1 = splat(b[o + 1]), a2 = splat(b[o + 2]), a3 = splat(b[o + 3]);
@@ -153,8 +153,9 @@ void affine(const float* w, const float* b, const float* x, int ld, int n, int i
     }
 }
 
-void affine_transposed(const float* w, const float* dy, int ld, int n, int in, int out, const float* active,
+void affine_transposed(const LayerSize& size, const float* w, const float* dy, const float* active,
                        float* dx) {
+  const int in = size.in, out = size.out, ld = size.ld, n = size.n;
   for (int s = 0; s < n; s += 2 * kLanes)
     for (int i = 0; i < in; i += 4) {
       Lanes a0{}, a1{}, a2{}, a3{}, c0{}, c1{}, c2{}, c3{};
@@ -182,7 +183,8 @@ void affine_transposed(const float* w, const float* dy, int ld, int n, int in, i
     }
 }
 
-void outer(const float* dy, const float* x, int ld, int n, int in, int out, float* dw, float* db) {
+void outer(const LayerSize& size, const float* dy, const float* x, float* dw, float* db) {
+  const int in = size.in, out = size.out, ld = size.ld, n = size.n;
   for (int o = 0; o < out; o += 4) {
     const float *g0 = dy + o * ld, *g1 = g0 + ld, *g2 = g1 + ld, *g3 = g2 + ld;
     for (int i = 0; i < in; i += 2) {

@@ -30,6 +30,12 @@ struct GridQuery {
   int n;
 };
 
+// One layer of a network on a batch: rows of `ld` samples, of which the first n count.
+struct LayerSize {
+  int in, out;  // multiples of 4
+  int ld, n;
+};
+
 struct AdamStep {
   float rate;  // after bias correction and gradient clipping
   float gradient_scale;
@@ -46,13 +52,12 @@ struct FieldKernels {
   void (*position_backward)(const HashLevel&, const float* table, const GridQuery&, const float* d_feature0,
                             const float* d_feature1, float* const d_position[3]);
   // y[out, n] = W[out, in] x[in, n] + b, negative values set to 0 if relu
-  void (*affine)(const float* w, const float* b, const float* x, int ld, int n, int in, int out, bool relu,
-                 float* y);
+  void (*affine)(const LayerSize&, const float* w, const float* b, const float* x, bool relu, float* y);
   // dx[in, n] = W^T dy, zeroed where `active` (the layer's input, after its relu) is 0; active may be null
-  void (*affine_transposed)(const float* w, const float* dy, int ld, int n, int in, int out,
-                            const float* active, float* dx);
+  void (*affine_transposed)(const LayerSize&, const float* w, const float* dy, const float* active,
+                            float* dx);
   // dw[out, in] += dy x^T, db[out] += sum of dy over samples
-  void (*outer)(const float* dy, const float* x, int ld, int n, int in, int out, float* dw, float* db);
+  void (*outer)(const LayerSize&, const float* dy, const float* x, float* dw, float* db);
   // one Adam step on the entries whose gradient is not zero, then clears the gradient
   void (*adam)(const AdamStep&, std::size_t n, float* parameter, float* gradient, float* mean,
                float* variance);

@@ -26,7 +26,8 @@ struct MlpTrace {
 namespace plain {
 
 template <class T>
-void affine(const T* w, const T* b, const T* x, int ld, int n, int in, int out, bool relu, T* y) {
+void affine(const LayerSize& size, const T* w, const T* b, const T* x, bool relu, T* y) {
+  const auto [in, out, ld, n] = size;
   for (int o = 0; o < out; ++o)
     for (int s = 0; s < n; ++s) {
       T sum = b[o];
@@ -36,7 +37,8 @@ void affine(const T* w, const T* b, const T* x, int ld, int n, int in, int out, 
 }
 
 template <class T>
-void affine_transposed(const T* w, const T* dy, int ld, int n, int in, int out, const T* active, T* dx) {
+void affine_transposed(const LayerSize& size, const T* w, const T* dy, const T* active, T* dx) {
+  const auto [in, out, ld, n] = size;
   for (int i = 0; i < in; ++i)
     for (int s = 0; s < n; ++s) {
       T sum = 0;
@@ -46,7 +48,8 @@ void affine_transposed(const T* w, const T* dy, int ld, int n, int in, int out, 
 }
 
 template <class T>
-void outer(const T* dy, const T* x, int ld, int n, int in, int out, T* dw, T* db) {
+void outer(const LayerSize& size, const T* dy, const T* x, T* dw, T* db) {
+  const auto [in, out, ld, n] = size;
   for (int o = 0; o < out; ++o)
     for (int s = 0; s < n; ++s) {
       for (int i = 0; i < in; ++i) dw[o * in + i] += dy[o * ld + s] * x[i * ld + s];
@@ -89,17 +92,17 @@ class Mlp {
 
   // y [outputs, 1, ld] <- x [inputs, 1, ld] for the first n samples
   void forward(const Image<T>& x, int n, MlpTrace<T>& trace, Image<T>& y) const {
-    apply(0, x, n, true, trace.hidden[0]);
-    apply(1, trace.hidden[0], n, true, trace.hidden[1]);
-    apply(2, trace.hidden[1], n, false, y);
+    apply(0, x, n, trace.hidden[0]);
+    apply(1, trace.hidden[0], n, trace.hidden[1]);
+    apply(2, trace.hidden[1], n, y);
   }
 
   // Adds to d_parameters and writes d_x, from d_y and the trace of forward(x).
   void backward(const Image<T>& x, const Image<T>& d_y, int n, MlpTrace<T>& trace, std::span<T> d_parameters,
                 Image<T>& d_x) const {
-    layer_backward(2, trace.hidden[1], d_y, n, true, d_parameters, trace.d_hidden[1]);
-    layer_backward(1, trace.hidden[0], trace.d_hidden[1], n, true, d_parameters, trace.d_hidden[0]);
-    layer_backward(0, x, trace.d_hidden[0], n, false, d_parameters, d_x);
+    layer_backward(2, trace.hidden[1], d_y, n, d_parameters, trace.d_hidden[1]);
+    layer_backward(1, trace.hidden[0], trace.d_hidden[1], n, d_parameters, trace.d_hidden[0]);
+    layer_backward(0, x, trace.d_hidden[0], n, d_parameters, d_x);
   }
 
  private:
@@ -114,27 +117,32 @@ class Mlp {
     return offset(layer) + static_cast<std::size_t>(width_[layer] * width_[layer + 1]);
   }
 
-  void apply(int layer, const Image<T>& x, int n, bool relu, Image<T>& y) const {
-    const T *w = parameters_.data() + offset(layer), *b = parameters_.data() + bias_offset(layer);
-    const int in = width_[layer], out = width_[layer + 1], ld = x.cols();
-    if constexpr (kFast)
-      field_kernels().affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
-    else
-      plain::affine(w, b, x.plane(0), ld, n, in, out, relu, y.plane(0));
+  LayerSize size_of(int layer, const Image<T>& x, int n) const {
+    return {.in = width_[layer], .out = width_[layer + 1], .ld = x.cols(), .n = n};
   }
 
-  void layer_backward(int layer, const Image<T>& x, const Image<T>& d_y, int n, bool x_is_rectified,
-                      std::span<T> d_parameters, Image<T>& d_x) const {
+  void apply(int layer, const Image<T>& x, int n, Image<T>& y) const {
+    const T *w = parameters_.data() + offset(layer), *b = parameters_.data() + bias_offset(layer);
+    const LayerSize size = size_of(layer, x, n);
+    const bool relu = layer < kLayers - 1;
+    if constexpr (kFast)
+      field_kernels().affine(size, w, b, x.plane(0), relu, y.plane(0));
+    else
+      plain::affine(size, w, b, x.plane(0), relu, y.plane(0));
+  }
+
+  void layer_backward(int layer, const Image<T>& x, const Image<T>& d_y, int n, std::span<T> d_parameters,
+                      Image<T>& d_x) const {
     const T* w = parameters_.data() + offset(layer);
     T *d_w = d_parameters.data() + offset(layer), *d_b = d_parameters.data() + bias_offset(layer);
-    const int in = width_[layer], out = width_[layer + 1], ld = x.cols();
-    const T* active = x_is_rectified ? x.plane(0) : nullptr;
+    const LayerSize size = size_of(layer, x, n);
+    const T* active = layer > 0 ? x.plane(0) : nullptr;  // the network's input is not rectified
     if constexpr (kFast) {
-      field_kernels().outer(d_y.plane(0), x.plane(0), ld, n, in, out, d_w, d_b);
-      field_kernels().affine_transposed(w, d_y.plane(0), ld, n, in, out, active, d_x.plane(0));
+      field_kernels().outer(size, d_y.plane(0), x.plane(0), d_w, d_b);
+      field_kernels().affine_transposed(size, w, d_y.plane(0), active, d_x.plane(0));
     } else {
-      plain::outer(d_y.plane(0), x.plane(0), ld, n, in, out, d_w, d_b);
-      plain::affine_transposed(w, d_y.plane(0), ld, n, in, out, active, d_x.plane(0));
+      plain::outer(size, d_y.plane(0), x.plane(0), d_w, d_b);
+      plain::affine_transposed(size, w, d_y.plane(0), active, d_x.plane(0));
     }
   }
 

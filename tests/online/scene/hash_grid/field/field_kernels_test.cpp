@@ -90,6 +90,7 @@ TEST_CASE("the matrix kernels agree with their readable twins", "[isa][field][ke
   Pcg32 random(6);
   for (const auto& [in, out] : {std::pair{8, 32}, {16, 32}, {32, 32}, {32, 12}, {32, 8}}) {
     INFO(in << " -> " << out);
+    const LayerSize size{.in = in, .out = out, .ld = kSamples, .n = kSamples};
     std::vector<float> w(static_cast<std::size_t>(in * out)), b(static_cast<std::size_t>(out));
     for (float& v : w) v = random.uniform(-1, 1);
     for (float& v : b) v = random.uniform(-1, 1);
@@ -97,22 +98,19 @@ TEST_CASE("the matrix kernels agree with their readable twins", "[isa][field][ke
 
     Image<float> y_fast(out, 1, kSamples), y_slow(out, 1, kSamples);
     for (bool relu : {true, false}) {
-      field_kernels().affine(w.data(), b.data(), x.plane(0), kSamples, kSamples, in, out, relu,
-                             y_fast.plane(0));
-      plain::affine(w.data(), b.data(), x.plane(0), kSamples, kSamples, in, out, relu, y_slow.plane(0));
+      field_kernels().affine(size, w.data(), b.data(), x.plane(0), relu, y_fast.plane(0));
+      plain::affine(size, w.data(), b.data(), x.plane(0), relu, y_slow.plane(0));
       require_same(y_fast.samples(), y_slow.samples(), 1e-4f);
     }
     Image<float> x_fast(in, 1, kSamples), x_slow(in, 1, kSamples);
     for (const float* active : {x.plane(0), static_cast<const float*>(nullptr)}) {
-      field_kernels().affine_transposed(w.data(), dy.plane(0), kSamples, kSamples, in, out, active,
-                                        x_fast.plane(0));
-      plain::affine_transposed(w.data(), dy.plane(0), kSamples, kSamples, in, out, active, x_slow.plane(0));
+      field_kernels().affine_transposed(size, w.data(), dy.plane(0), active, x_fast.plane(0));
+      plain::affine_transposed(size, w.data(), dy.plane(0), active, x_slow.plane(0));
       require_same(x_fast.samples(), x_slow.samples(), 1e-4f);
     }
     std::vector<float> dw_fast(w.size()), dw_slow(w.size()), db_fast(b.size()), db_slow(b.size());
-    field_kernels().outer(dy.plane(0), x.plane(0), kSamples, kSamples, in, out, dw_fast.data(),
-                          db_fast.data());
-    plain::outer(dy.plane(0), x.plane(0), kSamples, kSamples, in, out, dw_slow.data(), db_slow.data());
+    field_kernels().outer(size, dy.plane(0), x.plane(0), dw_fast.data(), db_fast.data());
+    plain::outer(size, dy.plane(0), x.plane(0), dw_slow.data(), db_slow.data());
     require_same(dw_fast, dw_slow, 1e-3f);
     require_same(db_fast, db_slow, 1e-3f);
   }
