@@ -15,14 +15,13 @@ class CpuFit {
   // Room for steps of so many rays, with so many samples each. Allocates only where it is more than before.
   void reserve(const FieldNetworks<float>& networks, int rays, int samples_per_ray);
 
-  // One step's losses and gradients, d_network of the branches among them; shard i of the rays has stream
-  // first_stream + i of the seed's random numbers. Needs reserve() for that many rays and samples.
-  void gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays, std::uint64_t seed,
-                 std::uint64_t first_stream, WorkerPool& pool, OptimisedBranch& static_branch,
-                 OptimisedBranch& dynamic_branch, StepSums& sums);
+  // One step's losses and gradients, d_network of the branches among them. rays: whole shards, for as many as
+  // reserve() made room.
+  void gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
+                 const ShardStreams& random, WorkerPool& pool, OptimisedBranches& branches, StepSums& sums);
   // Takes the step of the last gradients(): changes the branches' parameters and Adam's moments.
   void take(const AdamStep& table_step, const AdamStep& network_step, WorkerPool& pool,
-            OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch);
+            OptimisedBranches& branches);
 
  private:
   std::span<RayShard<float>> used() { return {shards_.data(), used_}; }

@@ -46,8 +46,7 @@ FieldFit::FieldFit(const FieldOptions& options, const Intrinsics& camera, int ro
              .health = {}},
       window_(frustum_of(options, camera, rows, cols), options.window),
       networks_(shape_of(options, window_.frustum()), state_.random),
-      static_(networks_.static_),
-      dynamic_(networks_.dynamic),
+      branches_(networks_),
       probe_(networks_, kMaxSamples) {
   for (int i = 0; i < window_.slots(); ++i)
     state_.pickers.emplace_back(window_.frustum().rows, window_.frustum().cols);
@@ -91,7 +90,8 @@ Result<void> FieldFit::observe(const FieldObservation& seen, const Response& res
   const int slot = window.newest().slot;
   if (previous_slot >= 0) {  // a new frame starts from its predecessor's parameters
     HashGrid<float>& grid = networks_.dynamic.grid;
-    for (Image<float>* values : {&grid.tables(), &dynamic_.table_mean, &dynamic_.table_variance})
+    OptimisedBranch& optimised = branches_.dynamic;
+    for (Image<float>* values : {&grid.tables(), &optimised.table_mean, &optimised.table_variance})
       grid.copy_slot(previous_slot, slot, *values);
     state_.pickers[static_cast<std::size_t>(slot)] = state_.pickers[static_cast<std::size_t>(previous_slot)];
   }
@@ -109,8 +109,7 @@ void FieldFit::make_ready() {
   if (ready_) return;
   for (int i = 0; i < window_.size(); ++i)
     state_.pickers[static_cast<std::size_t>(window_.frame(i).slot)].prepare(options_.uniform_share);
-  static_.keep();
-  dynamic_.keep();
+  for (OptimisedBranch* part : branches_.both()) part->keep();
   ready_ = true;
 }
 
@@ -162,15 +161,16 @@ Result<void> FieldFit::gradients() {
                                    .has_dynamic = has_dynamic_,
                                    .fits_response = options_.fits_response,
                                    .ray_share = 1.f / static_cast<float>(rays_.size())};
-  const auto first_stream =
-      static_cast<std::uint64_t>(state_.health.counts().steps) * (rays_.size() / kRaysPerShard);
+  const ShardStreams random{.seed = options_.seed,
+                            .first_stream = static_cast<std::uint64_t>(state_.health.counts().steps) *
+                                            (rays_.size() / kRaysPerShard)};
   if (gpu_ == nullptr) {
-    cpu_.gradients(setting, rays_, options_.seed, first_stream, pool_, static_, dynamic_, sums_);
+    cpu_.gradients(setting, rays_, random, pool_, branches_, sums_);
     return {};
   }
   if (uncollected_.steps == 0)
-    TRY(gpu_->begin(window_, static_, dynamic_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
-  return gpu_->gradients(setting, rays_, options_.seed, first_stream, pool_, static_, dynamic_, sums_);
+    TRY(gpu_->begin(window_, branches_, {budget_.rays_per_step, samples_per_ray_, has_dynamic_}));
+  return gpu_->gradients(setting, rays_, random, pool_, branches_, sums_);
 }
 
 // The loss of the step as a whole; returns the gradient's norm.
@@ -182,7 +182,7 @@ double FieldFit::total_up(StepReport& report) {
                                  state_.response, sums_.d_response));
   report.total = std::accumulate(report.losses.begin(), report.losses.end(), 0.0);
   double energy = sums_.feature_energy;
-  for (const OptimisedBranch* part : {&static_, &dynamic_})
+  for (const OptimisedBranch* part : branches_.both())
     for (float d : part->d_network) energy += static_cast<double>(d) * static_cast<double>(d);
   return std::sqrt(energy);
 }
@@ -196,7 +196,7 @@ void FieldFit::apply(float gradient_scale) {
   if (gpu_ != nullptr)
     gpu_->take(table_step, network_step);
   else
-    cpu_.take(table_step, network_step, pool_, static_, dynamic_);
+    cpu_.take(table_step, network_step, pool_, branches_);
   if (options_.fits_response) apply_response(gradient_scale);
 }
 
@@ -216,8 +216,7 @@ void FieldFit::roll_back() {
     start_networks();
     state_.health.restart();
   } else {
-    static_.restore();
-    dynamic_.restore();
+    for (OptimisedBranch* part : branches_.both()) part->restore();
   }
   forget_steps();
   uncollected_.is_open = false;  // what is on a device is given up, too
@@ -239,8 +238,7 @@ void FieldFit::begin_on_gpu() {
 
 void FieldFit::settle() {
   if (!uncollected_.is_open) return;
-  if (const Result<void> done = gpu_->collect(static_, dynamic_); !done)
-    return fall_back_to_cpu(done.error());
+  if (const Result<void> done = gpu_->collect(branches_); !done) return fall_back_to_cpu(done.error());
   uncollected_.is_open = false;
 }
 
@@ -260,7 +258,7 @@ void FieldFit::fall_back_to_cpu(const Error& why) {
 // was of other places.
 void FieldFit::reanchor() {
   const RigidTransform T_old_new = window_.move_anchor().inverse();
-  for (OptimisedBranch* part : {&static_, &dynamic_}) {
+  for (OptimisedBranch* part : branches_.both()) {
     carry_over(part->branch.grid, window_.frustum(), T_old_new, table_before_);
     part->table_mean.fill(0);
   }
@@ -274,7 +272,7 @@ FieldNetworks<float> FieldFit::fresh_networks(std::uint64_t seed) const {
 
 void FieldFit::start_networks() {
   networks_.copy_parameters(fresh_networks(state_.random.next()));
-  for (OptimisedBranch* part : {&static_, &dynamic_}) {
+  for (OptimisedBranch* part : branches_.both()) {
     part->keep();
     part->restore();
   }

@@ -106,7 +106,7 @@ class FieldFit {
   FitBudget budget_;
   int samples_per_ray_ = 0;
   bool has_dynamic_ = true;  // false where nothing in the window moves
-  OptimisedBranch static_, dynamic_;
+  OptimisedBranches branches_;
   std::vector<TrainingRay> rays_;    // of the step
   StepSums sums_;                    // of the step
   std::vector<float> table_before_;  // when the anchor moves

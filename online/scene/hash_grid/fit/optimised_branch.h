@@ -2,6 +2,8 @@
 // last good copy. The branch outlives it. Thread-compatible.
 #pragma once
 
+#include <array>
+
 #include "online/scene/hash_grid/field/field.h"
 #include "online/scene/hash_grid/fit/adam.h"
 
@@ -18,6 +20,15 @@ struct OptimisedBranch {
   explicit OptimisedBranch(Branch<float>& b);
   void keep();
   void restore();
+};
+
+// Those of a field, whose networks outlive them.
+struct OptimisedBranches {
+  OptimisedBranch static_, dynamic;
+
+  explicit OptimisedBranches(FieldNetworks<float>& networks)
+      : static_(networks.static_), dynamic(networks.dynamic) {}
+  std::array<OptimisedBranch*, 2> both() { return {&static_, &dynamic}; }
 };
 
 }  // namespace hdrcam

@@ -21,6 +21,13 @@ struct StepSetting {
   T ray_share;  // one over the rays of the step
 };
 
+// The random numbers of a step: of each shard a stream of its own, first_stream + 0, 1, .., of one seed.
+struct ShardStreams {
+  std::uint64_t seed, first_stream;
+
+  Pcg32 of(std::size_t shard) const { return Pcg32(seed, first_stream + shard); }
+};
+
 // `random` jitters the samples along the ray; base[kBaseChannels].
 template <class T>
 void place_ray(const StepSetting<T>& step, const TrainingRay& target, Pcg32& random, RaySamples<T>& ray,

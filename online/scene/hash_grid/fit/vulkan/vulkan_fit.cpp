@@ -27,8 +27,8 @@ VulkanFit::~VulkanFit() {
   static_ = {}, dynamic_ = {}, rays_ = {};
 }
 
-Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch& static_branch,
-                              const OptimisedBranch& dynamic_branch, const StepSize& most) {
+Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranches& branches,
+                              const StepSize& most) {
   const GpuTurn turn(device_);
   due_.reset();
   const int ld = 2 * most.rays * most.samples_per_ray;
@@ -37,27 +37,25 @@ Result<void> VulkanFit::begin(const WindowFrames& window, const OptimisedBranch&
   TRY(dynamic_.reserve(device_, ld));
   GpuWork& work = device_.work();
   rays_.upload_window(work, window);
-  static_.upload(work, static_branch);
-  if (most.has_dynamic) dynamic_.upload(work, dynamic_branch);
+  static_.upload(work, branches.static_);
+  if (most.has_dynamic) dynamic_.upload(work, branches.dynamic);
   return work.finish();
 }
 
 Result<void> VulkanFit::gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
-                                  std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
-                                  OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
+                                  const ShardStreams& random, WorkerPool& pool, OptimisedBranches& branches,
                                   StepSums& sums) {
   HDRCAM_CHECK(rays.size() % kRaysPerShard == 0);
   const std::size_t shards = rays.size() / kRaysPerShard;
   HDRCAM_CHECK(!due_ || rays_.is_alike(step, rays.size()));
   rays_.begin(step, rays.size());
   pool.for_each(static_cast<int>(shards), [&](int i) {
-    const std::size_t first = static_cast<std::size_t>(i) * kRaysPerShard;
-    rays_.place(step, rays.subspan(first, kRaysPerShard), first,
-                Pcg32(seed, first_stream + static_cast<std::uint64_t>(i)));
+    const auto shard = static_cast<std::size_t>(i), first = shard * kRaysPerShard;
+    rays_.place(step, rays.subspan(first, kRaysPerShard), first, random.of(shard));
   });
   TRY(forward(step));
   losses(step, rays, pool, sums);
-  return backward(static_branch, dynamic_branch, sums);
+  return backward(branches, sums);
 }
 
 // From the rays to what is seen along them.
@@ -103,8 +101,7 @@ void VulkanFit::losses(const StepSetting<float>& step, std::span<const TrainingR
 
 // From the losses' gradient to that of the parameters. The displaced samples come first: what they say of
 // their places is a part of the gradient of those that displaced them.
-Result<void> VulkanFit::backward(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch,
-                                 StepSums& sums) {
+Result<void> VulkanFit::backward(OptimisedBranches& branches, StepSums& sums) {
   const GpuTurn turn(device_);
   GpuWork& work = device_.work();
   const int n = rays_.count();
@@ -121,13 +118,14 @@ Result<void> VulkanFit::backward(OptimisedBranch& static_branch, OptimisedBranch
   passes_.add_up(static_, rays_.ld(), n);
   fetch(static_, n, fetched_static_);
   TRY(work.finish());
-  untile(static_branch.branch.mlp, fetched_static_.d_network, static_branch.d_network);
+  untile(branches.static_.branch.mlp, fetched_static_.d_network, branches.static_.d_network);
   sums.feature_energy = sum_of(fetched_static_.energy);
+  OptimisedBranch& dynamic = branches.dynamic;
   if (rays_.has_dynamic()) {
-    untile(dynamic_branch.branch.mlp, fetched_dynamic_.d_network, dynamic_branch.d_network);
+    untile(dynamic.branch.mlp, fetched_dynamic_.d_network, dynamic.d_network);
     sums.feature_energy += sum_of(fetched_dynamic_.energy);
   } else {
-    std::fill(dynamic_branch.d_network.begin(), dynamic_branch.d_network.end(), 0.f);
+    std::fill(dynamic.d_network.begin(), dynamic.d_network.end(), 0.f);
   }
   return {};
 }
@@ -151,15 +149,15 @@ void VulkanFit::record_due() {
   due_.reset();
 }
 
-Result<void> VulkanFit::collect(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch) {
+Result<void> VulkanFit::collect(OptimisedBranches& branches) {
   const GpuTurn turn(device_);
   GpuWork& work = device_.work();
   record_due();
-  static_.download(work, static_branch, arrived_static_);
-  if (rays_.has_dynamic()) dynamic_.download(work, dynamic_branch, arrived_dynamic_);
+  static_.download(work, branches.static_, arrived_static_);
+  if (rays_.has_dynamic()) dynamic_.download(work, branches.dynamic, arrived_dynamic_);
   TRY(work.finish());
-  GpuBranch::take(arrived_static_, static_branch);
-  if (rays_.has_dynamic()) GpuBranch::take(arrived_dynamic_, dynamic_branch);
+  GpuBranch::take(arrived_static_, branches.static_);
+  if (rays_.has_dynamic()) GpuBranch::take(arrived_dynamic_, branches.dynamic);
   return {};
 }
 

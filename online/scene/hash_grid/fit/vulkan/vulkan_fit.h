@@ -29,18 +29,16 @@ class VulkanFit {
   ~VulkanFit();
 
   // The parameters with their moments, and the window that they are fitted to. What was there is forgotten.
-  Result<void> begin(const WindowFrames& window, const OptimisedBranch& static_branch,
-                     const OptimisedBranch& dynamic_branch, const StepSize& most);
-  // One step's losses and gradients, d_network of the branches among them; shard i of the rays has stream
-  // first_stream + i of the seed's random numbers. Until collect(), steps have as many rays, samples and
-  // branches as the one before them.
+  Result<void> begin(const WindowFrames& window, const OptimisedBranches& branches, const StepSize& most);
+  // One step's losses and gradients, d_network of the branches among them. rays: whole shards. Until
+  // collect(), steps have as many rays, samples and branches as the one before them.
   Result<void> gradients(const StepSetting<float>& step, std::span<const TrainingRay> rays,
-                         std::uint64_t seed, std::uint64_t first_stream, WorkerPool& pool,
-                         OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch, StepSums& sums);
+                         const ShardStreams& random, WorkerPool& pool, OptimisedBranches& branches,
+                         StepSums& sums);
   // Takes the step of the last gradients(); it is on its way with the next call.
   void take(const AdamStep& table_step, const AdamStep& network_step) { due_ = {table_step, network_step}; }
   // The parameters with their moments as the steps have left them. On an error they stay as they were.
-  Result<void> collect(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch);
+  Result<void> collect(OptimisedBranches& branches);
 
   const GpuFacts& device() const { return device_.facts(); }
 
@@ -59,7 +57,7 @@ class VulkanFit {
         static_(std::move(static_branch)),
         dynamic_(std::move(dynamic_branch)) {}
   Result<void> forward(const StepSetting<float>& step);
-  Result<void> backward(OptimisedBranch& static_branch, OptimisedBranch& dynamic_branch, StepSums& sums);
+  Result<void> backward(OptimisedBranches& branches, StepSums& sums);
   void losses(const StepSetting<float>& step, std::span<const TrainingRay> rays, WorkerPool& pool,
               StepSums& sums);
   void record_due();

@@ -35,7 +35,7 @@ FieldShape small_shape(Blend blend, int frames) {
 struct Bench {
   WindowFixture scene{24, 33, kFrames, true};
   FieldNetworks<float> networks;
-  OptimisedBranch static_branch{networks.static_}, dynamic_branch{networks.dynamic};
+  OptimisedBranches branches{networks};
   LearnedResponse<float> response{scene.response};
   LossWeights weights = default_loss_weights();
   int samples = 6;
@@ -72,18 +72,15 @@ struct Bench {
             .ray_share = T(1) / T(kRays)};
   }
 
-  Result<void> begin() {
-    return there->begin(scene.window, static_branch, dynamic_branch, {kRays, samples, has_dynamic});
-  }
+  Result<void> begin() { return there->begin(scene.window, branches, {kRays, samples, has_dynamic}); }
   Result<void> gradients() {
-    return there->gradients(setting(networks, response), rays, kSeed, kStream, pool, static_branch,
-                            dynamic_branch, sums);
+    return there->gradients(setting(networks, response), rays, {kSeed, kStream}, pool, branches, sums);
   }
   // The tables' gradient, as Adam's mean once its past counts for nothing.
   void collect_gradients() {
     const AdamStep nothing_else{0, 1, 0, 0, 1};
     there->take(nothing_else, nothing_else);
-    require_done(there->collect(static_branch, dynamic_branch));
+    require_done(there->collect(branches));
   }
 };
 
@@ -170,12 +167,12 @@ void compare(Bench& bench) {
     CHECK(bench.sums.misfits[r] == Approx(truth.misfits[r]).epsilon(2e-3).margin(1e-5));
   CHECK(bench.sums.feature_energy == Approx(truth.feature_energy).epsilon(2e-3));
   for (std::size_t c = 0; c < 3; ++c) check_alike(bench.sums.d_response[c], truth.d_response[c], "response");
-  check_alike(bench.static_branch.d_network, truth.d_static, "static network");
-  check_alike(bench.dynamic_branch.d_network, truth.d_dynamic, "dynamic network");
+  check_alike(bench.branches.static_.d_network, truth.d_static, "static network");
+  check_alike(bench.branches.dynamic.d_network, truth.d_dynamic, "dynamic network");
   bench.collect_gradients();
-  check_alike(bench.static_branch.table_mean.samples(), table_gradient(truth.networks.static_.grid),
+  check_alike(bench.branches.static_.table_mean.samples(), table_gradient(truth.networks.static_.grid),
               "static tables");
-  check_alike(bench.dynamic_branch.table_mean.samples(), table_gradient(truth.networks.dynamic.grid),
+  check_alike(bench.branches.dynamic.table_mean.samples(), table_gradient(truth.networks.dynamic.grid),
               "dynamic tables");
 }
 
