@@ -94,18 +94,16 @@ DelayEstimate DelayCalibration::estimate() const {
   return estimate;
 }
 
-Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
-                                    const Exposure& shorter, const Exposure& longer,
-                                    const PixelUnpackSettings& unpack, const std::atomic<bool>& stop,
-                                    int frames) {
+Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
+                                    const std::atomic<bool>& stop) {
   constexpr int kFrames = 10;  // that a camera may leave out or take for its start
-  const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * mode.frame_duration);
+  const Duration patience = std::max<Duration>(std::chrono::seconds(2), kFrames * how.mode.frame_duration);
   constexpr std::size_t kAsked = 64;
-  const PixelCodes kind = codes_of(mode.format);
-  DelayCalibration calibration(shorter, longer,
+  const PixelCodes kind = codes_of(how.mode.format);
+  DelayCalibration calibration(how.shorter, how.longer,
                                PhotometricResponse::before_any_fit(kind.linear, std::nullopt));
   std::array<Exposure, kAsked> asked{};  // by cookie
-  const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(frames);
+  const std::uint64_t last_index = 2 * static_cast<std::uint64_t>(how.frames);
   PhotometricSignature picture;
   Image<std::uint16_t> codes;
   std::uint64_t cookie = 0, index = 0, sequence = 0;
@@ -122,8 +120,8 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
     return true;
   };
   const auto run = [&]() -> Result<void> {
-    for (int i = 0; i < buffers && TRY(queue_next()); ++i) continue;
-    for (int i = 0; i < frames && index < last_index; ++i) {
+    for (int i = 0; i < how.buffers && TRY(queue_next()); ++i) continue;
+    for (int i = 0; i < how.frames && index < last_index; ++i) {
       if (stop) return Error{ErrorCode::Interrupted, "stopped before the delay was measured"};
       bool readable = false;
       std::uint64_t completed = 0;
@@ -132,7 +130,7 @@ Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int 
         if (i > 0) index += buffer.sequence > sequence ? buffer.sequence - sequence : 1;
         sequence = buffer.sequence;
         completed = buffer.cookie;
-        readable = !buffer.damaged && unpack_pixels(buffer, unpack, codes).ok();
+        readable = !buffer.damaged && unpack_pixels(buffer, how.unpack, codes).ok();
       }  // the buffer goes back before the next request needs it
       TRY(queue_next());
       const Exposure& after = asked[(completed + 1) % kAsked];

@@ -60,13 +60,19 @@ class DelayCalibration {
   std::array<int, kMaxDelay + 1> hits_{}, misses_{};
 };
 
-// Configures the camera to `mode` with so many buffers, runs the calibration and stops the camera. Two
-// exposures that differ in time measure the exposure delay; two that differ in gain measure the gain delay.
-// It ends after `frames` frames, or after twice their time where many are lost. Errors: the camera's own;
+// Two exposures that differ in time measure the exposure delay; two that differ in gain measure the gain
+// delay.
+struct DelayMeasurement {
+  Exposure shorter, longer;         // at least a stop apart
+  StreamMode mode;                  // that the camera is configured to
+  int buffers;                      // as many requests are queued at the start, or as many as it takes
+  PixelUnpackSettings unpack = {};  // of its pictures
+  int frames = 120;                 // it ends after so many, or twice their time where many are lost
+};
+
+// Starts the camera, which is configured, runs the calibration and stops it. Errors: the camera's own;
 // Interrupted at the next frame after `stop`; an unknown delay is not an error.
-Result<DelayEstimate> measure_delay(Camera& camera, const StreamMode& mode, int buffers,
-                                    const Exposure& shorter, const Exposure& longer,
-                                    const PixelUnpackSettings& unpack, const std::atomic<bool>& stop,
-                                    int frames = 120);
+Result<DelayEstimate> measure_delay(Camera& camera, const DelayMeasurement& how,
+                                    const std::atomic<bool>& stop);
 
 }  // namespace hdrcam

@@ -58,8 +58,13 @@ Result<DelayEstimate> measure(Camera& camera, const CaptureOptions& options, con
                               const std::atomic<bool>& stop) {
   DelayEstimate estimate;
   for (const Pair& pair : pairs) {
-    estimate = TRY(measure_delay(camera, options.mode, options.buffers, pair.shorter, pair.longer,
-                                 options.unpack, stop));
+    estimate = TRY(measure_delay(camera,
+                                 {.shorter = pair.shorter,
+                                  .longer = pair.longer,
+                                  .mode = options.mode,
+                                  .buffers = options.buffers,
+                                  .unpack = options.unpack},
+                                 stop));
     if (estimate.delay) break;
   }
   return estimate;

@@ -19,11 +19,17 @@ using namespace std::chrono_literals;
 const std::atomic<bool> kGoOn{false};
 constexpr Exposure kShort{3ms, 1}, kLong{12ms, 1}, kLongByGain{3ms, 4};
 
+// Configures the camera.
+DelayMeasurement measurement(Camera& camera, const Exposure& longer = kLong) {
+  constexpr int kBuffers = 8;
+  const StreamMode mode = camera.configure({}, kBuffers).value();
+  return {.shorter = kShort, .longer = longer, .mode = mode, .buffers = kBuffers};
+}
+
 DelayEstimate measure(const SensorSettings& settings, const SensorFaults& faults,
                       const Exposure& longer = kLong) {
   MisbehavingCamera camera(settings, faults);
-  const StreamMode mode = camera.configure({}, 8).value();
-  const auto estimate = measure_delay(camera, mode, 8, kShort, longer, {}, kGoOn);
+  const auto estimate = measure_delay(camera, measurement(camera, longer), kGoOn);
   REQUIRE(estimate.ok());
   return estimate.value();
 }
@@ -84,12 +90,12 @@ TEST_CASE("pictures that cannot tell are said to be so", "[capture]") {
 
 TEST_CASE("a camera that loses most frames is given up after twice the time of a calibration", "[capture]") {
   MisbehavingCamera camera({.per_request = false}, {.drop = 1, .drop_run = 29});
-  const StreamMode mode = camera.configure({}, 8).value();
-  const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, kGoOn, 120);
+  const DelayMeasurement how = measurement(camera);
+  const auto estimate = measure_delay(camera, how, kGoOn);
   REQUIRE(estimate.ok());
   CHECK_FALSE(estimate.value().delay);
   CHECK(estimate.value().reason.find("frames are lost") != std::string::npos);
-  CHECK(camera.frames() <= 2 * 120 + 2 * 30);
+  CHECK(static_cast<int>(camera.frames()) <= 2 * how.frames + 2 * 30);
 }
 
 TEST_CASE("a camera with frames of some seconds is waited for", "[capture]") {
@@ -97,16 +103,16 @@ TEST_CASE("a camera with frames of some seconds is waited for", "[capture]") {
   SimulatedCamera camera(value_of(simulation_of("still?size=64x48&delay=2")), SimTime(clock), 1);
   const StreamMode mode = value_of(camera.configure({PixelFormat::Rgb24, 64, 48, 3s}, 8));
   REQUIRE(mode.frame_duration > 2s);
-  const DelayEstimate estimate = value_of(measure_delay(camera, mode, 8, kShort, kLong, {}, kGoOn));
+  const DelayEstimate estimate = value_of(
+      measure_delay(camera, {.shorter = kShort, .longer = kLong, .mode = mode, .buffers = 8}, kGoOn));
   CAPTURE(estimate.reason);
   CHECK(estimate.delay == 2);
 }
 
 TEST_CASE("a calibration that is told to stop ends at the next frame", "[capture]") {
   MisbehavingCamera camera({.per_request = false}, {});
-  const StreamMode mode = camera.configure({}, 8).value();
   const std::atomic<bool> stop{true};
-  const auto estimate = measure_delay(camera, mode, 8, kShort, kLong, {}, stop);
+  const auto estimate = measure_delay(camera, measurement(camera), stop);
   REQUIRE_FALSE(estimate.ok());
   CHECK(estimate.error().code == ErrorCode::Interrupted);
   CHECK(camera.frames() <= 1);

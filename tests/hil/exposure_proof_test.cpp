@@ -48,8 +48,9 @@ ControlDelays measured_delays(Camera& camera) {
   const StreamMode mode = value_of(camera.configure(kMode, kBuffers));
   const std::atomic<bool> stop{false};
   const auto measure = [&](const Exposure& shorter, const Exposure& longer) {
-    const DelayEstimate estimate =
-        value_of(measure_delay(camera, mode, kBuffers, shorter, longer, {}, stop, 80));
+    const DelayEstimate estimate = value_of(measure_delay(
+        camera, {.shorter = shorter, .longer = longer, .mode = mode, .buffers = kBuffers, .frames = 80},
+        stop));
     INFO(estimate.reason);
     REQUIRE(estimate.delay.has_value());
     return *estimate.delay;
